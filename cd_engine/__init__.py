@@ -1,0 +1,76 @@
+"""Contact Dynamics as an engine of the packaged YADE.
+
+Inside YADE (a script, a batch job, the console):
+
+    import cd_engine
+    O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
+
+`ContactDynamics` is a class registered in YADE itself (C++); its attributes, units and ranges are in `help(cd_engine.ContactDynamics)`.
+Import this module before `O.load` of a scene that contains the engine.
+"""
+import sys
+
+__all__ = ["ContactDynamics", "engines", "methods"]
+
+
+def _plugin():
+    """The compiled module, loaded once; ImportError with the remedy where it cannot be."""
+    name = __name__ + "._yade_plugin"
+    if name in sys.modules:
+        return sys.modules[name]
+    if "yade" not in sys.modules:
+        raise ImportError("cd_engine.ContactDynamics needs a running YADE: use it in a script run by `yade`, at YADE's console, or after `import yade`.")
+    from yade import config
+    if config.version != "2023.02a" or "-double" not in config.libDir:
+        raise ImportError(
+            f"cd_engine is written for YADE 2023.02a in double precision (`yade`, Debian 12); this is {config.version} from {config.libDir}. "
+            "Start `yade` or `yade-double`.")
+    import importlib
+    try:
+        module = importlib.import_module(name)
+    except ModuleNotFoundError:
+        raise ImportError("cd_engine is not built: run `make build` at the top of the repository.") from None
+    _report_at_exit()
+    return module
+
+
+def _report_at_exit():
+    """Say at the end of the process how many steps missed their tolerance; the engine itself warns at the first one only."""
+    import atexit
+    import yade
+
+    def report():
+        for engine in yade.O.engines:
+            if type(engine).__name__ == "ContactDynamics" and engine.unconvergedSteps > 1:
+                print(f"ContactDynamics: {engine.unconvergedSteps} of {engine.steps} steps missed the tolerance {engine.tolerance:g}.", file=sys.stderr)
+
+    atexit.register(report)
+
+
+def __getattr__(name):
+    if name == "ContactDynamics":
+        _plugin()
+        from yade import wrapper
+        return wrapper.ContactDynamics
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def methods():
+    """Names of the contact solvers that `ContactDynamics.method` accepts."""
+    return list(_plugin().methods())
+
+
+def engines(**settings):
+    """The list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
+
+    settings: attributes of `ContactDynamics`. Engines that push bodies (ForceEngine, PyRunner) go in front of the last.
+    The collider reports pairs up to a tenth of a radius before they touch, since a rigid contact must be known before it closes.
+    """
+    _plugin()
+    from yade import wrapper as w
+    return [
+        w.ForceResetter(),
+        # verletDist > 0 would ask a NewtonIntegrator for the velocities.
+        w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=1.1), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
+        w.ContactDynamics(**settings),
+    ]

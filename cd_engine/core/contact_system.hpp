@@ -1,0 +1,69 @@
+// The contact problem of one time step, in the velocities of the bodies (matrix-free): what every solver works on.
+//
+// Conventions, defined here and nowhere else (SI units throughout, plane motion in x, y, rotation about z):
+//   n  unit normal from body `a` to body `b`;  t = (-n_y, n_x), n turned by +90 degrees
+//   p  = (p_n, p_t) impulse [N s] on body `b`; body `a` takes -p.  Compression: p_n >= 0
+//   u  = H^T v relative velocity [m/s] of `b` against `a` at the contact point, u_n < 0: closing
+//   W  = H^T M^-1 H  Delassus operator [1/kg], never assembled; a contact knows only its own 2 x 2 block
+// Contact law in one step (Signorini in velocity form and Coulomb; Jean 1999, Comput. Methods Appl. Mech. Eng. 177, eqs. 6 and 9):
+//   0 <= u_n + bias  _|_  p_n >= 0,   |p_t| <= mu p_n,   p_t = -mu p_n u_t/|u_t| where the contact slides
+// `bias` [m/s] carries the gap of the step (gap/h) or Newton's restitution (e u_n before the step).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cd {
+
+// One cache line: a contact needs a body's velocity and its inverse mass together.
+struct alignas(64) BodyVelocity {
+	double v[3];   // v_x, v_y [m/s], angular velocity about z [rad/s]
+	double free_v; // unused, keeps the two triples 32-byte aligned
+	double w[3];   // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
+	double free_w;
+};
+
+struct ContactRow {
+	int32_t a, b;     // indices of the bodies
+	double  nx, ny;   // unit normal a -> b
+	double  an, at;   // lever arms about the centre of `a`: cross(arm, n), cross(arm, t) [m]
+	double  bn, bt;   // the same about the centre of `b` [m]
+	double  bias;     // [m/s], see above
+	double  mu;       // Coulomb friction coefficient
+	double  wnn, wnt, wtt; // own block of W [1/kg]
+	double  pn, pt;   // impulse on `b` [N s]: first guess on entry, solution on exit
+
+	// No coupling between the two directions: true for disks, and for boundaries whose free directions are along n or t.
+	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
+};
+
+struct ContactSystem {
+	std::vector<BodyVelocity> bodies;    // v: the free velocity (after external forces) on entry, the solution on exit
+	std::vector<ContactRow>   contacts;  // solvers may sweep them in any order but leave this order alone
+
+	// Fills wnn, wnt, wtt of every contact from the arms and inverse masses; a contact between two immobile bodies has W = 0.
+	void assembleLocalBlocks();
+};
+
+// u_n and u_t of one contact for the bodies' present velocities.
+inline void relativeVelocity(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B, double& un, double& ut)
+{
+	const double dx = B.v[0] - A.v[0], dy = B.v[1] - A.v[1];
+	un = c.nx * dx + c.ny * dy + c.bn * B.v[2] - c.an * A.v[2];
+	ut = c.nx * dy - c.ny * dx + c.bt * B.v[2] - c.at * A.v[2];
+}
+
+// Adds the impulse (pn, pt) on `b` and its reaction on `a`.
+inline void applyImpulse(const ContactRow& c, BodyVelocity& A, BodyVelocity& B, double pn, double pt)
+{
+	const double px = c.nx * pn - c.ny * pt, py = c.ny * pn + c.nx * pt;
+	A.v[0] -= A.w[0] * px;
+	A.v[1] -= A.w[1] * py;
+	A.v[2] -= A.w[2] * (c.an * pn + c.at * pt);
+	B.v[0] += B.w[0] * px;
+	B.v[1] += B.w[1] * py;
+	B.v[2] += B.w[2] * (c.bn * pn + c.bt * pt);
+}
+
+} // namespace cd

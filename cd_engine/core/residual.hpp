@@ -1,0 +1,20 @@
+// The error of a solution, computed by code that shares nothing with the solvers.
+#pragma once
+
+#include "contact_system.hpp"
+
+namespace cd {
+
+struct Residual {
+	double norm;    // ||p - P_K(p - (u + bias n + mu |u_t| n)/W_nn)||_2 / ||p||_2 over all contacts
+	double maximum; // the largest such difference of one contact over the root mean square of p
+};
+
+// freeVelocity: the bodies' velocities without any contact impulse, three numbers a body [v_x, v_y, omega].
+// The velocities are recomputed from the impulses (those in `system.bodies` are not read), W_nn from the masses.
+// K is Coulomb's cone, P_K the Euclidean projection on it; mu |u_t| n is De Saxce's term, which makes the zero of this
+// error the exact, non-associated Coulomb law with Signorini's condition (Acary, Bremond & Huber 2018, hal-01630836, section 2).
+// Without any impulse the error is 0 if no contact is violated, else infinite. Costs about two sweeps.
+Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
+
+} // namespace cd

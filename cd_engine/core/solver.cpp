@@ -1,0 +1,41 @@
+#include "solver.hpp"
+
+namespace cd {
+namespace {
+	struct Entry {
+		const char* name;
+		Solver      solver;
+	};
+	const Entry entries[] = {
+		{ "nsgs", nsgs },
+	};
+} // namespace
+
+Solver findSolver(const std::string& method)
+{
+	for (const Entry& e : entries)
+		if (method == e.name) return e.solver;
+	return nullptr;
+}
+
+std::vector<std::string> solverNames()
+{
+	std::vector<std::string> names;
+	for (const Entry& e : entries)
+		names.emplace_back(e.name);
+	return names;
+}
+
+const char* name(Status s)
+{
+	switch (s) {
+		case Status::converged: return "converged";
+		case Status::fixed_iterations: return "fixed_iterations";
+		case Status::max_iterations: return "max_iterations";
+		case Status::stagnated: return "stagnated";
+		case Status::diverged: return "diverged";
+	}
+	return "unknown";
+}
+
+} // namespace cd

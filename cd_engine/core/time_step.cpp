@@ -1,0 +1,160 @@
+#include "time_step.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	// A contact whose tangential impulse is within this fraction of the cone slides; the solvers put sliding impulses on the cone
+	// to round-off, and a sticking one lies this close by chance with negligible probability.
+	constexpr double onCone = 1e-9;
+
+} // namespace
+
+void TimeStep::freeVelocities(const World& world, double dt)
+{
+	system.bodies.resize(world.bodies.size());
+	for (size_t i = 0; i < world.bodies.size(); i++) {
+		const Body&   b = world.bodies[i];
+		BodyVelocity& s = system.bodies[i];
+		for (int k = 0; k < 3; k++) {
+			s.w[k] = b.inverseMass[k];
+			s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
+		}
+	}
+}
+
+void TimeStep::addContact(const World& world, size_t index, const StepSettings& settings)
+{
+	const Pair& pair = world.pairs[index];
+	const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
+	const double half = 0.5 * settings.dt;
+	const double ax = pair.cx - (a.x + half * a.v[0]), ay = pair.cy - (a.y + half * a.v[1]);
+	const double arm = b.shape.radius - 0.5 * pair.overlap; // the disk b: from its centre against the normal
+	ContactRow   c {};
+	c.a  = pair.a;
+	c.b  = pair.b;
+	c.nx = pair.nx;
+	c.ny = pair.ny;
+	c.mu = pair.mu;
+	c.bt = -arm;
+	if (a.shape.kind == ShapeKind::disk) c.at = a.shape.radius - 0.5 * pair.overlap;
+	else {
+		c.an = ax * pair.ny - ay * pair.nx;
+		c.at = ax * pair.nx + ay * pair.ny;
+	}
+	c.bias = std::max(pair.gap, 0.) / settings.dt;
+	if (settings.restitution > 0) {
+		const double un = pair.nx * (b.v[0] - a.v[0]) + pair.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
+		if (un < 0 && pair.gap + settings.dt * un <= 0) c.bias = settings.restitution * un;
+	}
+	c.pn = pair.pn;
+	c.pt = pair.pt;
+	system.contacts.push_back(c);
+	rowPair.push_back(static_cast<int32_t>(index));
+	solved[index] = 1;
+}
+
+const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
+{
+	freeVelocities(world, settings.dt);
+	system.contacts.clear();
+	rowPair.clear();
+	solved.assign(world.pairs.size(), 0);
+
+	// Pairs further apart than the bodies can come in this step are left out; addViolated() takes back those whose bodies were
+	// pushed harder than that by other contacts, so leaving out costs no accuracy.
+	double fastest = 0;
+	for (size_t i = 0; i < world.bodies.size(); i++) {
+		const double* v = system.bodies[i].v;
+		fastest = std::max(fastest, v[0] * v[0] + v[1] * v[1]);
+	}
+	const double reach = 4 * settings.dt * std::sqrt(fastest);
+	for (size_t i = 0; i < world.pairs.size(); i++) {
+		Pair&       pair = world.pairs[i];
+		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
+		locateContact(pair, a, b, 0.5 * settings.dt);
+		if (pair.reference > 0 && pair.overlap <= 0) { // truly apart
+			pair.gap -= pair.reference;
+			pair.reference = 0;
+		}
+		if (pair.gap <= reach + 1e-3 * b.shape.radius) addContact(world, i, settings);
+		else
+			pair.pn = pair.pt = 0;
+	}
+	system.assembleLocalBlocks();
+	return system;
+}
+
+// Adds the pairs left out whose gap the solution would cross within the step; says whether there were any.
+bool TimeStep::addViolated(const World& world, const StepSettings& settings)
+{
+	const size_t before = system.contacts.size();
+	for (size_t i = 0; i < world.pairs.size(); i++) {
+		if (solved[i]) continue;
+		const Pair&   pair = world.pairs[i];
+		const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
+		const double  ax = pair.cx - world.bodies[pair.a].x, ay = pair.cy - world.bodies[pair.a].y;
+		const double  un = pair.nx * (vb[0] - va[0] + va[2] * ay) + pair.ny * (vb[1] - va[1] - va[2] * ax);
+		if (pair.gap + settings.dt * un < 0) addContact(world, i, settings);
+	}
+	return system.contacts.size() > before;
+}
+
+StepReport TimeStep::operator()(World& world, const StepSettings& settings)
+{
+	StepReport report;
+	assemble(world, settings);
+	for (;;) {
+		const auto start    = std::chrono::steady_clock::now();
+		const int  previous = report.solver.iterations;
+		report.solver       = settings.solve(system, settings.solver);
+		report.solver.iterations += previous;
+		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+		if (!addViolated(world, settings)) break;
+		freeVelocities(world, settings.dt);
+		system.assembleLocalBlocks();
+	}
+	finish(world, settings, report);
+	return report;
+}
+
+void TimeStep::finish(World& world, const StepSettings& settings, StepReport& report)
+{
+	const double h = settings.dt;
+	report.contacts = static_cast<int>(system.contacts.size());
+	for (size_t i = 0; i < system.contacts.size(); i++) {
+		const ContactRow& c    = system.contacts[i];
+		Pair&             pair = world.pairs[rowPair[i]];
+		pair.pn = c.pn;
+		pair.pt = c.pt;
+		report.maxPenetration = std::max(report.maxPenetration, -pair.gap);
+		if (c.pn <= 0) continue;
+		report.loadedContacts++;
+		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone)) report.slidingContacts++;
+		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
+		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
+		const BodyVelocity &A = system.bodies[pair.a], &B = system.bodies[pair.b];
+		double mean[2][3];
+		for (int k = 0; k < 3; k++) {
+			mean[0][k] = 0.5 * (a.v[k] + A.v[k]);
+			mean[1][k] = 0.5 * (b.v[k] + B.v[k]);
+		}
+		const double dx = mean[1][0] - mean[0][0], dy = mean[1][1] - mean[0][1];
+		const double un = c.nx * dx + c.ny * dy + c.bn * mean[1][2] - c.an * mean[0][2];
+		const double ut = c.nx * dy - c.ny * dx + c.bt * mean[1][2] - c.at * mean[0][2];
+		report.dissipated -= c.pn * un + c.pt * ut;
+	}
+	for (size_t i = 0; i < world.bodies.size(); i++) {
+		Body&         b = world.bodies[i];
+		const double* v = system.bodies[i].v;
+		b.x += 0.5 * h * (b.v[0] + v[0]);
+		b.y += 0.5 * h * (b.v[1] + v[1]);
+		b.turn = 0.5 * h * (b.v[2] + v[2]);
+		std::copy_n(v, 3, b.v);
+	}
+}
+
+} // namespace cd

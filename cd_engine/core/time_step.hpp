@@ -1,0 +1,48 @@
+// One step of the Moreau-Jean scheme.
+#pragma once
+
+#include "solver.hpp"
+#include "world.hpp"
+
+namespace cd {
+
+struct StepSettings {
+	double         dt          = 0; // [s]
+	double         restitution = 0; // Newton's e, normal direction
+	Solver         solve       = nullptr;
+	SolverSettings solver;
+};
+
+struct StepReport {
+	SolverReport solver;
+	int          contacts        = 0; // that the solver was given
+	int          slidingContacts = 0; // loaded, mu > 0, |p_t| at mu p_n
+	int          loadedContacts  = 0;
+	double       maxPenetration  = 0; // [m], beyond the reference overlaps, at the mid-configuration
+	double       dissipated      = 0; // [J] in this step
+	double       solveSeconds    = 0; // spent in the solver
+};
+
+class TimeStep {
+public:
+	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
+	// Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0 keeps the next one from
+	// overlapping to first order: the gap may close within the step but not be crossed.
+	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead.
+	StepReport operator()(World&, const StepSettings&);
+
+	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved.
+	const ContactSystem& assemble(World&, const StepSettings&);
+
+private:
+	void freeVelocities(const World&, double dt);
+	void addContact(const World&, size_t pair, const StepSettings&);
+	bool addViolated(const World&, const StepSettings&);
+	void finish(World&, const StepSettings&, StepReport&);
+
+	ContactSystem        system;
+	std::vector<int32_t> rowPair; // the pair of each contact of the system
+	std::vector<char>    solved;  // whether a pair has a contact in the system
+};
+
+} // namespace cd

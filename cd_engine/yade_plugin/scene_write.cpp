@@ -1,0 +1,108 @@
+#include "inheritance.hpp"
+#include "scene_link.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd_engine {
+namespace {
+
+	template <class T> boost::shared_ptr<T> create(const char* name)
+	{
+		const boost::shared_ptr<yade::Factorable> made = Singleton<yade::ClassFactory>::instance().createShared(name);
+		return boost::shared_ptr<T>(made, reinterpret_cast<T*>(made.get()));
+	}
+
+} // namespace
+
+// A loaded contact becomes (or stays) a real interaction with the forces in YADE's signs: normalForce + shearForce act on the second
+// body. An unloaded one is no longer real.
+void SceneLink::writePair(std::size_t index, long iteration, double dt)
+{
+	const cd::Pair&          pair        = world.pairs[index];
+	yade::Interaction* const interaction = interactions[index];
+	auto& geom     = at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom);
+	auto& phys     = at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys);
+	long& madeReal = at<long>(interaction, layout.interaction_iterMadeReal);
+	if (!(pair.pn > 0)) {
+		if (geom || phys) {
+			geom.reset();
+			phys.reset();
+			madeReal = -1;
+		}
+		return;
+	}
+	if (!geom || !phys || !inherits(geom.get(), Base::ScGeom) || !inherits(phys.get(), Base::FrictPhys)) {
+		geom     = create<yade::IGeom>("ScGeom");
+		phys     = create<yade::IPhys>("FrictPhys");
+		madeReal = iteration;
+	}
+	const double radiusB = world.bodies[pair.b].shape.radius;
+	void* const  g       = geom.get();
+	void* const  p       = phys.get();
+	at<Vector3r>(g, layout.geom_normal)       = Vector3r(pair.nx, pair.ny, 0);
+	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(pair.cx, pair.cy, layer);
+	at<double>(g, layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].shape.radius;
+	at<double>(g, layout.geom_refR2) = radiusB;
+	at<double>(g, layout.geom_penetrationDepth)       = pair.overlap;
+	at<Vector3r>(g, layout.geom_shearInc)             = Vector3r::Zero();
+	at<double>(p, layout.phys_tangensOfFrictionAngle) = pair.mu;
+	const double fn = pair.pn / dt, ft = pair.pt / dt;
+	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * pair.nx, fn * pair.ny, 0);
+	at<Vector3r>(p, layout.phys_shearForce)  = Vector3r(-ft * pair.ny, ft * pair.nx, 0);
+}
+
+void SceneLink::writeMotion(std::size_t id)
+{
+	char* const     state = bodies[id].state;
+	const cd::Body& body  = world.bodies[id];
+	Vector3r&       position = at<Vector3r>(state, layout.state_se3);
+	Vector3r&       velocity = at<Vector3r>(state, layout.state_vel);
+	position[0] = body.x;
+	position[1] = body.y;
+	velocity[0] = body.v[0];
+	velocity[1] = body.v[1];
+	at<Vector3r>(state, layout.state_angVel)[2] = body.v[2];
+	if (body.turn == 0) return;
+	// The turn about z, applied from the left; renormalised, since round-off would grow over 1e6 steps.
+	double*      q = &at<double>(state, layout.state_orientation);
+	const double s = std::sin(0.5 * body.turn), c = std::cos(0.5 * body.turn);
+	const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
+	const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+	q[0] = x / norm;
+	q[1] = y / norm;
+	q[2] = z / norm;
+	q[3] = w / norm;
+}
+
+void SceneLink::scatter(yade::Scene* scene, double dt)
+{
+	const long iteration = at<long>(scene, layout.scene_iter);
+	total.assign(world.bodies.size(), { 0, 0, 0 });
+	for (std::size_t i = 0; i < world.pairs.size(); i++) {
+		const cd::Pair& pair = world.pairs[i];
+		writePair(i, iteration, dt);
+		if (!(pair.pn > 0)) continue;
+		const double fx = (pair.nx * pair.pn - pair.ny * pair.pt) / dt, fy = (pair.ny * pair.pn + pair.nx * pair.pt) / dt;
+		for (const int side : { -1, 1 }) {
+			const int       id   = side < 0 ? pair.a : pair.b;
+			const cd::Body& body = world.bodies[id];
+			// The arm at the mid-configuration, where the solver had it.
+			const double ax = pair.cx - (body.x - 0.5 * dt * body.v[0]), ay = pair.cy - (body.y - 0.5 * dt * body.v[1]);
+			total[id][0] += side * fx;
+			total[id][1] += side * fy;
+			total[id][2] += side * (ax * fy - ay * fx);
+		}
+	}
+	auto& forces = at<yade::ForceContainer>(scene, layout.scene_forces);
+	for (std::size_t id = 0; id < world.bodies.size(); id++) {
+		if (!bodies[id].exists) continue;
+		writeMotion(id);
+		const double* w = world.bodies[id].inverseMass;
+		const double  weight = w[0] > 0 || w[1] > 0 ? at<double>(bodies[id].state, layout.state_mass) : 0;
+		forces.addForce(static_cast<int>(id), Vector3r(total[id][0] + weight * gravity[0], total[id][1] + weight * gravity[1], 0));
+		forces.addTorque(static_cast<int>(id), Vector3r(0, 0, total[id][2]));
+	}
+}
+
+} // namespace cd_engine
