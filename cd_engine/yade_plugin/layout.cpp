@@ -2,9 +2,9 @@
 #include "published_member.hpp"
 #include "safe_memory.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <dlfcn.h>
-#include <malloc.h>
 
 namespace cd_engine {
 
@@ -230,11 +230,10 @@ namespace {
 		compare(placed("ompThreads", &own.ompThreads), py::type_id<int>().name());
 		compare(placed("label", &own.label), py::type_id<std::string>().name());
 
+		// PeriodicEngine derives from GlobalEngine and from nothing else; its first own member starts where the base ends.
 		const long size = s.declared("GlobalEngine.sizeof", sizeof(yade::GlobalEngine));
-		// The heap rounds a block of n bytes up to 16 k + 8; make_shared would put a count in front, so an own allocation is asked for.
-		const long room  = static_cast<long>(malloc_usable_size(made.get()));
-		const long rounded = (size + 8 + 15) / 16 * 16 - 8;
-		if (room != rounded) refuse("GlobalEngine.sizeof", std::to_string(size) + " bytes", "a heap block for " + std::to_string(room - 15) + " to " + std::to_string(room));
+		const long next = publishedOffset("PeriodicEngine", "virtPeriod", py::type_id<double>().name());
+		if (next != size) refuse("GlobalEngine.sizeof", std::to_string(size) + " bytes", "a derived class's first member at " + std::to_string(next));
 
 		const long pointer = s.declared("Engine.scene", placed("scene", &own.scene).second);
 		void*      current = nullptr;

@@ -103,6 +103,8 @@ void SceneLink::scatter(yade::Scene* scene, double dt)
 		forces.addForce(static_cast<int>(id), Vector3r(total[id][0] + weight * gravity[0], total[id][1] + weight * gravity[1], 0));
 		forces.addTorque(static_cast<int>(id), Vector3r(0, 0, total[id][2]));
 	}
+	// ForceResetter clears the sums only; what threads have added since the last sync would return in the next step.
+	forces.sync();
 }
 
 } // namespace cd_engine

@@ -1,0 +1,56 @@
+"""Bodies of a plane scene, as the tests build them: SI units, disks of depth 1 m."""
+import math
+
+import yade
+from yade import utils
+
+
+def material(mu=0.5):
+    """Material with friction coefficient mu; its index in O.materials."""
+    return yade.O.materials.append(yade.wrapper.FrictMat(young=1e6, poisson=0.3, density=1000, frictionAngle=math.atan(mu)))
+
+
+def disk(position, radius, mass=1.0, blocked="zXY", velocity=(0, 0), spin=0.0, mat=None):
+    """Append a disk at (x, y); mass [kg], moment of inertia m r^2/2; its id."""
+    body = utils.sphere((*position, 0), radius, material=material() if mat is None else mat)
+    body.state.mass = mass
+    body.state.inertia = (mass * radius**2 / 2,) * 3
+    body.state.blockedDOFs = blocked
+    body.state.vel = (*velocity, 0)
+    body.state.angVel = (0, 0, spin)
+    return yade.O.bodies.append(body)
+
+
+def floor(mat=None):
+    """Append a fixed Wall at y = 0; its id."""
+    return yade.O.bodies.append(utils.wall(0, axis=1, material=material() if mat is None else mat))
+
+
+def box(position, half, angle=0.0, blocked="xyzXYZ", mass=1.0, inertia=1.0, mat=None):
+    """Append a Box turned by `angle` [rad] about z; its id."""
+    q = yade.Quaternion((0, 0, 1), angle)
+    body = utils.box((*position, 0), (*half, 0.5), orientation=q, fixed=True, material=material() if mat is None else mat)
+    body.state.mass = mass
+    body.state.inertia = (inertia,) * 3
+    body.state.blockedDOFs = blocked
+    return yade.O.bodies.append(body)
+
+
+def run(steps, dt, **settings):
+    """Set the engines, make the steps; the ContactDynamics engine."""
+    import cd_engine
+    yade.O.engines = cd_engine.engines(**settings)
+    yade.O.dt = dt
+    yade.O.run(steps, True)
+    return yade.O.engines[-1]
+
+
+def kinetic_energy():
+    """Of all free bodies [J], plane motion."""
+    total = 0.0
+    for b in yade.O.bodies:
+        if b.state.blockedDOFs == "xyzXYZ":
+            continue
+        v, w = b.state.vel, b.state.angVel[2]
+        total += 0.5 * b.state.mass * (v[0]**2 + v[1]**2) + 0.5 * b.state.inertia[2] * w * w
+    return total

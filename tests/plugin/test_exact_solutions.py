@@ -1,0 +1,194 @@
+"""Scenes whose solution is known in closed form. Each tolerance: round-off of the steps made, or the scheme's own order."""
+import math
+
+import pytest
+
+from . import plane
+
+G = 9.81
+
+
+def incline(O, degrees, mu=0.5, steps=500, dt=1e-3):
+    """Disk with blocked rotation (a block) on a turned Box; its velocity along the slope, off it, and the time."""
+    t = math.radians(degrees)
+    mat = plane.material(mu)
+    plane.box((0, 0), (10, 0.1), angle=-t, mat=mat)
+    n, d = (math.sin(t), math.cos(t)), (math.cos(t), -math.sin(t))
+    block = plane.disk((0.15 * n[0], 0.15 * n[1]), 0.05, blocked="zXYZ", mat=mat)
+    plane.run(steps, dt, gravity=(0, -G, 0), tolerance=1e-13)
+    v = O.bodies[block].state.vel
+    return v[0] * d[0] + v[1] * d[1], v[0] * n[0] + v[1] * n[1], steps * dt
+
+
+@pytest.mark.parametrize("degrees", [27, 35, 60, 85])
+def test_block_slides_with_the_friction_law_s_acceleration(O, degrees):
+    """a = g (sin t - mu cos t); the scheme is exact for a constant acceleration, so only round-off is left."""
+    along, off, time = incline(O, degrees)
+    t = math.radians(degrees)
+    assert along / time == pytest.approx(G * (math.sin(t) - 0.5 * math.cos(t)), rel=1e-12)
+    assert abs(off) < 1e-12
+
+
+@pytest.mark.parametrize("degrees", [0, 10, 26.5])
+def test_block_rests_below_the_friction_angle(O, degrees):
+    """atan 0.5 = 26.565 degrees. Rest means round-off of one step's velocity g dt."""
+    along, off, _ = incline(O, degrees)
+    assert abs(along) < 1e-14 and abs(off) < 1e-14
+
+
+def slide_to_roll(O, dt, mu=0.2, radius=0.1):
+    O.reset()
+    mat = plane.material(mu)
+    plane.floor(mat)
+    ball = plane.disk((0, radius), radius, velocity=(1, 0), mat=mat)
+    plane.run(round(0.5 / dt), dt, gravity=(0, -G, 0), tolerance=1e-13)
+    s = O.bodies[ball].state
+    return s.vel[0], s.angVel[2] * radius, s.pos[0]
+
+
+def test_sliding_disk_ends_rolling_at_two_thirds_of_its_speed(O):
+    """Angular momentum about the contact point: v = 2/3 v0 for I = m r^2/2, whatever dt; and rolling: v = -omega r."""
+    v, wr, _ = slide_to_roll(O, 1e-3)
+    assert v == pytest.approx(2 / 3, abs=1e-12)
+    assert wr == pytest.approx(-v, abs=1e-12)
+
+
+def test_slide_to_roll_distance_converges_at_the_scheme_s_order(O):
+    """The time of the transition is resolved to dt: first order. Exact: slide for ts = v0/(3 mu g), then roll."""
+    ts = 1 / (3 * 0.2 * G)
+    exact = ts - 0.5 * 0.2 * G * ts**2 + (0.5 - ts) * 2 / 3
+    errors = [abs(slide_to_roll(O, dt)[2] - exact) for dt in (4e-3, 1e-3, 2.5e-4)]
+    assert errors[0] < 1e-5
+    # A factor 16 in dt; the error within a step depends on where in it the transition falls, hence not 16 sharp.
+    assert errors[2] < errors[0] / 8, errors
+
+
+@pytest.mark.parametrize("e", [0, 0.1, 0.5, 0.9, 1])
+@pytest.mark.parametrize("height", [0.1234, 0.1, 0.1005])
+def test_bounce_returns_the_coefficient_of_restitution(O, e, height):
+    """v+ = e v-, for gaps that close within a step, at its end, or at once."""
+    mat = plane.material(0.2)
+    plane.floor(mat)
+    ball = plane.disk((0, height), 0.1, velocity=(0, -1), mat=mat)
+    plane.run(60, 1e-3, tolerance=1e-13, restitution=e)
+    assert O.bodies[ball].state.vel[1] == pytest.approx(e, abs=1e-12)
+
+
+def test_bouncing_comes_to_rest_at_the_zeno_time(O):
+    """Infinitely many bounces end at T = sqrt(2h/g) (1 + 2e/(1 - e)); just before, it still moves."""
+    mat = plane.material(0.2)
+    plane.floor(mat)
+    ball = plane.disk((0, 1.1), 0.1, mat=mat)
+    end = math.sqrt(2 / G) * (1 + 2 * 0.5 / 0.5)
+    plane.run(round(0.99 * end / 1e-4), 1e-4, gravity=(0, -G, 0), tolerance=1e-13, restitution=0.5)
+    assert abs(O.bodies[ball].state.vel[1]) > 1e-3
+    O.run(round(0.02 * end / 1e-4), True)
+    assert abs(O.bodies[ball].state.vel[1]) < 1e-10
+    assert O.bodies[ball].state.pos[1] == pytest.approx(0.1, abs=2e-6)  # g T dt / 2 of gap is closed early by a bounce
+
+
+def test_stack_carries_the_weight_above(O):
+    """Fifty disks: every contact force equals the weight above it."""
+    mat = plane.material()
+    plane.floor(mat)
+    for i in range(50):
+        plane.disk((0, (2 * i + 1) * 0.01), 0.01, mat=mat)
+    cd = plane.run(10, 1e-3, gravity=(0, -G, 0), tolerance=1e-11, maxIterations=100000)
+    assert cd.converged
+    for i in range(1, 51):
+        below = i - 1
+        assert O.interactions[below, i].phys.normalForce.norm() == pytest.approx(G * (51 - i), rel=1e-8)
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 1, 1e6])
+def test_two_body_pile_of_any_mass_ratio(O, ratio):
+    """The lower contact carries both weights, the upper one the upper weight."""
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
+    plane.disk((0, 0.03), 0.01, mass=ratio, mat=mat)
+    cd = plane.run(5, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=20000000 if ratio > 1 else 20000)
+    upper, lower = O.interactions[1, 2].phys.normalForce.norm(), O.interactions[0, 1].phys.normalForce.norm()
+    if cd.converged:
+        assert upper == pytest.approx(ratio * G, rel=1e-8) and lower == pytest.approx((1 + ratio) * G, rel=1e-8)
+    else:
+        assert cd.status in ("max_iterations", "stagnated") and cd.residual > cd.tolerance
+
+
+def loaded_box(O, n=5, pressure=1200.0, radius=0.01, walls="box", mu=0.3):
+    """n x n equal disks between two fixed boundaries and two free ones pushed by pressure times length; ids of the free ones."""
+    mat, smooth = plane.material(mu), plane.material(0.0)
+    side = 2 * n * radius
+    if walls == "box":
+        plane.box((0, side / 2), (0, side), mat=smooth)
+        plane.box((side / 2, 0), (side, 0), mat=smooth)
+        right = plane.box((side, side / 2), (0, side), blocked="yzXYZ", mass=5.0, mat=smooth)
+        top = plane.box((side / 2, side), (side, 0), blocked="xzXYZ", mass=5.0, mat=smooth)
+    else:
+        from yade import utils
+        for axis in (0, 1):
+            O.bodies.append(utils.wall(0, axis=axis, material=smooth))
+        ids = []
+        for axis in (0, 1):
+            body = utils.wall(side, axis=axis, material=smooth)
+            body.state.mass = 5.0
+            body.state.blockedDOFs = "yzXYZ" if axis == 0 else "xzXYZ"
+            ids.append(O.bodies.append(body))
+        right, top = ids
+    for i in range(n):
+        for j in range(n):
+            plane.disk(((2 * i + 1) * radius, (2 * j + 1) * radius), radius, mat=mat)
+    O.forces.setPermF(right, (-pressure * side, 0, 0))
+    O.forces.setPermF(top, (0, -pressure * side, 0))
+    return right, top, side
+
+
+def wall_force(O, wall):
+    """Sum of the contact forces on a boundary [N], (x, y)."""
+    fx = fy = 0.0
+    for i in O.interactions:
+        if i.isReal and wall in (i.id1, i.id2):
+            f = i.phys.normalForce + i.phys.shearForce
+            sign = 1 if i.id2 == wall else -1
+            fx, fy = fx + sign * f[0], fy + sign * f[1]
+    return fx, fy
+
+
+@pytest.mark.parametrize("walls", ["box", "wall"])
+def test_loaded_box_is_in_equilibrium_with_its_load(O, walls):
+    """Wall forces equal P0 L on the loaded and on the fixed walls, at rest."""
+    right, top, side = loaded_box(O, walls=walls)
+    cd = plane.run(20, 1e-4, tolerance=1e-11, maxIterations=100000)
+    load = 1200.0 * side
+    assert cd.converged
+    assert wall_force(O, right)[0] == pytest.approx(load, rel=1e-8) and wall_force(O, top)[1] == pytest.approx(load, rel=1e-8)
+    assert wall_force(O, 0)[0] == pytest.approx(-load, rel=1e-8) and wall_force(O, 1)[1] == pytest.approx(-load, rel=1e-8)
+    assert max(b.state.vel.norm() for b in O.bodies) < 1e-9
+
+
+def test_wall_at_prescribed_velocity_pushes_what_it_meets(O):
+    """A fixed boundary with a velocity moves at it and takes the disk along, which rolls at no slip without friction loss."""
+    mat = plane.material(0.0)
+    wall = plane.box((-0.1, 0), (0.05, 1.0), mat=mat)
+    O.bodies[wall].state.vel = (0.2, 0, 0)
+    ball = plane.disk((0, 0), 0.01, mat=mat)
+    plane.run(400, 1e-3, tolerance=1e-13)
+    assert O.bodies[wall].state.pos[0] == pytest.approx(-0.1 + 0.2 * 0.4, abs=1e-13)
+    assert O.bodies[ball].state.vel[0] == pytest.approx(0.2, abs=1e-13)
+    assert O.bodies[ball].state.pos[0] == pytest.approx(O.bodies[wall].state.pos[0] + 0.06, abs=1e-9)
+
+
+def test_disk_in_a_groove_turns_at_the_critical_torque(O):
+    """Symmetric groove, walls at 45 degrees, mu < tan: critical torque mu m g R/((1 + mu^2) cos t) (PRE 72, 021304)."""
+    mu, t, radius = 0.3, math.pi / 4, 0.1
+    critical = mu * G * radius / ((1 + mu**2) * math.cos(t))
+    for factor, turns in ((0.999, False), (1.001, True)):
+        O.reset()
+        mat = plane.material(mu)
+        for side in (-1, 1):
+            half = 0.05
+            plane.box((side * (radius + half) * math.sin(t), -(radius + half) * math.cos(t)), (1, half), angle=side * t, mat=mat)
+        ball = plane.disk((0, 0), radius, mat=mat)
+        O.forces.setPermT(ball, (0, 0, factor * critical))
+        plane.run(200, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=100000)
+        assert (abs(O.bodies[ball].state.angVel[2]) > 1e-6) == turns, (factor, O.bodies[ball].state.angVel[2])

@@ -1,0 +1,142 @@
+"""What the engine cannot do it refuses at the first step, naming the body and the remedy; and it leaves the scene as it was."""
+import math
+
+import pytest
+
+from . import plane
+
+
+def step(O, **settings):
+    import cd_engine
+    O.engines = cd_engine.engines(**settings)
+    if O.dt == 1e-8 or O.dt is None:
+        O.dt = 1e-3
+    O.step()
+
+
+@pytest.fixture
+def pair(O):
+    """Two disks in reach of each other; their material."""
+    mat = plane.material()
+    O.dt = 1e-3
+    plane.disk((0, 0), 0.1, mat=mat)
+    plane.disk((0.2, 0), 0.1, mat=mat)
+    return mat
+
+
+def change(attribute, value, body=1):
+    def apply(O, mat):
+        setattr(O.bodies[body].state, attribute, value)
+    return apply
+
+
+def append(make):
+    def apply(O, mat):
+        from yade import utils
+        O.bodies.append(make(utils, mat))
+    return apply
+
+
+def tilted_box(utils, mat):
+    import yade
+    return utils.box((1, 1, 0), (.1, .1, .5), orientation=yade.Quaternion((1, 0, 0), 0.5), fixed=True, material=mat)
+
+
+def clump(O, mat):
+    from yade import utils
+    O.bodies.appendClumped([utils.sphere((1, 1, 0), 0.1, material=mat), utils.sphere((1, 1.1, 0), 0.1, material=mat)])
+
+
+def periodic(O, mat):
+    O.periodic = True
+
+
+def bad_dt(value):
+    def apply(O, mat):
+        O.dt = value
+    return apply
+
+
+def force(value):
+    def apply(O, mat):
+        O.forces.setPermF(1, value)
+    return apply
+
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize("spoil, words", [
+    (change("blockedDOFs", ""), ["#1", "leave the plane", "zXY"]),
+    (change("blockedDOFs", "zX"), ["#1", "leave the plane"]),
+    (change("vel", (NAN, 0, 0)), ["#1", "velocity", "not a number"]),
+    (change("angVel", (0, 0, NAN)), ["#1", "angular velocity", "not a number"]),
+    (change("pos", (0, math.inf, 0)), ["#1", "position", "not a number"]),
+    (change("vel", (0, 0, 1)), ["#1", "out of the plane"]),
+    (change("angVel", (0, 1, 0)), ["#1", "out of the plane"]),
+    (change("mass", 0), ["#1", "mass 0", "state.mass"]),
+    (change("mass", -1), ["#1", "mass -1"]),
+    (change("mass", NAN), ["#1", "mass"]),
+    (change("inertia", (0, 0, 0)), ["#1", "moment of inertia 0", "state.inertia"]),
+    (change("pos", (0.2, 0, 0.05)), ["#1", "z = 0.05", "one plane"]),
+    (force((NAN, 0, 0)), ["#1", "force", "not a number"]),
+    (append(lambda u, m: u.facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)], material=m)), ["#2", "Facet", "Sphere"]),
+    (append(tilted_box), ["#2", "turned out of the plane"]),
+    (append(lambda u, m: u.wall(1, axis=0, material="elastic")), ["#2", "friction angle", "FrictMat"]),
+    (clump, ["clump"]),
+    (periodic, ["periodic"]),
+    (bad_dt(0), ["O.dt", "0 s"]),
+    (bad_dt(NAN), ["O.dt"]),
+])
+def test_refused_at_the_first_step(O, pair, spoil, words):
+    import yade
+    O.materials.append(yade.wrapper.ElastMat(label="elastic"))
+    spoil(O, pair)
+    before = tuple(O.bodies[0].state.pos), tuple(O.bodies[0].state.vel)
+    with pytest.raises(RuntimeError) as caught:
+        step(O, gravity=(0, -1, 0))
+    for word in words + ["ContactDynamics"]:
+        assert word in str(caught.value)
+    assert (tuple(O.bodies[0].state.pos), tuple(O.bodies[0].state.vel)) == before
+
+
+def test_a_nan_that_comes_later_is_refused_when_it_comes(O, pair):
+    step(O)
+    O.bodies[1].state.vel = (NAN, 0, 0)
+    with pytest.raises(RuntimeError, match="#1"):
+        O.step()
+
+
+@pytest.mark.parametrize("extra, words", [
+    ("NewtonIntegrator", "second time"),
+    ("InteractionLoop", "spring forces"),
+    ("ContactDynamics", "second time"),
+])
+def test_company_that_would_act_twice_is_refused(O, pair, extra, words):
+    import cd_engine
+    from yade import wrapper
+    O.engines = cd_engine.engines() + [getattr(wrapper, extra)()]
+    with pytest.raises(RuntimeError, match=words):
+        O.step()
+    O.engines = cd_engine.engines() + [getattr(wrapper, extra)(dead=True)]
+    O.step()
+
+
+def test_missing_company_is_refused(O, pair):
+    import cd_engine
+    reset, collider, cd = cd_engine.engines()
+    O.engines = [reset, cd]
+    with pytest.raises(RuntimeError, match="collider"):
+        O.step()
+    O.engines = [collider, cd_engine.ContactDynamics()]
+    with pytest.raises(RuntimeError, match="ForceResetter"):
+        O.step()
+
+
+def test_fixed_and_frictionless_bodies_need_no_mass(O, pair):
+    """Only what is free must have a mass."""
+    from yade import utils
+    wall = O.bodies.append(utils.wall(-0.1, axis=1, material=pair))
+    O.bodies[wall].state.mass = 0
+    step(O, gravity=(0, -1, 0))
+    assert O.bodies[0].state.vel[1] == 0

@@ -1,0 +1,120 @@
+"""ContactDynamics is an engine of YADE's like any other."""
+import subprocess
+import sys
+
+import pytest
+
+from . import plane
+
+
+@pytest.fixture
+def cd(O):
+    import cd_engine
+    return cd_engine.ContactDynamics
+
+
+def test_class_is_derived_from_global_engine_and_known_to_yade(cd):
+    from yade import system, wrapper
+    assert issubclass(cd, wrapper.GlobalEngine)
+    assert wrapper.ContactDynamics is cd
+
+
+def test_every_attribute_is_documented_with_default_and_type(cd):
+    own = set(cd().dict()) - {"dead", "ompThreads", "label"}
+    assert {"gravity", "tolerance", "maxIterations", "fixedIterations", "method", "warmStart", "restitution", "seed"} <= own
+    assert {"iterations", "residual", "residualMax", "converged", "contacts", "slidingContacts", "maxPenetration", "dissipatedEnergy"} <= own
+    for name in own:
+        text = getattr(cd, name).__doc__
+        assert ":ydefault:`" in text and ":yattrtype:`" in text and len(text) > 60, name
+
+
+def test_keyword_constructor_sets_attributes(cd):
+    engine = cd(tolerance=1e-9, gravity=(1, 2, 0), label="name", seed=3, warmStart=False)
+    values = engine.dict()
+    assert (values["tolerance"], tuple(values["gravity"]), values["label"], values["seed"], values["warmStart"]) == (1e-9, (1, 2, 0), "name", 3, False)
+
+
+@pytest.mark.parametrize("keywords, error, words", [
+    (dict(tolerance=0), ValueError, "above 0"),
+    (dict(tolerance=float("nan")), ValueError, "tolerance"),
+    (dict(restitution=1.1), ValueError, "at most 1"),
+    (dict(maxIterations=0), ValueError, "at least 1"),
+    (dict(method="magic"), ValueError, "nsgs"),
+    (dict(gravity=(0, 0, -9.81)), ValueError, "plane"),
+    (dict(gravity=(0, float("inf"), 0)), ValueError, "finite"),
+    (dict(maxIterations="many"), TypeError, "int"),
+    (dict(residual=1.0), AttributeError, "cannot be set"),
+    (dict(tolerence=1e-3), AttributeError, "tolerence"),
+])
+def test_bad_keyword_is_refused_with_its_name(cd, keywords, error, words):
+    with pytest.raises(error, match=words):
+        cd(**keywords)
+
+
+def test_bad_assignment_is_refused_and_keeps_the_old_value(cd):
+    engine = cd()
+    with pytest.raises(ValueError, match="out of range"):
+        engine.restitution = -1
+    with pytest.raises(AttributeError):
+        engine.iterations = 1
+    assert engine.restitution == 0
+
+
+def test_positional_arguments_are_refused(cd):
+    with pytest.raises(TypeError, match="keyword"):
+        cd(1e-6)
+
+
+def test_label_reaches_the_engine(O, cd):
+    import yade, cd_engine
+    O.engines = cd_engine.engines(label="contactDynamics")
+    import builtins
+    found = getattr(yade.runtime, "contactDynamics", None) or getattr(builtins, "contactDynamics", None) or getattr(sys.modules["__main__"], "contactDynamics", None)
+    assert found is None or found.label == "contactDynamics"
+    assert [e.label for e in O.engines if type(e) is cd] == ["contactDynamics"]
+
+
+@pytest.mark.parametrize("ending", [".xml", ".xml.gz", ".yade", ".yade.gz"])
+def test_saving_keeps_every_attribute(O, cd, tmp_path, ending):
+    plane.floor()
+    for i in range(4):
+        plane.disk((0, 0.0099 + 0.0199 * i), 0.01)
+    engine = plane.run(7, 1e-3, gravity=(0, -9.81, 0), tolerance=3e-9, seed=5, label="kept")
+    before = engine.dict()
+    assert before["referenceOverlaps"]  # otherwise the vectors would be tested empty
+    O.save(str(tmp_path / ("scene" + ending)))
+    O.reset()
+    O.load(str(tmp_path / ("scene" + ending)))
+    assert O.engines[-1].dict() == before
+
+
+def test_loaded_scene_continues_bitwise(O, cd, tmp_path):
+    plane.floor()
+    for i in range(6):
+        plane.disk((0.003 * (i % 2), 0.01 + 0.0195 * i), 0.01)
+    plane.run(50, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-8)
+    O.save(str(tmp_path / "half.yade.gz"))
+    O.run(50, True)
+    state = lambda: [(tuple(b.state.pos), tuple(b.state.vel), tuple(b.state.ori), tuple(b.state.angVel)) for b in O.bodies]
+    whole = state()
+    O.load(str(tmp_path / "half.yade.gz"))
+    O.run(50, True)
+    assert state() == whole
+
+
+def test_timing_counts_the_engine(O, cd):
+    plane.floor()
+    plane.disk((0, 0.01), 0.01)
+    O.timingEnabled = True
+    try:
+        engine = plane.run(5, 1e-3, gravity=(0, -9.81, 0))
+        assert engine.execCount == 5 and engine.execTime > 0
+    finally:
+        O.timingEnabled = False
+
+
+def test_import_without_yade_names_the_remedy(root):
+    """In a Python without YADE the package itself imports; asking for the engine says what is missing."""
+    code = "import cd_engine\ntry:\n    cd_engine.ContactDynamics\nexcept ImportError as e:\n    print(e)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True)
+    assert "needs a running YADE" in done.stdout, done.stderr
