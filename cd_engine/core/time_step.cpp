@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 namespace cd {
 namespace {
@@ -12,6 +13,17 @@ namespace {
 	constexpr double onCone = 1e-9;
 
 } // namespace
+
+double reach(const World& world, double dt)
+{
+	double fastest = 0, smallest = std::numeric_limits<double>::infinity();
+	for (const Body& b : world.bodies) {
+		const double vx = b.v[0] + dt * b.inverseMass[0] * b.force[0], vy = b.v[1] + dt * b.inverseMass[1] * b.force[1];
+		fastest = std::max(fastest, vx * vx + vy * vy);
+		if (b.shape.kind == ShapeKind::disk && b.shape.radius > 0) smallest = std::min(smallest, b.shape.radius);
+	}
+	return 4 * dt * std::sqrt(fastest) + (std::isfinite(smallest) ? 1e-3 * smallest : 0);
+}
 
 void TimeStep::freeVelocities(const World& world, double dt)
 {
@@ -64,14 +76,8 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	rowPair.clear();
 	solved.assign(world.pairs.size(), 0);
 
-	// Pairs further apart than the bodies can come in this step are left out; addViolated() takes back those whose bodies were
-	// pushed harder than that by other contacts, so leaving out costs no accuracy.
-	double fastest = 0;
-	for (size_t i = 0; i < world.bodies.size(); i++) {
-		const double* v = system.bodies[i].v;
-		fastest = std::max(fastest, v[0] * v[0] + v[1] * v[1]);
-	}
-	const double reach = 4 * settings.dt * std::sqrt(fastest);
+	forgotten          = 0;
+	const double limit = reach(world, settings.dt);
 	for (size_t i = 0; i < world.pairs.size(); i++) {
 		Pair&       pair = world.pairs[i];
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
@@ -79,8 +85,9 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 		if (pair.reference > 0 && pair.overlap <= 0) { // truly apart
 			pair.gap -= pair.reference;
 			pair.reference = 0;
+			forgotten++;
 		}
-		if (pair.gap <= reach + 1e-3 * b.shape.radius) addContact(world, i, settings);
+		if (pair.gap <= limit) addContact(world, i, settings);
 		else
 			pair.pn = pair.pt = 0;
 	}
@@ -124,7 +131,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 void TimeStep::finish(World& world, const StepSettings& settings, StepReport& report)
 {
 	const double h = settings.dt;
-	report.contacts = static_cast<int>(system.contacts.size());
+	report.contacts          = static_cast<int>(system.contacts.size());
+	report.overlapsForgotten = forgotten;
 	for (size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c    = system.contacts[i];
 		Pair&             pair = world.pairs[rowPair[i]];

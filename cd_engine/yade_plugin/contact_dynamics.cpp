@@ -19,10 +19,7 @@ void ContactDynamics::action()
 	if (!settings.solve) throw SceneError("ContactDynamics: there is no method '" + method + "'. See cd_engine.methods()");
 	if (gravity[2] != 0) throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
 
-	std::vector<ReferenceOverlap> known;
-	for (std::size_t i = 0; i < referenceOverlaps.size() && 2 * i + 1 < referenceIds.size(); i++)
-		known.push_back({ referenceIds[2 * i], referenceIds[2 * i + 1], referenceOverlaps[i] });
-	link.gather(scene, gravity, settings.dt, warmStart, known);
+	link.gather(scene, gravity, settings.dt, warmStart, { referenceIds, referenceOverlaps }, rest);
 	if (handover) {
 		link.takeOverlaps();
 		rememberOverlaps();
@@ -34,8 +31,7 @@ void ContactDynamics::action()
 	if (report.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step " + std::to_string(at<long>(scene, layout.scene_iter)) + "; the scene is as before the step. Look for extreme masses or forces, or take a smaller O.dt");
 	link.scatter(scene, settings.dt);
-	const auto kept = std::count_if(link.world.pairs.begin(), link.world.pairs.end(), [](const cd::Pair& p) { return p.reference > 0; });
-	if (static_cast<std::size_t>(kept) != referenceOverlaps.size()) rememberOverlaps();
+	if (report.overlapsForgotten > 0) rememberOverlaps();
 
 	iterations      = report.solver.iterations;
 	residual        = report.solver.residual;
@@ -65,16 +61,7 @@ void ContactDynamics::warn()
 	          << "). Further such steps are counted in unconvergedSteps; raise maxIterations or tolerance, or take a smaller O.dt.\n";
 }
 
-void ContactDynamics::rememberOverlaps()
-{
-	referenceIds.clear();
-	referenceOverlaps.clear();
-	for (const ReferenceOverlap& r : link.referenceOverlaps()) {
-		referenceIds.push_back(r.id1);
-		referenceIds.push_back(r.id2);
-		referenceOverlaps.push_back(r.overlap);
-	}
-}
+void ContactDynamics::rememberOverlaps() { link.collectOverlaps({ referenceIds, referenceOverlaps }); }
 
 // The company the engine needs, and the company that would move or push the bodies a second time.
 void ContactDynamics::checkEngines()
@@ -85,11 +72,16 @@ void ContactDynamics::checkEngines()
 		const py::object engines = py::import("yade").attr("O").attr("engines");
 		bool             resets = false, finds = false;
 		for (py::ssize_t i = 0; i < py::len(engines); i++) {
-			const yade::Engine&  engine = py::extract<const yade::Engine&>(engines[i]);
-			const std::string    name   = engine.getClassName();
+			yade::Engine&     engine = py::extract<yade::Engine&>(engines[i]);
+			const std::string name   = engine.getClassName();
+			if (name.find("Collider") != std::string::npos && !finds) {
+				// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
+				finds = !engine.dead || colliderMargin > 0;
+				rest.attach(boost::static_pointer_cast<yade::Engine>(engine.shared_from_this()), colliderMargin);
+				continue;
+			}
 			if (&engine == this || engine.dead) continue;
 			resets = resets || name == "ForceResetter";
-			finds  = finds || name.find("Collider") != std::string::npos;
 			if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
 				problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move") + " the bodies a second time. Remove it or set its dead=True";
 		}

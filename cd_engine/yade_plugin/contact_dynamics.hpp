@@ -23,6 +23,7 @@ public:
 	double      restitution     = 0;
 	int         seed            = 0;
 	bool        handover        = true;
+	double      colliderMargin  = 0;
 
 	// Left by the last step.
 	int         iterations      = 0;
@@ -43,7 +44,7 @@ public:
 	long   totalIterations  = 0;
 	double solveTime        = 0;
 
-	// The reference overlaps, so that they survive O.save: two ids a pair, one overlap [m] a pair.
+	// The reference overlaps, so that they survive O.save.
 	std::vector<int>    referenceIds;
 	std::vector<double> referenceOverlaps;
 
@@ -69,6 +70,7 @@ private:
 	void warn();
 
 	SceneLink    link;
+	ColliderRest rest;
 	cd::TimeStep step;
 	bool         enginesChecked = false, warned = false;
 };
@@ -94,6 +96,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("restitution", &C::restitution, Access::set, Range { 0, 1 }, "Newton's coefficient of normal restitution [1]; 0 for quasi-static work.");
 	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. }, "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
 	visit("handover", &C::handover, Access::set, any, "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. Reset to False by that step; set it again after an interlude with springs.");
+	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 }, "By how much the collider's bounds are larger than the disks, as a fraction of the radius [1]: aabbEnlargeFactor - 1. While displacements stay within it the collider's *dead* is True and this engine runs it when they do not; 0: the collider runs in every step.");
 	visit("iterations", &C::iterations, Access::read, any, "Sweeps made in the last step [1].");
 	visit("residual", &C::residual, Access::read, any, "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
 	visit("residualMax", &C::residualMax, Access::read, any, "The same for the worst contact, over the root mean square of p [1].");

@@ -5,7 +5,7 @@
 
 namespace cd_engine {
 
-bool inherits(const void* serializable, Base base)
+bool looksUpInheritance(const void* serializable, Base base)
 {
 	struct Seen {
 		const void* vtable;

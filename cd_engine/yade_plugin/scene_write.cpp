@@ -1,4 +1,3 @@
-#include "inheritance.hpp"
 #include "scene_link.hpp"
 
 #include <algorithm>
@@ -15,31 +14,35 @@ namespace {
 
 } // namespace
 
-// A loaded contact becomes (or stays) a real interaction with the forces in YADE's signs: normalForce + shearForce act on the second
-// body. An unloaded one is no longer real.
-void SceneLink::writePair(std::size_t index, long iteration, double dt)
+// Gives the interaction objects to hold its force: those it had when it was last loaded, or new ones.
+void SceneLink::makeReal(std::size_t index, long iteration)
 {
-	const cd::Pair&          pair        = world.pairs[index];
-	yade::Interaction* const interaction = interactions[index];
-	auto& geom     = at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom);
-	auto& phys     = at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys);
-	long& madeReal = at<long>(interaction, layout.interaction_iterMadeReal);
-	if (!(pair.pn > 0)) {
-		if (geom || phys) {
-			geom.reset();
-			phys.reset();
-			madeReal = -1;
-		}
-		return;
-	}
-	if (!geom || !phys || !inherits(geom.get(), Base::ScGeom) || !inherits(phys.get(), Base::FrictPhys)) {
-		geom     = create<yade::IGeom>("ScGeom");
-		phys     = create<yade::IPhys>("FrictPhys");
-		madeReal = iteration;
-	}
-	const double radiusB = world.bodies[pair.b].shape.radius;
-	void* const  g       = geom.get();
-	void* const  p       = phys.get();
+	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
+	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
+	if (!spare[index].geom) spare[index] = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+	geom = spare[index].geom;
+	phys = spare[index].phys;
+	at<long>(interactions[index], layout.interaction_iterMadeReal) = iteration;
+	forces[index] = { geom.get(), phys.get() };
+}
+
+void SceneLink::makeUnreal(std::size_t index)
+{
+	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
+	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
+	if (forces[index].geom) spare[index] = { geom, phys };
+	geom.reset();
+	phys.reset();
+	at<long>(interactions[index], layout.interaction_iterMadeReal) = -1;
+}
+
+// The forces in YADE's signs: normalForce + shearForce act on the second body.
+void SceneLink::writeContact(std::size_t index, double dt)
+{
+	const cd::Pair& pair    = world.pairs[index];
+	const double    radiusB = world.bodies[pair.b].shape.radius;
+	void* const     g       = forces[index].geom;
+	void* const     p       = forces[index].phys;
 	at<Vector3r>(g, layout.geom_normal)       = Vector3r(pair.nx, pair.ny, 0);
 	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(pair.cx, pair.cy, layer);
 	at<double>(g, layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].shape.radius;
@@ -80,9 +83,19 @@ void SceneLink::scatter(yade::Scene* scene, double dt)
 	const long iteration = at<long>(scene, layout.scene_iter);
 	total.assign(world.bodies.size(), { 0, 0, 0 });
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
+		if (i + 8 < world.pairs.size() && forces[i + 8].geom) { // written next: their cache lines are asked for ahead
+			__builtin_prefetch(static_cast<char*>(forces[i + 8].geom) + 64, 1);
+			__builtin_prefetch(static_cast<char*>(forces[i + 8].geom) + 128, 1);
+			__builtin_prefetch(static_cast<char*>(forces[i + 8].phys) + 64, 1);
+		}
 		const cd::Pair& pair = world.pairs[i];
-		writePair(i, iteration, dt);
-		if (!(pair.pn > 0)) continue;
+		const bool      real = at<boost::shared_ptr<yade::IGeom>>(interactions[i], layout.interaction_geom) || at<boost::shared_ptr<yade::IPhys>>(interactions[i], layout.interaction_phys);
+		if (!(pair.pn > 0)) {
+			if (real) makeUnreal(i);
+			continue;
+		}
+		if (!forces[i].geom) makeReal(i, iteration);
+		writeContact(i, dt);
 		const double fx = (pair.nx * pair.pn - pair.ny * pair.pt) / dt, fy = (pair.ny * pair.pn + pair.nx * pair.pt) / dt;
 		for (const int side : { -1, 1 }) {
 			const int       id   = side < 0 ? pair.a : pair.b;
@@ -94,17 +107,17 @@ void SceneLink::scatter(yade::Scene* scene, double dt)
 			total[id][2] += side * (ax * fy - ay * fx);
 		}
 	}
-	auto& forces = at<yade::ForceContainer>(scene, layout.scene_forces);
+	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
 		if (!bodies[id].exists) continue;
 		writeMotion(id);
 		const double* w = world.bodies[id].inverseMass;
 		const double  weight = w[0] > 0 || w[1] > 0 ? at<double>(bodies[id].state, layout.state_mass) : 0;
-		forces.addForce(static_cast<int>(id), Vector3r(total[id][0] + weight * gravity[0], total[id][1] + weight * gravity[1], 0));
-		forces.addTorque(static_cast<int>(id), Vector3r(0, 0, total[id][2]));
+		container.addForce(static_cast<int>(id), Vector3r(total[id][0] + weight * gravity[0], total[id][1] + weight * gravity[1], 0));
+		container.addTorque(static_cast<int>(id), Vector3r(0, 0, total[id][2]));
 	}
 	// ForceResetter clears the sums only; what threads have added since the last sync would return in the next step.
-	forces.sync();
+	container.sync();
 }
 
 } // namespace cd_engine
