@@ -11,7 +11,7 @@ namespace {
 	void projectOnCone(double mu, double& pn, double& pt)
 	{
 		const double size = std::abs(pt);
-		if (size <= mu * pn) return;
+		if (pn >= 0 && size <= mu * pn) return;
 		if (mu * size <= -pn) {
 			pn = pt = 0;
 			return;

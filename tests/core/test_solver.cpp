@@ -1,0 +1,131 @@
+// nsgs against problems solved by hand and against its own independent error.
+#include "residual.hpp"
+#include "solver.hpp"
+
+#include <cmath>
+#include <doctest/doctest.h>
+#include <random>
+
+using namespace cd;
+
+namespace {
+
+// A column or random heap of bodies in contact by random directions and arms; body 0 is immobile.
+ContactSystem randomSystem(unsigned seed, int bodies, int contacts, double mu, bool arms)
+{
+	std::mt19937                           random(seed);
+	std::uniform_real_distribution<double> unit(0, 1);
+	ContactSystem                          s;
+	s.bodies.resize(bodies);
+	for (int i = 1; i < bodies; i++) {
+		BodyVelocity& b = s.bodies[i];
+		b.w[0] = b.w[1] = 0.5 + unit(random);
+		b.w[2] = 2 + unit(random);
+		b.v[0] = unit(random) - 0.5;
+		b.v[1] = -unit(random);
+	}
+	for (int k = 0; k < contacts; k++) {
+		ContactRow c {};
+		c.b = 1 + k % (bodies - 1);
+		c.a = c.b - 1 - (k / (bodies - 1)) % std::max(1, c.b);
+		if (c.a < 0) c.a = 0;
+		const double angle = 1.57 + 1.2 * (unit(random) - 0.5);
+		c.nx = std::cos(angle);
+		c.ny = std::sin(angle);
+		c.at = 1;
+		c.bt = -1;
+		if (arms) {
+			c.an = unit(random) - 0.5;
+			c.bn = unit(random) - 0.5;
+		}
+		c.mu = mu;
+		c.bias = 0.1 * unit(random);
+		s.contacts.push_back(c);
+	}
+	s.assembleLocalBlocks();
+	return s;
+}
+
+} // namespace
+
+TEST_CASE("solutions satisfy the laws, contact by contact")
+{
+	for (const bool arms : { false, true })
+		for (const double mu : { 0., 0.3, 0.8 })
+			for (unsigned seed = 1; seed <= 10; seed++) {
+				ContactSystem  s = randomSystem(seed, 8, 12, mu, arms);
+				SolverSettings settings;
+				settings.tolerance     = 1e-11;
+				settings.maxIterations = 200000;
+				const SolverReport r = nsgs(s, settings);
+				CAPTURE(seed);
+				CAPTURE(mu);
+				CAPTURE(arms);
+				REQUIRE(r.status == Status::converged);
+				for (const ContactRow& c : s.contacts) {
+					double un, ut;
+					relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
+					un += c.bias;
+					CHECK(c.pn >= 0);
+					CHECK(un >= -1e-8);
+					CHECK(std::abs(c.pn * un) < 1e-8);
+					CHECK(std::abs(c.pt) <= c.mu * c.pn * (1 + 1e-9));
+					if (std::abs(ut) > 1e-6 && c.pn > 1e-6) CHECK(c.pt == doctest::Approx(-std::copysign(c.mu * c.pn, ut)).epsilon(1e-5));
+				}
+			}
+}
+
+TEST_CASE("one contact is solved in one sweep, with any arms")
+{
+	for (unsigned seed = 1; seed <= 50; seed++) {
+		ContactSystem s = randomSystem(seed, 2, 1, 0.4, true);
+		s.contacts[0].bias = 0;
+		SolverSettings settings;
+		settings.fixedIterations = 1;
+		const SolverReport r = nsgs(s, settings);
+		CHECK(r.iterations == 1);
+		CHECK((r.residual < 1e-12 || s.contacts[0].pn == 0));
+	}
+}
+
+TEST_CASE("the order of sweeps changes the way, not the solution of a determinate problem")
+{
+	SolverSettings settings;
+	settings.tolerance     = 1e-12;
+	settings.maxIterations = 200000;
+	ContactSystem a = randomSystem(3, 6, 5, 0.3, false), b = a;
+	nsgs(a, settings);
+	settings.seed = 42;
+	nsgs(b, settings);
+	for (size_t i = 0; i < a.contacts.size(); i++)
+		CHECK(a.contacts[i].pn == doctest::Approx(b.contacts[i].pn).epsilon(1e-8));
+}
+
+TEST_CASE("status tells how it ended")
+{
+	SolverSettings settings;
+	settings.tolerance     = 1e-14;
+	settings.maxIterations = 3;
+	ContactSystem s = randomSystem(5, 8, 12, 0.3, false);
+	CHECK(nsgs(s, settings).status == Status::max_iterations);
+	settings.fixedIterations = 5;
+	CHECK(nsgs(s, settings).status == Status::fixed_iterations);
+	CHECK(nsgs(s, settings).iterations == 5);
+	s.bodies[2].v[0] = std::nan("");
+	settings.fixedIterations = 0;
+	CHECK(nsgs(s, settings).status == Status::diverged);
+}
+
+TEST_CASE("velocities returned belong to the impulses returned")
+{
+	ContactSystem  s = randomSystem(7, 8, 12, 0.5, true);
+	const auto     start = s.bodies;
+	SolverSettings settings;
+	nsgs(s, settings);
+	auto expected = start;
+	for (const ContactRow& c : s.contacts)
+		applyImpulse(c, expected[c.a], expected[c.b], c.pn, c.pt);
+	for (size_t i = 0; i < expected.size(); i++)
+		for (int k = 0; k < 3; k++)
+			CHECK(s.bodies[i].v[k] == doctest::Approx(expected[i].v[k]).epsilon(1e-13));
+}
