@@ -20,25 +20,25 @@ namespace {
 		// Into the box's own axes.
 		const double lx = cosine * dx + sine * dy, ly = -sine * dx + cosine * dy;
 		const double ox = lx - std::clamp(lx, -box.ex, box.ex), oy = ly - std::clamp(ly, -box.ey, box.ey);
-		double       nx, ny, distance;
+		double nx, ny, distance;
 		if (ox != 0 && oy != 0) { // beyond a corner
 			distance = std::hypot(ox, oy);
-			nx       = ox / distance;
-			ny       = oy / distance;
+			nx = ox / distance;
+			ny = oy / distance;
 		} else {
 			// Over a face, or inside (then the face that is left by the shortest way).
 			const double outX = std::abs(lx) - box.ex, outY = std::abs(ly) - box.ey;
-			const bool   alongX = outX > outY;
+			const bool alongX = outX > outY;
 			distance = alongX ? outX : outY;
-			nx       = alongX ? std::copysign(1., lx) : 0.;
-			ny       = alongX ? 0. : std::copysign(1., ly);
+			nx = alongX ? std::copysign(1., lx) : 0.;
+			ny = alongX ? 0. : std::copysign(1., ly);
 		}
 		return { cosine * nx - sine * ny, sine * nx + cosine * ny, distance };
 	}
 
 	Foot footOnWall(const Shape& wall, double dx, double dy)
 	{
-		const double d    = wall.axis == 0 ? dx : dy;
+		const double d = wall.axis == 0 ? dx : dy;
 		const double side = wall.sense != 0 ? wall.sense : std::copysign(1., d);
 		return { wall.axis == 0 ? side : 0., wall.axis == 0 ? 0. : side, side * d };
 	}
@@ -49,25 +49,25 @@ void locateContact(Pair& pair, const Body& a, const Body& b, double ahead)
 {
 	const double bx = b.x + ahead * b.v[0], by = b.y + ahead * b.v[1];
 	const double dx = bx - (a.x + ahead * a.v[0]), dy = by - (a.y + ahead * a.v[1]);
-	double       distance; // of the disk b's centre from a's surface
+	double distance; // of the disk b's centre from a's surface
 	if (a.shape.kind == ShapeKind::disk) {
-		const double centres = std::sqrt(dx * dx + dy * dy);
-		pair.nx  = dx / centres;
-		pair.ny  = dy / centres;
+		const double centres = std::sqrt(dx * dx + dy * dy), inverse = 1 / centres;
+		pair.nx = dx * inverse;
+		pair.ny = dy * inverse;
 		distance = centres - a.shape.radius;
 	} else {
 		const Foot foot = a.shape.kind == ShapeKind::box ? footOnBox(a.shape, ahead * a.v[2], dx, dy) : footOnWall(a.shape, dx, dy);
-		pair.nx  = foot.nx;
-		pair.ny  = foot.ny;
+		pair.nx = foot.nx;
+		pair.ny = foot.ny;
 		distance = foot.distance;
 	}
 	const double gap = distance - b.shape.radius;
 	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
 	const double arm = b.shape.radius + 0.5 * gap;
-	pair.cx      = bx - arm * pair.nx;
-	pair.cy      = by - arm * pair.ny;
+	pair.cx = bx - arm * pair.nx;
+	pair.cy = by - arm * pair.ny;
 	pair.overlap = -gap;
-	pair.gap     = gap + pair.reference;
+	pair.gap = gap + pair.reference;
 }
 
 } // namespace cd

@@ -18,32 +18,49 @@ namespace cd {
 
 // One cache line: a contact needs a body's velocity and its inverse mass together.
 struct alignas(64) BodyVelocity {
-	double v[3];   // v_x, v_y [m/s], angular velocity about z [rad/s]
+	double v[3]; // v_x, v_y [m/s], angular velocity about z [rad/s]
 	double free_v; // unused, keeps the two triples 32-byte aligned
-	double w[3];   // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
+	double w[3]; // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
 	double free_w;
 };
 
 struct ContactRow {
-	int32_t a, b;     // indices of the bodies
-	double  nx, ny;   // unit normal a -> b
-	double  an, at;   // lever arms about the centre of `a`: cross(arm, n), cross(arm, t) [m]
-	double  bn, bt;   // the same about the centre of `b` [m]
-	double  bias;     // [m/s], see above
-	double  mu;       // Coulomb friction coefficient
-	double  wnn, wnt, wtt; // own block of W [1/kg]
-	double  pn, pt;   // impulse on `b` [N s]: first guess on entry, solution on exit
+	int32_t a, b; // indices of the bodies
+	double nx, ny; // unit normal a -> b
+	double an, at; // lever arms about the centre of `a`: cross(arm, n), cross(arm, t) [m]
+	double bn, bt; // the same about the centre of `b` [m]
+	double bias; // [m/s], see above
+	double mu; // Coulomb friction coefficient
+	double wnn, wnt, wtt; // own block of W [1/kg]
+	double pn, pt; // impulse on `b` [N s]: first guess on entry, solution on exit
 
 	// No coupling between the two directions: true for disks, and for boundaries whose free directions are along n or t.
 	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
+
+	// Fills wnn, wnt, wtt from the arms and the bodies' inverse masses; W = 0 between two immobile bodies.
+	void assembleBlock(const BodyVelocity& A, const BodyVelocity& B)
+	{
+		// A blocked rotation makes its arms irrelevant; zeroing them keeps the contact on the diagonal kernel.
+		if (A.w[2] == 0)
+			an = at = 0;
+		if (B.w[2] == 0)
+			bn = bt = 0;
+		const double wx = A.w[0] + B.w[0], wy = A.w[1] + B.w[1];
+		wnn = nx * nx * wx + ny * ny * wy + an * an * A.w[2] + bn * bn * B.w[2];
+		wtt = ny * ny * wx + nx * nx * wy + at * at * A.w[2] + bt * bt * B.w[2];
+		wnt = nx * ny * (wy - wx) + an * at * A.w[2] + bn * bt * B.w[2];
+	}
 };
 
 struct ContactSystem {
-	std::vector<BodyVelocity> bodies;    // v: the free velocity (after external forces) on entry, the solution on exit
-	std::vector<ContactRow>   contacts;  // solvers may sweep them in any order but leave this order alone
+	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
+	std::vector<ContactRow> contacts; // solvers may sweep them in any order but leave this order alone
 
-	// Fills wnn, wnt, wtt of every contact from the arms and inverse masses; a contact between two immobile bodies has W = 0.
-	void assembleLocalBlocks();
+	void assembleBlocks()
+	{
+		for (ContactRow& c : contacts)
+			c.assembleBlock(bodies[c.a], bodies[c.b]);
+	}
 };
 
 // u_n and u_t of one contact for the bodies' present velocities.

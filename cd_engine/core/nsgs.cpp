@@ -15,10 +15,10 @@ SolverReport nsgs(ContactSystem& system, const SolverSettings& settings)
 		std::copy_n(system.bodies[i].v, 3, &freeVelocity[3 * i]);
 
 	SolverReport report;
-	const auto   evaluate = [&] {
-                const Residual e   = residual(system, freeVelocity);
-                report.residual    = e.norm;
-                report.residualMax = e.maximum;
+	const auto evaluate = [&] {
+		const Residual e = residual(system, freeVelocity);
+		report.residual = e.norm;
+		report.residualMax = e.maximum;
 	};
 	Sweep sweep(system, freeVelocity, settings.seed);
 
@@ -34,7 +34,7 @@ SolverReport nsgs(ContactSystem& system, const SolverSettings& settings)
 	// The error costs two sweeps, so it is asked for at a spacing that grows with the sweeps already made.
 	evaluate();
 	double best = report.residual;
-	int    bestAt = 0;
+	int bestAt = 0;
 	while (report.residual > settings.tolerance && report.iterations < settings.maxIterations) {
 		const int more = std::min(settings.maxIterations - report.iterations, 4 + report.iterations / 10);
 		for (int i = 0; i < more; i++)
@@ -42,9 +42,10 @@ SolverReport nsgs(ContactSystem& system, const SolverSettings& settings)
 		report.iterations += more;
 		sweep.storeImpulses();
 		evaluate();
-		if (std::isnan(report.residual)) break;
+		if (std::isnan(report.residual))
+			break;
 		if (report.residual < 0.99 * best) {
-			best   = report.residual;
+			best = report.residual;
 			bestAt = report.iterations;
 		}
 		// No gain of a hundredth while the number of sweeps doubled, and at least a thousand: waiting on is in vain.
@@ -52,10 +53,10 @@ SolverReport nsgs(ContactSystem& system, const SolverSettings& settings)
 			break;
 	}
 	sweep.restoreVelocities(freeVelocity);
-	report.status = std::isnan(report.residual)              ? Status::diverged
-	        : report.residual <= settings.tolerance          ? Status::converged
-	        : report.iterations >= settings.maxIterations    ? Status::max_iterations
-	                                                         : Status::stagnated;
+	report.status = std::isnan(report.residual)	  ? Status::diverged
+	    : report.residual <= settings.tolerance	  ? Status::converged
+	    : report.iterations >= settings.maxIterations ? Status::max_iterations
+							  : Status::stagnated;
 	return report;
 }
 

@@ -11,7 +11,8 @@ namespace {
 	void projectOnCone(double mu, double& pn, double& pt)
 	{
 		const double size = std::abs(pt);
-		if (pn >= 0 && size <= mu * pn) return;
+		if (pn >= 0 && size <= mu * pn)
+			return;
 		if (mu * size <= -pn) {
 			pn = pt = 0;
 			return;
@@ -29,9 +30,9 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 	v = freeVelocity;
 	double normP = 0;
 	for (const ContactRow& c : system.contacts) {
-		const double  fx = c.pn * c.nx - c.pt * c.ny, fy = c.pn * c.ny + c.pt * c.nx;
+		const double fx = c.pn * c.nx - c.pt * c.ny, fy = c.pn * c.ny + c.pt * c.nx;
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
-		double *      va = &v[3 * c.a], *vb = &v[3 * c.b];
+		double *va = &v[3 * c.a], *vb = &v[3 * c.b];
 		va[0] -= ma[0] * fx;
 		va[1] -= ma[1] * fy;
 		va[2] -= ma[2] * (c.pn * c.an + c.pt * c.at);
@@ -44,17 +45,19 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 	for (const ContactRow& c : system.contacts) {
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
 		const double *va = &v[3 * c.a], *vb = &v[3 * c.b];
-		const double  compliance = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
-		if (compliance <= 0) continue; // two immobile bodies: no impulse can change anything
+		const double compliance = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
+		if (compliance <= 0)
+			continue; // two immobile bodies: no impulse can change anything
 		const double ux = vb[0] - va[0], uy = vb[1] - va[1];
 		const double ut = uy * c.nx - ux * c.ny + vb[2] * c.bt - va[2] * c.at;
 		const double un = ux * c.nx + uy * c.ny + vb[2] * c.bn - va[2] * c.an + c.bias;
-		double       qn = c.pn - (un + c.mu * std::abs(ut)) / compliance, qt = c.pt - ut / compliance;
+		double qn = c.pn - (un + c.mu * std::abs(ut)) / compliance, qt = c.pt - ut / compliance;
 		projectOnCone(c.mu, qn, qt);
 		const double d = (c.pn - qn) * (c.pn - qn) + (c.pt - qt) * (c.pt - qt);
 		sum += d;
 		// Written so that a NaN is kept and reported instead of being lost in a comparison.
-		if (!(d <= worst)) worst = d;
+		if (!(d <= worst))
+			worst = d;
 	}
 	if (normP == 0) {
 		const double e = sum == 0 ? 0 : std::numeric_limits<double>::infinity();

@@ -6,7 +6,7 @@
 namespace cd {
 
 struct Residual {
-	double norm;    // ||p - P_K(p - (u + bias n + mu |u_t| n)/W_nn)||_2 / ||p||_2 over all contacts
+	double norm; // ||p - P_K(p - (u + bias n + mu |u_t| n)/W_nn)||_2 / ||p||_2 over all contacts
 	double maximum; // the largest such difference of one contact over the root mean square of p
 };
 

@@ -4,7 +4,7 @@ namespace cd {
 namespace {
 	struct Entry {
 		const char* name;
-		Solver      solver;
+		Solver solver;
 	};
 	const Entry entries[] = {
 		{ "nsgs", nsgs },
@@ -14,7 +14,8 @@ namespace {
 Solver findSolver(const std::string& method)
 {
 	for (const Entry& e : entries)
-		if (method == e.name) return e.solver;
+		if (method == e.name)
+			return e.solver;
 	return nullptr;
 }
 
@@ -29,11 +30,16 @@ std::vector<std::string> solverNames()
 const char* name(Status s)
 {
 	switch (s) {
-		case Status::converged: return "converged";
-		case Status::fixed_iterations: return "fixed_iterations";
-		case Status::max_iterations: return "max_iterations";
-		case Status::stagnated: return "stagnated";
-		case Status::diverged: return "diverged";
+	case Status::converged:
+		return "converged";
+	case Status::fixed_iterations:
+		return "fixed_iterations";
+	case Status::max_iterations:
+		return "max_iterations";
+	case Status::stagnated:
+		return "stagnated";
+	case Status::diverged:
+		return "diverged";
 	}
 	return "unknown";
 }

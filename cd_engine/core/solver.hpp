@@ -9,27 +9,27 @@
 namespace cd {
 
 struct SolverSettings {
-	double   tolerance       = 1e-6;  // on the error e of residual.hpp
-	int      maxIterations   = 10000; // sweeps
-	int      fixedIterations = 0;     // > 0: exactly so many sweeps, no test on the way
-	unsigned seed            = 0;     // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
+	double tolerance = 1e-6; // on the error e of residual.hpp
+	int maxIterations = 10000; // sweeps
+	int fixedIterations = 0; // > 0: exactly so many sweeps, no test on the way
+	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 };
 
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged };
 const char* name(Status);
 
 struct SolverReport {
-	int    iterations  = 0; // sweeps made
-	double residual    = 0; // e of the impulses returned
+	int iterations = 0; // sweeps made
+	double residual = 0; // e of the impulses returned
 	double residualMax = 0; // its maximum over the contacts
-	Status status      = Status::converged;
+	Status status = Status::converged;
 };
 
 // Improves the impulses in `system.contacts` and leaves the velocities that belong to them in `system.bodies`.
 using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
 
 // Null if there is no such method.
-Solver                   findSolver(const std::string& method);
+Solver findSolver(const std::string& method);
 std::vector<std::string> solverNames();
 
 SolverReport nsgs(ContactSystem&, const SolverSettings&);

@@ -6,15 +6,16 @@
 namespace cd {
 
 Sweep::Sweep(ContactSystem& s, const std::vector<double>& freeVelocity, unsigned seed)
-        : system(s)
-        , random(seed)
-        , shuffled(seed > 0)
+    : system(s)
+    , random(seed)
+    , shuffled(seed > 0)
 {
 	diagonal.reserve(s.contacts.size());
 	diagonalRows.reserve(s.contacts.size());
 	for (size_t i = 0; i < s.contacts.size(); i++) {
 		const ContactRow& c = s.contacts[i];
-		if (!(c.wnn > 0)) continue; // two immobile bodies
+		if (!(c.wnn > 0))
+			continue; // two immobile bodies
 		if (c.diagonal() && c.wtt > 0) {
 			diagonal.push_back({ c.a, c.b, c.nx, c.ny, c.at, c.bt, c.bias, c.mu, 1 / c.wnn, 1 / c.wtt, c.pn, c.pt });
 			diagonalRows.push_back(static_cast<int32_t>(i));
@@ -43,21 +44,21 @@ void Sweep::storeImpulses()
 {
 	for (size_t i = 0; i < diagonal.size(); i++) {
 		ContactRow& c = system.contacts[diagonalRows[i]];
-		c.pn          = diagonal[i].pn;
-		c.pt          = diagonal[i].pt;
+		c.pn = diagonal[i].pn;
+		c.pt = diagonal[i].pt;
 	}
 }
 
 inline void Sweep::solveDiagonal(Diagonal& c, BodyVelocity* bodies)
 {
 	BodyVelocity &A = bodies[c.a], &B = bodies[c.b];
-	const double  dx = B.v[0] - A.v[0], dy = B.v[1] - A.v[1];
-	const double  un = c.nx * dx + c.ny * dy + c.bias;
-	const double  ut = c.nx * dy - c.ny * dx + (c.bt * B.v[2] - c.at * A.v[2]);
+	const double dx = B.v[0] - A.v[0], dy = B.v[1] - A.v[1];
+	const double un = c.nx * dx + c.ny * dy + c.bias;
+	const double ut = c.nx * dy - c.ny * dx + (c.bt * B.v[2] - c.at * A.v[2]);
 	// Without coupling the normal law decides alone, then the tangential impulse that stops sliding is cut at the cone.
-	const double pn    = std::max(0., c.pn - un * c.inverseWnn);
+	const double pn = std::max(0., c.pn - un * c.inverseWnn);
 	const double limit = c.mu * pn;
-	const double pt    = std::max(-limit, std::min(limit, c.pt - ut * c.inverseWtt));
+	const double pt = std::max(-limit, std::min(limit, c.pt - ut * c.inverseWtt));
 	const double dn = pn - c.pn, dt = pt - c.pt;
 	c.pn = pn;
 	c.pt = pt;
@@ -75,21 +76,21 @@ inline void Sweep::solveDiagonal(Diagonal& c, BodyVelocity* bodies)
 void Sweep::solveGeneral(ContactRow& c, BodyVelocity* bodies)
 {
 	BodyVelocity &A = bodies[c.a], &B = bodies[c.b];
-	double        un, ut;
+	double un, ut;
 	relativeVelocity(c, A, B, un, ut);
 	const double qn = un + c.bias - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
-	double       pn = 0, pt = 0;
+	double pn = 0, pt = 0;
 	if (qn < 0) {
 		const double determinant = c.wnn * c.wtt - c.wnt * c.wnt;
-		bool         stick       = false;
+		bool stick = false;
 		if (determinant > 1e-14 * c.wnn * c.wtt) {
-			pn    = (-qn * c.wtt + qt * c.wnt) / determinant;
-			pt    = (-qt * c.wnn + qn * c.wnt) / determinant;
+			pn = (-qn * c.wtt + qt * c.wnt) / determinant;
+			pt = (-qt * c.wnn + qn * c.wnt) / determinant;
 			stick = pn >= 0 && std::abs(pt) <= c.mu * pn;
 		} else if (c.wtt <= 1e-14 * c.wnn) {
 			// Nothing can move along t: no tangential impulse is needed, and none can be determined.
-			pn    = -qn / c.wnn;
-			pt    = 0;
+			pn = -qn / c.wnn;
+			pt = 0;
 			stick = true;
 		}
 		if (!stick) {
@@ -97,9 +98,11 @@ void Sweep::solveGeneral(ContactRow& c, BodyVelocity* bodies)
 			pt = 0;
 			for (const double side : { -1., 1. }) {
 				const double w = c.wnn + side * c.mu * c.wnt;
-				if (w <= 0) continue;
+				if (w <= 0)
+					continue;
 				const double slidingPn = -qn / w;
-				if (side * (qt + (c.wnt + side * c.mu * c.wtt) * slidingPn) > 0) continue; // friction would push along the motion
+				if (side * (qt + (c.wnt + side * c.mu * c.wtt) * slidingPn) > 0)
+					continue; // friction would push along the motion
 				pn = slidingPn;
 				pt = side * c.mu * slidingPn;
 				break;
@@ -118,7 +121,8 @@ void Sweep::operator()()
 		for (size_t i = order.size(); i > 1; i--)
 			std::swap(order[i - 1], order[random() % i]);
 		for (const int32_t i : order) {
-			if (static_cast<size_t>(i) < diagonal.size()) solveDiagonal(diagonal[i], bodies);
+			if (static_cast<size_t>(i) < diagonal.size())
+				solveDiagonal(diagonal[i], bodies);
 			else
 				solveGeneral(system.contacts[generalRows[i - diagonal.size()]], bodies);
 		}

@@ -8,7 +8,7 @@
 namespace cd {
 
 class Sweep {
-public:
+    public:
 	// Packs the contacts and puts their first-guess impulses on the bodies. freeVelocity as in residual.hpp.
 	// seed > 0: each sweep visits the contacts in a new random order.
 	Sweep(ContactSystem& system, const std::vector<double>& freeVelocity, unsigned seed);
@@ -21,21 +21,21 @@ public:
 	// Recomputes the bodies' velocities from the packed impulses, which clears the round-off that updates in place leave behind.
 	void restoreVelocities(const std::vector<double>& freeVelocity);
 
-private:
+    private:
 	// A contact without coupling between n and t, and no lever arm of the normal force: the closed form needs no cases.
 	struct Diagonal {
 		int32_t a, b;
-		double  nx, ny, at, bt, bias, mu, inverseWnn, inverseWtt, pn, pt;
+		double nx, ny, at, bt, bias, mu, inverseWnn, inverseWtt, pn, pt;
 	};
 	static void solveDiagonal(Diagonal&, BodyVelocity* bodies);
 	static void solveGeneral(ContactRow&, BodyVelocity* bodies);
 
-	ContactSystem&          system;
-	std::vector<Diagonal>   diagonal;
-	std::vector<int32_t>    diagonalRows, generalRows; // where each lies in system.contacts
-	std::vector<int32_t>    order;                     // of the random sweeps
-	std::mt19937_64         random;
-	bool                    shuffled;
+	ContactSystem& system;
+	std::vector<Diagonal> diagonal;
+	std::vector<int32_t> diagonalRows, generalRows; // where each lies in system.contacts
+	std::vector<int32_t> order; // of the random sweeps
+	std::mt19937_64 random;
+	bool shuffled;
 };
 
 } // namespace cd

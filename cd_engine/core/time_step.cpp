@@ -20,7 +20,8 @@ double reach(const World& world, double dt)
 	for (const Body& b : world.bodies) {
 		const double vx = b.v[0] + dt * b.inverseMass[0] * b.force[0], vy = b.v[1] + dt * b.inverseMass[1] * b.force[1];
 		fastest = std::max(fastest, vx * vx + vy * vy);
-		if (b.shape.kind == ShapeKind::disk && b.shape.radius > 0) smallest = std::min(smallest, b.shape.radius);
+		if (b.shape.kind == ShapeKind::disk && b.shape.radius > 0)
+			smallest = std::min(smallest, b.shape.radius);
 	}
 	return 4 * dt * std::sqrt(fastest) + (std::isfinite(smallest) ? 1e-3 * smallest : 0);
 }
@@ -29,7 +30,7 @@ void TimeStep::freeVelocities(const World& world, double dt)
 {
 	system.bodies.resize(world.bodies.size());
 	for (size_t i = 0; i < world.bodies.size(); i++) {
-		const Body&   b = world.bodies[i];
+		const Body& b = world.bodies[i];
 		BodyVelocity& s = system.bodies[i];
 		for (int k = 0; k < 3; k++) {
 			s.w[k] = b.inverseMass[k];
@@ -38,33 +39,35 @@ void TimeStep::freeVelocities(const World& world, double dt)
 	}
 }
 
-void TimeStep::addContact(const World& world, size_t index, const StepSettings& settings)
+inline void TimeStep::addContact(const World& world, size_t index, const StepSettings& settings)
 {
 	const Pair& pair = world.pairs[index];
 	const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 	const double half = 0.5 * settings.dt;
 	const double ax = pair.cx - (a.x + half * a.v[0]), ay = pair.cy - (a.y + half * a.v[1]);
 	const double arm = b.shape.radius - 0.5 * pair.overlap; // the disk b: from its centre against the normal
-	ContactRow   c {};
-	c.a  = pair.a;
-	c.b  = pair.b;
+	ContactRow& c = system.contacts.emplace_back();
+	c.a = pair.a;
+	c.b = pair.b;
 	c.nx = pair.nx;
 	c.ny = pair.ny;
 	c.mu = pair.mu;
 	c.bt = -arm;
-	if (a.shape.kind == ShapeKind::disk) c.at = a.shape.radius - 0.5 * pair.overlap;
+	if (a.shape.kind == ShapeKind::disk)
+		c.at = a.shape.radius - 0.5 * pair.overlap;
 	else {
 		c.an = ax * pair.ny - ay * pair.nx;
 		c.at = ax * pair.nx + ay * pair.ny;
 	}
-	c.bias = std::max(pair.gap, 0.) / settings.dt;
+	c.bias = pair.gap > 0 ? pair.gap / settings.dt : 0;
 	if (settings.restitution > 0) {
 		const double un = pair.nx * (b.v[0] - a.v[0]) + pair.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
-		if (un < 0 && pair.gap + settings.dt * un <= 0) c.bias = settings.restitution * un;
+		if (un < 0 && pair.gap + settings.dt * un <= 0)
+			c.bias = settings.restitution * un;
 	}
 	c.pn = pair.pn;
 	c.pt = pair.pt;
-	system.contacts.push_back(c);
+	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	rowPair.push_back(static_cast<int32_t>(index));
 	solved[index] = 1;
 }
@@ -76,10 +79,10 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	rowPair.clear();
 	solved.assign(world.pairs.size(), 0);
 
-	forgotten          = 0;
+	forgotten = 0;
 	const double limit = reach(world, settings.dt);
 	for (size_t i = 0; i < world.pairs.size(); i++) {
-		Pair&       pair = world.pairs[i];
+		Pair& pair = world.pairs[i];
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 		locateContact(pair, a, b, 0.5 * settings.dt);
 		if (pair.reference > 0 && pair.overlap <= 0) { // truly apart
@@ -87,11 +90,11 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 			pair.reference = 0;
 			forgotten++;
 		}
-		if (pair.gap <= limit) addContact(world, i, settings);
+		if (pair.gap <= limit)
+			addContact(world, i, settings);
 		else
 			pair.pn = pair.pt = 0;
 	}
-	system.assembleLocalBlocks();
 	return system;
 }
 
@@ -100,12 +103,14 @@ bool TimeStep::addViolated(const World& world, const StepSettings& settings)
 {
 	const size_t before = system.contacts.size();
 	for (size_t i = 0; i < world.pairs.size(); i++) {
-		if (solved[i]) continue;
-		const Pair&   pair = world.pairs[i];
+		if (solved[i])
+			continue;
+		const Pair& pair = world.pairs[i];
 		const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
-		const double  ax = pair.cx - world.bodies[pair.a].x, ay = pair.cy - world.bodies[pair.a].y;
-		const double  un = pair.nx * (vb[0] - va[0] + va[2] * ay) + pair.ny * (vb[1] - va[1] - va[2] * ax);
-		if (pair.gap + settings.dt * un < 0) addContact(world, i, settings);
+		const double ax = pair.cx - world.bodies[pair.a].x, ay = pair.cy - world.bodies[pair.a].y;
+		const double un = pair.nx * (vb[0] - va[0] + va[2] * ay) + pair.ny * (vb[1] - va[1] - va[2] * ax);
+		if (pair.gap + settings.dt * un < 0)
+			addContact(world, i, settings);
 	}
 	return system.contacts.size() > before;
 }
@@ -115,14 +120,14 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	StepReport report;
 	assemble(world, settings);
 	for (;;) {
-		const auto start    = std::chrono::steady_clock::now();
-		const int  previous = report.solver.iterations;
-		report.solver       = settings.solve(system, settings.solver);
+		const auto start = std::chrono::steady_clock::now();
+		const int previous = report.solver.iterations;
+		report.solver = settings.solve(system, settings.solver);
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		if (!addViolated(world, settings)) break;
+		if (!addViolated(world, settings))
+			break;
 		freeVelocities(world, settings.dt);
-		system.assembleLocalBlocks();
 	}
 	finish(world, settings, report);
 	return report;
@@ -131,17 +136,19 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 void TimeStep::finish(World& world, const StepSettings& settings, StepReport& report)
 {
 	const double h = settings.dt;
-	report.contacts          = static_cast<int>(system.contacts.size());
+	report.contacts = static_cast<int>(system.contacts.size());
 	report.overlapsForgotten = forgotten;
 	for (size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c    = system.contacts[i];
-		Pair&             pair = world.pairs[rowPair[i]];
+		const ContactRow& c = system.contacts[i];
+		Pair& pair = world.pairs[rowPair[i]];
 		pair.pn = c.pn;
 		pair.pt = c.pt;
 		report.maxPenetration = std::max(report.maxPenetration, -pair.gap);
-		if (c.pn <= 0) continue;
+		if (c.pn <= 0)
+			continue;
 		report.loadedContacts++;
-		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone)) report.slidingContacts++;
+		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone))
+			report.slidingContacts++;
 		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 		const BodyVelocity &A = system.bodies[pair.a], &B = system.bodies[pair.b];
@@ -156,7 +163,7 @@ void TimeStep::finish(World& world, const StepSettings& settings, StepReport& re
 		report.dissipated -= c.pn * un + c.pt * ut;
 	}
 	for (size_t i = 0; i < world.bodies.size(); i++) {
-		Body&         b = world.bodies[i];
+		Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v;
 		b.x += 0.5 * h * (b.v[0] + v[0]);
 		b.y += 0.5 * h * (b.v[1] + v[1]);

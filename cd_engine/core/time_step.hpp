@@ -7,21 +7,21 @@
 namespace cd {
 
 struct StepSettings {
-	double         dt          = 0; // [s]
-	double         restitution = 0; // Newton's e, normal direction
-	Solver         solve       = nullptr;
+	double dt = 0; // [s]
+	double restitution = 0; // Newton's e, normal direction
+	Solver solve = nullptr;
 	SolverSettings solver;
 };
 
 struct StepReport {
 	SolverReport solver;
-	int          contacts        = 0; // that the solver was given
-	int          slidingContacts = 0; // loaded, mu > 0, |p_t| at mu p_n
-	int          loadedContacts  = 0;
-	double       maxPenetration  = 0; // [m], beyond the reference overlaps, at the mid-configuration
-	double       dissipated      = 0; // [J] in this step
-	int          overlapsForgotten = 0; // pairs whose reference overlap ended
-	double       solveSeconds    = 0; // spent in the solver
+	int contacts = 0; // that the solver was given
+	int slidingContacts = 0; // loaded, mu > 0, |p_t| at mu p_n
+	int loadedContacts = 0;
+	double maxPenetration = 0; // [m], beyond the reference overlaps, at the mid-configuration
+	double dissipated = 0; // [J] in this step
+	int overlapsForgotten = 0; // pairs whose reference overlap ended
+	double solveSeconds = 0; // spent in the solver
 };
 
 // Gaps wider than this [m] are left out of the problem of a step at first: four times the way of the fastest body under its external
@@ -29,7 +29,7 @@ struct StepReport {
 double reach(const World&, double dt);
 
 class TimeStep {
-public:
+    public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
 	// Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0 keeps the next one from
 	// overlapping to first order: the gap may close within the step but not be crossed.
@@ -39,16 +39,16 @@ public:
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
-private:
+    private:
 	void freeVelocities(const World&, double dt);
 	void addContact(const World&, size_t pair, const StepSettings&);
 	bool addViolated(const World&, const StepSettings&);
 	void finish(World&, const StepSettings&, StepReport&);
 
-	ContactSystem        system;
-	int                  forgotten = 0;
+	ContactSystem system;
+	int forgotten = 0;
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
-	std::vector<char>    solved;  // whether a pair has a contact in the system
+	std::vector<char> solved; // whether a pair has a contact in the system
 };
 
 } // namespace cd

@@ -12,13 +12,13 @@
 #include <string>
 
 template <class T> class Singleton {
-public:
+    public:
 	static T& instance();
 };
 
 namespace yade {
 
-using Real     = double;
+using Real = double;
 using Vector3r = Eigen::Matrix<Real, 3, 1>;
 
 // Never seen from inside: their members are reached through layout.hpp.
@@ -34,37 +34,37 @@ class Scene;
 class TimingDeltas;
 
 class Factorable : public boost::enable_shared_from_this<Factorable> {
-public:
+    public:
 	virtual ~Factorable();
 	virtual std::string getBaseClassName(unsigned i = 0) const;
-	virtual int         getBaseClassNumber() const;
+	virtual int getBaseClassNumber() const;
 	virtual std::string getClassName() const;
 };
 
 class Serializable : public Factorable {
-public:
+    public:
 	~Serializable() override;
-	virtual void                pySetAttr(const std::string& key, const boost::python::object& value);
+	virtual void pySetAttr(const std::string& key, const boost::python::object& value);
 	virtual boost::python::dict pyDict() const;
 	virtual boost::python::dict pyDictCustom() const;
-	virtual void                callPostLoad();
-	virtual bool                checkPyClassRegistersItself(const std::string& name) const;
-	virtual void                pyRegisterClass(boost::python::object scope);
-	virtual void                pyHandleCustomCtorArgs(boost::python::tuple& args, boost::python::dict& keywords);
-	void                        pyUpdateAttrs(const boost::python::dict& attributes);
+	virtual void callPostLoad();
+	virtual bool checkPyClassRegistersItself(const std::string& name) const;
+	virtual void pyRegisterClass(boost::python::object scope);
+	virtual void pyHandleCustomCtorArgs(boost::python::tuple& args, boost::python::dict& keywords);
+	void pyUpdateAttrs(const boost::python::dict& attributes);
 };
 
 class Engine : public Serializable {
-public:
+    public:
 	Scene* scene; // set by YADE's loop before every call
 	struct {
-		long               nExec;
+		long nExec;
 		unsigned long long nsec;
 	} timingInfo;
 	boost::shared_ptr<TimingDeltas> timingDeltas;
-	bool                            dead;
-	int                             ompThreads;
-	std::string                     label;
+	bool dead;
+	int ompThreads;
+	std::string label;
 
 	Engine();
 	~Engine() override;
@@ -73,58 +73,59 @@ public:
 };
 
 class GlobalEngine : public Engine {
-public:
-	GlobalEngine() {}
+    public:
+	GlobalEngine() { }
 	~GlobalEngine() override;
-	std::string         getBaseClassName(unsigned i = 0) const override;
-	int                 getBaseClassNumber() const override;
-	std::string         getClassName() const override;
-	void                pySetAttr(const std::string& key, const boost::python::object& value) override;
+	std::string getBaseClassName(unsigned i = 0) const override;
+	int getBaseClassNumber() const override;
+	std::string getClassName() const override;
+	void pySetAttr(const std::string& key, const boost::python::object& value) override;
 	boost::python::dict pyDict() const override;
-	void                callPostLoad() override;
-	void                pyRegisterClass(boost::python::object scope) override;
+	void callPostLoad() override;
+	void pyRegisterClass(boost::python::object scope) override;
 
 	// Never run: Boost.Serialization's unique instance for this class is YADE's, whose own code is called through its vtable.
 	template <class Archive> void serialize(Archive&, unsigned) { throw std::logic_error("YADE's serializer of GlobalEngine was not found"); }
 };
 
 class BodyContainer {
-public:
+    public:
 	boost::shared_ptr<Body>& operator[](unsigned id);
-	std::size_t              size() const;
-	int                      insert(boost::shared_ptr<Body>);
+	std::size_t size() const;
+	int insert(boost::shared_ptr<Body>);
 };
 
 class InteractionContainer {
-public:
+    public:
 	bool insert(int id1, int id2);
 };
 
 class ForceContainer {
-public:
+    public:
 	ForceContainer();
-	void            sync();
+	void sync();
 	const Vector3r& getForce(int id);
 	const Vector3r& getTorque(int id);
-	void            addForce(int id, const Vector3r&);
-	void            addTorque(int id, const Vector3r&);
+	void addForce(int id, const Vector3r&);
+	void addTorque(int id, const Vector3r&);
 };
 
 class Interaction {
-public:
+    public:
 	void swapOrder();
 };
 
 class ClassFactory {
-public:
-	bool registerFactorable(std::string name, Factorable* (*create)(), boost::shared_ptr<Factorable> (*createShared)(), void* (*createPureCustom)());
+    public:
+	bool registerFactorable(
+	    std::string name, Factorable* (*create)(), boost::shared_ptr<Factorable> (*createShared)(), void* (*createPureCustom)());
 	boost::shared_ptr<Factorable> createShared(std::string name);
 };
 
 class Omega {
-public:
+    public:
 	const boost::shared_ptr<Scene>& getScene() const;
-	bool                            isInheritingFrom_recursive(const std::string& className, const std::string& baseClassName);
+	bool isInheritingFrom_recursive(const std::string& className, const std::string& baseClassName);
 };
 
 } // namespace yade

@@ -10,41 +10,50 @@ void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine, double m)
 {
 	wake();
 	collider = std::move(engine);
-	margin   = m;
+	margin = m;
 	seen.clear();
 }
 
 void ColliderRest::wake()
 {
-	if (collider && resting) collider->dead = false;
+	if (collider && resting)
+		collider->dead = false;
 	resting = false;
 }
 
 bool ColliderRest::stillComplete(const cd::World& world, double reach) const
 {
-	if (seen.size() != world.bodies.size()) return false;
+	if (seen.size() != world.bodies.size())
+		return false;
 	// Half the margin of a disk is for its own way, half for its partner's; a boundary shares with the smallest disk.
 	double smallest = std::numeric_limits<double>::infinity();
 	for (const cd::Body& b : world.bodies)
-		if (b.shape.kind == cd::ShapeKind::disk && b.shape.radius > 0) smallest = std::min(smallest, b.shape.radius);
+		if (b.shape.kind == cd::ShapeKind::disk && b.shape.radius > 0)
+			smallest = std::min(smallest, b.shape.radius);
 	for (std::size_t i = 0; i < seen.size(); i++) {
-		const cd::Body&  b = world.bodies[i];
+		const cd::Body& b = world.bodies[i];
 		const cd::Shape &now = b.shape, &then = seen[i].shape;
-		if (now.kind != then.kind || now.radius != then.radius || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense) return false;
+		if (now.kind != then.kind || now.radius != then.radius || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis
+		    || now.sense != then.sense)
+			return false;
 		double way = std::max(std::abs(b.x - seen[i].x), std::abs(b.y - seen[i].y));
-		if (now.kind == cd::ShapeKind::box) way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
+		if (now.kind == cd::ShapeKind::box)
+			way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
 		const double radius = now.kind == cd::ShapeKind::disk ? now.radius : smallest;
-		if (!(way <= 0.5 * (margin * radius - reach))) return false;
+		if (!(way <= 0.5 * (margin * radius - reach)))
+			return false;
 	}
 	return true;
 }
 
 void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double reach)
 {
-	if (!collider || margin <= 0) return;
+	if (!collider || margin <= 0)
+		return;
 	const bool ranInLoop = !collider->dead;
 	if (!ranInLoop) {
-		if (stillComplete(world, reach)) return;
+		if (stillComplete(world, reach))
+			return;
 		collider->scene = scene;
 		collider->action();
 	}

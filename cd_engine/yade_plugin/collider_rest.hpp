@@ -10,9 +10,9 @@ namespace cd_engine {
 
 // The bounds of disks are larger than the disks by `margin` times their radius, so the pairs found stay complete until the
 // displacements since then use the margin up. Until then the collider is dead to YADE's loop; when they have, it is run here,
-// at once, before any pair is read. Which further pairs the list holds changes no result (see sweepKey in scene_read.cpp).
+// at once, before any pair is read. Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
 class ColliderRest {
-public:
+    public:
 	~ColliderRest() { wake(); }
 
 	void attach(boost::shared_ptr<yade::Engine> collider, double margin);
@@ -21,17 +21,17 @@ public:
 	// Gives the collider back to YADE's loop.
 	void wake();
 
-private:
+    private:
 	struct Place {
-		double    x, y;
+		double x, y;
 		cd::Shape shape;
 	};
 	bool stillComplete(const cd::World&, double reach) const;
 
 	boost::shared_ptr<yade::Engine> collider;
-	double                          margin  = 0;
-	bool                            resting = false;
-	std::vector<Place>              seen; // the bodies when the collider ran last
+	double margin = 0;
+	bool resting = false;
+	std::vector<Place> seen; // the bodies when the collider ran last
 };
 
 } // namespace cd_engine

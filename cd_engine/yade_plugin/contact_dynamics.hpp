@@ -12,40 +12,40 @@
 namespace cd_engine {
 
 class ContactDynamics : public yade::GlobalEngine {
-public:
+    public:
 	// Set by the user.
-	Vector3r    gravity         = Vector3r::Zero();
-	double      tolerance       = 1e-6;
-	int         maxIterations   = 20000;
-	int         fixedIterations = 0;
-	std::string method          = "nsgs";
-	bool        warmStart       = true;
-	double      restitution     = 0;
-	int         seed            = 0;
-	bool        handover        = true;
-	double      colliderMargin  = 0;
+	Vector3r gravity = Vector3r::Zero();
+	double tolerance = 1e-6;
+	int maxIterations = 20000;
+	int fixedIterations = 0;
+	std::string method = "nsgs";
+	bool warmStart = true;
+	double restitution = 0;
+	int seed = 0;
+	bool handover = true;
+	double colliderMargin = 0;
 
 	// Left by the last step.
-	int         iterations      = 0;
-	double      residual        = 0;
-	double      residualMax     = 0;
-	bool        converged       = false;
-	std::string status          = "no step yet";
-	int         contacts        = 0;
-	int         loadedContacts  = 0;
-	int         slidingContacts = 0;
-	double      maxPenetration  = 0;
-	double      handoverOverlap = 0;
+	int iterations = 0;
+	double residual = 0;
+	double residualMax = 0;
+	bool converged = false;
+	std::string status = "no step yet";
+	int contacts = 0;
+	int loadedContacts = 0;
+	int slidingContacts = 0;
+	double maxPenetration = 0;
+	double handoverOverlap = 0;
 
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
-	long   steps            = 0;
-	long   unconvergedSteps = 0;
-	long   totalIterations  = 0;
-	double solveTime        = 0;
+	long steps = 0;
+	long unconvergedSteps = 0;
+	long totalIterations = 0;
+	double solveTime = 0;
 
 	// The reference overlaps, so that they survive O.save.
-	std::vector<int>    referenceIds;
+	std::vector<int> referenceIds;
 	std::vector<double> referenceOverlaps;
 
 	// Visits (name, member, documentation, range or none) of every attribute, in the order a user reads them: the one list from
@@ -54,25 +54,25 @@ public:
 
 	void action() override;
 
-	std::string         getClassName() const override { return "ContactDynamics"; }
-	std::string         getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
-	int                 getBaseClassNumber() const override { return 1; }
-	void                pySetAttr(const std::string& key, const boost::python::object& value) override;
+	std::string getClassName() const override { return "ContactDynamics"; }
+	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
+	int getBaseClassNumber() const override { return 1; }
+	void pySetAttr(const std::string& key, const boost::python::object& value) override;
 	boost::python::dict pyDict() const override;
-	void                callPostLoad() override;
-	void                pyRegisterClass(boost::python::object scope) override;
+	void callPostLoad() override;
+	void pyRegisterClass(boost::python::object scope) override;
 
 	template <class Archive> void serialize(Archive& archive, unsigned);
 
-private:
+    private:
 	void checkEngines();
 	void rememberOverlaps();
 	void warn();
 
-	SceneLink    link;
+	SceneLink link;
 	ColliderRest rest;
 	cd::TimeStep step;
-	bool         enginesChecked = false, warned = false;
+	bool enginesChecked = false, warned = false;
 };
 
 // How an attribute may be set from Python.
@@ -80,7 +80,7 @@ enum class Access { set, read };
 
 struct Range {
 	double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-	bool   openLow = false; // low itself is excluded
+	bool openLow = false; // low itself is excluded
 };
 
 template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
@@ -90,36 +90,53 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access::set, positive, "The step is solved when the error e (see *residual*) is at most this [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. }, "Sweeps after which a step is left unconverged [1].");
-	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. }, "If positive: make exactly this many sweeps in every step and test nothing, for studies of under-converged contact dynamics [1].");
+	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
+	    "If positive: make exactly this many sweeps in every step and test nothing, for studies of under-converged contact dynamics [1].");
 	visit("method", &C::method, Access::set, any, "Name of the solver: one of :py:func:`cd_engine.methods`.");
-	visit("warmStart", &C::warmStart, Access::set, any, "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
-	visit("restitution", &C::restitution, Access::set, Range { 0, 1 }, "Newton's coefficient of normal restitution [1]; 0 for quasi-static work.");
-	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. }, "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
-	visit("handover", &C::handover, Access::set, any, "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. Reset to False by that step; set it again after an interlude with springs.");
-	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 }, "By how much the collider's bounds are larger than the disks, as a fraction of the radius [1]: aabbEnlargeFactor - 1. While displacements stay within it the collider's *dead* is True and this engine runs it when they do not; 0: the collider runs in every step.");
+	visit("warmStart", &C::warmStart, Access::set, any,
+	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
+	visit(
+	    "restitution", &C::restitution, Access::set, Range { 0, 1 }, "Newton's coefficient of normal restitution [1]; 0 for quasi-static work.");
+	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. },
+	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
+	visit("handover", &C::handover, Access::set, any,
+	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
+	    "Reset to False by that step; set it again after an interlude with springs.");
+	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 },
+	    "By how much the collider's bounds are larger than the disks, as a fraction of the radius [1]: aabbEnlargeFactor - 1. While "
+	    "displacements stay within it the collider's *dead* is True and this engine runs it when they do not; 0: the collider runs in every "
+	    "step.");
 	visit("iterations", &C::iterations, Access::read, any, "Sweeps made in the last step [1].");
-	visit("residual", &C::residual, Access::read, any, "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
+	visit("residual", &C::residual, Access::read, any,
+	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
+	    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
 	visit("residualMax", &C::residualMax, Access::read, any, "The same for the worst contact, over the root mean square of p [1].");
 	visit("converged", &C::converged, Access::read, any, "Whether the last step's *residual* is at most *tolerance*.");
-	visit("status", &C::status, Access::read, any, "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated or diverged.");
+	visit("status", &C::status, Access::read, any,
+	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated or diverged.");
 	visit("contacts", &C::contacts, Access::read, any, "Contacts the solver was given in the last step [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
-	visit("slidingContacts", &C::slidingContacts, Access::read, any, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
+	visit("slidingContacts", &C::slidingContacts, Access::read, any,
+	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
 	visit("maxPenetration", &C::maxPenetration, Access::read, any, "Largest overlap beyond the reference one met in the last step [m].");
 	visit("handoverOverlap", &C::handoverOverlap, Access::read, any, "Largest overlap taken as reference at the hand-over [m].");
 	visit("dissipatedEnergy", &C::dissipatedEnergy, Access::read, any, "Energy lost in friction and impacts since the engine was made [J].");
 	visit("steps", &C::steps, Access::read, any, "Steps made [1].");
-	visit("unconvergedSteps", &C::unconvergedSteps, Access::read, any, "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");
+	visit("unconvergedSteps", &C::unconvergedSteps, Access::read, any,
+	    "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");
 	visit("totalIterations", &C::totalIterations, Access::read, any, "Sweeps made in all steps [1].");
-	visit("solveTime", &C::solveTime, Access::read, any, "Time spent in the solver [s]; what O.timingEnabled shows beyond it went into geometry, reading and writing the scene.");
+	visit("solveTime", &C::solveTime, Access::read, any,
+	    "Time spent in the solver [s]; what O.timingEnabled shows beyond it went into geometry, reading and writing the scene.");
 	visit("referenceIds", &C::referenceIds, Access::read, any, "Ids of the pairs that keep a reference overlap, two a pair.");
-	visit("referenceOverlaps", &C::referenceOverlaps, Access::read, any, "The reference overlaps of these pairs [m]. A pair forgets its overlap once its bodies are apart.");
+	visit("referenceOverlaps", &C::referenceOverlaps, Access::read, any,
+	    "The reference overlaps of these pairs [m]. A pair forgets its overlap once its bodies are apart.");
 }
 
 template <class Archive> void ContactDynamics::serialize(Archive& archive, unsigned)
 {
 	archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(*this));
-	attributes([&](const char* name, auto member, Access, const Range&, const char*) { archive& boost::serialization::make_nvp(name, this->*member); });
+	attributes(
+	    [&](const char* name, auto member, Access, const Range&, const char*) { archive& boost::serialization::make_nvp(name, this->*member); });
 }
 
 } // namespace cd_engine

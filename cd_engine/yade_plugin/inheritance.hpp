@@ -11,9 +11,11 @@ bool looksUpInheritance(const void* serializable, Base);
 inline bool inherits(const void* serializable, Base base)
 {
 	static const void* latest[4] = { nullptr, nullptr, nullptr, nullptr }; // vtable last found to be derived
-	const void* const  vtable    = *static_cast<const void* const*>(serializable);
-	if (vtable == latest[static_cast<int>(base)]) return true;
-	if (!looksUpInheritance(serializable, base)) return false;
+	const void* const vtable = *static_cast<const void* const*>(serializable);
+	if (vtable == latest[static_cast<int>(base)])
+		return true;
+	if (!looksUpInheritance(serializable, base))
+		return false;
 	latest[static_cast<int>(base)] = vtable;
 	return true;
 }

@@ -20,15 +20,16 @@ namespace {
 	// One run over all members: what was claimed, what was found.
 	struct Survey {
 		const std::map<std::string, Lie>& lies;
-		Layout                            found {};
-		Entries                           entries {};
+		Layout found {};
+		Entries entries {};
 
 		template <class T> void published(long Layout::*slot, const char* className, const char* member)
 		{
 			const std::string name = std::string(className) + "." + member;
-			std::string       type = py::type_id<T>().name();
-			const auto        lie  = lies.find(name);
-			if (lie != lies.end() && !lie->second.type.empty()) type = lie->second.type;
+			std::string type = py::type_id<T>().name();
+			const auto lie = lies.find(name);
+			if (lie != lies.end() && !lie->second.type.empty())
+				type = lie->second.type;
 			const long offset = publishedOffset(className, member, type);
 			if (lie != lies.end() && lie->second.offset >= 0 && lie->second.offset != offset)
 				refuse(name, "offset " + std::to_string(lie->second.offset), "offset " + std::to_string(offset));
@@ -40,7 +41,8 @@ namespace {
 		long declared(const std::string& name, long offset)
 		{
 			const auto lie = lies.find(name);
-			if (lie != lies.end() && lie->second.offset >= 0) offset = lie->second.offset;
+			if (lie != lies.end() && lie->second.offset >= 0)
+				offset = lie->second.offset;
 			entries.emplace_back(name, offset);
 			return offset;
 		}
@@ -86,7 +88,8 @@ namespace {
 	void* symbol(const char* name)
 	{
 		void* address = dlsym(RTLD_DEFAULT, name);
-		if (!address) refuse("symbol " + std::string(name), "exported by libyade.so", "not there");
+		if (!address)
+			refuse("symbol " + std::string(name), "exported by libyade.so", "not there");
 		return address;
 	}
 
@@ -100,7 +103,8 @@ namespace {
 	Shared<yade::Factorable> make(const char* className)
 	{
 		Shared<yade::Factorable> object = Singleton<yade::ClassFactory>::instance().createShared(className);
-		if (!object) refuse(className, "a class YADE can create", "none of that name");
+		if (!object)
+			refuse(className, "a class YADE can create", "none of that name");
 		return object;
 	}
 
@@ -109,22 +113,23 @@ namespace {
 	{
 		using yade::Vector3r;
 		const py::object wrapper = py::import("yade.wrapper"), minieigen = py::import("yade.minieigenHP");
-		py::object       state   = wrapper.attr("State")();
-		char*            raw     = static_cast<char*>(static_cast<void*>(py::extract<yade::Serializable*>(state)()));
+		py::object state = wrapper.attr("State")();
+		char* raw = static_cast<char*>(static_cast<void*>(py::extract<yade::Serializable*>(state)()));
 
-		state.attr("pos")         = minieigen.attr("Vector3")(1.25, -2.5, 3.75);
-		const double turned[4]    = { 0.36, 0.48, 0, 0.8 }; // x, y, z, w: a unit quaternion
-		state.attr("ori")         = minieigen.attr("Quaternion")(turned[3], turned[0], turned[1], turned[2]);
+		state.attr("pos") = minieigen.attr("Vector3")(1.25, -2.5, 3.75);
+		const double turned[4] = { 0.36, 0.48, 0, 0.8 }; // x, y, z, w: a unit quaternion
+		state.attr("ori") = minieigen.attr("Quaternion")(turned[3], turned[0], turned[1], turned[2]);
 		state.attr("blockedDOFs") = "yzX";
 
 		const auto holds = [&](const char* member, long offset, const void* expected, std::size_t bytes) {
 			std::vector<char> found(bytes);
 			if (offset < 0 || !readMemory(raw + offset, found.data(), bytes) || std::memcmp(found.data(), expected, bytes) != 0)
-				refuse(std::string("State.") + member, "at offset " + std::to_string(offset) + " the value just set from Python", "something else");
+				refuse(std::string("State.") + member, "at offset " + std::to_string(offset) + " the value just set from Python",
+				    "something else");
 		};
-		const double   position[3] = { 1.25, -2.5, 3.75 };
-		const unsigned dofs        = 2 | 4 | 8;
-		s.found.state_se3          = s.declared("State.pos", 88);
+		const double position[3] = { 1.25, -2.5, 3.75 };
+		const unsigned dofs = 2 | 4 | 8;
+		s.found.state_se3 = s.declared("State.pos", 88);
 		holds("pos", s.found.state_se3, position, sizeof position);
 		s.found.state_orientation = s.declared("State.ori", 112);
 		holds("ori", s.found.state_orientation, turned, sizeof turned);
@@ -147,18 +152,23 @@ namespace {
 			std::fill(std::begin(fresh[i].byte), std::end(fresh[i].byte), i ? 0x5A : 0xA5);
 			new (static_cast<void*>(&fresh[i])) yade::ForceContainer();
 		}
-		if (!readMemory(place, found)) return false;
+		if (!readMemory(place, found))
+			return false;
 		std::size_t compared = 0, pointers = 0;
 		for (std::size_t i = 0; i < words; i++) {
 			char target;
-			if (readMemory(reinterpret_cast<void*>(fresh[0].word[i]), target) && readMemory(reinterpret_cast<void*>(fresh[1].word[i]), target)) {
-				if (!readMemory(reinterpret_cast<void*>(found.word[i]), target)) return false;
+			if (readMemory(reinterpret_cast<void*>(fresh[0].word[i]), target)
+			    && readMemory(reinterpret_cast<void*>(fresh[1].word[i]), target)) {
+				if (!readMemory(reinterpret_cast<void*>(found.word[i]), target))
+					return false;
 				pointers++;
 				continue;
 			}
 			for (std::size_t k = 8 * i; k < 8 * i + 8; k++) {
-				if (fresh[0].byte[k] != fresh[1].byte[k]) continue;
-				if (fresh[0].byte[k] != found.byte[k]) return false;
+				if (fresh[0].byte[k] != fresh[1].byte[k])
+					continue;
+				if (fresh[0].byte[k] != found.byte[k])
+					return false;
 				compared++;
 			}
 		}
@@ -169,60 +179,69 @@ namespace {
 	void surveyScene(Survey& s)
 	{
 		const Shared<yade::Factorable> scene = make("Scene");
-		char*                          raw   = reinterpret_cast<char*>(scene.get());
+		char* raw = reinterpret_cast<char*>(scene.get());
 
 		const auto container = [&](const char* member, long offset, const char* vtable) {
 			void* object = nullptr;
 			if (offset < 0 || offset > 4096 || !readMemory(raw + offset, object) || !hasVtable(object, vtable))
-				refuse(std::string("Scene.") + member, "at offset " + std::to_string(offset) + " a pointer to its container", "something else");
+				refuse(std::string("Scene.") + member, "at offset " + std::to_string(offset) + " a pointer to its container",
+				    "something else");
 			return object;
 		};
 		s.found.scene_bodies = s.declared("Scene.bodies", 600);
 		auto* bodies = static_cast<yade::BodyContainer*>(container("bodies", s.found.scene_bodies, "_ZTVN4yade13BodyContainerE"));
 		s.found.scene_interactions = s.declared("Scene.interactions", 616);
-		auto* interactions = static_cast<yade::InteractionContainer*>(container("interactions", s.found.scene_interactions, "_ZTVN4yade20InteractionContainerE"));
+		auto* interactions = static_cast<yade::InteractionContainer*>(
+		    container("interactions", s.found.scene_interactions, "_ZTVN4yade20InteractionContainerE"));
 
 		s.found.scene_forces = s.declared("Scene.forces", 32);
 		if (s.found.scene_forces < 0 || s.found.scene_forces > 4096 || !looksLikeForceContainer(raw + s.found.scene_forces))
 			refuse("Scene.forces", "at offset " + std::to_string(s.found.scene_forces) + " a force container", "something else");
 
 		// Inserting a body sets the current scene's doSort; put it back, so that importing the module changes no run.
-		const long     doSort  = publishedOffset("Scene", "doSort", py::type_id<bool>().name());
-		void* const    current = Singleton<yade::Omega>::instance().getScene().get();
-		const bool     sorting = at<bool>(current, doSort);
+		const long doSort = publishedOffset("Scene", "doSort", py::type_id<bool>().name());
+		void* const current = Singleton<yade::Omega>::instance().getScene().get();
+		const bool sorting = at<bool>(current, doSort);
 		for (int i = 0; i < 3; i++) {
 			const Shared<yade::Factorable> body = make("Body");
 			bodies->insert(Shared<yade::Body>(body, reinterpret_cast<yade::Body*>(body.get())));
 		}
 		at<bool>(current, doSort) = sorting;
 		if (bodies->size() != 3 || at<int>((*bodies)[2].get(), s.found.body_id) != 2)
-			refuse("BodyContainer", "three bodies after three insertions, the last with id 2", std::to_string(bodies->size()) + " bodies");
+			refuse(
+			    "BodyContainer", "three bodies after three insertions, the last with id 2", std::to_string(bodies->size()) + " bodies");
 
 		interactions->insert(0, 1);
 		interactions->insert(1, 2);
 		s.found.interactions_linear = s.declared("InteractionContainer.linear", 24);
 		char* const place = reinterpret_cast<char*>(interactions) + s.found.interactions_linear;
-		char *      range[2] = { nullptr, nullptr }, *last = nullptr;
-		int         ids[2] = { -1, -1 };
+		char *range[2] = { nullptr, nullptr }, *last = nullptr;
+		int ids[2] = { -1, -1 };
 		if (!readMemory(place, range, sizeof range) || range[1] - range[0] != 2 * static_cast<long>(sizeof(Shared<yade::Interaction>))
 		    || !readMemory(range[0] + sizeof(Shared<yade::Interaction>), last) || !hasVtable(last, "_ZTVN4yade11InteractionE")
-		    || !readMemory(last + s.found.interaction_id1, ids[0]) || !readMemory(last + s.found.interaction_id2, ids[1]) || ids[0] != 1 || ids[1] != 2)
-			refuse("InteractionContainer.linear", "at offset " + std::to_string(s.found.interactions_linear) + " the two interactions just inserted", "something else");
+		    || !readMemory(last + s.found.interaction_id1, ids[0]) || !readMemory(last + s.found.interaction_id2, ids[1]) || ids[0] != 1
+		    || ids[1] != 2)
+			refuse("InteractionContainer.linear",
+			    "at offset " + std::to_string(s.found.interactions_linear) + " the two interactions just inserted", "something else");
 	}
 
 	// The base class we derive from: its size, its members as the compiler placed them, its virtual functions.
 	void surveyEngine(Survey& s)
 	{
 		const Shared<yade::Factorable> made = make("GlobalEngine");
-		yade::GlobalEngine             own; // laid out by our compiler, constructed by YADE's code
-		const auto placed = [&](const char* member, const void* address) { return std::make_pair(member, static_cast<long>(static_cast<const char*>(address) - reinterpret_cast<const char*>(&own))); };
+		yade::GlobalEngine own; // laid out by our compiler, constructed by YADE's code
+		const auto placed = [&](const char* member, const void* address) {
+			return std::make_pair(member, static_cast<long>(static_cast<const char*>(address) - reinterpret_cast<const char*>(&own)));
+		};
 
 		const auto compare = [&](const std::pair<const char*, long>& mine, const std::string& type) {
 			const std::string name = std::string("Engine.") + mine.first;
-			const auto        lie  = s.lies.find(name);
-			const long        claimed = lie != s.lies.end() && lie->second.offset >= 0 ? lie->second.offset : mine.second;
-			const long        offset  = publishedOffset("Engine", mine.first, lie != s.lies.end() && !lie->second.type.empty() ? lie->second.type : type);
-			if (offset != claimed) refuse(name, "offset " + std::to_string(claimed), "offset " + std::to_string(offset));
+			const auto lie = s.lies.find(name);
+			const long claimed = lie != s.lies.end() && lie->second.offset >= 0 ? lie->second.offset : mine.second;
+			const long offset
+			    = publishedOffset("Engine", mine.first, lie != s.lies.end() && !lie->second.type.empty() ? lie->second.type : type);
+			if (offset != claimed)
+				refuse(name, "offset " + std::to_string(claimed), "offset " + std::to_string(offset));
 			s.entries.emplace_back(name, offset);
 		};
 		compare(placed("timingDeltas", &own.timingDeltas), py::type_id<Shared<yade::TimingDeltas>>().name());
@@ -233,18 +252,19 @@ namespace {
 		// PeriodicEngine derives from GlobalEngine and from nothing else; its first own member starts where the base ends.
 		const long size = s.declared("GlobalEngine.sizeof", sizeof(yade::GlobalEngine));
 		const long next = publishedOffset("PeriodicEngine", "virtPeriod", py::type_id<double>().name());
-		if (next != size) refuse("GlobalEngine.sizeof", std::to_string(size) + " bytes", "a derived class's first member at " + std::to_string(next));
+		if (next != size)
+			refuse("GlobalEngine.sizeof", std::to_string(size) + " bytes", "a derived class's first member at " + std::to_string(next));
 
 		const long pointer = s.declared("Engine.scene", placed("scene", &own.scene).second);
-		void*      current = nullptr;
+		void* current = nullptr;
 		if (pointer < 0 || pointer > size - 8 || !readMemory(reinterpret_cast<char*>(made.get()) + pointer, current)
 		    || current != Singleton<yade::Omega>::instance().getScene().get())
 			refuse("Engine.scene", "at offset " + std::to_string(pointer) + " the current scene", "something else");
 
 		py::object engine = py::import("yade.wrapper").attr("GlobalEngine")();
 		engine.attr("execTime") = 4711;
-		const long          nsec = s.declared("Engine.timingInfo", placed("timingInfo", &own.timingInfo).second);
-		unsigned long long  read = 0;
+		const long nsec = s.declared("Engine.timingInfo", placed("timingInfo", &own.timingInfo).second);
+		unsigned long long read = 0;
 		if (!readMemory(static_cast<char*>(static_cast<void*>(py::extract<yade::Serializable*>(engine)())) + nsec + 8, read) || read != 4711)
 			refuse("Engine.timingInfo", "at offset " + std::to_string(nsec) + " the time just set from Python", std::to_string(read));
 	}
@@ -272,9 +292,9 @@ namespace {
 		void** const slots = reinterpret_cast<void**>(static_cast<char*>(symbol("_ZTVN4yade12GlobalEngineE")) + 16);
 		for (long i = 0; i < static_cast<long>(std::size(virtualFunctions)); i++) {
 			const std::string name = "GlobalEngine.vtable[" + std::to_string(i) + "]";
-			const auto        lie  = s.lies.find(name);
-			const char*       function = lie != s.lies.end() && !lie->second.type.empty() ? lie->second.type.c_str() : virtualFunctions[i];
-			void*             slot     = nullptr;
+			const auto lie = s.lies.find(name);
+			const char* function = lie != s.lies.end() && !lie->second.type.empty() ? lie->second.type.c_str() : virtualFunctions[i];
+			void* slot = nullptr;
 			readMemory(slots + i, slot);
 			// Weak functions may have one copy in each library; all of them are reached by this name, the slot holds the first.
 			void* const expected = dlsym(RTLD_DEFAULT, function);
@@ -301,9 +321,10 @@ void establishLayout(const std::map<std::string, Lie>& lies)
 	surveyScene(survey);
 	for (const auto& lie : lies) {
 		const auto known = [&](const auto& entry) { return entry.first == lie.first; };
-		if (std::none_of(survey.entries.begin(), survey.entries.end(), known)) throw LayoutError("no member named " + lie.first + " is looked up");
+		if (std::none_of(survey.entries.begin(), survey.entries.end(), known))
+			throw LayoutError("no member named " + lie.first + " is looked up");
 	}
-	layout    = survey.found;
+	layout = survey.found;
 	confirmed = survey.entries;
 }
 

@@ -33,7 +33,7 @@ extern Layout layout;
 
 // What a test may claim falsely about a member ("State.vel") to see the claim refused: another offset, another type.
 struct Lie {
-	long        offset = -1;
+	long offset = -1;
 	std::string type;
 };
 
@@ -48,5 +48,8 @@ void establishLayout(const std::map<std::string, Lie>& lies = {});
 std::vector<std::pair<std::string, long>> layoutEntries();
 
 template <class T> T& at(void* object, long offset) { return *reinterpret_cast<T*>(static_cast<char*>(object) + offset); }
+
+// What a shared_ptr member points to.
+template <class T> void* pointer(char* object, long offset) { return at<boost::shared_ptr<T>>(object, offset).get(); }
 
 } // namespace cd_engine

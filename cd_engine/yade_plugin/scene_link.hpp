@@ -21,14 +21,14 @@ class SceneError : public std::runtime_error {
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
-	std::vector<int>&    ids;
+	std::vector<int>& ids;
 	std::vector<double>& overlaps;
 
 	double of(int id1, int id2) const; // 0 if the pair has none
 };
 
 class SceneLink {
-public:
+    public:
 	cd::World world; // bodies: at their ids (erased ids stand as immobile bodies without pairs)
 
 	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `known`: overlaps of pairs that
@@ -42,19 +42,19 @@ public:
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 
-private:
+    private:
 	struct KnownBody {
-		void *      body = nullptr, *shape = nullptr, *material = nullptr; // as last looked at
-		char*       state    = nullptr;
-		bool        exists   = false;
-		bool        inPlane  = false; // takes part in contacts
-		bool        boundary = false;
-		double      frictionAngle = 0, friction = 0; // [rad] and its tangent
-		cd::ShapeKind kind   = cd::ShapeKind::disk;
+		void *body = nullptr, *shape = nullptr, *material = nullptr; // as last looked at
+		char* state = nullptr;
+		bool exists = false;
+		bool inPlane = false; // takes part in contacts
+		bool boundary = false;
+		double frictionAngle = 0, friction = 0; // [rad] and its tangent
+		cd::ShapeKind kind = cd::ShapeKind::disk;
 	};
 	struct KnownPair {
 		yade::Interaction* interaction;
-		int                id1, id2;
+		int id1, id2;
 	};
 
 	void gatherBodies(yade::Scene*, const Vector3r& gravity);
@@ -70,11 +70,11 @@ private:
 	void readImpulse(std::size_t pair, double dt);
 	void makeReal(std::size_t pair, long iteration);
 	void makeUnreal(std::size_t pair);
-	void writeContact(std::size_t pair, double dt);
+	void writeContact(std::size_t pair, double rate); // rate: 1/dt
 	void writeMotion(std::size_t id);
 
 	std::vector<KnownBody> bodies;
-	std::vector<KnownPair> listed;              // the scene's interactions in its own order, to notice changes
+	std::vector<KnownPair> listed; // the scene's interactions in its own order, to notice changes
 	std::vector<yade::Interaction*> interactions; // of world.pairs
 	struct Spare {
 		boost::shared_ptr<yade::IGeom> geom;
@@ -82,13 +82,14 @@ private:
 	};
 	struct Forces {
 		void *geom, *phys; // null: none, or not of a class that can hold a contact's force
+		bool any; // whether there is any object at all
 	};
 	std::vector<Forces> forces; // of world.pairs, as found by this step's gather
-	std::vector<Spare>  spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
+	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
 	Vector3r gravity = Vector3r::Zero();
-	double   layer   = 0;       // z of the disks
-	void*    layerBody = nullptr; // the disk it was taken from
-	int      layerId = -1;
+	double layer = 0; // z of the disks
+	void* layerBody = nullptr; // the disk it was taken from
+	int layerId = -1;
 	std::vector<std::array<double, 3>> total; // scratch: force and torque added to each body
 };
 

@@ -23,11 +23,11 @@ Body box(double x, double y, double ex, double ey, double angle)
 	Body b;
 	b.x = x;
 	b.y = y;
-	b.shape.kind   = ShapeKind::box;
-	b.shape.ex     = ex;
-	b.shape.ey     = ey;
+	b.shape.kind = ShapeKind::box;
+	b.shape.ex = ex;
+	b.shape.ey = ey;
 	b.shape.cosine = std::cos(angle);
-	b.shape.sine   = std::sin(angle);
+	b.shape.sine = std::sin(angle);
 	return b;
 }
 
@@ -61,7 +61,8 @@ TEST_CASE("disk on box: the nearest of many points of the outline, over faces an
 		// The outline is sampled every 6e-5 m; a tangential miss of d costs d^2/(2 distance) in distance.
 		CHECK(p.gap == doctest::Approx(sign * nearest - 0.05).epsilon(1e-4));
 		CHECK(std::hypot(p.nx, p.ny) == doctest::Approx(1));
-		if (nearest > 0.05) CHECK(p.nx * nx / nearest + p.ny * ny / nearest == doctest::Approx(sign).epsilon(1e-3));
+		if (nearest > 0.05)
+			CHECK(p.nx * nx / nearest + p.ny * ny / nearest == doctest::Approx(sign).epsilon(1e-3));
 	}
 }
 

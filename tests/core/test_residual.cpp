@@ -11,7 +11,7 @@ namespace {
 
 // A unit mass above a floor: n = (0, 1), so u_n = v_y, u_t = -v_x; W is the identity.
 struct OneContact {
-	ContactSystem       system;
+	ContactSystem system;
 	std::vector<double> free = { 0, 0, 0, 0, 0, 0 };
 
 	OneContact(double vx, double vy, double mu, double pn, double pt)
@@ -19,13 +19,13 @@ struct OneContact {
 		system.bodies.resize(2);
 		system.bodies[1].w[0] = system.bodies[1].w[1] = 1;
 		ContactRow c {};
-		c.b  = 1;
+		c.b = 1;
 		c.ny = 1;
 		c.mu = mu;
 		c.pn = pn;
 		c.pt = pt;
 		system.contacts.push_back(c);
-		system.assembleLocalBlocks();
+		system.assembleBlocks();
 		free[3] = vx;
 		free[4] = vy;
 	}
@@ -36,25 +36,25 @@ struct OneContact {
 
 TEST_CASE("a solved contact has no error")
 {
-	CHECK(OneContact(0, 1, 0.5, 0, 0).e() == 0);          // open, parting
-	CHECK(OneContact(0, 1, 0.0, 0, 0).e() == 0);          // the same without friction
-	CHECK(OneContact(0, -1, 0.5, 1, 0).e() == 0);         // closed, at rest
-	CHECK(OneContact(0.3, -1, 0.5, 1, 0.3).e() == 0);     // sticking: t = (-1, 0), so +p_t acts along -x
-	CHECK(OneContact(2, -1, 0.5, 1, 0.5).e() == 0);       // sliding, exact Coulomb: u_n stays 0
-	CHECK(OneContact(-2, -1, 0.5, 1, -0.5).e() == 0);     // the other way
-	CHECK(OneContact(2, -1, 0.0, 1, 0).e() == 0);         // sliding without friction
+	CHECK(OneContact(0, 1, 0.5, 0, 0).e() == 0); // open, parting
+	CHECK(OneContact(0, 1, 0.0, 0, 0).e() == 0); // the same without friction
+	CHECK(OneContact(0, -1, 0.5, 1, 0).e() == 0); // closed, at rest
+	CHECK(OneContact(0.3, -1, 0.5, 1, 0.3).e() == 0); // sticking: t = (-1, 0), so +p_t acts along -x
+	CHECK(OneContact(2, -1, 0.5, 1, 0.5).e() == 0); // sliding, exact Coulomb: u_n stays 0
+	CHECK(OneContact(-2, -1, 0.5, 1, -0.5).e() == 0); // the other way
+	CHECK(OneContact(2, -1, 0.0, 1, 0).e() == 0); // sliding without friction
 }
 
 TEST_CASE("every kind of violation counts")
 {
 	const double none = std::numeric_limits<double>::infinity();
-	CHECK(OneContact(0, -1, 0.5, 0, 0).e() == none);                              // closing, no impulse at all
-	CHECK(OneContact(0, -1, 0.5, 0.5, 0).e() == doctest::Approx(1));              // half of the impulse missing
-	CHECK(OneContact(0, -1, 0.5, 2, 0).e() == doctest::Approx(0.5));              // pushed apart: half too much
-	CHECK(OneContact(1, -1, 0.5, 1, 0).e() > 0.1);                                // slides without friction force
-	CHECK(OneContact(0.1, -1, 0.5, 1, 0.5).e() > 0.1);                            // friction pushes along the motion
-	CHECK(OneContact(2, -1, 0.0, 1, 0.5).e() > 0.1);                              // friction where there is none
-	CHECK(OneContact(0, 0, 0.5, 1, 0.9).e() > 0.1);                               // outside the cone
+	CHECK(OneContact(0, -1, 0.5, 0, 0).e() == none); // closing, no impulse at all
+	CHECK(OneContact(0, -1, 0.5, 0.5, 0).e() == doctest::Approx(1)); // half of the impulse missing
+	CHECK(OneContact(0, -1, 0.5, 2, 0).e() == doctest::Approx(0.5)); // pushed apart: half too much
+	CHECK(OneContact(1, -1, 0.5, 1, 0).e() > 0.1); // slides without friction force
+	CHECK(OneContact(0.1, -1, 0.5, 1, 0.5).e() > 0.1); // friction pushes along the motion
+	CHECK(OneContact(2, -1, 0.0, 1, 0.5).e() > 0.1); // friction where there is none
+	CHECK(OneContact(0, 0, 0.5, 1, 0.9).e() > 0.1); // outside the cone
 }
 
 TEST_CASE("an associated law's dilating solution is not taken for Coulomb's")
@@ -75,6 +75,6 @@ TEST_CASE("two immobile bodies ask for nothing")
 {
 	OneContact c(0, -1, 0.5, 0, 0);
 	c.system.bodies[1].w[0] = c.system.bodies[1].w[1] = 0;
-	c.system.assembleLocalBlocks();
+	c.system.assembleBlocks();
 	CHECK(c.e() == 0);
 }

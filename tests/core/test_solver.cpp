@@ -13,9 +13,9 @@ namespace {
 // A column or random heap of bodies in contact by random directions and arms; body 0 is immobile.
 ContactSystem randomSystem(unsigned seed, int bodies, int contacts, double mu, bool arms)
 {
-	std::mt19937                           random(seed);
+	std::mt19937 random(seed);
 	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem                          s;
+	ContactSystem s;
 	s.bodies.resize(bodies);
 	for (int i = 1; i < bodies; i++) {
 		BodyVelocity& b = s.bodies[i];
@@ -28,7 +28,8 @@ ContactSystem randomSystem(unsigned seed, int bodies, int contacts, double mu, b
 		ContactRow c {};
 		c.b = 1 + k % (bodies - 1);
 		c.a = c.b - 1 - (k / (bodies - 1)) % std::max(1, c.b);
-		if (c.a < 0) c.a = 0;
+		if (c.a < 0)
+			c.a = 0;
 		const double angle = 1.57 + 1.2 * (unit(random) - 0.5);
 		c.nx = std::cos(angle);
 		c.ny = std::sin(angle);
@@ -42,7 +43,7 @@ ContactSystem randomSystem(unsigned seed, int bodies, int contacts, double mu, b
 		c.bias = 0.1 * unit(random);
 		s.contacts.push_back(c);
 	}
-	s.assembleLocalBlocks();
+	s.assembleBlocks();
 	return s;
 }
 
@@ -53,9 +54,9 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 	for (const bool arms : { false, true })
 		for (const double mu : { 0., 0.3, 0.8 })
 			for (unsigned seed = 1; seed <= 10; seed++) {
-				ContactSystem  s = randomSystem(seed, 8, 12, mu, arms);
+				ContactSystem s = randomSystem(seed, 8, 12, mu, arms);
 				SolverSettings settings;
-				settings.tolerance     = 1e-11;
+				settings.tolerance = 1e-11;
 				settings.maxIterations = 200000;
 				const SolverReport r = nsgs(s, settings);
 				CAPTURE(seed);
@@ -70,7 +71,8 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 					CHECK(un >= -1e-8);
 					CHECK(std::abs(c.pn * un) < 1e-8);
 					CHECK(std::abs(c.pt) <= c.mu * c.pn * (1 + 1e-9));
-					if (std::abs(ut) > 1e-6 && c.pn > 1e-6) CHECK(c.pt == doctest::Approx(-std::copysign(c.mu * c.pn, ut)).epsilon(1e-5));
+					if (std::abs(ut) > 1e-6 && c.pn > 1e-6)
+						CHECK(c.pt == doctest::Approx(-std::copysign(c.mu * c.pn, ut)).epsilon(1e-5));
 				}
 			}
 }
@@ -91,7 +93,7 @@ TEST_CASE("one contact is solved in one sweep, with any arms")
 TEST_CASE("the order of sweeps changes the way, not the solution of a determinate problem")
 {
 	SolverSettings settings;
-	settings.tolerance     = 1e-12;
+	settings.tolerance = 1e-12;
 	settings.maxIterations = 200000;
 	ContactSystem a = randomSystem(3, 6, 5, 0.3, false), b = a;
 	nsgs(a, settings);
@@ -104,7 +106,7 @@ TEST_CASE("the order of sweeps changes the way, not the solution of a determinat
 TEST_CASE("status tells how it ended")
 {
 	SolverSettings settings;
-	settings.tolerance     = 1e-14;
+	settings.tolerance = 1e-14;
 	settings.maxIterations = 3;
 	ContactSystem s = randomSystem(5, 8, 12, 0.3, false);
 	CHECK(nsgs(s, settings).status == Status::max_iterations);
@@ -118,8 +120,8 @@ TEST_CASE("status tells how it ended")
 
 TEST_CASE("velocities returned belong to the impulses returned")
 {
-	ContactSystem  s = randomSystem(7, 8, 12, 0.5, true);
-	const auto     start = s.bodies;
+	ContactSystem s = randomSystem(7, 8, 12, 0.5, true);
+	const auto start = s.bodies;
 	SolverSettings settings;
 	nsgs(s, settings);
 	auto expected = start;

@@ -8,7 +8,8 @@ import pytest
 
 @pytest.fixture(scope="module")
 def plugin():
-    import yade  # noqa: F401  (must be up first)
+    import yade
+    assert yade.O is not None  # YADE must be up first
     import cd_engine
     return cd_engine._plugin()
 

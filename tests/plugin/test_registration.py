@@ -14,7 +14,7 @@ def cd(O):
 
 
 def test_class_is_derived_from_global_engine_and_known_to_yade(cd):
-    from yade import system, wrapper
+    from yade import wrapper
     assert issubclass(cd, wrapper.GlobalEngine)
     assert wrapper.ContactDynamics is cd
 

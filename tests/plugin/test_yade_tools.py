@@ -1,6 +1,5 @@
 """YADE's own tools read what the engine leaves behind."""
 import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -43,7 +42,6 @@ def test_unbalanced_force_is_that_of_the_resultants(O):
 
 def test_forces_follow_yade_s_signs(O):
     """normalForce + shearForce act on the second body; the boundary comes first; torque balances."""
-    from yade import utils
     mat = plane.material(0.5)
     ball = plane.disk((0, 0.1), 0.1, mat=mat)  # id 0, so YADE would name it first
     plane.floor(mat)
@@ -103,7 +101,6 @@ def test_warm_start_saves_sweeps_and_changes_no_result(O):
 
 
 SILENT = """
-import sys
 sys.path[:0] = [{root!r}]
 import yade
 from tests.plugin import plane

@@ -19,56 +19,59 @@ void SceneLink::makeReal(std::size_t index, long iteration)
 {
 	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
 	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
-	if (!spare[index].geom) spare[index] = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+	if (!spare[index].geom)
+		spare[index] = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
 	geom = spare[index].geom;
 	phys = spare[index].phys;
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = iteration;
-	forces[index] = { geom.get(), phys.get() };
+	forces[index] = { geom.get(), phys.get(), true };
 }
 
 void SceneLink::makeUnreal(std::size_t index)
 {
 	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
 	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
-	if (forces[index].geom) spare[index] = { geom, phys };
+	if (forces[index].geom)
+		spare[index] = { geom, phys };
 	geom.reset();
 	phys.reset();
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = -1;
 }
 
 // The forces in YADE's signs: normalForce + shearForce act on the second body.
-void SceneLink::writeContact(std::size_t index, double dt)
+void SceneLink::writeContact(std::size_t index, double rate)
 {
-	const cd::Pair& pair    = world.pairs[index];
-	const double    radiusB = world.bodies[pair.b].shape.radius;
-	void* const     g       = forces[index].geom;
-	void* const     p       = forces[index].phys;
-	at<Vector3r>(g, layout.geom_normal)       = Vector3r(pair.nx, pair.ny, 0);
+	const cd::Pair& pair = world.pairs[index];
+	const double radiusB = world.bodies[pair.b].shape.radius;
+	void* const g = forces[index].geom;
+	void* const p = forces[index].phys;
+	at<Vector3r>(g, layout.geom_normal) = Vector3r(pair.nx, pair.ny, 0);
 	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(pair.cx, pair.cy, layer);
 	at<double>(g, layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].shape.radius;
 	at<double>(g, layout.geom_refR2) = radiusB;
-	at<double>(g, layout.geom_penetrationDepth)       = pair.overlap;
-	at<Vector3r>(g, layout.geom_shearInc)             = Vector3r::Zero();
+	at<double>(g, layout.geom_penetrationDepth) = pair.overlap;
+	at<Vector3r>(g, layout.geom_shearInc) = Vector3r::Zero();
 	at<double>(p, layout.phys_tangensOfFrictionAngle) = pair.mu;
-	const double fn = pair.pn / dt, ft = pair.pt / dt;
+	const double fn = pair.pn * rate, ft = pair.pt * rate;
 	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * pair.nx, fn * pair.ny, 0);
-	at<Vector3r>(p, layout.phys_shearForce)  = Vector3r(-ft * pair.ny, ft * pair.nx, 0);
+	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(-ft * pair.ny, ft * pair.nx, 0);
 }
 
 void SceneLink::writeMotion(std::size_t id)
 {
-	char* const     state = bodies[id].state;
-	const cd::Body& body  = world.bodies[id];
-	Vector3r&       position = at<Vector3r>(state, layout.state_se3);
-	Vector3r&       velocity = at<Vector3r>(state, layout.state_vel);
+	char* const state = bodies[id].state;
+	const cd::Body& body = world.bodies[id];
+	Vector3r& position = at<Vector3r>(state, layout.state_se3);
+	Vector3r& velocity = at<Vector3r>(state, layout.state_vel);
 	position[0] = body.x;
 	position[1] = body.y;
 	velocity[0] = body.v[0];
 	velocity[1] = body.v[1];
 	at<Vector3r>(state, layout.state_angVel)[2] = body.v[2];
-	if (body.turn == 0) return;
+	if (body.turn == 0)
+		return;
 	// The turn about z, applied from the left; renormalised, since round-off would grow over 1e6 steps.
-	double*      q = &at<double>(state, layout.state_orientation);
+	double* q = &at<double>(state, layout.state_orientation);
 	const double s = std::sin(0.5 * body.turn), c = std::cos(0.5 * body.turn);
 	const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
 	const double norm = std::sqrt(x * x + y * y + z * z + w * w);
@@ -81,6 +84,7 @@ void SceneLink::writeMotion(std::size_t id)
 void SceneLink::scatter(yade::Scene* scene, double dt)
 {
 	const long iteration = at<long>(scene, layout.scene_iter);
+	const double rate = 1 / dt;
 	total.assign(world.bodies.size(), { 0, 0, 0 });
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + 8 < world.pairs.size() && forces[i + 8].geom) { // written next: their cache lines are asked for ahead
@@ -89,16 +93,17 @@ void SceneLink::scatter(yade::Scene* scene, double dt)
 			__builtin_prefetch(static_cast<char*>(forces[i + 8].phys) + 64, 1);
 		}
 		const cd::Pair& pair = world.pairs[i];
-		const bool      real = at<boost::shared_ptr<yade::IGeom>>(interactions[i], layout.interaction_geom) || at<boost::shared_ptr<yade::IPhys>>(interactions[i], layout.interaction_phys);
 		if (!(pair.pn > 0)) {
-			if (real) makeUnreal(i);
+			if (forces[i].any)
+				makeUnreal(i);
 			continue;
 		}
-		if (!forces[i].geom) makeReal(i, iteration);
-		writeContact(i, dt);
-		const double fx = (pair.nx * pair.pn - pair.ny * pair.pt) / dt, fy = (pair.ny * pair.pn + pair.nx * pair.pt) / dt;
+		if (!forces[i].geom)
+			makeReal(i, iteration);
+		writeContact(i, rate);
+		const double fx = (pair.nx * pair.pn - pair.ny * pair.pt) * rate, fy = (pair.ny * pair.pn + pair.nx * pair.pt) * rate;
 		for (const int side : { -1, 1 }) {
-			const int       id   = side < 0 ? pair.a : pair.b;
+			const int id = side < 0 ? pair.a : pair.b;
 			const cd::Body& body = world.bodies[id];
 			// The arm at the mid-configuration, where the solver had it.
 			const double ax = pair.cx - (body.x - 0.5 * dt * body.v[0]), ay = pair.cy - (body.y - 0.5 * dt * body.v[1]);
@@ -109,10 +114,11 @@ void SceneLink::scatter(yade::Scene* scene, double dt)
 	}
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
-		if (!bodies[id].exists) continue;
+		if (!bodies[id].exists)
+			continue;
 		writeMotion(id);
 		const double* w = world.bodies[id].inverseMass;
-		const double  weight = w[0] > 0 || w[1] > 0 ? at<double>(bodies[id].state, layout.state_mass) : 0;
+		const double weight = w[0] > 0 || w[1] > 0 ? at<double>(bodies[id].state, layout.state_mass) : 0;
 		container.addForce(static_cast<int>(id), Vector3r(total[id][0] + weight * gravity[0], total[id][1] + weight * gravity[1], 0));
 		container.addTorque(static_cast<int>(id), Vector3r(0, 0, total[id][2]));
 	}

@@ -1,0 +1,55 @@
+# `make help` lists what there is. Everything runs on Debian's own Python, as YADE does.
+PYTHON  ?= /usr/bin/python3
+YADE    ?= yade
+JOBS    ?= $(shell nproc)
+TABLE   ?= yade_scripts/tables/fig4.txt
+FIGURES ?= figures
+# One thread a process: runs of several threads are not repeatable, and two run beside each other.
+export OMP_NUM_THREADS = 1
+
+site     = $(shell $(PYTHON) -m site --user-site)
+cpp      = $(wildcard cd_engine/*/*.[ch]pp tests/core/*.cpp)
+packages = cd_engine yade_scripts analysis tests
+
+help:
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+deps: ## install the Debian packages that are missing
+	@.ci/install-packages run
+
+build: deps ## compile the engine
+	@$(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
+
+study: build ## packing, MD and CD from it, figures
+	$(PYTHON) yade_scripts/study.py $(TABLE)
+	@$(PYTHON) -m analysis fig4 --table $(TABLE) -o $(FIGURES)/fig4.png > /dev/null
+	@$(PYTHON) -m analysis force-networks --table $(TABLE) -o $(FIGURES)/force-networks.png > /dev/null
+	@printf 'Figures:\n  %s\n  %s\n' $(abspath $(FIGURES)/fig4.png $(FIGURES)/force-networks.png)
+
+test: build ## all tests and the short regression run
+	@.ci/install-packages test
+	$(PYTHON) yade_scripts/regression.py --short
+	$(PYTHON) -m pytest tests -n 2
+
+console: build ## YADE's console with the engine and the prepared packing
+	$(YADE) yade_scripts/console.py
+
+regression: build ## every scene, headless, against stored numbers
+	$(PYTHON) yade_scripts/regression.py
+
+lint: ## style and static checks
+	@.ci/install-packages lint
+	$(PYTHON) -m pyflakes $(packages)
+	$(if $(wildcard .clang-format),clang-format --dry-run --Werror $(cpp))
+
+install: build ## let every YADE console of this user import cd_engine
+	install -d $(site)/cd_engine
+	install -m 644 cd_engine/*.py cd_engine/*.so $(site)/cd_engine
+
+uninstall: ## undo `make install`
+	rm -rf $(site)/cd_engine
+
+clean: ## remove what was compiled; results stay
+	$(MAKE) --no-print-directory -C cd_engine clean
+
+.PHONY: help deps build study test console regression lint install uninstall clean

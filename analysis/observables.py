@@ -1,0 +1,163 @@
+"""Numbers and networks drawn from a run: strains, energies, loops, contact forces.
+
+Strains are extension positive and gamma = strain2 - strain1 (eqs. 2-4), so a sample that shortens
+along the loaded axis 2 has gamma < 0. SI units.
+"""
+
+import numpy as np
+
+from analysis import schema
+from analysis.load import ResultError
+
+# A disk whose contacts carry less than this share of the mean normal force holds nothing up.
+RATTLER_SHARE = 1e-3
+
+
+def cycle_range(run, number=1):
+    """Slice of the samples of cycle `number`, counted from 1, both ends included."""
+    cycle = run.values("cycle")
+    # Half a sample of slack: the last sample of a cycle falls beside the whole number by rounding.
+    slack = np.diff(cycle).max() / 2 if len(cycle) > 1 else 0
+    inside = np.flatnonzero((cycle >= number - 1 - slack) & (cycle <= number + slack))
+    if len(inside) < 3 or cycle[-1] < number - slack:
+        raise ResultError(run.path, f"cycle {number} is not complete, the run ends at cycle "
+                          f"{cycle[-1] if len(cycle) else 0:g}", "choose an earlier cycle or run longer")
+    return slice(inside[0], inside[-1] + 1)
+
+
+def permanent_strain(gamma):
+    """Change of gamma over a loading and unloading, the remanent strain of Fig. 4 [1]."""
+    return gamma[-1] - gamma[0]
+
+
+def loop_area(x, y):
+    """Area enclosed by a curve that a straight line closes; counter-clockwise positive (shoelace)."""
+    return 0.5 * (np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+
+
+def loop_width(strain, stress):
+    """Largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
+    top = int(np.argmax(stress))
+    if top in (0, len(stress) - 1):
+        return 0.0
+    up, down = _rising(stress[:top + 1], strain[:top + 1]), _rising(stress[:top - 1:-1], strain[:top - 1:-1])
+    levels = np.union1d(up[0], down[0])
+    levels = levels[(levels >= max(up[0][0], down[0][0])) & (levels <= min(up[0][-1], down[0][-1]))]
+    if not len(levels):
+        return 0.0
+    return float(np.abs(np.interp(levels, *up) - np.interp(levels, *down)).max())
+
+
+def _rising(stress, strain):
+    """The points at which the stress passes all its values before, as np.interp needs them."""
+    highest = np.maximum.accumulate(np.concatenate([[-np.inf], stress[:-1]]))
+    keep = stress > highest
+    return stress[keep], strain[keep]
+
+
+def stiffness(gamma, stress, share=0.2):
+    """Initial slope d sigma2 / d(-gamma) [Pa] by least squares over the first `share` of the load's rise."""
+    top = int(np.argmax(stress))
+    limit = stress[0] + share * (stress[top] - stress[0])
+    part = slice(0, max(3, int(np.argmax(stress[:top + 1] >= limit)) + 1))
+    shortening = -(gamma[part] - gamma[0])
+    # Regressing strain on stress: the stress is imposed, the strain carries the noise.
+    compliance = np.polyfit(stress[part] - stress[0], shortening, 1)[0]
+    return 1 / compliance if compliance else np.inf
+
+
+def start_volume(run):
+    """L_x0 L_y0 depth [m^3] when the loading begins."""
+    if not run.snapshots:
+        raise ResultError(run.path, "has no snapshots", "run it again")
+    x_low, x_high, y_low, y_high = run.snapshots[0]["box"]
+    return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
+
+
+def wall_work(run, part=slice(None)):
+    """Work [J] of the walls on the sample over the samples `part`, from stress and strain alone.
+
+    -sigma1 dL_x L_y - sigma2 dL_y L_x, times depth, by the trapezoidal rule.
+    """
+    strain1, strain2 = run.values("strain1")[part], run.values("strain2")[part]
+    power1 = np.trapz(run.values("sigma1")[part] * (1 + strain2), strain1)
+    power2 = np.trapz(run.values("sigma2")[part] * (1 + strain1), strain2)
+    return -(power1 + power2) * start_volume(run)
+
+
+def change(run, name, part=slice(None)):
+    """Last minus first value of a history field over the samples `part`: of an energy [J], what the cycle added."""
+    values = run.values(name)[part]
+    return values[-1] - values[0]
+
+
+def stress_error(run):
+    """Largest |sigma - goal| / P0 over both directions and all samples; NaN if no goal was recorded."""
+    if "sigma1_goal" not in run.history or "sigma2_goal" not in run.history:
+        return np.nan
+    return max(np.abs(run.values(name) - run.values(name + "_goal")).max()
+               for name in ("sigma1", "sigma2")) / run.pressure
+
+
+def unconverged_steps(run):
+    """Steps of a CD run that missed the tolerance, counted over all steps."""
+    return int(run.values("unconverged_steps")[-1])
+
+
+def above_tolerance(run):
+    """Mask of the samples of a CD run at which the step's error e exceeded the tolerance asked for."""
+    return run.values("residual") > run.parameters["tolerance"]
+
+
+def largest_residual(run):
+    """Largest error e of a CD run, of every step where the file has that, else of the sampled ones."""
+    return run.values("residual_max" if "residual_max" in run.history else "residual").max()
+
+
+def snapshot_at_load_maximum(run):
+    """The snapshot taken where sigma2 was largest, and sigma2/P0 there."""
+    if not run.snapshots:
+        raise ResultError(run.path, "has no snapshots", "run it again")
+    time, sigma2 = run.values("time"), run.values("sigma2")
+    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in run.snapshots]
+    best = int(np.argmax(loads))
+    if loads[best] < sigma2.max() - 0.02 * np.ptp(sigma2):
+        raise ResultError(run.path, f"no snapshot near the load maximum, the nearest has sigma2 = "
+                          f"{loads[best]:.6g} Pa of {sigma2.max():.6g} Pa", "run it again")
+    return run.snapshots[best], loads[best] / run.pressure
+
+
+def sliding(snapshot):
+    """Mask of the contacts at the Coulomb limit."""
+    return schema.is_sliding(snapshot["force_normal"], snapshot["force_tangential"],
+                             snapshot["contact_friction"])
+
+
+def rattlers(snapshot):
+    """Mask of the disks that carry no contact force worth the name."""
+    force = snapshot["force_normal"]
+    loaded = force > RATTLER_SHARE * force[force > 0].mean() if (force > 0).any() else force > 0
+    return ~np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded])
+
+
+def matched_forces(first, second):
+    """Normal forces [N] of two snapshots, contact by contact, over the contacts that carry in either.
+
+    Contacts are matched by the ids of their bodies; one that the other snapshot lacks has force 0 there.
+    """
+    tables = [_force_by_ids(snapshot) for snapshot in (first, second)]
+    keys = sorted(tables[0].keys() | tables[1].keys())
+    forces = np.array([[table.get(key, 0.0) for key in keys] for table in tables])
+    return forces[:, (forces > 0).any(axis=0)]
+
+
+def _force_by_ids(snapshot):
+    return {tuple(sorted(ids)): force
+            for ids, force in zip(snapshot["contact_ids"].tolist(), snapshot["force_normal"])}
+
+
+def correlation(first, second):
+    """Pearson's correlation coefficient; NaN where one of the two does not vary."""
+    if not (np.ptp(first) and np.ptp(second)):
+        return np.nan
+    return float(np.corrcoef(first, second)[0, 1])

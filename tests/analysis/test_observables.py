@@ -1,0 +1,123 @@
+"""Observables on curves and networks whose answers are known."""
+
+import numpy as np
+import pytest
+
+from analysis import load, observables, schema
+from tests.analysis.conftest import SIDE, history, lattice, write
+
+# Areas by polygons and widths by interpolation differ from the smooth curve's by about (2 pi/points)^2.
+POINTS = 2001
+SMOOTH = (2 * np.pi / POINTS)**2 * 2
+
+
+def ellipse(a, b):
+    """A closed ellipse of half axes a (strain) and b (stress), counter-clockwise from its lowest point."""
+    angle = np.linspace(0, 2 * np.pi, POINTS) - np.pi / 2
+    return a * np.cos(angle), b * np.sin(angle)
+
+
+def test_loop_area_of_an_ellipse():
+    x, y = ellipse(3e-4, 0.1)
+    assert observables.loop_area(x, y) == pytest.approx(np.pi * 3e-4 * 0.1, rel=SMOOTH)
+    assert observables.loop_area(x[::-1], y[::-1]) == pytest.approx(-np.pi * 3e-4 * 0.1, rel=SMOOTH)
+
+
+def test_loop_width_of_an_ellipse():
+    assert observables.loop_width(*ellipse(3e-4, 0.1)) == pytest.approx(6e-4, rel=SMOOTH)
+
+
+def test_loop_width_of_an_elastic_path_is_zero():
+    stress = 1 - np.abs(np.linspace(-1, 1, 101))
+    assert observables.loop_width(-1e-3 * stress, stress) == pytest.approx(0, abs=1e-18)
+
+
+def test_loop_width_needs_an_unloading():
+    stress = np.linspace(0, 1, 11)
+    assert observables.loop_width(stress, stress) == 0
+
+
+def test_numbers_of_the_made_up_cycle(md):
+    run = load.load(md)
+    gamma, sigma2 = run.values("gamma"), run.values("sigma2")
+    # gamma/1e-3 = -x^2 up and -(1/4 + 3x/4) down: widest at x = 3/8, by 1/4 + 9/64.
+    assert observables.permanent_strain(gamma) == pytest.approx(-0.25e-3, rel=1e-12)
+    assert observables.loop_width(gamma, sigma2) == pytest.approx((0.25 + 9 / 64) * 1e-3, rel=1e-4)
+    assert observables.change(run, "dissipated_energy") == pytest.approx(2e-3)
+    assert observables.stress_error(run) == pytest.approx(1.2e-4)
+
+
+def test_wall_work_of_an_isotropic_compression_is_exact(tmp_path):
+    """At constant pressure the work is P0 times the loss of area, whatever the path."""
+    columns = history("MD")
+    count = len(columns["time"])
+    columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.linspace(0, -0.2, count)
+    columns["sigma1"] = columns["sigma2"] = np.full(count, 1200.0)
+    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    assert observables.wall_work(run) == pytest.approx(1200 * SIDE**2 * (1 - 0.9 * 0.8), rel=1e-12)
+
+
+def test_wall_work_of_the_made_up_cycle(md):
+    """sigma1 = P0 and strain1 = -strain2, so the work is the integral of sigma2 - P0 over gamma/2, to first order in strain."""
+    expected = -0.5e-3 * 1200 * 0.2 * SIDE**2 * (-2 / 3 + 3 / 8)
+    assert observables.wall_work(load.load(md)) == pytest.approx(expected, rel=1e-3)
+
+
+def test_stiffness_of_a_linear_response():
+    stress = np.concatenate([np.linspace(1000, 1200, 50), np.linspace(1200, 1000, 50)])
+    gamma = -(stress - 1000) / 5e6
+    assert observables.stiffness(gamma, stress) == pytest.approx(5e6, rel=1e-9)
+    assert observables.stiffness(0 * gamma, stress) == np.inf
+
+
+def test_cycle_range(tmp_path):
+    columns = history("MD")
+    columns["cycle"] = 2 * columns["cycle"] + 1e-12
+    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    assert observables.cycle_range(run, 1) == slice(0, 101)
+    assert observables.cycle_range(run, 2) == slice(100, 201)
+    with pytest.raises(load.ResultError, match="cycle 3 is not complete"):
+        observables.cycle_range(run, 3)
+
+
+def test_snapshot_at_the_load_maximum(md):
+    snapshot, load_ratio = observables.snapshot_at_load_maximum(load.load(md))
+    assert (snapshot["time"], load_ratio) == (0.5, pytest.approx(1.2))
+
+
+def test_no_snapshot_at_the_load_maximum(tmp_path):
+    run = load.load(md_without_the_middle(tmp_path))
+    with pytest.raises(load.ResultError, match="no snapshot near the load maximum"):
+        observables.snapshot_at_load_maximum(run)
+
+
+def md_without_the_middle(folder):
+    """A run whose only snapshots are at its start and end."""
+    return write(folder / "run.h5", snapshots={0.0: lattice(5, "MD"), 1.0: lattice(5, "MD")})
+
+
+def test_sliding_needs_friction_and_a_force():
+    mu = np.array([0.1, 0.1, 0.1, 0.1, 0.0, 0.1])
+    normal = np.array([10.0, 10.0, 10.0, 0.0, 10.0, -1.0])
+    tangential = np.array([1.0, -1.0, 0.999, 0.0, 0.0, 0.1])
+    np.testing.assert_array_equal(schema.is_sliding(normal, tangential, mu), [True, True, False, False, False, False])
+
+
+def test_rattlers_carry_nothing():
+    snapshot = dict(body_ids=np.array([6, 7, 8, 9]), contact_ids=np.array([[6, 7], [2, 6], [7, 8]]),
+                    force_normal=np.array([5.0, 5.0, 1e-6]))
+    np.testing.assert_array_equal(observables.rattlers(snapshot), [False, False, True, True])
+    snapshot["force_normal"] = np.zeros(3)
+    assert observables.rattlers(snapshot).all()
+
+
+def test_forces_are_matched_by_bodies():
+    first = dict(contact_ids=np.array([[1, 2], [2, 3], [5, 6]]), force_normal=np.array([1.0, 2.0, 0.0]))
+    second = dict(contact_ids=np.array([[3, 2], [4, 1], [5, 6]]), force_normal=np.array([20.0, 30.0, 0.0]))
+    np.testing.assert_array_equal(observables.matched_forces(first, second), [[1, 0, 2], [0, 30, 20]])
+
+
+def test_correlation():
+    x = np.array([1.0, 2.0, 4.0])
+    assert observables.correlation(x, 3 - 2 * x) == pytest.approx(-1)
+    assert np.isnan(observables.correlation(x, np.ones(3)))
