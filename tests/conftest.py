@@ -23,7 +23,7 @@ def O():
     yade.O.reset()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def root():
     """Top of the repository."""
     return ROOT

@@ -45,27 +45,26 @@ namespace {
 
 } // namespace
 
-void locateContact(Pair& pair, const Body& a, const Body& b, double ahead)
+void locateContact(Pair& pair, const Place& a, const Place& b, const Shape& shape)
 {
-	const double bx = b.x + ahead * b.v[0], by = b.y + ahead * b.v[1];
-	const double dx = bx - (a.x + ahead * a.v[0]), dy = by - (a.y + ahead * a.v[1]);
+	const double dx = b.x - a.x, dy = b.y - a.y;
 	double distance; // of the disk b's centre from a's surface
-	if (a.shape.kind == ShapeKind::disk) {
+	if (a.radius > 0) {
 		const double centres = std::sqrt(dx * dx + dy * dy), inverse = 1 / centres;
 		pair.nx = dx * inverse;
 		pair.ny = dy * inverse;
-		distance = centres - a.shape.radius;
+		distance = centres - a.radius;
 	} else {
-		const Foot foot = a.shape.kind == ShapeKind::box ? footOnBox(a.shape, ahead * a.v[2], dx, dy) : footOnWall(a.shape, dx, dy);
+		const Foot foot = shape.kind == ShapeKind::box ? footOnBox(shape, a.turned, dx, dy) : footOnWall(shape, dx, dy);
 		pair.nx = foot.nx;
 		pair.ny = foot.ny;
 		distance = foot.distance;
 	}
-	const double gap = distance - b.shape.radius;
+	const double gap = distance - b.radius;
 	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
-	const double arm = b.shape.radius + 0.5 * gap;
-	pair.cx = bx - arm * pair.nx;
-	pair.cy = by - arm * pair.ny;
+	const double arm = b.radius + 0.5 * gap;
+	pair.cx = b.x - arm * pair.nx;
+	pair.cy = b.y - arm * pair.ny;
 	pair.overlap = -gap;
 	pair.gap = gap + pair.reference;
 }

@@ -25,14 +25,14 @@ struct alignas(64) BodyVelocity {
 };
 
 struct ContactRow {
-	int32_t a, b; // indices of the bodies
-	double nx, ny; // unit normal a -> b
-	double an, at; // lever arms about the centre of `a`: cross(arm, n), cross(arm, t) [m]
-	double bn, bt; // the same about the centre of `b` [m]
-	double bias; // [m/s], see above
-	double mu; // Coulomb friction coefficient
-	double wnn, wnt, wtt; // own block of W [1/kg]
-	double pn, pt; // impulse on `b` [N s]: first guess on entry, solution on exit
+	int32_t a = 0, b = 0; // indices of the bodies
+	double nx = 0, ny = 0; // unit normal a -> b
+	double an = 0, at = 0; // lever arms about the centre of `a`: cross(arm, n), cross(arm, t) [m]
+	double bn = 0, bt = 0; // the same about the centre of `b` [m]
+	double bias = 0; // [m/s], see above
+	double mu = 0; // Coulomb friction coefficient
+	double wnn = 0, wnt = 0, wtt = 0; // own block of W [1/kg]
+	double pn = 0, pt = 0; // impulse on `b` [N s]: first guess on entry, solution on exit
 
 	// No coupling between the two directions: true for disks, and for boundaries whose free directions are along n or t.
 	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }

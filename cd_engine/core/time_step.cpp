@@ -39,62 +39,65 @@ void TimeStep::freeVelocities(const World& world, double dt)
 	}
 }
 
-inline void TimeStep::addContact(const World& world, size_t index, const StepSettings& settings)
+inline void TimeStep::fillRow(ContactRow& c, const World& world, size_t index, const StepSettings& settings)
 {
 	const Pair& pair = world.pairs[index];
-	const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
-	const double half = 0.5 * settings.dt;
-	const double ax = pair.cx - (a.x + half * a.v[0]), ay = pair.cy - (a.y + half * a.v[1]);
-	const double arm = b.shape.radius - 0.5 * pair.overlap; // the disk b: from its centre against the normal
-	ContactRow& c = system.contacts.emplace_back();
+	const Place& place = places[pair.a];
 	c.a = pair.a;
 	c.b = pair.b;
 	c.nx = pair.nx;
 	c.ny = pair.ny;
+	c.an = 0;
+	c.at = place.radius - 0.5 * pair.overlap;
+	c.bn = 0;
+	c.bt = -(places[pair.b].radius - 0.5 * pair.overlap); // the disk b: from its centre against the normal
 	c.mu = pair.mu;
-	c.bt = -arm;
-	if (a.shape.kind == ShapeKind::disk)
-		c.at = a.shape.radius - 0.5 * pair.overlap;
-	else {
+	c.pn = pair.pn;
+	c.pt = pair.pt;
+	if (place.radius == 0) {
+		const double ax = pair.cx - place.x, ay = pair.cy - place.y;
 		c.an = ax * pair.ny - ay * pair.nx;
 		c.at = ax * pair.nx + ay * pair.ny;
 	}
 	c.bias = pair.gap > 0 ? pair.gap / settings.dt : 0;
 	if (settings.restitution > 0) {
+		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 		const double un = pair.nx * (b.v[0] - a.v[0]) + pair.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
 		if (un < 0 && pair.gap + settings.dt * un <= 0)
 			c.bias = settings.restitution * un;
 	}
-	c.pn = pair.pn;
-	c.pt = pair.pt;
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
-	rowPair.push_back(static_cast<int32_t>(index));
 	solved[index] = 1;
 }
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
 	freeVelocities(world, settings.dt);
-	system.contacts.clear();
+	// Rows are filled in place; those of the last step need no new construction.
+	system.contacts.resize(world.pairs.size());
 	rowPair.clear();
 	solved.assign(world.pairs.size(), 0);
 
 	forgotten = 0;
+	places.resize(world.bodies.size());
+	for (size_t i = 0; i < places.size(); i++)
+		places[i] = placeAhead(world.bodies[i], 0.5 * settings.dt);
 	const double limit = reach(world, settings.dt);
 	for (size_t i = 0; i < world.pairs.size(); i++) {
 		Pair& pair = world.pairs[i];
-		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
-		locateContact(pair, a, b, 0.5 * settings.dt);
+		locateContact(pair, places[pair.a], places[pair.b], world.bodies[pair.a].shape);
 		if (pair.reference > 0 && pair.overlap <= 0) { // truly apart
 			pair.gap -= pair.reference;
 			pair.reference = 0;
 			forgotten++;
 		}
-		if (pair.gap <= limit)
-			addContact(world, i, settings);
-		else
+		if (pair.gap <= limit) {
+			fillRow(system.contacts[rowPair.size()], world, i, settings);
+			rowPair.push_back(static_cast<int32_t>(i));
+		} else
 			pair.pn = pair.pt = 0;
 	}
+	system.contacts.resize(rowPair.size());
 	return system;
 }
 
@@ -107,10 +110,12 @@ bool TimeStep::addViolated(const World& world, const StepSettings& settings)
 			continue;
 		const Pair& pair = world.pairs[i];
 		const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
-		const double ax = pair.cx - world.bodies[pair.a].x, ay = pair.cy - world.bodies[pair.a].y;
+		const double ax = pair.cx - places[pair.a].x, ay = pair.cy - places[pair.a].y;
 		const double un = pair.nx * (vb[0] - va[0] + va[2] * ay) + pair.ny * (vb[1] - va[1] - va[2] * ax);
-		if (pair.gap + settings.dt * un < 0)
-			addContact(world, i, settings);
+		if (pair.gap + settings.dt * un < 0) {
+			fillRow(system.contacts.emplace_back(), world, i, settings);
+			rowPair.push_back(static_cast<int32_t>(i));
+		}
 	}
 	return system.contacts.size() > before;
 }

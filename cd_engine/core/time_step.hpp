@@ -41,11 +41,12 @@ class TimeStep {
 
     private:
 	void freeVelocities(const World&, double dt);
-	void addContact(const World&, size_t pair, const StepSettings&);
+	void fillRow(ContactRow&, const World&, size_t pair, const StepSettings&);
 	bool addViolated(const World&, const StepSettings&);
 	void finish(World&, const StepSettings&, StepReport&);
 
 	ContactSystem system;
+	std::vector<Place> places; // of the bodies at the mid-configuration
 	int forgotten = 0;
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<char> solved; // whether a pair has a contact in the system

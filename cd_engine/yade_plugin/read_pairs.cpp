@@ -145,7 +145,8 @@ void SceneLink::takeOverlaps()
 {
 	for (cd::Pair& pair : world.pairs) {
 		pair.reference = 0;
-		cd::locateContact(pair, world.bodies[pair.a], world.bodies[pair.b], 0);
+		const cd::Body& a = world.bodies[pair.a];
+		cd::locateContact(pair, cd::placeAhead(a, 0), cd::placeAhead(world.bodies[pair.b], 0), a.shape);
 		pair.reference = std::max(0., pair.overlap);
 	}
 }

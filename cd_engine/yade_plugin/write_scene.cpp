@@ -25,6 +25,11 @@ void SceneLink::makeReal(std::size_t index, long iteration)
 	phys = spare[index].phys;
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = iteration;
 	forces[index] = { geom.get(), phys.get(), true };
+	const cd::Pair& pair = world.pairs[index];
+	const double radiusB = world.bodies[pair.b].shape.radius;
+	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].shape.radius;
+	at<double>(geom.get(), layout.geom_refR2) = radiusB;
+	at<Vector3r>(geom.get(), layout.geom_shearInc) = Vector3r::Zero();
 }
 
 void SceneLink::makeUnreal(std::size_t index)
@@ -42,15 +47,11 @@ void SceneLink::makeUnreal(std::size_t index)
 void SceneLink::writeContact(std::size_t index, double rate)
 {
 	const cd::Pair& pair = world.pairs[index];
-	const double radiusB = world.bodies[pair.b].shape.radius;
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;
 	at<Vector3r>(g, layout.geom_normal) = Vector3r(pair.nx, pair.ny, 0);
 	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(pair.cx, pair.cy, layer);
-	at<double>(g, layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].shape.radius;
-	at<double>(g, layout.geom_refR2) = radiusB;
 	at<double>(g, layout.geom_penetrationDepth) = pair.overlap;
-	at<Vector3r>(g, layout.geom_shearInc) = Vector3r::Zero();
 	at<double>(p, layout.phys_tangensOfFrictionAngle) = pair.mu;
 	const double fn = pair.pn * rate, ft = pair.pt * rate;
 	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * pair.nx, fn * pair.ny, 0);
@@ -74,11 +75,11 @@ void SceneLink::writeMotion(std::size_t id)
 	double* q = &at<double>(state, layout.state_orientation);
 	const double s = std::sin(0.5 * body.turn), c = std::cos(0.5 * body.turn);
 	const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
-	const double norm = std::sqrt(x * x + y * y + z * z + w * w);
-	q[0] = x / norm;
-	q[1] = y / norm;
-	q[2] = z / norm;
-	q[3] = w / norm;
+	const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
+	q[0] = x * inverse;
+	q[1] = y * inverse;
+	q[2] = z * inverse;
+	q[3] = w * inverse;
 }
 
 void SceneLink::scatter(yade::Scene* scene, double dt)
@@ -102,14 +103,20 @@ void SceneLink::scatter(yade::Scene* scene, double dt)
 			makeReal(i, iteration);
 		writeContact(i, rate);
 		const double fx = (pair.nx * pair.pn - pair.ny * pair.pt) * rate, fy = (pair.ny * pair.pn + pair.nx * pair.pt) * rate;
-		for (const int side : { -1, 1 }) {
-			const int id = side < 0 ? pair.a : pair.b;
-			const cd::Body& body = world.bodies[id];
-			// The arm at the mid-configuration, where the solver had it.
-			const double ax = pair.cx - (body.x - 0.5 * dt * body.v[0]), ay = pair.cy - (body.y - 0.5 * dt * body.v[1]);
-			total[id][0] += side * fx;
-			total[id][1] += side * fy;
-			total[id][2] += side * (ax * fy - ay * fx);
+		// A disk takes the force on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
+		const double ft = pair.pt * rate, radiusA = bodies[pair.a].boundary ? 0 : world.bodies[pair.a].shape.radius;
+		std::array<double, 3>&onA = total[pair.a], &onB = total[pair.b];
+		onA[0] -= fx;
+		onA[1] -= fy;
+		onB[0] += fx;
+		onB[1] += fy;
+		onB[2] -= (world.bodies[pair.b].shape.radius - 0.5 * pair.overlap) * ft;
+		if (radiusA > 0)
+			onA[2] -= (radiusA - 0.5 * pair.overlap) * ft;
+		else {
+			// At the mid-configuration, where the solver had it.
+			const cd::Body& a = world.bodies[pair.a];
+			onA[2] -= (pair.cx - a.x + 0.5 * dt * a.v[0]) * fy - (pair.cy - a.y + 0.5 * dt * a.v[1]) * fx;
 		}
 	}
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);

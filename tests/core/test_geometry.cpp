@@ -31,6 +31,8 @@ Body box(double x, double y, double ex, double ey, double angle)
 	return b;
 }
 
+void locate(Pair& p, const Body& a, const Body& b, double ahead) { locateContact(p, placeAhead(a, ahead), placeAhead(b, ahead), a.shape); }
+
 } // namespace
 
 TEST_CASE("disk on box: the nearest of many points of the outline, over faces and corners, at any angle")
@@ -42,7 +44,7 @@ TEST_CASE("disk on box: the nearest of many points of the outline, over faces an
 		Body a = box(unit(random), unit(random), ex, ey, angle);
 		Body b = disk(a.x + unit(random), a.y + unit(random), 0.05);
 		Pair p { 0, 1 };
-		locateContact(p, a, b, 0);
+		locate(p, a, b, 0);
 		const double c = std::cos(angle), s = std::sin(angle);
 		double nearest = 1e9, nx = 0, ny = 0;
 		for (int i = 0; i < 40000; i++) {
@@ -70,11 +72,11 @@ TEST_CASE("both bodies see the contact point midway between the surfaces")
 {
 	Body a = disk(0, 0, 0.2), b = disk(0.35, 0, 0.1);
 	Pair p { 0, 1 };
-	locateContact(p, a, b, 0);
+	locate(p, a, b, 0);
 	CHECK(p.gap == doctest::Approx(0.05));
 	CHECK(p.cx == doctest::Approx(0.225));
 	p.reference = 0.01;
-	locateContact(p, a, b, 0);
+	locate(p, a, b, 0);
 	CHECK(p.gap == doctest::Approx(0.06));
 	CHECK(p.overlap == doctest::Approx(-0.05));
 }
@@ -85,7 +87,7 @@ TEST_CASE("bodies are placed ahead by their velocities, a box also turned")
 	a.v[2] = 2;
 	b.v[1] = -1;
 	Pair p { 0, 1 };
-	locateContact(p, a, b, 0.25);
+	locate(p, a, b, 0.25);
 	CHECK(p.nx == doctest::Approx(-std::sin(0.5)));
 	CHECK(p.gap == doctest::Approx(0.75 * std::cos(0.5) - 0.1 - 0.05));
 }
@@ -97,11 +99,11 @@ TEST_CASE("a wall acts on its side only")
 	wall.shape.axis = 0;
 	Body d = disk(-0.3, 5, 0.1);
 	Pair p { 0, 1 };
-	locateContact(p, wall, d, 0);
+	locate(p, wall, d, 0);
 	CHECK(p.gap == doctest::Approx(0.2));
 	CHECK(p.nx == -1);
 	wall.shape.sense = 1; // the disk is behind it: overlapping
-	locateContact(p, wall, d, 0);
+	locate(p, wall, d, 0);
 	CHECK(p.gap == doctest::Approx(-0.4));
 	CHECK(p.nx == 1);
 }
@@ -112,7 +114,7 @@ TEST_CASE("a disk on a wall of no thickness is pushed back to its own side")
 	for (const double side : { -1., 1. }) {
 		Body d = disk(side * 0.02, 0.3, 0.1);
 		Pair p { 0, 1 };
-		locateContact(p, plate, d, 0);
+		locate(p, plate, d, 0);
 		CHECK(p.nx == side);
 		CHECK(p.gap == doctest::Approx(-0.08));
 	}

@@ -1,0 +1,101 @@
+"""From springs to rigid contacts: nothing moves while nothing changes."""
+import json
+import os
+import subprocess
+
+import pytest
+
+SCRIPT = """
+import json, sys
+sys.path.insert(0, {root!r})
+from yade import O
+import cd_engine
+from yade_scripts import bodies, parameters, prepare, walls
+
+full = parameters.complete({{}})
+path, _ = prepare.ensure(full, {folder!r})
+P0 = parameters.pressure(full)
+
+def start(**settings):
+    O.load(str(path))
+    walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
+    area_x, area_y = walls.areas()
+    O.forces.setPermF(walls.X_HIGH, (-P0 * area_x, 0, 0))
+    O.forces.setPermF(walls.Y_HIGH, (0, -P0 * area_y, 0))
+    O.dt = 1e-3
+    O.engines = cd_engine.engines(**settings)
+    return O.engines[-1]
+
+def forces():
+    return {{(i.id1, i.id2): i.phys.normalForce.norm() for i in O.interactions if i.isReal}}
+
+said = {{}}
+cd = start(tolerance=1e-8)
+# By hand: YADE does not save ScGeom.penetrationDepth.
+disks = {{b.id: b for b in bodies.disks()}}
+said["overlap"] = max(disks[i.id1].shape.radius + disks[i.id2].shape.radius - (disks[i.id1].state.pos - disks[i.id2].state.pos).norm()
+                      for i in O.interactions if i.isReal and i.id1 in disks and i.id2 in disks)
+md, before = forces(), walls.sides()
+O.run(1, True)
+said["first sweeps"], said["handover overlap"] = cd.iterations, cd.handoverOverlap
+now = forces()
+said["same contacts"] = set(now) == set(md)
+said["force change"] = max(abs(now[k] - md[k]) for k in now) / max(md.values())
+O.run(999, True)
+after = walls.sides()
+said["drift"] = after[1] / before[1] - after[0] / before[0]
+said["penetration"], said["unconverged"], said["references"] = cd.maxPenetration, cd.unconvergedSteps, len(cd.referenceOverlaps)
+
+cd = start(tolerance=1e-8, warmStart=False)
+O.run(1, True)
+said["cold sweeps"] = cd.iterations
+
+cd = start(tolerance=1e-8, handover=False)
+O.run(1, True)
+said["penetration without handover"] = cd.maxPenetration
+
+cd = start(tolerance=1e-8)
+O.run(1, True)
+O.forces.setPermF(walls.X_HIGH, (1, 0, 0))  # let go: the packing opens
+O.forces.setPermF(walls.Y_HIGH, (0, 1, 0))
+speed = max(b.state.vel.norm() for b in O.bodies)
+O.run(200, True)
+said["references when let go"], said["speed of grains when let go"] = len(cd.referenceOverlaps), max(b.state.vel.norm() for b in bodies.disks())
+print("said", json.dumps(said))
+"""
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory, root):
+    """What a run of SCRIPT measured on the default packing of 400 disks."""
+    folder = tmp_path_factory.mktemp("handover")
+    script = folder / "script.py"
+    script.write_text(SCRIPT.format(root=str(root), folder=str(folder)))
+    done = subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, env=os.environ, timeout=250)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("said")]
+    assert lines, done.stderr
+    return json.loads(lines[0][5:])
+
+
+def test_overlaps_become_the_reference(said):
+    assert said["handover overlap"] == pytest.approx(said["overlap"], rel=0.2) and said["overlap"] > 1e-6  # contacts with walls overlap, too
+    assert said["penetration"] < 1e-4 * said["overlap"]
+    assert said["penetration without handover"] == pytest.approx(said["handover overlap"], rel=1e-3)
+
+
+def test_springs_forces_are_the_first_guess(said):
+    """The packing is in equilibrium to 1e-8, so the first step finds its solution in the scene; a cold start has to work for it."""
+    assert said["same contacts"]
+    assert said["first sweeps"] <= 8 < 1000 < said["cold sweeps"]
+    assert said["force change"] < 1e-6
+
+
+def test_a_thousand_steps_at_constant_load_drift_less_than_1e_9(said):
+    assert said["unconverged"] == 0
+    assert abs(said["drift"]) < 1e-9, said
+
+
+def test_overlaps_are_not_expelled_when_the_load_goes(said):
+    """Stored elastic energy belongs to the springs: rigid grains that are let go do not fly apart, and parted pairs forget their overlap."""
+    assert said["speed of grains when let go"] < 1e-3  # the spring energy would give sqrt(k/m) overlap = 0.05 m/s
+    assert said["references when let go"] < said["references"]

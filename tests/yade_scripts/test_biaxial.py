@@ -1,0 +1,114 @@
+"""Runs of the biaxial test with 60 disks: boundary conditions, energy, and runs that must fail."""
+import numpy as np
+import pytest
+
+QUICK = dict(loading="cosine", period=1.0, records_per_cycle=50)
+
+
+def test_servo_and_force_loaded_walls_agree(yade60):
+    """Two ways to put the same stress on the same packing. At t0 = 1 s the walls' inertia changes gamma by 2 % (400 disks)."""
+    servo, force = (yade60.run(method="MD", md_walls=walls, **QUICK)["history"] for walls in ("servo", "force"))
+    for history in (servo, force):
+        assert np.abs(history["sigma2"][:] - history["sigma2_goal"][:]).max() < 2e-3 * 1200
+        assert np.abs(history["sigma1"][:] - 1200).max() < 2e-3 * 1200
+        assert history["sigma2_goal"][:].max() == pytest.approx(1440, rel=1e-4)
+    assert servo["gamma"][:].min() < -1e-4
+    assert force["gamma"][:].min() == pytest.approx(servo["gamma"][:].min(), rel=0.05)
+
+
+def test_energy_of_md_is_balanced(yade60):
+    """Dissipation never falls by more than the work done in a step, and over the closed cycle it is the area of the loops."""
+    history = yade60.run(method="MD", md_walls="servo", **QUICK)["history"]
+    dissipated, work, stored = (history[name][:] for name in ("dissipated_energy", "wall_work", "stored_energy"))
+    assert np.diff(dissipated).min() > -1e-3 * dissipated[-1]
+    assert dissipated[-1] == pytest.approx(work[-1] - (stored[-1] - stored[0]), rel=1e-3)
+    volume = 0.1565 * 0.1547  # sides of the packing [m] times the depth of 1 m
+    loops = -sum(np.trapz(history[f"sigma{k}"][:], history[f"strain{k}"][:]) for k in (1, 2)) * volume
+    assert work[-1] == pytest.approx(loops, rel=0.02)
+
+
+def test_contact_dynamics_hardly_strains_below_yield(yade60):
+    """Rigid grains below yield: what strain there is comes from the solver's tolerance, and falls with it."""
+    coarse, fine = (yade60.run(method="CD", tolerance=tolerance, cd_dt=2e-3, **QUICK)["history"] for tolerance in (1e-5, 1e-8))
+    assert fine["unconverged_steps"][-1] == 0 and fine["residual_max"][:].max() <= 1e-8
+    assert 0 < np.abs(fine["gamma"][:]).max() < 0.05 * np.abs(coarse["gamma"][:]).max() < 1e-5
+    assert fine["dissipated_energy"][-1] == pytest.approx(fine["wall_work"][-1] - fine["kinetic_energy"][-1], rel=1e-6)
+    assert np.abs(fine["sigma2"][:] - fine["sigma2_goal"][:]).max() < 1e-3 * 1200
+
+
+def test_nothing_moves_in_cd_while_nothing_changes(yade60):
+    """Hand-over from MD at constant P0: 1000 steps drift by less than 1e-9 in gamma."""
+    history = yade60.run(method="CD", loading="ramp", ramp_rate=1e-12, period=1.0, records_per_cycle=2, tolerance=1e-8)["history"]
+    assert np.abs(history["gamma"][:]).max() < 1e-9
+
+
+def test_a_collapse_leaves_a_file_that_says_so(yade60):
+    """Without friction the sample cannot carry sigma2 = 2 P0: the walls lose their stress."""
+    row = dict(method="MD", friction=0, delta_sigma=1, period=2)
+    done = yade60.script("run.py", "disks=60", *(f"{name}={value}" for name, value in row.items()))
+    assert done.returncode == 1
+    assert "wall stress off its goal" in done.stderr and "Traceback" not in done.stderr
+    file = yade60.run(**row)
+    assert file.attrs["status"].startswith("failed: wall stress off") and not file.attrs["finished"]
+    assert len(file["history/time"]) > 5
+    assert not list((yade60.folder / "results").glob("*.partial.h5"))
+
+
+def test_locked_walls_are_no_shakedown(yade60):
+    """The trap of the servo: with strong dashpots and its usual damping the walls flip for ever and gamma stays. It must fail;
+    the damping that walls.servo chooses keeps the same row sound."""
+    locked, sound = yade60.code("""
+from yade import O
+from yade_scripts import parameters, record, scenes
+said = []
+for damping in (0.25, None):
+    full = parameters.complete({"method": "MD", "disks": 60, "beta_n": 0.5, "period": 0.4, "records_per_cycle": 40})
+    scene = scenes.build(full, "results")
+    if damping is not None:
+        scene.load.controller.stressDamping = damping
+    recorder = record.Recorder(f"locked-{damping}.h5", full, scene)
+    scene.observer = recorder.sample
+    try:
+        scenes.method(full).run(scene)
+        said.append("finished")
+    except record.StressError as error:
+        said.append(str(error))
+print(json.dumps(said))
+""")
+    assert "wall stress off its goal" in locked
+    assert sound == "finished"
+
+
+def test_finished_run_is_not_run_again(yade60):
+    yade60.run(method="MD", period=0.02, records_per_cycle=2).close()
+    done = yade60.script("run.py", "disks=60", "method=MD", "period=0.02", "records_per_cycle=2")
+    assert done.returncode == 0 and "is there already" in done.stdout
+
+
+@pytest.mark.parametrize("arguments, message", [
+    (["frction=0.2"], "did you mean friction"), (["friction=-1"], "must be a number in [0, 2]"),
+    (["method=CD", "disks=60", "method_cd=magic"], "nsgs")])
+def test_user_s_mistake_is_one_line_and_status_2(yade60, arguments, message):
+    done = yade60.script("run.py", *arguments)
+    assert done.returncode == 2
+    lines = [line for line in done.stderr.splitlines() if line.startswith("run: ")]
+    assert len(lines) == 1 and message in lines[0] and "Traceback" not in done.stderr
+
+
+def test_row_of_a_yade_batch_table(yade60):
+    table = yade60.folder / "table.txt"
+    table.write_text("description disks method period records_per_cycle wrong\na 60 MD 0.02 2 1\n")
+    done = yade60.script("run.py", YADE_BATCH=f"{table}:2")
+    assert done.returncode == 2 and "unknown parameter 'wrong'" in done.stderr
+    table.write_text("description disks method period records_per_cycle\na 60 'MD' 0.03 2\n")
+    done = yade60.script("run.py", YADE_BATCH=f"{table}:2")
+    assert done.returncode == 0, done.stderr
+    with yade60.run(method="MD", period=0.03, records_per_cycle=2) as file:
+        assert file.attrs["finished"]
+
+
+def test_same_row_same_numbers_in_another_process(yade60, yade_elsewhere):
+    row = dict(method="MD", period=0.1, records_per_cycle=10)
+    one, other = yade60.run(**row), yade_elsewhere.run(**row)
+    for name in set(one["history"]) - {"wall_clock"}:
+        assert one[f"history/{name}"][:].tobytes() == other[f"history/{name}"][:].tobytes(), name

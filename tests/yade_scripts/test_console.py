@@ -1,0 +1,51 @@
+"""The console, driven through a pseudo-terminal as a user would."""
+import os
+import pty
+import re
+import select
+import subprocess
+import time
+
+from .conftest import SCRIPTS
+
+
+def read_until(terminal, pattern, seconds=60):
+    """What the terminal shows up to `pattern`; answers its questions for the cursor's place on the way."""
+    shown, end = "", time.monotonic() + seconds
+    while not re.search(pattern, shown):
+        assert time.monotonic() < end, f"{pattern!r} never came; the terminal shows:\n{shown}"
+        if select.select([terminal], [], [], 0.5)[0]:
+            piece = os.read(terminal, 65536).decode(errors="replace")
+            shown += piece
+            if "\x1b[6n" in piece:
+                os.write(terminal, b"\x1b[1;1R")
+    return shown
+
+
+def test_console_is_ready_for_o_run(yade60):
+    """Greeting, 100 CD steps, a switch to MD, and the end. What is typed is echoed, so the answers are computed."""
+    master, slave = pty.openpty()
+    environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"} | {"TERM": "xterm"}
+    console = subprocess.Popen(["yade", str(SCRIPTS / "console.py"), "disks=60"], stdin=slave, stdout=slave, stderr=slave,
+                               cwd=yade60.folder, env=environment, start_new_session=True)
+    os.close(slave)
+    try:
+        assert "contact_dynamics" in read_until(master, r"In \[")
+        for line, answer in (
+                ("O.run(100, True); print('made', 2 * O.iter, contact_dynamics.converged)", "made 200 True"),
+                ("s = run.start(method='MD', disks=60); O.run(70, True); print('now', 2 * O.iter, len(O.engines))", r"now 140 \d")):
+            os.write(master, line.encode() + b"\r")
+            read_until(master, answer)
+        os.write(master, b"exit()\r")
+        deadline = time.monotonic() + 30
+        while console.poll() is None and time.monotonic() < deadline:
+            if select.select([master], [], [], 0.2)[0]:
+                try:
+                    os.read(master, 65536)
+                except OSError:
+                    break
+        assert console.wait(10) == 0
+    finally:
+        if console.poll() is None:
+            console.kill()
+        os.close(master)

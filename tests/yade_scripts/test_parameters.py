@@ -1,0 +1,107 @@
+"""The registry: what is refused, and what a row's name depends on."""
+import math
+import pathlib
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, strategies as st
+
+from yade_scripts import parameters
+from yade_scripts.parameters import REGISTRY, ParameterError, complete
+
+
+def test_defaults_of_every_scene_pass_their_own_checks():
+    for scene in parameters.SCENES:
+        full = complete({"scene": scene})
+        assert set(full) == set(REGISTRY)
+        assert complete(full) == full
+
+
+def test_scenes_are_the_files_of_the_folder():
+    folder = pathlib.Path(parameters.__file__).parent / "scenes"
+    assert {path.stem for path in folder.glob("*.py")} - {"__init__"} == set(parameters.SCENES)
+
+
+def test_row_overrides_scene_overrides_registry():
+    assert complete({"scene": "stack"})["disks"] == 50
+    assert complete({"scene": "stack", "disks": 7})["disks"] == 7
+    assert complete({})["disks"] == 400
+
+
+def test_unknown_name_is_refused_with_the_near_ones():
+    with pytest.raises(ParameterError, match="unknown parameter 'frction'.*friction"):
+        complete({"frction": 0.2})
+
+
+@pytest.mark.parametrize("name, value", [
+    ("friction", -0.1), ("friction", math.nan), ("friction", math.inf), ("friction", "rough"), ("friction", True), ("friction", None),
+    ("seed", 1.5), ("seed", -1), ("disks", 0), ("delta_sigma", 0), ("delta_sigma", 1.01), ("warm_start", 1), ("method", "ED"),
+    ("scene", "triaxial"), ("cd_dt", 0.0), ("tolerance", 0)])
+def test_wrong_value_is_refused_with_name_value_and_range(name, value):
+    with pytest.raises(ParameterError) as caught:
+        complete({name: value})
+    message = str(caught.value)
+    assert name in message and repr(value) in message and REGISTRY[name].allowed() in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize("row, word", [({"records_per_cycle": 7}, "even"), ({"depth": 0.01}, "diameter")])
+def test_values_that_do_not_go_together(row, word):
+    with pytest.raises(ParameterError, match=word):
+        complete(row)
+
+
+@given(st.sampled_from(sorted(REGISTRY)), st.one_of(st.floats(), st.integers(), st.booleans(), st.text(max_size=5), st.none()))
+def test_any_value_is_refused_or_comes_out_allowed(name, value):
+    """Whatever passes is of the default's type and inside the range; nothing but ParameterError is raised."""
+    try:
+        full = complete({name: value})
+    except ParameterError:
+        return
+    parameter, result = REGISTRY[name], full[name]
+    assert type(result) is type(parameter.default) and result == value
+    if not isinstance(result, (bool, str)):
+        assert parameter.low <= result <= parameter.high and (not parameter.open_low or result > parameter.low)
+
+
+@given(st.floats(allow_nan=False), st.sampled_from(["friction", "kn", "tolerance"]))
+def test_a_typed_number_is_read_back_exactly(value, name):
+    assert parameters.from_text(name, repr(value)) == value
+
+
+def test_arguments():
+    row = parameters.from_arguments(["seed=3", "method='CD'", "warm_start=False", "kn=1e6"])
+    assert row == {"seed": 3, "method": "CD", "warm_start": False, "kn": 1e6}
+    for wrong in (["seed"], ["seed=1", "seed=2"]):
+        with pytest.raises(ParameterError):
+            parameters.from_arguments(wrong)
+
+
+def test_result_name_depends_on_what_the_method_reads_only():
+    name = lambda **row: parameters.result_name(complete(row))
+    assert name(method="MD") == name(method="MD", cd_dt=5e-4)
+    assert name(method="CD") != name(method="CD", cd_dt=5e-4)
+    assert name(method="MD") != name(method="CD") != name(method="CD", seed=2)
+    assert name(kn=2000000) == name(kn=2e6)
+
+
+def test_packing_depends_on_no_parameter_of_the_run():
+    shapes = lambda **row: parameters.preparation(complete(row))
+    assert shapes() == shapes(method="CD", period=3.0, delta_sigma=0.5, tolerance=1e-3, md_walls="force")
+    for change in ({"friction": 0.2}, {"seed": 2}, {"kn": 1e6}, {"pressure_ratio": 1e-3}):
+        assert shapes() != shapes(**change)
+
+
+def test_names_are_the_same_in_every_process(root):
+    code = "from yade_scripts import parameters as p; print(p.result_name(p.complete({'seed': 5})))"
+    names = {subprocess.run([sys.executable, "-c", code], cwd=root, env={"PYTHONHASHSEED": seed}, capture_output=True, text=True,
+                            check=True).stdout.strip() for seed in "12"}
+    assert names == {parameters.result_name(complete({"seed": 5}))}
+
+
+def test_paper_s_values():
+    """Caption of Fig. 3."""
+    full = complete({})
+    assert (full["disks"], full["kn"], full["friction"]) == (400, 2e6, 0.1)
+    assert parameters.pressure(full) == pytest.approx(6e-4 * 2e6, rel=1e-15)

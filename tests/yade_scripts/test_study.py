@@ -1,0 +1,82 @@
+"""The runner of tables: what counts as done, and its exit status."""
+import json
+import subprocess
+import sys
+
+import pytest
+
+from yade_scripts import parameters, regression, results, study, tables
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Writes a table."""
+    def write(text):
+        path = tmp_path / "table.txt"
+        path.write_text(text)
+        return str(path)
+    return write
+
+
+def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, capsys):
+    """Three rows from one packing, one of which collapses; the second call runs the failed row alone."""
+    path = table("description disks method period records_per_cycle friction delta_sigma\n"
+                 "good 60 MD 0.05 2 0.1 0.2\nrigid 60 CD 0.05 2 = =\nsoft 60 MD 2 200 0 1\n")
+    folder = str(yade60.folder / "results")
+    assert study.main([path, "--jobs", "1", "--results", folder]) == 1
+    first = capsys.readouterr()
+    assert "wall stress off" in first.err and first.out.count(": finished") == 2
+    rows = [parameters.complete(row) for row in tables.read(path).values()]
+    assert [results.finished(results.path_of(row, folder)) for row in rows] == [True, True, False]
+    assert study.main([path, "--jobs", "1", "--results", folder]) == 1
+    assert "3 runs, 2 of them finished before" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("text, message", [("seed frction\n1 0.1\n", "did you mean friction"), ("seed\n", "at least one line")])
+def test_wrong_table_stops_before_the_first_run(table, capsys, text, message):
+    assert study.main([table(text)]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_row_without_result_file_is_a_failure(yade60, table, capsys):
+    """A solver that does not exist is found out by the engine only; the log's end is shown."""
+    path = table("disks method method_cd\n60 CD magic\n")
+    assert study.main([path, "--results", str(yade60.folder / "results")]) == 1
+    assert "must be one of" in capsys.readouterr().out
+
+
+def test_foreign_file_is_no_result(tmp_path):
+    path = tmp_path / "x.h5"
+    assert results.status(path) is None
+    path.write_text("not HDF5")
+    assert results.status(path).startswith("failed: ") and not results.finished(path)
+
+
+def test_regression_sees_a_drift_and_a_failure(monkeypatch, capsys):
+    """The comparison itself, with runs replaced: a number inside its tolerance, one outside, NaN, and a failed run."""
+    values = {"a": 1.0 + 5e-4, "b": 1.0 + 2e-3, "c": float("nan")}
+    monkeypatch.setattr(regression, "run_case", lambda case, folder: ("file", None) if case["name"] == "ran" else (None, "it broke"))
+    monkeypatch.setattr(regression, "value", lambda path, quantity: values[quantity])
+    number = lambda name: {"quantity": name, "value": 1.0, "exact": False, "tolerance": 1e-3, "reason": "test"}
+    cases = [{"name": "ran", "numbers": [number("a"), number("b"), number("c")]}, {"name": "broke", "numbers": []}]
+    assert regression.compare(cases, "") == 3
+    out = capsys.readouterr().out
+    assert out.count("DRIFTED") == 2 and "it broke" in out
+
+
+def test_regression_overwrites_nothing(tmp_path):
+    path = tmp_path / "there.json"
+    path.write_text("{}")
+    assert regression.main(["--record", str(path)]) == 2
+    assert path.read_text() == "{}"
+
+
+def test_stored_numbers_have_reasons_and_runnable_rows():
+    for case in json.loads(regression.STORED.read_text())["cases"]:
+        parameters.complete(case["row"])
+        assert all(number["tolerance"] >= 0 and number["reason"].strip() for number in case["numbers"])
+
+
+def test_parameters_and_study_need_no_yade(root):
+    code = "import yade_scripts.study, yade_scripts.regression, sys; assert 'yade' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], cwd=root, check=True)

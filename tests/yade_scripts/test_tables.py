@@ -1,0 +1,55 @@
+"""Our reader of tables against yade-batch's own, and its messages."""
+import pathlib
+
+import pytest
+
+from yade_scripts import parameters, tables
+from yade_scripts.tables import TableError
+
+FOLDER = pathlib.Path(tables.__file__).parent
+
+
+def write(tmp_path, text):
+    path = tmp_path / "table.txt"
+    path.write_text(text)
+    return path
+
+
+def test_same_rows_as_yade_batch_reads(tmp_path):
+    from yade import utils
+    path = write(tmp_path, "# comment\n\ndescription seed friction !OMP_NUM_THREADS method\n"
+                           " a 1 0.1 1 'MD'  # here\n\n b = 0.2 = 'CD'\n c 3 = 1 =\n")
+    theirs = utils.TableParamReader(str(path)).paramDict()
+    ours = tables.read(path)
+    assert ours.keys() == theirs.keys() == {4, 6, 7}
+    for line, row in ours.items():
+        assert row == {name: eval(theirs[line][name]) for name in ("seed", "friction", "method")}
+
+
+def test_batch_row_is_one_line(tmp_path):
+    path = write(tmp_path, "seed method\n1 MD\n2 CD\n")
+    assert tables.batch_row(f"{path}:3") == {"seed": 2, "method": "CD"}
+    with pytest.raises(TableError, match="no run on line 7; lines with runs: 2, 3"):
+        tables.batch_row(f"{path}:7")
+
+
+@pytest.mark.parametrize("text, message", [
+    ("seed\n", "at least one line of values"), ("seed method\n1\n", ":2: 1 values for 2 columns"),
+    ("seed\n=\n", ":2: '=' repeats"), (None, "cannot be read")])
+def test_broken_table_says_where(tmp_path, text, message):
+    path = tmp_path / "none.txt" if text is None else write(tmp_path, text)
+    with pytest.raises(TableError, match=message):
+        tables.read(path)
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.txt")), ids=lambda path: path.stem)
+def test_every_table_of_ours_can_be_run(path):
+    rows = [parameters.complete(row) for row in tables.read(path).values()]
+    assert len({parameters.result_name(row) for row in rows}) == len(rows), "two rows are the same run"
+
+
+def test_fig4_runs_both_methods_from_one_packing():
+    md, cd = (parameters.complete(row) for row in tables.read(FOLDER / "fig4.txt").values())
+    assert {md["method"], cd["method"]} == {"MD", "CD"}
+    assert parameters.preparation(md) == parameters.preparation(cd)
+    assert all(md[name] == cd[name] for name in ("loading", "delta_sigma", "period", "cycles"))
