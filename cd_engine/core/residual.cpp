@@ -7,6 +7,8 @@
 namespace cd {
 namespace {
 
+	constexpr double roundOff = 4 * std::numeric_limits<double>::epsilon();
+
 	// Euclidean projection of (pn, pt) on the cone |p_t| <= mu p_n.
 	void projectOnCone(double mu, double& pn, double& pt)
 	{
@@ -53,7 +55,12 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 		const double un = ux * c.nx + uy * c.ny + vb[2] * c.bn - va[2] * c.an + c.bias;
 		double qn = c.pn - (un + c.mu * std::abs(ut)) / compliance, qt = c.pt - ut / compliance;
 		projectOnCone(c.mu, qn, qt);
-		const double d = (c.pn - qn) * (c.pn - qn) + (c.pt - qt) * (c.pt - qt);
+		const double difference = (c.pn - qn) * (c.pn - qn) + (c.pt - qt) * (c.pt - qt);
+		// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding
+		// along another at 1 m/s cannot be told from one pressed with 1e-16 of its momentum.
+		const double floor
+		    = roundOff * (std::abs(va[0]) + std::abs(va[1]) + std::abs(vb[0]) + std::abs(vb[1]) + std::abs(c.bias)) / compliance;
+		const double d = difference <= floor * floor ? 0 : difference;
 		sum += d;
 		// Written so that a NaN is kept and reported instead of being lost in a comparison.
 		if (!(d <= worst))

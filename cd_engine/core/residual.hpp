@@ -14,7 +14,8 @@ struct Residual {
 // The velocities are recomputed from the impulses (those in `system.bodies` are not read), W_nn from the masses.
 // K is Coulomb's cone, P_K the Euclidean projection on it; mu |u_t| n is De Saxce's term, which makes the zero of this
 // error the exact, non-associated Coulomb law with Signorini's condition (Acary, Bremond & Huber 2018, hal-01630836, section 2).
-// Without any impulse the error is 0 if no contact is violated, else infinite. Costs about two sweeps.
+// Differences below the round-off of the velocities count as none. Without any impulse the error is 0 if no contact is violated, else infinite. Costs
+// about two sweeps.
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
 
 } // namespace cd

@@ -8,6 +8,7 @@ namespace {
 	};
 	const Entry entries[] = {
 		{ "nsgs", nsgs },
+		{ "accelerated", accelerated },
 	};
 } // namespace
 

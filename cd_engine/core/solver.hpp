@@ -11,7 +11,7 @@ namespace cd {
 struct SolverSettings {
 	double tolerance = 1e-6; // on the error e of residual.hpp
 	int maxIterations = 10000; // sweeps
-	int fixedIterations = 0; // > 0: exactly so many sweeps, no test on the way
+	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, no test on the way
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 };
 
@@ -33,5 +33,6 @@ Solver findSolver(const std::string& method);
 std::vector<std::string> solverNames();
 
 SolverReport nsgs(ContactSystem&, const SolverSettings&);
+SolverReport accelerated(ContactSystem&, const SolverSettings&);
 
 } // namespace cd

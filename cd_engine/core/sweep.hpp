@@ -21,6 +21,18 @@ class Sweep {
 	// Recomputes the bodies' velocities from the packed impulses, which clears the round-off that updates in place leave behind.
 	void restoreVelocities(const std::vector<double>& freeVelocity);
 
+	// Calls f(p_n, p_t, i) with the impulses of every contact that can be solved, i counting them in a fixed order.
+	template <class F> void forEachImpulse(F&& f)
+	{
+		std::size_t i = 0;
+		for (Diagonal& c : diagonal)
+			f(c.pn, c.pt, i++);
+		for (const int32_t row : generalRows)
+			f(system.contacts[row].pn, system.contacts[row].pt, i++);
+	}
+	std::size_t size() const { return diagonal.size() + generalRows.size(); }
+	std::vector<BodyVelocity>& bodies() { return system.bodies; }
+
     private:
 	// A contact without coupling between n and t, and no lever arm of the normal force: the closed form needs no cases.
 	struct Diagonal {

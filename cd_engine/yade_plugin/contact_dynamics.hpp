@@ -18,7 +18,7 @@ class ContactDynamics : public yade::GlobalEngine {
 	double tolerance = 1e-6;
 	int maxIterations = 20000;
 	int fixedIterations = 0;
-	std::string method = "nsgs";
+	std::string method = "accelerated";
 	bool warmStart = true;
 	double restitution = 0;
 	int seed = 0;
@@ -91,7 +91,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("tolerance", &C::tolerance, Access::set, positive, "The step is solved when the error e (see *residual*) is at most this [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. }, "Sweeps after which a step is left unconverged [1].");
 	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
-	    "If positive: make exactly this many sweeps in every step and test nothing, for studies of under-converged contact dynamics [1].");
+	    "If positive: make exactly this many plain Gauss-Seidel sweeps in every step, whatever *method*, and test nothing, for studies of "
+	    "under-converged contact dynamics [1].");
 	visit("method", &C::method, Access::set, any, "Name of the solver: one of :py:func:`cd_engine.methods`.");
 	visit("warmStart", &C::warmStart, Access::set, any,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");

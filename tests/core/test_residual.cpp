@@ -78,3 +78,11 @@ TEST_CASE("two immobile bodies ask for nothing")
 	c.system.assembleBlocks();
 	CHECK(c.e() == 0);
 }
+
+TEST_CASE("what is below the round-off of the velocities is no error, what is above is")
+{
+	const double none = std::numeric_limits<double>::infinity();
+	CHECK(OneContact(1, -1e-16, 0.0, 0, 0).e() == 0);
+	CHECK(OneContact(1, -1e-14, 0.0, 0, 0).e() == none);
+	CHECK(OneContact(0, -1e-30, 0.0, 0, 0).e() == none); // nothing else moves: this is the velocity itself
+}

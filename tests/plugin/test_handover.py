@@ -86,7 +86,7 @@ def test_overlaps_become_the_reference(said):
 def test_springs_forces_are_the_first_guess(said):
     """The packing is in equilibrium to 1e-8, so the first step finds its solution in the scene; a cold start has to work for it."""
     assert said["same contacts"]
-    assert said["first sweeps"] <= 8 < 1000 < said["cold sweeps"]
+    assert said["first sweeps"] <= 8 < 100 < said["cold sweeps"]
     assert said["force change"] < 1e-6
 
 

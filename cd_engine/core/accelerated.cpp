@@ -1,0 +1,106 @@
+// Gauss-Seidel sweeps with momentum: a sweep from the point y = p + beta (p - q) ahead of the last two iterates q, p.
+//
+// beta follows Nesterov's sequence (Nesterov 1983; O'Donoghue & Candes 2015, "Adaptive restart for accelerated gradient schemes",
+// eqs. 6-8), with their restart when the sweep turns back against the momentum. Friction makes the problem non-monotone, where
+// momentum can blow up: beta is capped, and the cap lowered whenever the changes made by the sweeps do not decrease over a window.
+// An iteration costs a sweep and two passes over the impulses.
+#include "iterate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace cd {
+namespace {
+
+	class Momentum {
+	    public:
+		explicit Momentum(Sweep& s)
+		    : sweep(s)
+		    , before(2 * s.size())
+		    , ahead(2 * s.size())
+		    , velocityBefore(3 * s.bodies().size())
+		{
+			remember();
+		}
+
+		void operator()()
+		{
+			extrapolate(std::min(cap, (t - 1) / next(t)));
+			sweep();
+			// The change made by the sweep, and whether it opposes the step made since the last iterate.
+			double change = 0, against = 0;
+			sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
+				const double dn = ahead[2 * i] - pn, dt = ahead[2 * i + 1] - pt;
+				change += dn * dn + dt * dt;
+				against += dn * (pn - before[2 * i]) + dt * (pt - before[2 * i + 1]);
+			});
+			t = against > 0 ? 1 : next(t);
+			watch(std::sqrt(change));
+		}
+
+	    private:
+		static constexpr int window = 20; // sweeps over which the changes must decrease
+
+		static double next(double t) { return 0.5 * (1 + std::sqrt(1 + 4 * t * t)); }
+
+		void remember()
+		{
+			sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
+				before[2 * i] = pn;
+				before[2 * i + 1] = pt;
+			});
+			for (std::size_t i = 0; i < sweep.bodies().size(); i++)
+				std::copy_n(sweep.bodies()[i].v, 3, &velocityBefore[3 * i]);
+		}
+
+		// Moves impulses and, being linear in them, velocities from p to p + beta (p - q); then q is p.
+		void extrapolate(double beta)
+		{
+			sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
+				const double n = pn, u = pt;
+				pn += beta * (n - before[2 * i]);
+				pt += beta * (u - before[2 * i + 1]);
+				before[2 * i] = n;
+				before[2 * i + 1] = u;
+				ahead[2 * i] = pn;
+				ahead[2 * i + 1] = pt;
+			});
+			for (std::size_t i = 0; i < sweep.bodies().size(); i++)
+				for (int k = 0; k < 3; k++) {
+					double& v = sweep.bodies()[i].v[k];
+					const double now = v;
+					v += beta * (now - velocityBefore[3 * i + k]);
+					velocityBefore[3 * i + k] = now;
+				}
+		}
+
+		void watch(double change)
+		{
+			sum += change;
+			largest = std::max(largest, change);
+			if (++made % window != 0)
+				return;
+			// A window no better than the last, or with a spike in it: momentum is doing harm.
+			const bool worse = sum > 0.98 * lastSum || largest > 4 * lastSum / window;
+			cap = worse && lastSum > 0 ? std::max(0., 1 - 1.5 * (1 - cap)) : std::min(0.995, 1 - 0.8 * (1 - cap));
+			lastSum = sum;
+			sum = largest = 0;
+		}
+
+		Sweep& sweep;
+		std::vector<double> before, ahead; // q and y, two numbers a contact
+		std::vector<double> velocityBefore;
+		double t = 1, cap = 0.9;
+		double sum = 0, lastSum = 0, largest = 0;
+		int made = 0;
+	};
+
+} // namespace
+
+SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
+{
+	return iterate(system, settings, [](Sweep& sweep) { return [momentum = std::make_shared<Momentum>(sweep)] { (*momentum)(); }; });
+}
+
+} // namespace cd

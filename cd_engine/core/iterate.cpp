@@ -1,0 +1,84 @@
+#include "iterate.hpp"
+#include "residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	class Loop {
+	    public:
+		Loop(ContactSystem& s, const SolverSettings& t)
+		    : system(s)
+		    , settings(t)
+		    , freeVelocity(3 * s.bodies.size())
+		{
+			for (size_t i = 0; i < s.bodies.size(); i++)
+				std::copy_n(s.bodies[i].v, 3, &freeVelocity[3 * i]);
+		}
+
+		SolverReport run(const std::function<std::function<void()>(Sweep&)>& method)
+		{
+			Sweep sweep(system, freeVelocity, settings.seed);
+			if (settings.fixedIterations > 0) {
+				for (; report.iterations < settings.fixedIterations; report.iterations++)
+					sweep();
+				report.status = Status::fixed_iterations;
+			} else
+				report.status = untilSolved(sweep, method(sweep));
+			sweep.restoreVelocities(freeVelocity);
+			evaluate();
+			if (std::isnan(report.residual))
+				report.status = Status::diverged;
+			return report;
+		}
+
+	    private:
+		Status untilSolved(Sweep& sweep, const std::function<void()>& improve)
+		{
+			evaluate();
+			double best = report.residual;
+			int bestAt = 0;
+			while (report.residual > settings.tolerance) {
+				if (report.iterations >= settings.maxIterations)
+					return Status::max_iterations;
+				// No gain of a hundredth while the number of sweeps doubled, and at least a thousand: waiting on is in vain.
+				if (report.iterations > 1000 + 2 * bestAt)
+					return Status::stagnated;
+				// The error costs two sweeps, so it is asked for at a spacing that grows with the sweeps already made.
+				const int more = std::min(settings.maxIterations - report.iterations, 4 + report.iterations / 10);
+				for (int i = 0; i < more; i++)
+					improve();
+				report.iterations += more;
+				sweep.storeImpulses();
+				evaluate();
+				if (report.residual < 0.99 * best) {
+					best = report.residual;
+					bestAt = report.iterations;
+				}
+			}
+			return std::isnan(report.residual) ? Status::diverged : Status::converged;
+		}
+
+		void evaluate()
+		{
+			const Residual e = residual(system, freeVelocity);
+			report.residual = e.norm;
+			report.residualMax = e.maximum;
+		}
+
+		ContactSystem& system;
+		const SolverSettings& settings;
+		std::vector<double> freeVelocity;
+		SolverReport report;
+	};
+
+} // namespace
+
+SolverReport iterate(ContactSystem& system, const SolverSettings& settings, const std::function<std::function<void()>(Sweep&)>& method)
+{
+	return Loop(system, settings).run(method);
+}
+
+} // namespace cd

@@ -1,0 +1,43 @@
+"""Python functions called from inside YADE's loop, and a loop whose failures reach the caller.
+
+A PyRunner holds a string, and an exception or sys.exit in it ends or hangs the process. Here an exception stops the loop instead
+and is raised again by `simulate`, so that a failed run can still write its file.
+"""
+import sys
+
+from yade import O
+from yade.wrapper import PyRunner
+
+_functions = []
+_failure = None
+_awaited = False  # whether `simulate` will raise the failure
+
+
+def runner(function, **period):
+    """A PyRunner that calls `function()`; period: iterPeriod, initRun and so on."""
+    _functions.append(function)
+    return PyRunner(command=f"import yade_scripts.hooks; yade_scripts.hooks.fire({len(_functions) - 1})", updateGlobals=False, **period)
+
+
+def fire(number):
+    """What the PyRunner number `number` does."""
+    global _failure
+    try:
+        _functions[number]()
+    except Exception as error:
+        _failure = error
+        if not _awaited:  # O.run() at the console
+            print(f"Stopped at step {O.iter}: {error}", file=sys.stderr, flush=True)
+        O.pause()
+
+
+def simulate(steps):
+    """`steps` steps, waited for; raises what a hook or an engine raised."""
+    global _failure, _awaited
+    _failure, _awaited = None, True
+    try:
+        O.run(steps, True)
+    finally:
+        _awaited = False
+    if _failure is not None:
+        raise _failure

@@ -1,0 +1,71 @@
+"""Molecular Dynamics: YADE's Cundall-Strack engines with the paper's contact law.
+
+Normal: eq. 5, R = k_n delta - gamma d(delta)/dt, not clipped (a parting contact may pull), gamma = 2 beta_n sqrt(k_n m_eff).
+Tangential: eq. 6 and the Coulomb condition, without eq. 6's dashpot, which YADE's viscous law does not have.
+"""
+import math
+
+from yade import O
+from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom,
+                          InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
+                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
+
+from yade_scripts import bodies, hooks, walls
+
+
+def contact_engines(full):
+    """The list up to and including the contact forces; stiffnesses are constant, walls included."""
+    def constant(value):
+        return MatchMaker(algo="val", val=value)
+
+    return [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
+        InteractionLoop(
+            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
+            [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=constant(full["kn"]), kRatio=constant(full["kt_over_kn"]))],
+            [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
+    ]
+
+
+def integrator(full, damping=0.0):
+    """Newton's equations; damping is YADE's force reduction, for preparations only."""
+    return NewtonIntegrator(damping=damping, gravity=(0, -full["gravity"], 0))
+
+
+def set_friction(mu):
+    """Give the disks friction mu, in their material and in the contacts that exist."""
+    material = O.materials["disk"]
+    material.frictionAngle = math.atan(mu)
+    for contact in O.interactions:
+        if contact.isReal and O.bodies[contact.id1].mat.label == O.bodies[contact.id2].mat.label == "disk":
+            contact.phys.tangensOfFrictionAngle = mu
+
+
+def set_engines(full, scene, goals=None):
+    """O.engines for a scene, its walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+
+    Samples are taken between the forces, loads included, and the motion, where positions and forces are of one time.
+    """
+    observer = hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True)
+    if goals is None:
+        loading = [observer]
+    elif full["md_walls"] == "servo":
+        controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), full["kn"], max_velocity=1.0)
+        scene.load = walls.ServoLoad(goals, controller)
+        every = _divisor(scene.every, full["md_load_every"])
+        loading = [hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
+    else:
+        scene.load = walls.ForceLoad(goals)
+        loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
+    O.engines = contact_engines(full) + loading + [integrator(full)]
+
+
+def _divisor(steps, most):
+    """The largest divisor of `steps` that is at most `most`: the work of the walls is then up to date at every sample."""
+    return max(n for n in range(1, most + 1) if steps % n == 0)
+
+
+def run(scene):
+    """Run a scene to its end. One step more, since the last sample is taken inside it."""
+    hooks.simulate(scene.every * scene.samples + 1)

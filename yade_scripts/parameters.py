@@ -1,0 +1,231 @@
+"""Every parameter of every run: name, default, unit, allowed values, meaning. Needs no YADE.
+
+A row (of a table, or of name=value arguments) overrides defaults; `complete` checks it and fills in the rest. SI units throughout;
+the sample is `depth` deep, so a 2D stress [N/m] is a stress [Pa] times `depth`. The paper leaves many of these open
+(see each `doc`); whatever was used is stored with the result.
+
+`/usr/bin/python3 -m yade_scripts.parameters` prints the list.
+"""
+import difflib
+import hashlib
+import json
+import math
+from dataclasses import dataclass
+
+# What a scene changes in the defaults below. The name of a scene is the name of its file in scenes/.
+SCENES = {
+    "biaxial": {},
+    "incline": dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13),
+    "slide_to_roll": dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13),
+    "bounce": dict(method="CD", restitution=0.5, gravity=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13),
+    "stack": dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
+                  max_iterations=1000000),
+    "loaded_box": dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
+                       max_iterations=1000000),
+}
+
+
+class ParameterError(ValueError):
+    """A row cannot be run; the message names the parameter, its value, and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One line of the registry.
+
+    low, high: allowed range, both included; for floats `open_low` excludes the lower end.
+    prepare: it shapes the prepared packing, so that another value means another packing.
+    method: the only method that reads it, or None.
+    """
+    name: str
+    default: object
+    unit: str
+    doc: str
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    choices: tuple = ()
+    prepare: bool = False
+    method: str | None = None
+
+    def allowed(self):
+        """The allowed values in words."""
+        if self.choices:
+            return "one of " + ", ".join(map(str, self.choices))
+        if isinstance(self.default, bool):
+            return "True or False"
+        kind = "an integer" if isinstance(self.default, int) else "a number"
+        return f"{kind} in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}]"
+
+    def check(self, value):
+        """The value in the parameter's own type, or ParameterError."""
+        converted = self._converted(value)
+        if converted is None or not self._in_range(converted):
+            raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()} [{self.unit}] ({self.doc})")
+        return converted
+
+    def _converted(self, value):
+        kind = type(self.default)
+        if kind is bool:
+            return value if isinstance(value, bool) else None
+        if kind is str:
+            return value if isinstance(value, str) else None
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return None
+        if kind is int:
+            return int(value) if math.isfinite(value) and value == int(value) else None
+        return float(value)
+
+    def _in_range(self, value):
+        if self.choices:
+            return value in self.choices
+        if isinstance(value, (bool, str)):
+            return True
+        return math.isfinite(value) and (self.low < value if self.open_low else self.low <= value) and value <= self.high
+
+
+def _positive(high):
+    return dict(low=0, high=high, open_low=True)
+
+
+REGISTRY = {p.name: p for p in (
+    Parameter("scene", "biaxial", "1", "what is simulated", choices=tuple(SCENES)),
+    Parameter("method", "MD", "1", "MD: springs and dashpots; CD: rigid contacts", choices=("MD", "CD")),
+    # The sample; the paper: 400 disks, k_n = 2 MPa, mu = 0.1, P0 = 6e-4 k_n (caption of Fig. 3).
+    Parameter("disks", 400, "1", "number of disks", low=1, high=100000, prepare=True),
+    Parameter("seed", 1, "1", "seed of radii, positions and velocities of the packing", low=0, high=2**31 - 1, prepare=True),
+    Parameter("radius_mean", 0.01, "m",
+              "mean radius; not in the paper, in the quasi-static limit no dimensionless result depends on it", **_positive(1e3), prepare=True),
+    Parameter("radius_spread", 0.3, "1",
+              "radii are uniform within radius_mean (1 +- radius_spread); not in the paper", low=0, high=0.9, prepare=True),
+    Parameter("depth", 1.0, "m", "length of the cylinders that the disks stand for", **_positive(1e3), prepare=True),
+    Parameter("density", 2600.0, "kg/m^3",
+              "of the disks: mass rho pi R^2 depth, inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
+    Parameter("kn", 2e6, "N/m",
+              "normal stiffness k_n of a contact, eq. 5; the paper's 2 MPa at 1 m of depth", **_positive(1e15), prepare=True),
+    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not in the paper, nor found for its authors' "
+              "other work: 0.5 is a customary choice and not theirs. It shifts gamma, so vary it", **_positive(1), prepare=True),
+    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth", **_positive(0.01), prepare=True),
+    Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks; walls have none", low=0, high=2, prepare=True),
+    Parameter("preparation_friction", 0.0, "1",
+              "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
+    Parameter("beta_n", 0.1, "1",
+              "damping of the normal contact, gamma = 2 beta_n sqrt(k_n m_eff) in eq. 5; not in the paper", low=0, high=0.9, prepare=True),
+    # The loading.
+    Parameter("loading", "triangle", "1", "sigma2(t): triangle (linear up and down, Fig. 4), cosine (eq. 7), ramp (eq. 1)",
+              choices=("triangle", "cosine", "ramp")),
+    Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(1)),
+    Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", **_positive(1e3)),
+    Parameter("period", 1.0, "s",
+              "t0 of eq. 7; cycles t0 is the time simulated. MD at 1 s against 4 s: gamma within 1 % under a cosine, 4 % under a triangle",
+              **_positive(1e6)),
+    Parameter("cycles", 1, "1", "periods simulated", low=1, high=10**6),
+    Parameter("records_per_cycle", 200, "1",
+              "samples of the history in a period, even so that one falls on the load maximum", low=2, high=10**5),
+    # Walls.
+    Parameter("wall_mass_ratio", 20.0, "1",
+              "mass of a force-loaded wall in mean disk masses; it swings after the kinks of a triangle", **_positive(1e6)),
+    Parameter("md_walls", "servo", "1", "servo: TriaxialStressController moves the walls; force: free walls pushed by forces, as in CD",
+              choices=("servo", "force"), method="MD"),
+    # Time stepping.
+    Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", **_positive(1), method="MD"),
+    Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),
+    Parameter("cd_dt", 1e-3, "s", "largest CD step", **_positive(1), method="CD"),
+    # The contact solver: attributes of ContactDynamics.
+    Parameter("method_cd", "accelerated", "1", "contact solver, one of cd_engine.methods()", method="CD"),
+    Parameter("tolerance", 1e-8, "1", "a step is solved when its error e is at most this", **_positive(1), method="CD"),
+    Parameter("max_iterations", 20000, "1", "sweeps after which a step counts as unconverged", low=1, high=2**31 - 1, method="CD"),
+    Parameter("fixed_iterations", 0, "1",
+              "if positive: exactly so many plain sweeps a step whatever method_cd, no test (under-converged CD)", low=0, high=2**31 - 1, method="CD"),
+    Parameter("warm_start", True, "1", "begin with the contact forces of the step before", method="CD"),
+    Parameter("solver_seed", 0, "1",
+              "if positive: random order of the sweeps, drawn from this seed", low=0, high=2**31 - 1, method="CD"),
+    Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
+    # Small scenes.
+    Parameter("gravity", 0.0, "m/s^2", "acceleration of free fall, along -y", low=0, high=1e6),
+    Parameter("slope", 30.0, "degree", "of the incline", low=-89, high=89),
+    Parameter("speed", 1.0, "m/s", "initial speed in slide_to_roll and bounce", **_positive(1e3)),
+)}
+
+
+def complete(row):
+    """The full row: `row` checked, over the scene's defaults, over the registry's. ParameterError if it cannot be run."""
+    for name in row:
+        if name not in REGISTRY:
+            near = difflib.get_close_matches(name, REGISTRY, n=3)
+            hint = f"did you mean {' or '.join(near)}?" if near else "the list: /usr/bin/python3 -m yade_scripts.parameters"
+            raise ParameterError(f"unknown parameter {name!r} (value {row[name]!r}); {hint}")
+    checked = {name: REGISTRY[name].check(value) for name, value in row.items()}
+    full = {name: parameter.default for name, parameter in REGISTRY.items()}
+    full |= SCENES[checked.get("scene", full["scene"])]
+    full |= checked
+    _check_together(full)
+    return full
+
+
+def _check_together(full):
+    """Conditions on several parameters at once."""
+    largest = full["radius_mean"] * (1 + full["radius_spread"])
+    if full["depth"] <= 2 * largest:
+        raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
+                             "or spheres touch the walls in front and behind")
+    if full["gravity"] and full["scene"] in ("biaxial", "loaded_box"):
+        raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
+    if full["records_per_cycle"] % 2:
+        raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
+
+
+def from_text(name, text):
+    """The value of name=text as typed at a prompt or in a table: a Python literal where it is one, else the text itself."""
+    text = text.strip()
+    if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
+        return text[1:-1]
+    parameter = REGISTRY.get(name)
+    if parameter is None or isinstance(parameter.default, str):
+        return text
+    if isinstance(parameter.default, bool):
+        return {"true": True, "1": True, "false": False, "0": False}.get(text.lower(), text)
+    try:
+        return float(text) if not text.lstrip("+-").isdigit() else int(text)
+    except ValueError:
+        return text
+
+
+def from_arguments(arguments):
+    """The row given by name=value arguments."""
+    row = {}
+    for argument in arguments:
+        name, equals, text = argument.partition("=")
+        if not equals:
+            raise ParameterError(f"{argument!r}: arguments are name=value, such as seed=3")
+        if name in row:
+            raise ParameterError(f"{name} is given twice")
+        row[name] = from_text(name, text)
+    return row
+
+
+def preparation(full):
+    """The part of a full row that shapes the prepared packing."""
+    return {name: full[name] for name, parameter in REGISTRY.items() if parameter.prepare}
+
+
+def digest(values, length=12):
+    """Hexadecimal hash of a dictionary of parameters; the same in every process."""
+    text = json.dumps(values, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:length]
+
+
+def result_name(full):
+    """Stem of the result file: scene, method, hash of every parameter that this method reads."""
+    read = {name: full[name] for name, parameter in REGISTRY.items() if parameter.method in (None, full["method"])}
+    return f"{full['scene']}-{full['method']}-{digest(read)}"
+
+
+def pressure(full):
+    """P0 [Pa]."""
+    return full["pressure_ratio"] * full["kn"] / full["depth"]
+
+
+if __name__ == "__main__":
+    for p in REGISTRY.values():
+        print(f"{p.name:22} {p.default!s:>10} [{p.unit}]  {p.allowed()}\n{'':24}{p.doc}")

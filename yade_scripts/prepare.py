@@ -1,0 +1,205 @@
+"""Prepares a packing at rest under P0 and saves it under the hash of its inputs.
+
+    yade -n -x yade_scripts/prepare.py seed=3 disks=400
+
+A gas of disks on a grid is compacted by YADE's TriaxialStressController in 2D with springs and dashpots (paper, section 3: "This
+first stage is carried out with the MD algorithm"), first with `preparation_friction`, then settled with `friction`. MD and CD start
+from this file.
+"""
+import fcntl
+import gzip
+import hashlib
+import json
+import math
+import os
+import pathlib
+import random
+import struct
+import sys
+import time
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+
+from yade import O, config, utils
+
+from yade_scripts import bodies, hooks, md, parameters, progress, results, walls
+
+# Part of the hash: raise it when the procedure below changes.
+RECIPE = 1
+STRESS_ERROR, UNBALANCED = 1e-7, 1e-8  # at rest: wall stress relative to P0, mean net force on a body relative to a contact's
+CHECKS = 3          # that many checks in a row, since a rattler's hit passes between two
+CHECK_EVERY = 500   # steps
+MOST_STEPS = 2000000
+
+
+class PreparationError(RuntimeError):
+    """The packing did not come to rest under its load."""
+
+
+def inputs(full):
+    """All that the saved state depends on."""
+    return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
+
+
+def state_path(full, folder):
+    """Where the state of this row is kept."""
+    return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
+
+
+def ensure(full, folder):
+    """(path, SHA-256) of the prepared state, made now unless it exists. Leaves whatever scene it made."""
+    path = state_path(full, folder)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path.with_suffix(".lock"), "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # rows that run at once prepare once
+        checksum = _verified(path)
+        if checksum is None:
+            _make(full)
+            checksum = _save(full, path)
+    return path, checksum
+
+
+def _record(path):
+    return path.with_name(path.name.split(".")[0] + ".json")
+
+
+def _sha256(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _verified(path):
+    """SHA-256 of an existing, undamaged state, else None."""
+    if not path.exists():
+        return None
+    checksum = _sha256(path)
+    try:
+        recorded = json.loads(_record(path).read_text())["sha256"]
+    except (OSError, ValueError, KeyError):
+        recorded = None
+    if checksum == recorded:
+        return checksum
+    print(f"{path} does not match its record {_record(path).name}: preparing it again.", file=sys.stderr)
+    return None
+
+
+def _save(full, path):
+    """Write state and record, each aside and then renamed."""
+    aside = path.with_name("new-" + path.name)
+    O.save(str(aside))
+    _forget_speed(aside)
+    checksum = _sha256(aside)
+    facts = {"sha256": checksum, "inputs": inputs(full), "sigma": walls.mean_stresses(), "sides": walls.sides(),
+             "solid_fraction": bodies.solid_fraction(), "contacts_per_disk": bodies.contacts_per_disk(),
+             "unbalanced_force": utils.unbalancedForce()}
+    record = _record(aside)
+    record.write_text(json.dumps(facts, indent=1) + "\n")
+    os.replace(record, _record(path))
+    os.replace(aside, path)
+    return checksum
+
+
+def _forget_speed(path):
+    """Zero the computing speed [steps/s] in a saved scene, where YADE offers no way to set it; the first number of that value is it."""
+    data = gzip.decompress(path.read_bytes())
+    path.write_bytes(gzip.compress(data.replace(struct.pack("<d", O.speed), bytes(8), 1), mtime=0))
+
+
+def gas(full):
+    """Walls 0..5, then disks on a grid with random radii, shifts and velocities."""
+    draw = random.Random(full["seed"])
+    low, high = (full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1))
+    bodies.append_material("wall", 0.0, full)
+    bodies.append_material("disk", full["preparation_friction"], full)
+    columns, cell = math.ceil(math.sqrt(full["disks"])), 2.2 * high
+    walls.append(columns * cell, full["depth"], "wall")
+    speed = 0.2 * math.sqrt(parameters.pressure(full) / full["density"])
+    for k in range(full["disks"]):
+        radius = draw.uniform(low, high)
+        place = [(n + 0.5) * cell + draw.uniform(-1, 1) * (cell / 2 - radius) for n in divmod(k, columns)]
+        velocity = draw.uniform(-speed, speed), draw.uniform(-speed, speed)
+        bodies.append_disk(place, radius, bodies.disk_mass(radius, full), "disk", velocity)
+
+
+class _Rest:
+    """Asks every CHECK_EVERY steps whether the sample is at rest under P0; stops the loop when it is."""
+
+    def __init__(self, p0, stress_error, unbalanced):
+        self.p0, self.stress_error, self.unbalanced = p0, stress_error, unbalanced
+        self.passed, self.said = 0, time.monotonic()
+
+    def errors(self):
+        """(largest wall stress error relative to P0, unbalanced force)."""
+        return max(abs(s / self.p0 - 1) for pair in walls.stresses() for s in pair), utils.unbalancedForce()
+
+    def check(self):
+        """What the loop calls."""
+        stress, force = self.errors()
+        if time.monotonic() - self.said >= progress.SECONDS:
+            self.said = time.monotonic()
+            print(f"preparing: wall stress off by {stress:.0e} P0 (goal {self.stress_error:g}), "
+                  f"unbalanced force {force:.0e} (goal {self.unbalanced:g})", flush=True)
+        self.passed = self.passed + 1 if stress < self.stress_error and force < self.unbalanced else 0
+        if self.passed >= CHECKS:
+            O.pause()
+        # Nothing slows a disk without contacts, and its next hit would disturb the others.
+        for body in bodies.disks():
+            if not bodies.loaded_contacts(body):
+                body.state.vel = body.state.angVel = (0, 0, 0)
+
+
+def _relax(full, stress_error, unbalanced, damping):
+    """Run under P0 until at rest; PreparationError after MOST_STEPS."""
+    p0 = parameters.pressure(full)
+    # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
+    controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), full["kn"], 0.1 * math.sqrt(p0 / full["density"]))
+    rest = _Rest(p0, stress_error, unbalanced)
+    O.engines = md.contact_engines(full) + [hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
+    hooks.simulate(MOST_STEPS)
+    if rest.passed < CHECKS:
+        stress, force = rest.errors()
+        raise PreparationError(
+            f"no rest after {MOST_STEPS} steps: wall stress off by {stress:.1e} P0 (goal {stress_error:g}), unbalanced force {force:.1e} "
+            f"(goal {unbalanced:g}). Try another seed, more disks, or preparation_friction above 0.")
+
+
+def _make(full):
+    """Prepare the packing in O."""
+    O.reset()
+    gas(full)
+    O.dt = 0.2 * math.sqrt(min(b.state.mass for b in bodies.disks()) / full["kn"])
+    _relax(full, 1e-3, 1e-3, damping=0.2)
+    md.set_friction(full["friction"])
+    _relax(full, STRESS_ERROR, UNBALANCED, damping=0.5)
+    for body in O.bodies:
+        body.state.vel = body.state.angVel = body.state.angMom = (0, 0, 0)
+    O.engines = []
+    O.resetTime()
+    _forget_circumstances()
+
+
+def _forget_circumstances():
+    """Blank what YADE saves of user, date and process, which would make every file another."""
+    for tag in list(O.tags.keys()):
+        O.tags[tag] = "-"
+    O.stopAtIter = 0
+
+
+def main(arguments):
+    """Command line: name=value arguments."""
+    try:
+        full = parameters.complete(parameters.from_arguments(arguments))
+    except parameters.ParameterError as error:
+        print(f"prepare: {error}", file=sys.stderr)
+        return 2
+    try:
+        path, checksum = ensure(full, results.FOLDER)
+    except PreparationError as error:
+        print(f"prepare: {error}", file=sys.stderr)
+        return 1
+    print(path, checksum)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

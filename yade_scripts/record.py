@@ -1,0 +1,147 @@
+"""Writes a run's HDF5 file: names, units and meanings are those of analysis/schema.py."""
+import json
+import math
+import os
+import pathlib
+import subprocess
+import time
+
+import h5py
+import numpy as np
+from yade import O, config, utils
+
+from analysis import schema
+from yade_scripts import observe, parameters, walls
+
+# A servo that works is off by 1e-4 to 4e-4 of P0 (rms, t0 = 4 to 1 s), one that is locked by 40-100 %; walls with mass lag during a collapse.
+# Longer than a few samples neither is the loading that was asked for.
+STRESS_TOLERANCE, STRESS_SAMPLES = 0.05, 5
+ROWS_PER_WRITE = 50
+
+
+class StressError(RuntimeError):
+    """The walls do not carry the stress that the loading asks for."""
+
+
+def git_commit():
+    """Commit of this project, '-dirty' added where tracked files differ, 'unknown' outside a clone."""
+    def git(*arguments):
+        return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
+
+    commit = git("rev-parse", "--verify", "--quiet", "HEAD")
+    return (commit + ("-dirty" if git("status", "--porcelain", "--untracked-files=no") else "")) or "unknown"
+
+
+class Recorder:
+    """Samples a scene into `<name>.partial.h5`, which becomes `<name>.h5` when the run ends, finished or failed."""
+
+    def __init__(self, path, full, scene, progress=lambda fraction: None):
+        self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
+        self.partial = self.path.with_suffix(".partial.h5")
+        try:
+            self.file = h5py.File(self.partial, "w")
+        except OSError as error:
+            raise OSError(f"{self.partial} cannot be written; does another run of this row hold it? ({error})") from None
+        self.names = [n for n, f in schema.HISTORY.items() if full["method"] in f.methods or not f.methods]
+        if full["method"] == "MD":
+            self.names = [n for n in self.names if n not in ("residual_max", "unconverged_steps")]
+        self.rows, self.count, self.misses = [], 0, 0
+        self.started, self.reference = time.perf_counter(), None
+        self._write_attributes()
+        for name in self.names:
+            column = self.file.create_dataset(f"history/{name}", shape=(0,), maxshape=(None,), dtype=float)
+            column.attrs["unit"] = schema.HISTORY[name].unit
+
+    def _write_attributes(self):
+        self.file.attrs.update({
+            "schema_version": schema.SCHEMA_VERSION, "scene": self.full["scene"], "method": self.full["method"],
+            "parameters": json.dumps(self.full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),
+            "yade_version": config.version, "seed": self.full["seed"], "finished": False, "status": "running",
+            "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
+
+    def sample(self):
+        """One row of the history, at some samples a snapshot; StressError when the walls have lost their load."""
+        row = self._measure()
+        self.rows.append([row[name] for name in self.names])
+        if self.count in self.scene.snapshots:
+            self._snapshot(row)
+        self.count += 1
+        if len(self.rows) == ROWS_PER_WRITE:
+            self._write_rows()
+        self.progress((self.count - 1) / self.scene.samples)
+        self._check_stress(row)
+
+    def _measure(self):
+        contacts = observe.Contacts()
+        row = {"time": O.time, "cycle": O.time / self.full["period"], "contacts": len(contacts), "sliding_contacts": contacts.sliding(),
+               "kinetic_energy": observe.kinetic_energy(), "unbalanced_force": utils.unbalancedForce(),
+               "wall_clock": time.perf_counter() - self.started}
+        row |= self._box()
+        row |= self._cd(row) if self.full["method"] == "CD" else self._md(row, contacts)
+        return row
+
+    def _box(self):
+        """Stresses and strains; without a loaded box they have no meaning and are NaN."""
+        if self.scene.load is None:
+            undefined = ("sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma")
+            return dict.fromkeys(undefined, math.nan) | {"wall_work": 0.0}
+        sides = walls.sides()
+        if self.count == 0:
+            self.first_sides = sides
+        strain = [length / first - 1 for length, first in zip(sides, self.first_sides)]
+        sigma, goal = walls.mean_stresses(), self.scene.load.goal
+        return {"sigma1": sigma[0], "sigma2": sigma[1], "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": strain[0],
+                "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
+
+    def _md(self, row, contacts):
+        """Dissipation is what the walls and weights gave and nobody has: work - changes of stored, kinetic and potential energy."""
+        stored = contacts.stored_energy()
+        held = stored + row["kinetic_energy"] + observe.weight_energy(self.full["gravity"]) - row["wall_work"]
+        if self.reference is None:
+            self.reference = held
+        return {"stored_energy": stored, "dissipated_energy": self.reference - held,
+                "max_penetration": max(contacts.overlap, default=0.0)}
+
+    def _cd(self, row):
+        engine = self.scene.watch.engine
+        return {"stored_energy": 0.0, "dissipated_energy": engine.dissipatedEnergy, "max_penetration": engine.maxPenetration,
+                "iterations": engine.iterations, "residual": engine.residual, "residual_max": self.scene.watch.take(),
+                "unconverged_steps": engine.unconvergedSteps}
+
+    def _snapshot(self, row):
+        group = self.file.create_group(f"snapshots/{len(self.file.get('snapshots', ()))}")
+        group.attrs.update({"time": row["time"], "cycle": row["cycle"]})
+        for name, array in observe.snapshot(self.scene.load is not None).items():
+            group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
+
+    def _check_stress(self, row):
+        if self.scene.load is None:
+            return
+        p0 = parameters.pressure(self.full)
+        off = max(abs(row[f"sigma{k}"] - row[f"sigma{k}_goal"]) for k in (1, 2)) / p0
+        self.misses = self.misses + 1 if off > STRESS_TOLERANCE else 0
+        if self.misses >= STRESS_SAMPLES:
+            raise StressError(
+                f"wall stress off its goal by {100 * off:.0f} % of P0 at t = {row['time']:.4g} s, {STRESS_SAMPLES} samples in a row: the sample "
+                "collapses or the walls have locked; lower delta_sigma, lengthen period, or use md_walls=force")
+
+    def _write_rows(self):
+        table = np.array(self.rows, float).reshape(-1, len(self.names))
+        for name, values in zip(self.names, table.T):
+            column = self.file[f"history/{name}"]
+            column.resize((column.shape[0] + len(values),))
+            column[-len(values):] = values
+        self.file.flush()
+        self.rows.clear()
+
+    def close(self, failure=None):
+        """End the file with its status; failure: the exception that ended the run."""
+        if self.rows:
+            self._write_rows()
+        for known in () if failure else self.scene.known:
+            value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
+            value.attrs.update({"unit": known.unit, "exact": known.exact})
+        self.file.attrs["finished"] = failure is None
+        self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
+        self.file.close()
+        os.replace(self.partial, self.path)

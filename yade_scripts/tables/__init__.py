@@ -1,0 +1,46 @@
+"""Tables of runs, in the format of yade-batch: a line of parameter names, then one run a line. Needs no YADE.
+
+Words are separated by blanks; `#` starts a comment; `=` repeats the value above; columns `description` and `!NAME` (environment
+variables) are for yade-batch only.
+"""
+import pathlib
+
+from yade_scripts import parameters
+
+
+class TableError(ValueError):
+    """A table cannot be read; the message names file and line."""
+
+
+def read(path):
+    """The rows of a table: {line number: row}, values checked by nobody yet."""
+    path = pathlib.Path(path)
+    try:
+        lines = path.read_text().splitlines()
+    except OSError as error:
+        raise TableError(f"{path}: cannot be read: {error.strerror}") from None
+    words = {number: line.split("#")[0].split() for number, line in enumerate(lines, 1)}
+    words = {number: line for number, line in words.items() if line}
+    if len(words) < 2:
+        raise TableError(f"{path}: a table is a line of parameter names and at least one line of values")
+    (_, heads), *rest = words.items()
+    heads = [head.rstrip("!") for head in heads]
+    rows, above = {}, None
+    for number, values in rest:
+        if len(values) != len(heads):
+            raise TableError(f"{path}:{number}: {len(values)} values for {len(heads)} columns ({' '.join(heads)})")
+        if "=" in values and above is None:
+            raise TableError(f"{path}:{number}: '=' repeats the value above, but this is the first line")
+        above = [old if value == "=" else value for value, old in zip(values, above or values)]
+        rows[number] = {head: parameters.from_text(head, text) for head, text in zip(heads, above)
+                        if head != "description" and not head.startswith("!")}
+    return rows
+
+
+def batch_row(place):
+    """The row at 'table:line', which is what yade-batch puts into YADE_BATCH."""
+    path, _, line = place.rpartition(":")
+    rows = read(path)
+    if not line.isdigit() or int(line) not in rows:
+        raise TableError(f"{path}: no run on line {line}; lines with runs: {', '.join(map(str, rows))}")
+    return rows[int(line)]
