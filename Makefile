@@ -37,6 +37,9 @@ console: build ## YADE's console with the engine and the prepared packing
 regression: build ## every scene, headless, against stored numbers
 	$(PYTHON) yade_scripts/regression.py
 
+bench: build ## what a sweep and a step cost, to results/benchmark.csv
+	$(YADE) -n -x yade_scripts/benchmark.py
+
 lint: ## style and static checks
 	@.ci/install-packages lint
 	$(PYTHON) -m pyflakes $(packages)
@@ -52,4 +55,4 @@ uninstall: ## undo `make install`
 clean: ## remove what was compiled; results stay
 	$(MAKE) --no-print-directory -C cd_engine clean
 
-.PHONY: help deps build study test console regression lint install uninstall clean
+.PHONY: help deps build study test console regression bench lint install uninstall clean

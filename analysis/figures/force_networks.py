@@ -119,6 +119,6 @@ def _legend(mean):
                     label=rf"R = {times:g} $\langle R\rangle$ = {style.number(times * mean)} N") for times in (1, 4)]
     return lines + [
         Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", markersize=4, markeredgecolor="white",
-               label=r"sliding, $|T| = \mu R$"),
+               label=r"at the Coulomb limit (sliding), $|T| = \mu R$"),
         Patch(facecolor=style.RATTLER, edgecolor=style.GRAIN, label="rattler"),
         Line2D([], [], color=style.CHAIN, linewidth=1.2, label="walls (frame)")]
