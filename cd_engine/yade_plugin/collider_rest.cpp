@@ -51,16 +51,16 @@ void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double re
 	if (!collider || margin <= 0)
 		return;
 	const bool ranInLoop = !collider->dead;
-	if (!ranInLoop) {
-		if (stillComplete(world, reach))
-			return;
-		collider->scene = scene;
-		collider->action();
+	if (ranInLoop || !stillComplete(world, reach)) {
+		if (!ranInLoop) {
+			collider->scene = scene;
+			collider->action();
+		}
+		seen.clear();
+		for (const cd::Body& b : world.bodies)
+			seen.push_back({ b.x, b.y, b.shape });
 	}
-	seen.clear();
-	for (const cd::Body& b : world.bodies)
-		seen.push_back({ b.x, b.y, b.shape });
-	collider->dead = resting = true;
+	collider->dead = resting = at<long>(scene, layout.scene_stopAtIter) > at<long>(scene, layout.scene_iter) + 1;
 }
 
 } // namespace cd_engine

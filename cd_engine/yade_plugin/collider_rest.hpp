@@ -10,7 +10,8 @@ namespace cd_engine {
 
 // The bounds of disks are larger than the disks by `margin` times their radius, so the pairs found stay complete until the
 // displacements since then use the margin up. Until then the collider is dead to YADE's loop; when they have, it is run here,
-// at once, before any pair is read. Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
+// at once, before any pair is read. It rests only within O.run(n) and is given back at its last step, so that whoever uses it next,
+// perhaps with springs, finds it awake. Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
 class ColliderRest {
     public:
 	~ColliderRest() { wake(); }

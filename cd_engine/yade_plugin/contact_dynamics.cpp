@@ -6,11 +6,9 @@
 
 namespace cd_engine {
 
-namespace py = boost::python;
-
 void ContactDynamics::action()
 {
-	if (!enginesChecked)
+	if (enginesChanged())
 		checkEngines();
 	cd::StepSettings settings;
 	settings.dt = at<double>(scene, layout.scene_dt);
@@ -71,42 +69,49 @@ void ContactDynamics::warn()
 
 void ContactDynamics::rememberOverlaps() { link.collectOverlaps({ referenceIds, referenceOverlaps }); }
 
+// Whether the list of engines is another than at the last check; remembers it. The collider's own rest is no change.
+bool ContactDynamics::enginesChanged()
+{
+	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
+	bool changed = engines.size() != checkedEngines.size();
+	for (std::size_t i = 0; !changed && i < engines.size(); i++)
+		changed = checkedEngines[i].first != engines[i].get() || (checkedEngines[i].second && !engines[i]->dead);
+	if (!changed)
+		return false;
+	checkedEngines.clear();
+	for (const auto& engine : engines)
+		checkedEngines.emplace_back(engine.get(), engine->dead);
+	return true;
+}
+
 // The company the engine needs, and the company that would move or push the bodies a second time.
 void ContactDynamics::checkEngines()
 {
-	const PyGILState_STATE gil = PyGILState_Ensure();
 	std::string problem;
-	try {
-		const py::object engines = py::import("yade").attr("O").attr("engines");
-		bool resets = false, finds = false;
-		for (py::ssize_t i = 0; i < py::len(engines); i++) {
-			yade::Engine& engine = py::extract<yade::Engine&>(engines[i]);
-			const std::string name = engine.getClassName();
-			if (name.find("Collider") != std::string::npos && !finds) {
-				// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
-				finds = !engine.dead || colliderMargin > 0;
-				rest.attach(boost::static_pointer_cast<yade::Engine>(engine.shared_from_this()), colliderMargin);
-				continue;
-			}
-			if (&engine == this || engine.dead)
-				continue;
-			resets = resets || name == "ForceResetter";
-			if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
-				problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
-				    + " the bodies a second time. Remove it or set its dead=True";
+	bool resets = false, finds = false;
+	for (const auto& engine : at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines)) {
+		const std::string name = engine->getClassName();
+		if (name.find("Collider") != std::string::npos && !finds) {
+			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
+			finds = !engine->dead || colliderMargin > 0;
+			rest.attach(engine, colliderMargin);
+			continue;
 		}
-		if (!resets)
-			problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
-		if (!finds)
-			problem = "there is no collider before it, so no contact would ever be found. Use O.engines=cd_engine.engines()";
-	} catch (const py::error_already_set&) {
-		PyErr_Clear();
-		problem = "O.engines could not be read";
+		if (engine.get() == this || engine->dead)
+			continue;
+		resets = resets || name == "ForceResetter";
+		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
+			problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
+			    + " the bodies a second time. Remove it or set its dead=True";
 	}
-	PyGILState_Release(gil);
-	if (!problem.empty())
+	if (!resets)
+		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
+	if (!finds)
+		problem = "there is no collider before it, so no contact would ever be found. Use O.engines=cd_engine.engines()";
+	if (!problem.empty()) {
+		checkedEngines.clear(); // asked again at the next step
 		throw SceneError("ContactDynamics: " + problem);
-	enginesChecked = true;
+	}
 }
 
 void ContactDynamics::callPostLoad() { GlobalEngine::callPostLoad(); }

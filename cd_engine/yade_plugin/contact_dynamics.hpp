@@ -66,13 +66,15 @@ class ContactDynamics : public yade::GlobalEngine {
 
     private:
 	void checkEngines();
+	bool enginesChanged();
 	void rememberOverlaps();
 	void warn();
 
 	SceneLink link;
 	ColliderRest rest;
 	cd::TimeStep step;
-	bool enginesChecked = false, warned = false;
+	std::vector<std::pair<const yade::Engine*, bool>> checkedEngines; // the company at the last check, and whether it was dead
+	bool warned = false;
 };
 
 // How an attribute may be set from Python.

@@ -53,6 +53,7 @@ namespace {
 		using yade::Vector3r;
 		s.published<double>(&Layout::scene_dt, "Scene", "dt");
 		s.published<long>(&Layout::scene_iter, "Scene", "iter");
+		s.published<long>(&Layout::scene_stopAtIter, "Scene", "stopAtIter");
 		s.published<bool>(&Layout::scene_isPeriodic, "Scene", "isPeriodic");
 		s.published<int>(&Layout::body_id, "Body", "id");
 		s.published<Shared<yade::Material>>(&Layout::body_material, "Body", "material");
@@ -173,6 +174,35 @@ namespace {
 			}
 		}
 		return compared > 100 && pointers > 6;
+	}
+
+	// The list of engines, which YADE publishes by accessor only: compared, one by one, with what that accessor gives.
+	void surveyEngines(Survey& s)
+	{
+		s.found.scene_engines = s.declared("Scene.engines", 552);
+		py::object scene = py::import("yade").attr("O");
+		const py::object before = scene.attr("engines");
+		// An empty list would confirm any place that holds zeros.
+		py::list filled;
+		filled.append(py::import("yade.wrapper").attr("ForceResetter")());
+		const bool empty = py::len(before) == 0;
+		if (empty)
+			scene.attr("engines") = filled;
+		const py::object expected = scene.attr("engines");
+		char* range[2] = { nullptr, nullptr };
+		const char* const raw = reinterpret_cast<const char*>(Singleton<yade::Omega>::instance().getScene().get());
+		bool same = s.found.scene_engines >= 0 && s.found.scene_engines < 4096 && readMemory(raw + s.found.scene_engines, range, sizeof range)
+		    && range[1] - range[0] == py::len(expected) * static_cast<long>(sizeof(Shared<yade::Engine>));
+		for (py::ssize_t i = 0; same && i < py::len(expected); i++) {
+			const yade::Engine* found = nullptr;
+			same = readMemory(range[0] + i * sizeof(Shared<yade::Engine>), found)
+			    && found == &py::extract<const yade::Engine&>(expected[i])();
+		}
+		if (empty)
+			scene.attr("engines") = before;
+		if (!same)
+			refuse("Scene.engines", "at offset " + std::to_string(s.found.scene_engines) + " the engines that O.engines names",
+			    "something else");
 	}
 
 	// Scene and its containers, on a scene of our own, so that the user's is not touched.
@@ -319,6 +349,7 @@ void establishLayout(const std::map<std::string, Lie>& lies)
 	surveyEngine(survey);
 	surveyState(survey);
 	surveyScene(survey);
+	surveyEngines(survey);
 	for (const auto& lie : lies) {
 		const auto known = [&](const auto& entry) { return entry.first == lie.first; };
 		if (std::none_of(survey.entries.begin(), survey.entries.end(), known))

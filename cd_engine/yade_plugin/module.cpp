@@ -64,14 +64,23 @@ namespace {
 		return s.str();
 	}
 
+	// The range in words, empty where there is none.
+	std::string allowed(const Range& range)
+	{
+		if (!std::isfinite(range.low))
+			return "";
+		std::string words = (range.openLow ? "above " : "at least ") + number(range.low);
+		if (range.high < 1e9)
+			words += " and at most " + number(range.high);
+		return words;
+	}
+
 	void check(const char* name, double value, const Range& range)
 	{
 		if (value >= range.low && value <= range.high && !(range.openLow && value == range.low))
 			return;
-		std::string allowed = range.openLow ? "above " + number(range.low) : "at least " + number(range.low);
-		if (range.high < 1e9)
-			allowed += " and at most " + number(range.high);
-		raise(PyExc_ValueError, std::string("ContactDynamics.") + name + "=" + number(value) + " is out of range: it must be " + allowed);
+		raise(PyExc_ValueError,
+		    std::string("ContactDynamics.") + name + "=" + number(value) + " is out of range: it must be " + allowed(range));
 	}
 	void check(const char* name, int value, const Range& range) { check(name, static_cast<double>(value), range); }
 	void check(const char*, bool, const Range&) { }
@@ -114,8 +123,9 @@ namespace {
 		{
 			const py::object value(defaults.*member);
 			const std::string initial = py::extract<std::string>(py::str(value));
-			const std::string doc = std::string(text) + " :ydefault:`" + initial + "` :yattrtype:`" + typeName<T>() + "` :yattrflags:`"
-			    + (access == Access::read ? "2" : "0") + "` ";
+			const std::string words = allowed(range);
+			const std::string doc = std::string(text) + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + initial
+			    + "` :yattrtype:`" + typeName<T>() + "` :yattrflags:`" + (access == Access::read ? "2" : "0") + "` ";
 			const py::object getter = py::make_getter(member, py::return_value_policy<py::return_by_value>());
 			if (access == Access::read)
 				cls.add_property(name, getter, doc.c_str());

@@ -43,7 +43,7 @@ def test_every_wrong_offset_is_found_out(plugin):
 
 
 def test_every_wrong_type_is_found_out(plugin):
-    confirmed_by_round_trip = {"State.pos", "State.ori", "State.blockedDOFs", "Scene.bodies", "Scene.interactions", "Scene.forces", "InteractionContainer.linear",
+    confirmed_by_round_trip = {"State.pos", "State.ori", "State.blockedDOFs", "Scene.engines", "Scene.bodies", "Scene.interactions", "Scene.forces", "InteractionContainer.linear",
                                "GlobalEngine.sizeof", "Engine.scene", "Engine.timingInfo"}
     for name, _ in layout_claims(plugin):
         if name in confirmed_by_round_trip:
@@ -60,7 +60,7 @@ def test_every_wrong_virtual_function_is_found_out(plugin):
 
 
 @pytest.mark.parametrize("wild", [1 << 40, 4096, 100000, 3])
-@pytest.mark.parametrize("member", ["Scene.forces", "Scene.bodies", "Scene.interactions", "InteractionContainer.linear", "State.blockedDOFs", "Engine.scene", "State.pos"])
+@pytest.mark.parametrize("member", ["Scene.forces", "Scene.engines", "Scene.bodies", "Scene.interactions", "InteractionContainer.linear", "State.blockedDOFs", "Engine.scene", "State.pos"])
 def test_a_wild_offset_is_refused_and_does_not_crash(plugin, member, wild):
     with pytest.raises(ImportError, match=re.escape(member)):
         plugin.verify_layout({member: wild})

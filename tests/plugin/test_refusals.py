@@ -140,3 +140,13 @@ def test_fixed_and_frictionless_bodies_need_no_mass(O, pair):
     O.bodies[wall].state.mass = 0
     step(O, gravity=(0, -1, 0))
     assert O.bodies[0].state.vel[1] == 0
+
+
+def test_company_that_comes_later_is_refused_when_it_comes(O, pair):
+    from yade import wrapper
+    step(O)
+    O.engines = O.engines + [wrapper.NewtonIntegrator(dead=True)]
+    O.run(3, True)
+    O.engines[-1].dead = False
+    with pytest.raises(RuntimeError, match="second time"):
+        O.step()

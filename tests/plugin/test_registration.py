@@ -26,6 +26,7 @@ def test_every_attribute_is_documented_with_default_and_type(cd):
     for name in own:
         text = getattr(cd, name).__doc__
         assert ":ydefault:`" in text and ":yattrtype:`" in text and len(text) > 60, name
+    assert "Must be above 0." in cd.tolerance.__doc__ and "at least 0 and at most 1" in cd.restitution.__doc__
 
 
 def test_keyword_constructor_sets_attributes(cd):
