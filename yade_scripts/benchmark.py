@@ -21,7 +21,7 @@ from yade import O, timing, utils
 import cd_engine
 from yade_scripts import bodies, parameters, prepare, walls
 
-REPEATS = 7
+REPEATS = 5
 SWEEPS = 500  # a step: enough to see the sweeps alone, and to keep lattices at rest as in quasi-static work
 SETTLE = 40   # steps before the first that counts
 
@@ -78,7 +78,7 @@ def measure(build, steps):
 
 def main():
     rows = []
-    for name, build, steps in (("packing", packing, 100), ("lattice", lattice(20), 100), ("lattice", lattice(60), 10), ("lattice", lattice(200), 2)):
+    for name, build, steps in (("packing", packing, 100), ("lattice", lattice(20), 100), ("lattice", lattice(60), 50), ("lattice", lattice(200), 20)):
         rows.append({"scene": name, **measure(build, steps)})
         if len(rows) == 1:
             print(*(f"{key:>24}" for key in rows[0]))

@@ -71,10 +71,13 @@ void SceneLink::writeMotion(std::size_t id)
 	at<Vector3r>(state, layout.state_angVel)[2] = body.v[2];
 	if (body.turn == 0)
 		return;
-	// The turn about z, applied from the left; renormalised, since round-off would grow over 1e6 steps.
+	// The turn about z, applied from the left. Quasi-static turns are tiny, where two terms of the series are exact to round-off.
 	double* q = &at<double>(state, layout.state_orientation);
-	const double s = std::sin(0.5 * body.turn), c = std::cos(0.5 * body.turn);
+	const double half = 0.5 * body.turn, square = half * half;
+	const bool tiny = square < 1e-7;
+	const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
 	const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
+	// Renormalised, since round-off would grow over 1e6 steps.
 	const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
 	q[0] = x * inverse;
 	q[1] = y * inverse;
