@@ -10,7 +10,7 @@ Import this module before `O.load` of a scene that contains the engine.
 """
 import sys
 
-__all__ = ["ContactDynamics", "engines", "methods"]
+__all__ = ["ContactDynamics", "engines", "methods", "release"]
 
 
 def _plugin():
@@ -76,3 +76,16 @@ def engines(**settings):
         w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=1 + margin), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
         w.ContactDynamics(**settings),
     ]
+
+
+def release():
+    """Forget the contacts that Contact Dynamics made, so that springs can take the scene over.
+
+    Their FrictPhys has no stiffness, and YADE's Ip2 functors make none where one exists. Call it before setting the engines of the
+    springs, and give those a collider of their own, which finds the contacts anew.
+    """
+    _plugin()
+    from yade import O
+    for contact in list(O.interactions):
+        if contact.isReal and type(contact.phys).__name__ == "FrictPhys" and contact.phys.kn == 0:
+            O.interactions.erase(contact.id1, contact.id2)

@@ -3,7 +3,6 @@ import json
 import math
 import os
 import pathlib
-import subprocess
 import time
 
 import h5py
@@ -12,6 +11,7 @@ from yade import O, config, utils
 
 from analysis import schema
 from yade_scripts import observe, parameters, walls
+from yade_scripts.commits import git_commit
 
 # A servo that works is off by 1e-4 to 4e-4 of P0 (rms, t0 = 4 to 1 s), one that is locked by 40-100 %; walls with mass lag during a collapse.
 # Longer than a few samples neither is the loading that was asked for.
@@ -21,15 +21,6 @@ ROWS_PER_WRITE = 50
 
 class StressError(RuntimeError):
     """The walls do not carry the stress that the loading asks for."""
-
-
-def git_commit():
-    """Commit of this project, '-dirty' added where tracked files differ, 'unknown' outside a clone."""
-    def git(*arguments):
-        return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
-
-    commit = git("rev-parse", "--verify", "--quiet", "HEAD")
-    return (commit + ("-dirty" if git("status", "--porcelain", "--untracked-files=no") else "")) or "unknown"
 
 
 class Recorder:

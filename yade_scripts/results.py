@@ -25,6 +25,12 @@ def status(path):
         return f"{STATUS_FAILED}{path} is no result file: {error}"
 
 
+def commit(path):
+    """The commit that made a finished run, with '-dirty' where its tree had changes."""
+    with h5py.File(path, "r") as file:
+        return file.attrs["git_commit"]
+
+
 def finished(path):
     """Whether the run has ended well."""
     return status(path) == STATUS_FINISHED

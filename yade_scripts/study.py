@@ -14,7 +14,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
-from yade_scripts import parameters, results, tables
+from yade_scripts import commits, parameters, results, tables
 
 SECONDS = 5  # between two lines of progress
 
@@ -70,6 +70,15 @@ def run_all(jobs, at_once):
     return failed
 
 
+def _warn_of_other_code(jobs):
+    """Name the results that were made by another commit, or by one with changes: they are kept, and may not be what the code now gives."""
+    now = commits.git_commit()
+    for job in jobs:
+        made = results.commit(job.path)
+        if made != now or made.endswith("-dirty"):
+            print(f"study: {job.path} was made by commit {made[:12]}{made[40:]}, the code is at {now[:12]}{now[40:]}; delete the file to run it again.", file=sys.stderr)
+
+
 def main(arguments=None):
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -83,6 +92,7 @@ def main(arguments=None):
         print(f"study: {error}", file=sys.stderr)
         return 2
     open_jobs = [job for job in jobs if not results.finished(job.path)]
+    _warn_of_other_code(job for job in jobs if results.finished(job.path))
     print(f"{options.table}: {len(jobs)} runs, {len(jobs) - len(open_jobs)} of them finished before", flush=True)
     failed = run_all(open_jobs, max(1, options.jobs))
     for path in failed:

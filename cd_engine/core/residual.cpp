@@ -43,7 +43,7 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 		vb[2] += mb[2] * (c.pn * c.bn + c.pt * c.bt);
 		normP += c.pn * c.pn + c.pt * c.pt;
 	}
-	double sum = 0, worst = 0;
+	double sum = 0, worst = 0, sumEnergy = 0, normEnergy = 0;
 	for (const ContactRow& c : system.contacts) {
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
 		const double *va = &v[3 * c.a], *vb = &v[3 * c.b];
@@ -62,16 +62,18 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 		    = roundOff * (std::abs(va[0]) + std::abs(va[1]) + std::abs(vb[0]) + std::abs(vb[1]) + std::abs(c.bias)) / compliance;
 		const double d = difference <= floor * floor ? 0 : difference;
 		sum += d;
+		sumEnergy += d * compliance;
+		normEnergy += (c.pn * c.pn + c.pt * c.pt) * compliance;
 		// Written so that a NaN is kept and reported instead of being lost in a comparison.
 		if (!(d <= worst))
 			worst = d;
 	}
 	if (normP == 0) {
 		const double e = sum == 0 ? 0 : std::numeric_limits<double>::infinity();
-		return { e, e };
+		return { e, e, e };
 	}
 	const double meanSquare = normP / static_cast<double>(system.contacts.size());
-	return { std::sqrt(sum / normP), std::sqrt(worst / meanSquare) };
+	return { std::sqrt(sum / normP), std::sqrt(sumEnergy / normEnergy), std::sqrt(worst / meanSquare) };
 }
 
 } // namespace cd

@@ -7,6 +7,7 @@ namespace cd {
 
 struct Residual {
 	double norm; // ||p - P_K(p - (u + bias n + mu |u_t| n)/W_nn)||_2 / ||p||_2 over all contacts
+	double energy; // the same as norm with every contact weighted by its W_nn: a light body's error is not drowned by a heavy one's impulses
 	double maximum; // the largest such difference of one contact over the root mean square of p
 };
 

@@ -14,16 +14,23 @@ namespace {
 
 } // namespace
 
-double reach(const World& world, double dt)
+double fastestWay(const World& world, double dt)
 {
-	double fastest = 0, smallest = std::numeric_limits<double>::infinity();
+	double fastest = 0;
 	for (const Body& b : world.bodies) {
 		const double vx = b.v[0] + dt * b.inverseMass[0] * b.force[0], vy = b.v[1] + dt * b.inverseMass[1] * b.force[1];
-		fastest = std::max(fastest, vx * vx + vy * vy);
+		fastest = std::max({ fastest, vx * vx + vy * vy, b.v[0] * b.v[0] + b.v[1] * b.v[1] });
+	}
+	return dt * std::sqrt(fastest);
+}
+
+double reach(const World& world, double dt)
+{
+	double smallest = std::numeric_limits<double>::infinity();
+	for (const Body& b : world.bodies)
 		if (b.shape.kind == ShapeKind::disk && b.shape.radius > 0)
 			smallest = std::min(smallest, b.shape.radius);
-	}
-	return 4 * dt * std::sqrt(fastest) + (std::isfinite(smallest) ? 1e-3 * smallest : 0);
+	return 4 * fastestWay(world, dt) + (std::isfinite(smallest) ? 1e-3 * smallest : 0);
 }
 
 void TimeStep::freeVelocities(const World& world, double dt)
@@ -70,6 +77,19 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, size_t index, c
 	solved[index] = 1;
 }
 
+// Whether a pair is closed, or is closed within the step by the velocities before it or by the external forces.
+bool TimeStep::closes(const World& world, const Pair& pair, double dt) const
+{
+	if (pair.gap <= 0)
+		return true;
+	const double ax = pair.cx - places[pair.a].x, ay = pair.cy - places[pair.a].y;
+	const auto approach
+	    = [&](const double* a, const double* b) { return pair.nx * (b[0] - a[0] + a[2] * ay) + pair.ny * (b[1] - a[1] - a[2] * ax); };
+	const double before = approach(world.bodies[pair.a].v, world.bodies[pair.b].v);
+	const double after = approach(system.bodies[pair.a].v, system.bodies[pair.b].v);
+	return pair.gap + dt * std::min(before, after) <= 0;
+}
+
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
 	freeVelocities(world, settings.dt);
@@ -91,7 +111,7 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 			pair.reference = 0;
 			forgotten++;
 		}
-		if (pair.gap <= limit) {
+		if (pair.gap <= limit && (settings.restitution == 0 || closes(world, pair, settings.dt))) {
 			fillRow(system.contacts[rowPair.size()], world, i, settings);
 			rowPair.push_back(static_cast<int32_t>(i));
 		} else
@@ -130,7 +150,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 		report.solver = settings.solve(system, settings.solver);
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		if (!addViolated(world, settings))
+		// With restitution a contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
+		if (settings.restitution > 0 || !addViolated(world, settings))
 			break;
 		freeVelocities(world, settings.dt);
 	}

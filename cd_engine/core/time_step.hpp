@@ -28,12 +28,16 @@ struct StepReport {
 // forces, and a thousandth of the smallest disk. A pair left out that the solution would close is taken back and the step solved again.
 double reach(const World&, double dt);
 
+// The way [m] of the fastest body in a step, under its external forces.
+double fastestWay(const World&, double dt);
+
 class TimeStep {
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
 	// Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0 keeps the next one from
 	// overlapping to first order: the gap may close within the step but not be crossed.
-	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead.
+	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead; one that only
+	// other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved.
@@ -42,6 +46,7 @@ class TimeStep {
     private:
 	void freeVelocities(const World&, double dt);
 	void fillRow(ContactRow&, const World&, size_t pair, const StepSettings&);
+	bool closes(const World&, const Pair&, double dt) const;
 	bool addViolated(const World&, const StepSettings&);
 	void finish(World&, const StepSettings&, StepReport&);
 

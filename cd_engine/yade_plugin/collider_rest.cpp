@@ -1,4 +1,5 @@
 #include "collider_rest.hpp"
+#include "../core/time_step.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +7,12 @@
 
 namespace cd_engine {
 
-void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine, double m)
+void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine, boost::shared_ptr<yade::Factorable> functor)
 {
 	wake();
 	collider = std::move(engine);
-	margin = m;
+	bounds = std::move(functor);
+	margin = 0;
 	seen.clear();
 }
 
@@ -46,16 +48,36 @@ bool ColliderRest::stillComplete(const cd::World& world, double reach) const
 	return true;
 }
 
-void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double reach)
+// Sets the bounds so wide that no two bodies can meet within the step unless they are a pair: contact is required half a step ahead
+// and kept for one more, so each of two bodies may go 1.5 ways. True if the bounds have changed.
+bool ColliderRest::widen(const cd::World& world, double dt, double leastMargin)
 {
-	if (!collider || margin <= 0)
+	double smallest = std::numeric_limits<double>::infinity();
+	for (const cd::Body& b : world.bodies)
+		if (b.shape.kind == cd::ShapeKind::disk && b.shape.radius > 0)
+			smallest = std::min(smallest, b.shape.radius);
+	const double needed = 3 * cd::fastestWay(world, dt) / smallest;
+	if (margin >= std::max(needed, leastMargin) && margin <= std::max(4 * needed, leastMargin))
+		return false;
+	margin = std::max(1.5 * needed, leastMargin);
+	at<double>(bounds.get(), layout.bounds_aabbEnlargeFactor) = 1 + margin;
+	return true;
+}
+
+void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+{
+	if (!collider || !bounds || leastMargin <= 0) {
+		wake();
 		return;
-	const bool ranInLoop = !collider->dead;
-	if (ranInLoop || !stillComplete(world, reach)) {
-		if (!ranInLoop) {
-			collider->scene = scene;
-			collider->action();
-		}
+	}
+	const bool widened = widen(world, dt, leastMargin);
+	bool runs = !collider->dead;
+	if (widened || (!runs && (listChanged || !stillComplete(world, cd::reach(world, dt))))) {
+		collider->scene = scene;
+		collider->action();
+		runs = true;
+	}
+	if (runs) {
 		seen.clear();
 		for (const cd::Body& b : world.bodies)
 			seen.push_back({ b.x, b.y, b.shape });

@@ -5,8 +5,48 @@
 #include <iostream>
 
 namespace cd_engine {
+namespace {
+
+	namespace py = boost::python;
+
+	// The functor of a collider that bounds disks, null if it has none.
+	boost::shared_ptr<yade::Factorable> sphereBounds(const boost::shared_ptr<yade::Engine>& collider)
+	{
+		boost::shared_ptr<yade::Factorable> found;
+		const PyGILState_STATE gil = PyGILState_Ensure();
+		try {
+			const py::object functors = py::object(collider).attr("boundDispatcher").attr("functors");
+			for (py::ssize_t i = 0; i < py::len(functors); i++) {
+				yade::Serializable& functor = py::extract<yade::Serializable&>(functors[i]);
+				if (functor.getClassName() == "Bo1_Sphere_Aabb")
+					found = functor.shared_from_this();
+			}
+		} catch (const py::error_already_set&) {
+			PyErr_Clear(); // another kind of collider
+		}
+		PyGILState_Release(gil);
+		return found;
+	}
+
+	// Another random order in every step, the same in every repeat of a run.
+	unsigned stepSeed(int seed, long iteration)
+	{
+		return seed > 0 ? static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(iteration) + 1 : 0;
+	}
+
+} // namespace
 
 void ContactDynamics::action()
+{
+	try {
+		advance();
+	} catch (...) {
+		rest.wake(); // whoever goes on from here must not find a sleeping collider
+		throw;
+	}
+}
+
+void ContactDynamics::advance()
 {
 	if (enginesChanged())
 		checkEngines();
@@ -14,13 +54,13 @@ void ContactDynamics::action()
 	settings.dt = at<double>(scene, layout.scene_dt);
 	settings.restitution = restitution;
 	settings.solve = cd::findSolver(method);
-	settings.solver = { tolerance, maxIterations, fixedIterations, static_cast<unsigned>(seed) };
+	settings.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(scene, layout.scene_iter)) };
 	if (!settings.solve)
 		throw SceneError("ContactDynamics: there is no method '" + method + "'. See cd_engine.methods()");
 	if (gravity[2] != 0)
 		throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
 
-	link.gather(scene, gravity, settings.dt, warmStart, { referenceIds, referenceOverlaps }, rest);
+	link.gather(scene, gravity, settings.dt, warmStart, { referenceIds, referenceOverlaps }, rest, colliderMargin);
 	if (handover) {
 		link.takeOverlaps();
 		rememberOverlaps();
@@ -32,7 +72,7 @@ void ContactDynamics::action()
 	if (report.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
-		    + "; the scene is as before the step. Look for extreme masses or forces, or take a smaller O.dt");
+		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
 	link.scatter(scene, settings.dt);
 	if (report.overlapsForgotten > 0)
 		rememberOverlaps();
@@ -40,7 +80,7 @@ void ContactDynamics::action()
 	iterations = report.solver.iterations;
 	residual = report.solver.residual;
 	residualMax = report.solver.residualMax;
-	converged = residual <= tolerance;
+	converged = report.solver.status == cd::Status::converged || (fixedIterations > 0 && residual <= tolerance);
 	status = cd::name(report.solver.status);
 	contacts = report.contacts;
 	loadedContacts = report.loadedContacts;
@@ -75,7 +115,8 @@ bool ContactDynamics::enginesChanged()
 	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
 	bool changed = engines.size() != checkedEngines.size();
 	for (std::size_t i = 0; !changed && i < engines.size(); i++)
-		changed = checkedEngines[i].first != engines[i].get() || (checkedEngines[i].second && !engines[i]->dead);
+		changed = checkedEngines[i].first != engines[i].get()
+		    || (checkedEngines[i].second != engines[i]->dead && engines[i].get() != rest.engine());
 	if (!changed)
 		return false;
 	checkedEngines.clear();
@@ -88,18 +129,20 @@ bool ContactDynamics::enginesChanged()
 void ContactDynamics::checkEngines()
 {
 	std::string problem;
-	bool resets = false, finds = false;
+	bool resets = false, finds = false, before = true; // before: the engine at hand stands before this one
 	for (const auto& engine : at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines)) {
 		const std::string name = engine->getClassName();
-		if (name.find("Collider") != std::string::npos && !finds) {
+		if (engine.get() == this)
+			before = false;
+		if (name.find("Collider") != std::string::npos && before && !finds) {
 			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
 			finds = !engine->dead || colliderMargin > 0;
-			rest.attach(engine, colliderMargin);
+			rest.attach(engine, sphereBounds(engine));
 			continue;
 		}
 		if (engine.get() == this || engine->dead)
 			continue;
-		resets = resets || name == "ForceResetter";
+		resets = resets || (before && name == "ForceResetter");
 		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
 			problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
 			    + " the bodies a second time. Remove it or set its dead=True";

@@ -67,6 +67,7 @@ class ContactDynamics : public yade::GlobalEngine {
     private:
 	void checkEngines();
 	bool enginesChanged();
+	void advance();
 	void rememberOverlaps();
 	void warn();
 
@@ -90,7 +91,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	using C = ContactDynamics;
 	const Range any, positive { 0, std::numeric_limits<double>::max(), true };
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
-	visit("tolerance", &C::tolerance, Access::set, positive, "The step is solved when the error e (see *residual*) is at most this [1].");
+	visit("tolerance", &C::tolerance, Access::set, positive,
+	    "The step is solved when the error e (see *residual*), and the same weighted by W_nn, are at most this [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. }, "Sweeps after which a step is left unconverged [1].");
 	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
 	    "If positive: make exactly this many plain Gauss-Seidel sweeps in every step, whatever *method*, and test nothing, for studies of "
@@ -106,9 +108,12 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
 	    "Reset to False by that step; set it again after an interlude with springs.");
 	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 },
-	    "By how much the collider's bounds are larger than the disks, as a fraction of the radius [1]: aabbEnlargeFactor - 1. While "
-	    "displacements stay within it the collider's *dead* is True and this engine runs it when they do not; 0: the collider runs in every "
-	    "step.");
+	    "By how much, as a fraction of the radius, the collider's bounds are at least larger than the disks [1]. This engine sets "
+	    "aabbEnlargeFactor of the "
+	    "collider's Bo1_Sphere_Aabb to that or, for fast bodies, to what a step needs, lets the collider rest (dead=True) within O.run(n) while "
+	    "displacements "
+	    "stay within the margin, and runs it when they do not. 0: the collider is left alone and runs in every step; its bounds must then be "
+	    "wide enough.");
 	visit("iterations", &C::iterations, Access::read, any, "Sweeps made in the last step [1].");
 	visit("residual", &C::residual, Access::read, any,
 	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "

@@ -78,6 +78,7 @@ namespace {
 		s.published<Vector3r>(&Layout::phys_normalForce, "NormPhys", "normalForce");
 		s.published<Vector3r>(&Layout::phys_shearForce, "NormShearPhys", "shearForce");
 		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
+		s.published<double>(&Layout::bounds_aabbEnlargeFactor, "Bo1_Sphere_Aabb", "aabbEnlargeFactor");
 		s.published<double>(&Layout::sphere_radius, "Sphere", "radius");
 		s.published<Vector3r>(&Layout::box_extents, "Box", "extents");
 		s.published<int>(&Layout::wall_sense, "Wall", "sense");

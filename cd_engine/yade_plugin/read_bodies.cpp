@@ -221,7 +221,8 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	}
 }
 
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest& rest)
+void SceneLink::gather(
+    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest& rest, double margin)
 {
 	if (at<bool>(scene, layout.scene_isPeriodic))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
@@ -229,7 +230,9 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
 	gravity = g;
 	gatherBodies(scene, g);
-	rest.refresh(world, scene, cd::reach(world, dt));
+	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
+	rest.refresh(
+	    world, scene, dt, margin, !pairsUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));
 	gatherPairs(scene, dt, impulses, known);
 }
 

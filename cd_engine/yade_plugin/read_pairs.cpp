@@ -9,6 +9,9 @@
 namespace cd_engine {
 namespace {
 
+	// Of a disk's radius: overlaps above this are no springs' but a mistake in the scene (the paper's are 1e-3).
+	constexpr double mostOverlap = 0.2;
+
 	// Where a pair comes in the sweeps. A function of its ids alone, so that the result of a step depends neither on the order of the
 	// scene's list nor on which other pairs are in it. Pairs of 32 neighbouring ids stay together, for locality, and are scattered
 	// among themselves, so that a sweep seldom waits on velocities it has just written (half the time of sorted ids: 7.5 against 14 ns a
@@ -148,6 +151,11 @@ void SceneLink::takeOverlaps()
 		const cd::Body& a = world.bodies[pair.a];
 		cd::locateContact(pair, cd::placeAhead(a, 0), cd::placeAhead(world.bodies[pair.b], 0), a.shape);
 		pair.reference = std::max(0., pair.overlap);
+		const double radius = world.bodies[pair.b].shape.radius;
+		if (!(pair.reference <= mostOverlap * radius))
+			throw SceneError("ContactDynamics: bodies #" + std::to_string(pair.a) + " and #" + std::to_string(pair.b) + " overlap by "
+			    + std::to_string(pair.reference / radius)
+			    + " of a radius at the hand-over, more than springs leave behind. Move them apart");
 	}
 }
 

@@ -33,7 +33,7 @@ class SceneLink {
 
 	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `known`: overlaps of pairs that
 	// are new to the list. Runs the collider if it rests and the bodies have moved too far for that.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest&);
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest&, double margin);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
 	// Writes positions, velocities, interactions and O.forces for impulses over dt. O.forces then holds the total on each body, gravity

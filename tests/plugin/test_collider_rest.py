@@ -6,15 +6,14 @@ from . import plane
 from .test_invariants import cloud, digest, heap
 
 
-def run(O, margin, steps, **settings):
-    """Engines with bounds larger by a tenth in either case; margin 0: the collider runs in every step. The collider."""
+def run(O, steps, at_once, **settings):
+    """Make the steps in runs of `at_once`: in runs of one step the collider never rests. The collider."""
     import cd_engine
-    engines = cd_engine.engines(tolerance=1e-9, maxIterations=100000, **settings)
-    engines[-1].colliderMargin = margin
-    O.engines = engines
+    O.engines = cd_engine.engines(tolerance=1e-9, maxIterations=100000, **settings)
     O.dt = 1e-3
-    O.run(steps, True)
-    return engines[1]
+    for _ in range(steps // at_once):
+        O.run(at_once, True)
+    return O.engines[1]
 
 
 @pytest.mark.parametrize("scene, settings", [
@@ -24,10 +23,10 @@ def run(O, margin, steps, **settings):
 def test_results_are_the_same_to_the_last_bit(O, scene, settings):
     """Over motions of many radii, so that the collider is woken many times."""
     hashes = []
-    for margin in (0, 0.1):
+    for at_once in (1, 300):
         O.reset()
         scene(O)
-        run(O, margin, 400, **settings)
+        run(O, 300, at_once, **settings)
         hashes.append(digest(O))
     assert hashes[0] == hashes[1]
 
@@ -36,7 +35,7 @@ def test_it_rests_within_a_run_and_is_awake_after_it(O):
     heap(O, mu=0.3)
     O.timingEnabled = True
     try:
-        collider = run(O, 0.1, 1500, gravity=(0, -9.81, 0))  # at rest at the end
+        collider = run(O, 1500, 1500, gravity=(0, -9.81, 0))  # at rest at the end
         before = collider.execCount
         O.run(200, True)
         assert collider.execCount - before == 1  # the first step of a run
@@ -75,3 +74,30 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
     else:
         top = far if change == "move a disk by hand" else len(O.bodies) - 1
         assert O.interactions[low, top].phys.normalForce.norm() == pytest.approx(2 * 9.81)
+
+
+@pytest.mark.parametrize("speed", [1, 5, 20, 100])
+def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
+    """At 100 m/s a disk of 1 cm goes ten radii a step; the bounds are widened to what a step needs."""
+    mat = plane.material()
+    plane.floor(mat)
+    falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed), mat=mat)
+    left, right = plane.disk((10, 0.5), 0.01, velocity=(speed, 0), mat=mat), plane.disk((10.777, 0.5), 0.01, velocity=(-speed, 0), mat=mat)
+    import cd_engine
+    O.engines, O.dt = cd_engine.engines(tolerance=1e-12), 1e-3
+    O.run(round(0.5 / speed / 1e-3) + 10, True)
+    assert O.bodies[falling].state.pos[1] == pytest.approx(0.01, abs=1e-12)
+    assert O.bodies[right].state.pos[0] - O.bodies[left].state.pos[0] == pytest.approx(0.02, abs=1e-9)
+    assert O.engines[-1].dissipatedEnergy == pytest.approx(1.5 * speed**2, rel=1e-9)
+
+
+def test_the_list_of_pairs_may_be_cleared_by_somebody_else(O):
+    import yade, cd_engine
+    mat = plane.material()
+    plane.floor(mat)
+    ids = [plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(5)]
+    yade.runtime.clear = lambda: yade.O.iter == 50 and yade.O.interactions.clear()
+    O.engines = [yade.PyRunner(command="import yade; yade.runtime.clear()", iterPeriod=1)] + cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-10)
+    O.dt = 1e-4
+    O.run(300, True)
+    assert [O.bodies[i].state.pos[1] for i in ids] == pytest.approx([0.01 + 0.02 * k for k in range(5)], abs=1e-9)

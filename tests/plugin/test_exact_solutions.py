@@ -192,3 +192,21 @@ def test_disk_in_a_groove_turns_at_the_critical_torque(O):
         O.forces.setPermT(ball, (0, 0, factor * critical))
         plane.run(200, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=100000)
         assert (abs(O.bodies[ball].state.angVel[2]) > 1e-6) == turns, (factor, O.bodies[ball].state.angVel[2])
+
+
+def test_a_light_body_beside_a_heavy_one_is_carried(O):
+    """Its force is 1e-9 of the other's, below the tolerance on the whole; it must not fall through the floor."""
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mass=1e6, mat=mat)
+    light = plane.disk((0.1, 0.03), 0.01, mass=1e-3, mat=mat)
+    cd = plane.run(3000, 1e-4, gravity=(0, -G, 0))
+    assert O.bodies[light].state.pos[1] == pytest.approx(0.01, abs=1e-9) and cd.unconvergedSteps == 0
+
+
+def test_a_cradle_hands_its_velocity_on(O):
+    """e = 1, five equal disks half a millimetre apart, one step being a millimetre: the last one leaves with all of it."""
+    for i in range(5):
+        plane.disk((0.0205 * i, 0), 0.01, velocity=(1 if i == 0 else 0, 0))
+    plane.run(200, 1e-3, restitution=1, tolerance=1e-12)
+    assert [b.state.vel[0] for b in O.bodies] == pytest.approx([0, 0, 0, 0, 1], abs=1e-12)

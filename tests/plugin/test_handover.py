@@ -99,3 +99,24 @@ def test_overlaps_are_not_expelled_when_the_load_goes(said):
     """Stored elastic energy belongs to the springs: rigid grains that are let go do not fly apart, and parted pairs forget their overlap."""
     assert said["speed of grains when let go"] < 1e-3  # the spring energy would give sqrt(k/m) overlap = 0.05 m/s
     assert said["references when let go"] < said["references"]
+
+
+def test_springs_take_over_after_release(O):
+    """A stack under CD, then under YADE's springs: it sinks by the springs' own compression and no further."""
+    import cd_engine
+    from yade import wrapper as w
+    from . import plane
+    mat = plane.material()
+    plane.floor(mat)
+    ids = [plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(5)]
+    plane.run(50, 1e-4, gravity=(0, -9.81, 0), tolerance=1e-10)
+    cd_engine.release()
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()]),
+                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                   [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                 w.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.3)]
+    O.dt = 1e-4
+    O.run(3000, True)
+    lowest = O.interactions[ids[0], 5] if O.interactions.has(ids[0], 5) else O.interactions[0, ids[0]]
+    assert lowest.phys.normalForce.norm() == pytest.approx(5 * 9.81, rel=0.05)
+    assert 0.01 - O.bodies[ids[0]].state.pos[1] == pytest.approx(5 * 9.81 / lowest.phys.kn, rel=0.05)

@@ -14,11 +14,12 @@ def cloud(O, count, seed, mu=0.4, speed=1.0):
     """Disks of mixed sizes and masses thrown at their common centre, without boundaries."""
     r = random.Random(seed)
     mat = plane.material(mu)
+    columns = math.ceil(math.sqrt(count))
     for i in range(count):
-        a, d = 2 * math.pi * r.random(), 0.12 + 0.35 * math.sqrt(i / count)
-        size = r.uniform(0.01, 0.02)
+        x, y = (0.05 * (k - (columns - 1) / 2) + r.uniform(-.004, .004) for k in divmod(i, columns))
+        a, size = math.atan2(y, x), r.uniform(0.01, 0.02)
         v = (-speed * math.cos(a) + r.uniform(-.2, .2), -speed * math.sin(a) + r.uniform(-.2, .2))
-        plane.disk((d * math.cos(a * 7 + i), d * math.sin(a * 7 + i)), size, mass=r.uniform(0.1, 2), velocity=v, spin=r.uniform(-30, 30), mat=mat)
+        plane.disk((x, y), size, mass=r.uniform(0.1, 2), velocity=v, spin=r.uniform(-30, 30), mat=mat)
 
 
 def momenta(O):
@@ -89,7 +90,7 @@ def heap(O, mu):
     plane.box((0.3, 0.3), (0.02, 0.5), mat=mat)
     r = random.Random(3)
     for i in range(30):
-        plane.disk((-0.25 + 0.1 * (i % 6) + r.uniform(-.01, .01), 0.1 + 0.1 * (i // 6)), r.uniform(0.02, 0.04), mass=r.uniform(0.5, 2), mat=mat)
+        plane.disk((-0.22 + 0.088 * (i % 6) + r.uniform(-.01, .01), 0.1 + 0.1 * (i // 6)), r.uniform(0.02, 0.034), mass=r.uniform(0.5, 2), mat=mat)
 
 
 def test_forces_lie_in_the_cone_and_sliding_ones_on_it(O):

@@ -150,3 +150,29 @@ def test_company_that_comes_later_is_refused_when_it_comes(O, pair):
     O.engines[-1].dead = False
     with pytest.raises(RuntimeError, match="second time"):
         O.step()
+
+
+@pytest.mark.parametrize("order", [(2, 1, 0), (1, 2, 0), (0, 2, 1), (2, 0, 1)])
+def test_reset_and_collider_must_come_first(O, pair, order):
+    import cd_engine
+    engines = cd_engine.engines()
+    O.engines = [engines[k] for k in order]
+    with pytest.raises(RuntimeError, match="before it"):
+        O.step()
+
+
+def test_a_resetter_that_dies_is_noticed(O, pair):
+    step(O)
+    O.engines[0].dead = True
+    with pytest.raises(RuntimeError, match="ForceResetter"):
+        O.step()
+
+
+@pytest.mark.parametrize("distance", [0, 0.1])
+def test_overlaps_that_springs_cannot_have_left_are_refused(O, distance):
+    mat = plane.material()
+    O.dt = 1e-3
+    plane.disk((0, 0), 0.1, mat=mat)
+    plane.disk((distance, 0), 0.1, mat=mat)
+    with pytest.raises(RuntimeError, match="#0 and #1 overlap"):
+        step(O)
