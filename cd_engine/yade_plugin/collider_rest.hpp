@@ -11,7 +11,8 @@ namespace cd_engine {
 // The bounds of disks are larger than the disks by `margin` times their radius, so the pairs found stay complete until the
 // displacements since then use the margin up. Until then the collider is dead to YADE's loop; when they have, it is run here,
 // at once, before any pair is read. It rests only within O.run(n) and is given back at its last step or by a refusal, so that
-// whoever uses it next, perhaps with springs, finds it awake. (Not after O.pause() in mid-run, while the engine lives.) Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
+// whoever uses it next, perhaps with springs, finds it awake. (Not after O.pause() in mid-run, while the
+// engine lives.) Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
 class ColliderRest {
     public:
 	~ColliderRest() { wake(); }
