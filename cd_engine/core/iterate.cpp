@@ -38,14 +38,15 @@ namespace {
 		Status untilSolved(Sweep& sweep, const std::function<void()>& improve)
 		{
 			evaluate();
-			double best = error;
+			double best = error, smallest = error;
 			int bestAt = 0;
+			keep(sweep);
 			while (error > settings.tolerance) {
 				if (report.iterations >= settings.maxIterations)
-					return Status::max_iterations;
+					return giveBest(sweep, Status::max_iterations);
 				// No gain of a hundredth while the number of sweeps doubled, and at least a thousand: waiting on is in vain.
 				if (report.iterations > 1000 + 2 * bestAt)
-					return Status::stagnated;
+					return giveBest(sweep, Status::stagnated);
 				// The error costs two sweeps, so it is asked for at a spacing that grows with the sweeps already made.
 				const int more = std::min(settings.maxIterations - report.iterations, 4 + report.iterations / 10);
 				for (int i = 0; i < more; i++)
@@ -53,6 +54,10 @@ namespace {
 				report.iterations += more;
 				sweep.storeImpulses();
 				evaluate();
+				if (error < smallest) {
+					smallest = error;
+					keep(sweep);
+				}
 				if (error < 0.99 * best) {
 					best = error;
 					bestAt = report.iterations;
@@ -61,12 +66,31 @@ namespace {
 			return std::isnan(error) ? Status::diverged : Status::converged;
 		}
 
+		void keep(Sweep& sweep)
+		{
+			bestImpulses.resize(2 * sweep.size());
+			sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
+				bestImpulses[2 * i] = pn;
+				bestImpulses[2 * i + 1] = pt;
+			});
+		}
+
+		// With momentum the last iterate may be far from the best.
+		Status giveBest(Sweep& sweep, Status status)
+		{
+			sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
+				pn = bestImpulses[2 * i];
+				pt = bestImpulses[2 * i + 1];
+			});
+			return status;
+		}
+
 		void evaluate()
 		{
 			const Residual e = residual(system, freeVelocity);
 			report.residual = e.norm;
 			report.residualMax = e.maximum;
-			error = std::max(e.norm, e.energy);
+			report.error = error = std::max(e.norm, e.energy);
 		}
 
 		ContactSystem& system;
@@ -74,6 +98,7 @@ namespace {
 		std::vector<double> freeVelocity;
 		SolverReport report;
 		double error = 0; // what is held against the tolerance
+		std::vector<double> bestImpulses; // of the iterate with the smallest error
 	};
 
 } // namespace

@@ -21,6 +21,7 @@ const char* name(Status);
 struct SolverReport {
 	int iterations = 0; // sweeps made
 	double residual = 0; // e of the impulses returned
+	double error = 0; // the larger of e and e weighted by W_nn: what the tolerance is held against
 	double residualMax = 0; // its maximum over the contacts
 	Status status = Status::converged;
 };

@@ -74,6 +74,8 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, size_t index, c
 			c.bias = settings.restitution * un;
 	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
+	if (!(c.wnn > 0))
+		c.pn = c.pt = 0; // two immobile bodies: whatever springs left between them means nothing here
 	solved[index] = 1;
 }
 

@@ -92,17 +92,17 @@ void ContactDynamics::advance()
 	solveTime += report.solveSeconds;
 	if (!converged && fixedIterations == 0) {
 		unconvergedSteps++;
-		warn();
+		warn(report.solver.error);
 	}
 }
 
 // One line a run; the count goes on in unconvergedSteps and is shown once more when YADE ends (cd_engine/__init__.py).
-void ContactDynamics::warn()
+void ContactDynamics::warn(double error)
 {
 	if (warned)
 		return;
 	warned = true;
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " not solved: error " << residual << " after " << iterations
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " not solved: error " << error << " after " << iterations
 		  << " sweeps, tolerance " << tolerance << " (" << status
 		  << "). Further such steps are counted in unconvergedSteps; raise maxIterations or tolerance, or take a smaller O.dt.\n";
 }

@@ -69,7 +69,7 @@ class ContactDynamics : public yade::GlobalEngine {
 	bool enginesChanged();
 	void advance();
 	void rememberOverlaps();
-	void warn();
+	void warn(double error);
 
 	SceneLink link;
 	ColliderRest rest;
