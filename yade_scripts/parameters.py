@@ -105,10 +105,13 @@ REGISTRY = {p.name: p for p in (
               "normal stiffness k_n of a contact, eq. 5; the paper's 2 MPa at 1 m of depth", **_positive(1e15), prepare=True),
     Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not in the paper, nor found for its authors' "
               "other work: 0.5 is a customary choice and not theirs. It shifts gamma, so vary it", **_positive(1), prepare=True),
-    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth", **_positive(0.01), prepare=True),
-    Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks; walls have none", low=0, high=2, prepare=True),
+    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", **_positive(0.01), prepare=True),
+    Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks", low=0, high=2, prepare=True),
     Parameter("preparation_friction", 0.0, "1",
               "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
+    Parameter("wall_friction", 0.0, "1", "mu between disks and walls once the packing is compacted; not in the paper", low=0, high=2, prepare=True),
+    Parameter("stiffening", 1.0, "1", "kn is multiplied by this at constant P0 once the packing is at rest, and the packing settles again: "
+              "the same grains, stiffer", low=1, high=1e4, prepare=True),
     Parameter("beta_n", 0.1, "1",
               "damping of the normal contact, gamma = 2 beta_n sqrt(k_n m_eff) in eq. 5; not in the paper", low=0, high=0.9, prepare=True),
     # The loading.
@@ -122,11 +125,15 @@ REGISTRY = {p.name: p for p in (
     Parameter("cycles", 1, "1", "periods simulated", low=1, high=10**6),
     Parameter("records_per_cycle", 200, "1",
               "samples of the history in a period, even so that one falls on the load maximum", low=2, high=10**5),
+    Parameter("collapse_strain", 0.2, "1", "a run ends, collapsed, when |gamma| exceeds this or the walls lose their load", **_positive(10)),
     # Walls.
     Parameter("wall_mass_ratio", 20.0, "1",
               "mass of a force-loaded wall in mean disk masses; it swings after the kinks of a triangle", **_positive(1e6)),
     Parameter("md_walls", "servo", "1", "servo: TriaxialStressController moves the walls; force: free walls pushed by forces, as in CD",
               choices=("servo", "force"), method="MD"),
+    Parameter("tangential_law", "standard", "1", "of the springs: standard (Cundall-Strack, eq. 6), avoid_ratcheting (YADE's "
+              "avoidGranularRatcheting), path_independent (McNamara et al. 2008: the same with its forces and arms)",
+              choices=("standard", "avoid_ratcheting", "path_independent"), method="MD"),
     # Time stepping.
     Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", **_positive(1), method="MD"),
     Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),
@@ -141,9 +148,17 @@ REGISTRY = {p.name: p for p in (
     Parameter("solver_seed", 0, "1",
               "if positive: random order of the sweeps, drawn from this seed", low=0, high=2**31 - 1, method="CD"),
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
+    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; 1 for the elastic medium that "
+              "under-converged CD is (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
+    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, found from contact forces perturbed at random",
+              low=0, high=2**31 - 1, method="CD"),
+    Parameter("network_perturbation", 1.0, "1", "of the contact forces for network_seed: uniform within this times the mean normal force",
+              **_positive(1e3), method="CD"),
     # Small scenes.
     Parameter("gravity", 0.0, "m/s^2", "acceleration of free fall, along -y", low=0, high=1e6),
     Parameter("slope", 30.0, "degree", "of the incline", low=-89, high=89),
+    Parameter("path_depth", 0.01, "1", "change of the overlap along the closed path of two_grain_path, over the mean radius", **_positive(0.1)),
+    Parameter("path_angle", 0.1, "rad", "turn of the line of centres along that path", **_positive(1)),
     Parameter("speed", 1.0, "m/s", "initial speed in slide_to_roll and bounce", **_positive(1e3)),
 )}
 
@@ -219,6 +234,11 @@ def result_name(full):
     """Stem of the result file: scene, method, hash of every parameter that this method reads."""
     read = {name: full[name] for name, parameter in REGISTRY.items() if parameter.method in (None, full["method"])}
     return f"{full['scene']}-{full['method']}-{digest(read)}"
+
+
+def stiffness(full):
+    """k_n [N/m] of the run, stiffening included."""
+    return full["kn"] * full["stiffening"]
 
 
 def pressure(full):
