@@ -1,7 +1,7 @@
 """Result files into memory, checked: whatever is returned here is what it claims to be."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
@@ -24,13 +24,18 @@ class ResultError(Exception):
 
 @dataclass(frozen=True)
 class Run:
-    """One result file: names, units and shapes as in `analysis.schema`."""
+    """One result file: names, units and shapes as in `analysis.schema`.
+
+    extra: {name: array} of what only this scene has. known: {name: (measured, exact, unit)}.
+    """
 
     path: Path
     attributes: dict
     parameters: dict
     history: dict
     snapshots: list
+    extra: dict = field(default_factory=dict)
+    known: dict = field(default_factory=dict)
 
     @property
     def method(self):
@@ -156,7 +161,10 @@ def _read(path, file):
     history = {name: data[()] for name, data in file["history"].items()}
     snapshots = [_read_snapshot(file["snapshots"][number])
                  for number in sorted(file.get("snapshots", ()), key=int)]
-    return Run(path, attributes, row, history, snapshots)
+    extra = {name: data[()] for name, data in file.get("extra", {}).items()}
+    known = {name: (float(data[()]), float(data.attrs["exact"]), str(data.attrs["unit"]))
+             for name, data in file.get("known", {}).items()}
+    return Run(path, attributes, row, history, snapshots, extra, known)
 
 
 def _read_snapshot(group):

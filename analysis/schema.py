@@ -2,7 +2,9 @@
 
 The recorder writes by these tables and the loader checks against them. One run is one HDF5 file:
 root attributes say what was run, `/history/<name>` is one 1-D array a quantity (all of one length,
-unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at one instant.
+unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at one instant. A finished run may
+also hold `/known/<name>`, a measured number with its exact value in the attribute `exact`, and
+`/extra/<name>`, arrays that only its scene has; both with `unit`, the latter with `doc`.
 
 Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls.
 Strain is extension positive. Equations are those of Garcia-Rojo, McNamara and Herrmann (2004).

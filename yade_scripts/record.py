@@ -132,6 +132,9 @@ class Recorder:
         for known in () if failure else self.scene.known:
             value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
             value.attrs.update({"unit": known.unit, "exact": known.exact})
+        for name, (unit, doc, array) in () if failure else self.scene.extra.items():
+            values = self.file.create_dataset(f"extra/{name}", data=array() if callable(array) else array)
+            values.attrs.update({"unit": unit, "doc": doc})
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
         self.file.close()

@@ -29,7 +29,8 @@ class Scene:
 
     every: steps between samples, samples: intervals between them; the scene is over after every * samples steps.
     load: walls.Load, or None where no wall is loaded. snapshots: numbers of the samples at which the whole sample is kept.
-    observer: called at every sample.
+    extra: arrays that only this scene has, {name: (unit, meaning, array)}; instead of the array a function that gives it after the last
+    step. observer: called at every sample.
     """
     every: int
     samples: int
@@ -37,6 +38,7 @@ class Scene:
     state_sha256: str = ""
     snapshots: set = field(default_factory=set)
     known: list = field(default_factory=list)
+    extra: dict = field(default_factory=dict)
     observer: Callable[[], None] = lambda: None
 
     def __post_init__(self):
