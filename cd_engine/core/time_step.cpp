@@ -66,12 +66,13 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, size_t index, c
 		c.an = ax * pair.ny - ay * pair.nx;
 		c.at = ax * pair.nx + ay * pair.ny;
 	}
-	c.bias = pair.gap > 0 ? pair.gap / settings.dt : 0;
+	const double share = pair.gap > 0 ? 1 : settings.gapCorrection;
+	c.bias = share > 0 ? share * pair.gap / settings.dt : 0;
 	if (settings.restitution > 0) {
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 		const double un = pair.nx * (b.v[0] - a.v[0]) + pair.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
 		if (un < 0 && pair.gap + settings.dt * un <= 0)
-			c.bias = settings.restitution * un;
+			c.bias = std::min(c.bias, settings.restitution * un);
 	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))

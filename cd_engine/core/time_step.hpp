@@ -9,6 +9,7 @@ namespace cd {
 struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
+	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
 	Solver solve = nullptr;
 	SolverSettings solver;
 };
@@ -35,9 +36,11 @@ class TimeStep {
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
 	// Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0 keeps the next one from
-	// overlapping to first order: the gap may close within the step but not be crossed.
-	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead; one that only
-	// other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
+	// overlapping to first order: the gap may close within the step but not be crossed. An overlap is kept from growing; with
+	// gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
+	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead, or what its
+	// overlap asks for where that is more; one that only other contacts' impulses close is left to the next step, overlapping by up to their
+	// velocity times h.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved.

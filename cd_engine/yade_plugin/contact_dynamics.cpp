@@ -53,6 +53,7 @@ void ContactDynamics::advance()
 	cd::StepSettings settings;
 	settings.dt = at<double>(scene, layout.scene_dt);
 	settings.restitution = restitution;
+	settings.gapCorrection = gapCorrection;
 	settings.solve = cd::findSolver(method);
 	settings.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(scene, layout.scene_iter)) };
 	if (!settings.solve)

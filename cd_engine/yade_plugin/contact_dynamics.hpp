@@ -21,6 +21,7 @@ class ContactDynamics : public yade::GlobalEngine {
 	std::string method = "accelerated";
 	bool warmStart = true;
 	double restitution = 0;
+	double gapCorrection = 0;
 	int seed = 0;
 	bool handover = true;
 	double colliderMargin = 0;
@@ -102,6 +103,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
 	visit(
 	    "restitution", &C::restitution, Access::set, Range { 0, 1 }, "Newton's coefficient of normal restitution [1]; 0 for quasi-static work.");
+	visit("gapCorrection", &C::gapCorrection, Access::set, Range { 0, 1 },
+	    "Share of an overlap, beyond the reference one, that a step pushes out [1]; 0: overlaps are only kept from growing. The velocity of "
+	    "pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it needs "
+	    "*warmStart* False: impulses that add up from step to step overshoot.");
 	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. },
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
 	visit("handover", &C::handover, Access::set, any,
