@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from analysis import load, observables
+from analysis import load, observables, publish, studies
 
 FIGURES = load.RESULTS.parent / "figures"
 EXIT_BAD_FILE, EXIT_MISTAKE = 1, 2
@@ -36,6 +36,13 @@ def _parser():
         figure.set_defaults(run=run)
         if name == "fig4":
             figure.add_argument("--cycle", type=int, default=1, help="which cycle, from 1 (default: %(default)s)")
+    study = commands.add_parser("study", help="figure, summary table and provenance of a study",
+                                description="Write NAME.png, NAME.csv and NAME.json of a study from its result files.")
+    study.add_argument("name", metavar="NAME", help=f"one of {', '.join(studies.names())}; or all")
+    study.add_argument("--full", action="store_true", help="of the full tables (default: the quick ones)")
+    study.add_argument("-o", "--output", metavar="FOLDER", help="where to (default: figures/quick or figures/full)")
+    study.add_argument("--results", default=str(load.RESULTS), help="folder of the result files")
+    study.set_defaults(run=_study)
     for name, what, run in (("summary", "one line of numbers a run", _summary), ("check", "say which files can be used", _check)):
         command = commands.add_parser(name, help=what, description=what + ".")
         command.add_argument("files", nargs="+", metavar="FILE", help="result files")
@@ -74,6 +81,21 @@ def _draw(options, draw):
             raise
         raise load.ResultError(options.output, "unknown kind of figure", "name it .png, .pdf or .svg") from None
     print(Path(options.output).resolve())
+    return 0
+
+
+def _study(options):
+    """Publish one study or all; what is missing is named."""
+    folder = Path(options.output or FIGURES / ("full" if options.full else "quick"))
+    if options.name == "all":
+        for name, reason in publish.publish_all(folder, options.results, options.full).items():
+            print(f"analysis study: {name}: {reason}", file=sys.stderr)
+    else:
+        collection = studies.collect(options.name, options.results, options.full)
+        publish.publish(collection, folder)
+        for path, _, reason in collection.missing:
+            print(f"analysis study: {path.name}: {reason}", file=sys.stderr)
+    print(folder.resolve())
     return 0
 
 

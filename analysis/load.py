@@ -53,6 +53,16 @@ class Run:
         return bool(self.attributes["finished"]
                     and self.attributes["status"] == schema.STATUS_FINISHED)
 
+    @property
+    def outcome(self):
+        """'completed', or 'collapsed: ' and what was seen."""
+        return str(self.attributes["outcome"])
+
+    @property
+    def collapsed(self):
+        """True if the sample gave way, which ended the run early and is a result."""
+        return self.outcome.startswith(schema.OUTCOME_COLLAPSED)
+
     def values(self, name):
         """A history field; ResultError where it is missing or holds a NaN or an infinity."""
         if name not in self.history:

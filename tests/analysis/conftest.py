@@ -71,7 +71,8 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
     columns = history(method, scale=1e-3 if method == "MD" else 2e-6) if columns is None else columns
     root = dict(schema_version=schema.SCHEMA_VERSION, scene="biaxial", method=method, state_sha256="ab" * 32,
                 parameters=json.dumps(parameters.complete(dict(method=method) | (row or {}))), git_commit="c" * 40,
-                yade_version="2023.02a", seed=1, pressure=1200.0, depth=1.0, finished=True, status=schema.STATUS_FINISHED) | attributes
+                yade_version="2023.02a", seed=1, pressure=1200.0, depth=1.0, finished=True, status=schema.STATUS_FINISHED,
+                outcome=schema.OUTCOME_COMPLETED) | attributes
     snapshots = {time: lattice(20, method) for time in (0.0, 0.5, 1.0)} if snapshots is None else snapshots
     with h5py.File(path, "w") as file:
         file.attrs.update(root)
