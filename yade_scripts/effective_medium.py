@@ -1,0 +1,49 @@
+"""The elastic medium that rigid contacts are while a step makes too few Gauss-Seidel sweeps. Needs no YADE.
+
+N_I sweeps spread a force diffusively, D = q d^2 a sweep, over less than the sample. On what varies slowly over that length they change
+the impulse of a contact in a step by -q m N_I u_n and no more (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002);
+Unger and Kertesz, cond-mat/0211696). Two ways of stepping turn this into a spring kappa = q m N_I/dt^2 with a dashpot q m N_I/dt:
+
+  memory   warm start, gap_correction 0: impulses add up from step to step, as the force of a spring does from its rate
+  overlap  cold start, gap_correction 1: the impulse of each step, -q m N_I (u_n + gap/dt), reads the overlap itself
+
+Cold start without the correction is a dashpot without spring: it creeps. Warm start with it adds up gap/dt as well, a force from the
+time integral of the overlap, and swings up: unstable by Routh's criterion where (omega dt)^2 < gap_correction.
+"""
+import math
+
+# q for random order, each contact once a sweep (Unger et al. 2002); 1/2 if all contacts took the forces of the sweep before.
+RELAXATION = (4 * math.sqrt(math.e) - 5) / 2
+
+
+def step(full):
+    """O.dt [s] of a CD row: samples fall on whole steps, see scenes.set_step."""
+    interval = full["period"] / full["records_per_cycle"]
+    return interval / math.ceil(interval / full["cd_dt"] * (1 - 1e-12))
+
+
+def mean_mass(full):
+    """Expected mass of a disk [kg], radii uniform within radius_mean (1 +- radius_spread)."""
+    return full["density"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3) * full["depth"]
+
+
+def stiffness(full):
+    """kappa = q m N_I/dt^2 [N/m] of a CD row with fixed_iterations N_I; infinite if it solves every step instead."""
+    if not full["fixed_iterations"]:
+        return math.inf
+    return RELAXATION * mean_mass(full) * full["fixed_iterations"] / step(full)**2
+
+
+def dashpot(full):
+    """q m N_I/dt [N s/m], beside that spring."""
+    return stiffness(full) * step(full)
+
+
+def chain_period(full):
+    """Period [s] of the slowest swing of a chain of `disks` between a wall and a free end: 4 L/c, c = sqrt(q N_I) d/dt, L = disks d."""
+    return 4 * full["disks"] * math.sqrt(mean_mass(full) / stiffness(full))
+
+
+def chain_decay(full):
+    """Time [s] in which the amplitude of that swing falls to 1/e: 2/(D' k^2), D' = q N_I d^2/dt, k = pi/(2 L)."""
+    return 2 * mean_mass(full) / dashpot(full) / (math.pi / (2 * full["disks"]))**2

@@ -1,0 +1,74 @@
+"""A row of equal disks against a wall, pushed from time 0 by a constant force on the last disk: under few sweeps a step it swings.
+
+Period and decay are those of a damped elastic rod (effective_medium.py), to a few per cent: that is a theory of long waves. It leaves out
+that the row of N disks and N contacts swings as a rod of N + 1/2 diameters (+1 % of the period at 50), that the sweeps of a step do
+not quite add up, 1 - exp(-x) of what they would for x = q N_I (k d)^2 (1.6 % of the stiffness at 50 disks and 40 sweeps), and, in
+the way `overlap` only, that the forces near the ends have not spread in a step (a length of sqrt(q N_I) diameters, 6 of 50).
+"""
+import math
+
+import numpy as np
+from scipy.optimize import OptimizeWarning, curve_fit
+from yade import O, utils
+
+from yade_scripts import bodies, effective_medium, hooks
+from yade_scripts.parameters import ParameterError
+from yade_scripts.scenes import Known, small
+
+STRAIN = 1e-5  # of the row at rest under the force, so small that lengths do not change; the theory is linear
+
+
+def build(full, folder):
+    """`disks` touching disks that can only move along x; /extra holds the way of the last one after every step."""
+    if full["method"] != "CD":
+        raise ParameterError("method = 'MD': the scene chain is about the sweeps of CD")
+    bodies.append_material("disk", full["friction"], full)
+    radius = full["radius_mean"]
+    mass = bodies.disk_mass(radius, full)
+    O.bodies.append(utils.box((-radius, 0, 0), (radius, 10 * radius, full["depth"] / 2), fixed=True, material="disk"))
+    for k in range(full["disks"]):
+        last = bodies.append_disk(((2 * k + 1) * radius, 0), radius, mass, "disk", blocked="yzXYZ")
+    medium = effective_medium.stiffness(full)
+    # A chain of rigid disks has no stiffness to scale the force with: any force will do, it must not move.
+    force = STRAIN * 2 * radius * (medium if math.isfinite(medium) else full["kn"])
+    O.forces.setPermF(last, (-force, 0, 0))
+
+    state, start, way = O.bodies[last].state, O.bodies[last].state.pos[0], [0.0]
+    scene = small(full, _known(full, way))
+    scene.extra["end_displacement"] = ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way))
+    O.engines = O.engines + [hooks.runner(lambda: way.append(state.pos[0] - start), iterPeriod=1, initRun=True)]
+    return scene
+
+
+def _known(full, way):
+    """Period and decay in steps where the medium is elastic and the run long enough to see them."""
+    elastic = full["fixed_iterations"] and full["warm_start"] == (full["gap_correction"] == 0) and full["gap_correction"] in (0, 1)
+    if not elastic:
+        return []
+    dt = effective_medium.step(full)
+    period, decay = effective_medium.chain_period(full) / dt, effective_medium.chain_decay(full) / dt
+    if full["period"] * full["cycles"] < 2 * period * dt:
+        return []
+    return [Known("swing_period", "steps", period, lambda: swing(way, period, decay)[0]),
+            Known("swing_decay", "steps", decay, lambda: swing(way, period, decay)[1])]
+
+
+def swing(way, period, decay):
+    """Period and decay time, in steps, of the damped swing that fits the way of the end best; NaN where none does.
+
+    period, decay: a first guess. Left out is the first half period, in which the overtones of the sudden push die: the third harmonic
+    decays nine times as fast.
+    """
+    way = np.asarray(way)
+    steps = np.arange(len(way))[math.ceil(period / 2):]
+    part = way[steps]
+
+    def damped(t, centre, amplitude, phase, period, decay):
+        return centre + amplitude * np.exp(-t / decay) * np.cos(2 * np.pi * t / period + phase)
+
+    try:
+        found, _ = curve_fit(damped, steps, part, p0=(part.mean(), np.ptp(part), np.pi, period, decay), x_scale=(
+            abs(part.mean()), np.ptp(part), 1, period, decay), method="trf")
+    except (RuntimeError, ValueError, OptimizeWarning):
+        return math.nan, math.nan
+    return float(found[3]), float(found[4])
