@@ -15,10 +15,12 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 METHODS = ("MD", "CD")
 STATUS_FINISHED = "finished"
 STATUS_FAILED = "failed: "  # followed by the reason
+OUTCOME_COMPLETED = "completed"
+OUTCOME_COLLAPSED = "collapsed: "  # followed by what was seen; the sample gave way, which is a result
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,7 @@ ROOT_ATTRIBUTES = _table(
     Field("seed", "1", "seed of the packing"),
     Field("finished", "", "True if the run reached its end"),
     Field("status", "", "'finished' or 'failed: ' and the reason"),
+    Field("outcome", "", "'completed', or 'collapsed: ' and what was seen; of no meaning in a failed run"),
     Field("pressure", "Pa", "P0, the pressure before the loading"),
     Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
 )

@@ -4,7 +4,7 @@ import math
 from yade import O, utils
 from yade.wrapper import FrictViscoMat, Sphere
 
-from yade_scripts import walls
+from yade_scripts import parameters, walls
 
 
 def append_material(label, mu, full):
@@ -59,4 +59,4 @@ def loaded_contacts(body):
 
 def sag(force, full):
     """Overlap [m] at which a contact carries `force` [N] at rest: springs need one, rigid contacts have none."""
-    return force / full["kn"] if full["method"] == "MD" else 0.0
+    return force / parameters.stiffness(full) if full["method"] == "MD" else 0.0

@@ -1,7 +1,11 @@
 """Molecular Dynamics: YADE's Cundall-Strack engines with the paper's contact law.
 
 Normal: eq. 5, R = k_n delta - gamma d(delta)/dt, not clipped (a parting contact may pull), gamma = 2 beta_n sqrt(k_n m_eff).
-Tangential: eq. 6 and the Coulomb condition, without eq. 6's dashpot, which YADE's viscous law does not have.
+Tangential: eq. 6 and the Coulomb condition, without eq. 6's dashpot, which YADE's viscous law does not have. Three laws between disks:
+    standard           Cundall-Strack in YADE: the stretch takes the relative velocity at the contact point, arms R_i - delta/2
+    avoid_ratcheting   YADE's avoidGranularRatcheting: arms R_i and (R1 + R2)/d in the stretch, forces and torques as before
+    path_independent   McNamara et al. 2008: the stretch as an exact differential, and its forces (cd_engine.PathIndependentShear)
+Against walls it is always the standard one.
 """
 import math
 
@@ -10,22 +14,26 @@ from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_
                           InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
                           Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
 
-from yade_scripts import bodies, hooks, walls
+from yade_scripts import bodies, hooks, parameters, walls
 
 
-def contact_engines(full):
-    """The list up to and including the contact forces; stiffnesses are constant, walls included."""
+def contact_engines(full, tangential_law="standard"):
+    """The list up to and including the contact forces; stiffnesses are constant, walls included. Packings are prepared by the standard law."""
     def constant(value):
         return MatchMaker(algo="val", val=value)
 
-    return [
+    engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
         InteractionLoop(
-            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
-            [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=constant(full["kn"]), kRatio=constant(full["kt_over_kn"]))],
+            [Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=tangential_law == "avoid_ratcheting"), Ig2_Box_Sphere_ScGeom()],
+            [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=constant(parameters.stiffness(full)), kRatio=constant(full["kt_over_kn"]))],
             [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
     ]
+    if tangential_law == "path_independent":
+        import cd_engine
+        engines.append(cd_engine.PathIndependentShear())
+    return engines
 
 
 def integrator(full, damping=0.0):
@@ -33,13 +41,23 @@ def integrator(full, damping=0.0):
     return NewtonIntegrator(damping=damping, gravity=(0, -full["gravity"], 0))
 
 
-def set_friction(mu):
-    """Give the disks friction mu, in their material and in the contacts that exist."""
-    material = O.materials["disk"]
-    material.frictionAngle = math.atan(mu)
+def set_friction(disks, wall):
+    """Give disks and walls their coefficients of friction, in the materials and in the contacts that exist; YADE takes the smaller of two."""
+    for label, mu in (("disk", disks), ("wall", wall)):
+        O.materials[label].frictionAngle = math.atan(mu)
     for contact in O.interactions:
-        if contact.isReal and O.bodies[contact.id1].mat.label == O.bodies[contact.id2].mat.label == "disk":
-            contact.phys.tangensOfFrictionAngle = mu
+        if contact.isReal:
+            contact.phys.tangensOfFrictionAngle = min(math.tan(O.bodies[k].mat.frictionAngle) for k in (contact.id1, contact.id2))
+
+
+def stiffen(factor):
+    """Multiply the stiffnesses of the contacts that exist; their dashpots keep the damping ratio."""
+    for contact in O.interactions:
+        if contact.isReal:
+            contact.phys.kn *= factor
+            contact.phys.ks *= factor
+            contact.phys.cn *= math.sqrt(factor)
+            contact.phys.cn_crit *= math.sqrt(factor)
 
 
 def set_engines(full, scene, goals=None):
@@ -51,14 +69,14 @@ def set_engines(full, scene, goals=None):
     if goals is None:
         loading = [observer]
     elif full["md_walls"] == "servo":
-        controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), full["kn"], max_velocity=1.0)
+        controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
         scene.load = walls.ServoLoad(goals, controller)
         every = _divisor(scene.every, full["md_load_every"])
         loading = [hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
     else:
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
-    O.engines = contact_engines(full) + loading + [integrator(full)]
+    O.engines = contact_engines(full, full["tangential_law"]) + loading + [integrator(full)]
 
 
 def _divisor(steps, most):

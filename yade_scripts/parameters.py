@@ -22,6 +22,7 @@ SCENES = {
                   max_iterations=1000000),
     "loaded_box": dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
                        max_iterations=1000000),
+    "frozen_packing": dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-3, period=0.2, records_per_cycle=200),
     # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
     "chain": dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
                   records_per_cycle=200),
@@ -113,8 +114,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("preparation_friction", 0.0, "1",
               "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
     Parameter("wall_friction", 0.0, "1", "mu between disks and walls once the packing is compacted; not in the paper", low=0, high=2, prepare=True),
-    Parameter("stiffening", 1.0, "1", "kn is multiplied by this at constant P0 once the packing is at rest, and the packing settles again: "
-              "the same grains, stiffer", low=1, high=1e4, prepare=True),
+    Parameter("stiffening", 1.0, "1", "kn is multiplied by this at constant P0 once the packing is compacted, before its final friction: the same grains, stiffer", low=1, high=1e4, prepare=True),
     Parameter("beta_n", 0.1, "1",
               "damping of the normal contact, gamma = 2 beta_n sqrt(k_n m_eff) in eq. 5; not in the paper", low=0, high=0.9, prepare=True),
     # The loading.
@@ -187,7 +187,7 @@ def _check_together(full):
     if full["depth"] <= 2 * largest:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
                              "or spheres touch the walls in front and behind")
-    if full["gravity"] and full["scene"] in ("biaxial", "loaded_box"):
+    if full["gravity"] and full["scene"] in ("biaxial", "loaded_box", "frozen_packing"):
         raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")

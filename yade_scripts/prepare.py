@@ -3,8 +3,8 @@
     yade -n -x yade_scripts/prepare.py seed=3 disks=400
 
 A gas of disks on a grid is compacted by YADE's TriaxialStressController in 2D with springs and dashpots (paper, section 3: "This
-first stage is carried out with the MD algorithm"), first with `preparation_friction`, then settled with `friction`. MD and CD start
-from this file.
+first stage is carried out with the MD algorithm"), first with `preparation_friction`, its contacts stiffened where `stiffening` asks for it, then settled with `friction` and
+`wall_friction`. MD and CD start from this file.
 """
 import fcntl
 import gzip
@@ -26,11 +26,13 @@ from yade import O, config, utils
 from yade_scripts import bodies, hooks, md, parameters, progress, results, walls
 
 # Part of the hash: raise it when the procedure below changes.
-RECIPE = 1
+RECIPE = 2
 STRESS_ERROR, UNBALANCED = 1e-7, 1e-8  # at rest: wall stress relative to P0, mean net force on a body relative to a contact's
 CHECKS = 3          # that many checks in a row, since a rattler's hit passes between two
 CHECK_EVERY = 500   # steps
 MOST_STEPS = 2000000
+LOOSE = 1e-3  # both errors, between two stages
+LARGEST_STIFFENING = 1.3  # in one step
 
 
 class PreparationError(RuntimeError):
@@ -148,13 +150,14 @@ class _Rest:
                 body.state.vel = body.state.angVel = (0, 0, 0)
 
 
-def _relax(full, stress_error, unbalanced, damping):
-    """Run under P0 until at rest; PreparationError after MOST_STEPS."""
+def _relax(full, stiffness, stress_error, unbalanced, damping):
+    """Run under P0 until at rest, contacts of `stiffness` [N/m]; PreparationError after MOST_STEPS."""
     p0 = parameters.pressure(full)
+    O.dt = 0.2 * math.sqrt(min(b.state.mass for b in bodies.disks()) / stiffness)
     # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
-    controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), full["kn"], 0.1 * math.sqrt(p0 / full["density"]))
+    controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), stiffness, 0.1 * math.sqrt(p0 / full["density"]))
     rest = _Rest(p0, stress_error, unbalanced)
-    O.engines = md.contact_engines(full) + [hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
+    O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
     hooks.simulate(MOST_STEPS)
     if rest.passed < CHECKS:
         stress, force = rest.errors()
@@ -163,14 +166,23 @@ def _relax(full, stress_error, unbalanced, damping):
             f"(goal {unbalanced:g}). Try another seed, more disks, or preparation_friction above 0.")
 
 
+def _stiffen(full):
+    """Raise the stiffness at constant P0 in small steps, as the overlaps of softer contacts push the grains apart; still with the
+    friction of the preparation, since what slides under the final one would be mobilised when the loading begins."""
+    stages = math.ceil(math.log(full["stiffening"]) / math.log(LARGEST_STIFFENING))
+    for stage in range(1, stages + 1):
+        md.stiffen(full["stiffening"]**(1 / stages))
+        _relax(full, full["kn"] * full["stiffening"]**(stage / stages), LOOSE, LOOSE, damping=0.5)
+
+
 def _make(full):
     """Prepare the packing in O."""
     O.reset()
     gas(full)
-    O.dt = 0.2 * math.sqrt(min(b.state.mass for b in bodies.disks()) / full["kn"])
-    _relax(full, 1e-3, 1e-3, damping=0.2)
-    md.set_friction(full["friction"])
-    _relax(full, STRESS_ERROR, UNBALANCED, damping=0.5)
+    _relax(full, full["kn"], LOOSE, LOOSE, damping=0.2)
+    _stiffen(full)
+    md.set_friction(full["friction"], full["wall_friction"])
+    _relax(full, parameters.stiffness(full), STRESS_ERROR, UNBALANCED, damping=0.5)
     for body in O.bodies:
         body.state.vel = body.state.angVel = body.state.angMom = (0, 0, 0)
     O.engines = []

@@ -16,11 +16,17 @@ from yade_scripts.commits import git_commit
 # A servo that works is off by 1e-4 to 4e-4 of P0 (rms, t0 = 4 to 1 s), one that is locked by 40-100 %; walls with mass lag during a collapse.
 # Longer than a few samples neither is the loading that was asked for.
 STRESS_TOLERANCE, STRESS_SAMPLES = 0.05, 5
+# Of gamma while the stress is off: a sample that gives way, beyond what walls can shake (a locked servo 3e-4, see walls.servo).
+COLLAPSE_STEP = 2e-3
 ROWS_PER_WRITE = 50
 
 
 class StressError(RuntimeError):
-    """The walls do not carry the stress that the loading asks for."""
+    """The walls do not carry the stress that the loading asks for, and not because the sample gives way."""
+
+
+class Collapse(Exception):
+    """The sample no longer carries its load: an end of the run, and a result."""
 
 
 class Recorder:
@@ -36,7 +42,7 @@ class Recorder:
         self.names = [n for n, f in schema.HISTORY.items() if full["method"] in f.methods or not f.methods]
         if full["method"] == "MD":
             self.names = [n for n in self.names if n not in ("residual_max", "unconverged_steps")]
-        self.rows, self.count, self.misses = [], 0, 0
+        self.rows, self.count, self.misses, self.gamma_before = [], 0, 0, 0.0
         self.started, self.reference = time.perf_counter(), None
         self._write_attributes()
         for name in self.names:
@@ -51,7 +57,7 @@ class Recorder:
             "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
 
     def sample(self):
-        """One row of the history, at some samples a snapshot; StressError when the walls have lost their load."""
+        """One row of the history, at some samples a snapshot. Collapse or StressError when the walls have lost their load."""
         row = self._measure()
         self.rows.append([row[name] for name in self.names])
         if self.count in self.scene.snapshots:
@@ -60,7 +66,12 @@ class Recorder:
         if len(self.rows) == ROWS_PER_WRITE:
             self._write_rows()
         self.progress((self.count - 1) / self.scene.samples)
-        self._check_stress(row)
+        try:
+            self._check_load(row)
+        except Collapse:
+            if self.count - 1 not in self.scene.snapshots:
+                self._snapshot(row)
+            raise
 
     def _measure(self):
         contacts = observe.Contacts()
@@ -105,16 +116,27 @@ class Recorder:
         for name, array in observe.snapshot(self.scene.load is not None).items():
             group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
 
-    def _check_stress(self, row):
+    def _check_load(self, row):
+        """Off its goal for some samples, the stress tells of a collapse if the sample strains meanwhile, else of walls that do not work."""
         if self.scene.load is None:
             return
-        p0 = parameters.pressure(self.full)
-        off = max(abs(row[f"sigma{k}"] - row[f"sigma{k}_goal"]) for k in (1, 2)) / p0
-        self.misses = self.misses + 1 if off > STRESS_TOLERANCE else 0
-        if self.misses >= STRESS_SAMPLES:
-            raise StressError(
-                f"wall stress off its goal by {100 * off:.0f} % of P0 at t = {row['time']:.4g} s, {STRESS_SAMPLES} samples in a row: the sample "
-                "collapses or the walls have locked; lower delta_sigma, lengthen period, or use md_walls=force")
+        if abs(row["gamma"]) > self.full["collapse_strain"]:
+            raise Collapse(f"|gamma| = {abs(row['gamma']):.3g} above collapse_strain at t = {row['time']:.4g} s, sigma2 = {self._load(row):.4g} P0")
+        off = max(abs(row[f"sigma{k}"] - row[f"sigma{k}_goal"]) for k in (1, 2)) / parameters.pressure(self.full)
+        if off <= STRESS_TOLERANCE:
+            self.misses, self.gamma_before = 0, row["gamma"]
+            return
+        self.misses += 1
+        if self.misses < STRESS_SAMPLES:
+            return
+        found = f"wall stress off its goal by {100 * off:.0f} % of P0 at t = {row['time']:.4g} s, {STRESS_SAMPLES} samples in a row"
+        if abs(row["gamma"] - self.gamma_before) > COLLAPSE_STEP:
+            raise Collapse(f"{found}, while gamma went from {self.gamma_before:.3g} to {row['gamma']:.3g}, sigma2 goal {self._load(row):.4g} P0")
+        raise StressError(f"{found}: the walls have locked or the load moves faster than they can; lengthen period, or use md_walls=force")
+
+    def _load(self, row):
+        """sigma2 asked for, in P0."""
+        return row["sigma2_goal"] / parameters.pressure(self.full)
 
     def _write_rows(self):
         table = np.array(self.rows, float).reshape(-1, len(self.names))
@@ -125,8 +147,8 @@ class Recorder:
         self.file.flush()
         self.rows.clear()
 
-    def close(self, failure=None):
-        """End the file with its status; failure: the exception that ended the run."""
+    def close(self, failure=None, collapse=None):
+        """End the file with its status; failure, collapse: the exception that ended the run."""
         if self.rows:
             self._write_rows()
         for known in () if failure else self.scene.known:
@@ -135,6 +157,7 @@ class Recorder:
         for name, (unit, doc, array) in () if failure else self.scene.extra.items():
             values = self.file.create_dataset(f"extra/{name}", data=array() if callable(array) else array)
             values.attrs.update({"unit": unit, "doc": doc})
+        self.file.attrs["outcome"] = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
         self.file.close()

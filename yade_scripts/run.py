@@ -45,7 +45,7 @@ def execute(row, folder=results.FOLDER):
 def _run(path, full, folder):
     """Build, run, record; None or the exception that ended the run, which the file names too."""
     from yade_scripts import progress, record, scenes
-    scene, failure, show = scenes.Scene(every=1, samples=1), None, progress.progress(path.stem)
+    scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.progress(path.stem)
     try:
         scene = scenes.build(full, folder)
     except (parameters.ParameterError, ImportError):
@@ -57,10 +57,12 @@ def _run(path, full, folder):
         scene.observer = recorder.sample
         try:
             scenes.method(full).run(scene)
+        except record.Collapse as event:
+            collapse = event
         except Exception as error:
             failure = error
     show.close()
-    recorder.close(failure)
+    recorder.close(failure, collapse)
     return failure
 
 

@@ -42,16 +42,53 @@ def test_nothing_moves_in_cd_while_nothing_changes(yade60):
     assert np.abs(history["gamma"][:]).max() < 1e-9
 
 
-def test_a_collapse_leaves_a_file_that_says_so(yade60):
-    """Without friction the sample cannot carry sigma2 = 2 P0: the walls lose their stress."""
+def test_a_collapse_is_a_result(yade60):
+    """Without friction the sample cannot carry sigma2 = 2 P0: the walls lose their stress while it gives way."""
     row = dict(method="MD", friction=0, delta_sigma=1, period=2)
+    file = yade60.run(**row)
+    assert file.attrs["finished"] and file.attrs["outcome"].startswith("collapsed: ")
+    assert abs(file["history/gamma"][-1]) > 2e-3 and file["history/cycle"][-1] < 0.5
+    assert len(file["snapshots"]) == 2  # the start, and where it gave way
+    assert not list((yade60.folder / "results").glob("*.partial.h5"))
+
+
+def test_strain_above_the_limit_ends_the_run(yade60):
+    """Stress held or not: the limit alone ends this elastic load step."""
+    file = yade60.run(method="MD", period=1, delta_sigma=0.2, collapse_strain=1e-4)
+    assert file.attrs["finished"] and "above collapse_strain" in file.attrs["outcome"]
+    gamma = np.abs(file["history/gamma"][:])
+    assert gamma[-1] > 1e-4 and (gamma[:-1] <= 1e-4).all()
+
+
+def test_a_load_the_walls_cannot_follow_is_a_failure(yade60):
+    """In 20 ms sound has hardly crossed the sample, heavy walls have not moved: no collapse, and no result."""
+    row = dict(method="MD", md_walls="force", wall_mass_ratio=1e5, period=0.02, delta_sigma=0.5)
     done = yade60.script("run.py", "disks=60", *(f"{name}={value}" for name, value in row.items()))
     assert done.returncode == 1
     assert "wall stress off its goal" in done.stderr and "Traceback" not in done.stderr
     file = yade60.run(**row)
     assert file.attrs["status"].startswith("failed: wall stress off") and not file.attrs["finished"]
     assert len(file["history/time"]) > 5
-    assert not list((yade60.folder / "results").glob("*.partial.h5"))
+
+
+def test_stiffer_contacts_same_grains(yade60):
+    """Settled again under the same P0: overlaps shrink by the factor, the solid fraction falls by little more than the overlaps took."""
+    soft, stiff = (yade60.prepare("disks=60", f"stiffening={factor}")[1] for factor in (1, 30))
+    assert stiff["sigma"] == pytest.approx(soft["sigma"], rel=1e-6)
+    # The mean overlap is about P0/k_n = 6e-4 of a diameter, hence 1.2e-3 in area; a few grains find a new place.
+    assert 0 < soft["solid_fraction"] - stiff["solid_fraction"] < 3e-3
+
+
+def test_walls_with_friction_carry_shear(yade60):
+    state, _ = yade60.prepare("disks=60", "wall_friction=0.3")
+    friction, shear = yade60.code(f"""
+from yade import O
+O.load({str(state)!r})
+contacts = [i for i in O.interactions if i.isReal and i.id1 < 6]
+print([max(i.phys.tangensOfFrictionAngle for i in contacts), max(i.phys.shearForce.norm() for i in contacts)])
+""")
+    assert friction == pytest.approx(0.1)  # the smaller of wall and disk
+    assert shear > 0
 
 
 def test_locked_walls_are_no_shakedown(yade60):

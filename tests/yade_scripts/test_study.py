@@ -19,9 +19,9 @@ def table(tmp_path):
 
 
 def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, capsys):
-    """Three rows from one packing, one of which collapses; the second call runs the failed row alone."""
-    path = table("description disks method period records_per_cycle friction delta_sigma\n"
-                 "good 60 MD 0.05 2 0.1 0.2\nrigid 60 CD 0.05 2 = =\nsoft 60 MD 2 200 0 1\n")
+    """Three rows from one packing, one of which fails (walls too heavy for the load); the second call runs the failed row alone."""
+    path = table("description disks method period records_per_cycle md_walls wall_mass_ratio delta_sigma\n"
+                 "good 60 MD 0.05 2 servo 20 0.2\nrigid 60 CD 0.05 2 = = =\nheavy 60 MD 0.02 200 force 1e5 0.5\n")
     folder = str(yade60.folder / "results")
     assert study.main([path, "--jobs", "1", "--results", folder]) == 1
     first = capsys.readouterr()

@@ -11,7 +11,7 @@ from typing import Callable
 
 from yade import O
 
-from yade_scripts import bodies, walls
+from yade_scripts import bodies, parameters, walls
 
 
 @dataclass
@@ -58,7 +58,7 @@ def largest_step(full):
     if full["method"] == "CD":
         return full["cd_dt"]
     lightest = min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
-    return full["md_dt_factor"] * math.sqrt(lightest / full["kn"])
+    return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
 
 
 def set_engines(full, scene, goals=None):
