@@ -6,11 +6,12 @@ Inside YADE (a script, a batch job, the console):
     O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
 
 `ContactDynamics` is a class registered in YADE itself (C++); its attributes, units and ranges are in `help(cd_engine.ContactDynamics)`.
-Import this module before `O.load` of a scene that contains the engine.
+`PathIndependentShear`, a second one, serves the springs of Molecular Dynamics: put it right behind InteractionLoop.
+Import this module before `O.load` of a scene that contains either: `cd_engine.ContactDynamics` makes both known.
 """
 import sys
 
-__all__ = ["ContactDynamics", "engines", "methods", "release"]
+__all__ = ["ContactDynamics", "PathIndependentShear", "engines", "methods", "release"]
 
 
 def _plugin():
@@ -19,7 +20,7 @@ def _plugin():
     if name in sys.modules:
         return sys.modules[name]
     if "yade" not in sys.modules:
-        raise ImportError("cd_engine.ContactDynamics needs a running YADE: use it in a script run by `yade`, at YADE's console, or after `import yade`.")
+        raise ImportError("an engine of cd_engine needs a running YADE: use it in a script run by `yade`, at YADE's console, or after `import yade`.")
     from yade import config
     if config.version != "2023.02a" or "-double" not in config.libDir:
         raise ImportError(
@@ -48,10 +49,10 @@ def _report_at_exit():
 
 
 def __getattr__(name):
-    if name == "ContactDynamics":
+    if name in ("ContactDynamics", "PathIndependentShear"):
         _plugin()
         from yade import wrapper
-        return wrapper.ContactDynamics
+        return getattr(wrapper, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -158,6 +158,14 @@ void ContactDynamics::checkEngines()
 	}
 }
 
-void ContactDynamics::callPostLoad() { GlobalEngine::callPostLoad(); }
+void ContactDynamics::checkText(const char* attribute, const std::string& value)
+{
+	if (std::string(attribute) != "method" || cd::findSolver(value))
+		return;
+	std::string known;
+	for (const std::string& m : cd::solverNames())
+		known += (known.empty() ? "'" : ", '") + m + "'";
+	throw std::invalid_argument("ContactDynamics.method='" + value + "' is not known; there is " + known);
+}
 
 } // namespace cd_engine

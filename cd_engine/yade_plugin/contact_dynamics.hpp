@@ -1,18 +1,16 @@
 // The engine YADE sees.
 #pragma once
 
+#include "registered_engine.hpp"
 #include "scene_link.hpp"
-
-#include <boost/serialization/nvp.hpp>
-#include <boost/serialization/string.hpp>
-#include <boost/serialization/vector.hpp>
-
-#include <limits>
 
 namespace cd_engine {
 
-class ContactDynamics : public yade::GlobalEngine {
+class ContactDynamics : public RegisteredEngine<ContactDynamics> {
     public:
+	static constexpr const char* name = "ContactDynamics";
+	static const char* const documentation;
+
 	// Set by the user.
 	Vector3r gravity = Vector3r::Zero();
 	double tolerance = 1e-6;
@@ -49,21 +47,11 @@ class ContactDynamics : public yade::GlobalEngine {
 	std::vector<int> referenceIds;
 	std::vector<double> referenceOverlaps;
 
-	// Visits (name, member, documentation, range or none) of every attribute, in the order a user reads them: the one list from
-	// which keyword arguments, .dict(), saving, properties and documentation are made.
-	template <class Visitor> static void attributes(Visitor&& visit);
+	template <class Visitor> static void attributes(Visitor&& visit); // see RegisteredEngine
+	// Throws std::invalid_argument (Python's ValueError) where the attribute cannot have this value.
+	static void checkText(const char* attribute, const std::string& value);
 
 	void action() override;
-
-	std::string getClassName() const override { return "ContactDynamics"; }
-	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
-	int getBaseClassNumber() const override { return 1; }
-	void pySetAttr(const std::string& key, const boost::python::object& value) override;
-	boost::python::dict pyDict() const override;
-	void callPostLoad() override;
-	void pyRegisterClass(boost::python::object scope) override;
-
-	template <class Archive> void serialize(Archive& archive, unsigned);
 
     private:
 	void checkEngines();
@@ -79,13 +67,18 @@ class ContactDynamics : public yade::GlobalEngine {
 	bool warned = false;
 };
 
-// How an attribute may be set from Python.
-enum class Access { set, read };
-
-struct Range {
-	double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-	bool openLow = false; // low itself is excluded
-};
+inline const char* const ContactDynamics::documentation
+    = "Contact Dynamics for disks in the plane: rigid bodies, unilateral contact (Signorini) and exact, non-associated Coulomb friction, "
+      "solved implicitly for all contacts of a step at once; moves the bodies by the Moreau-Jean scheme. Takes the place of InteractionLoop "
+      "and "
+      "NewtonIntegrator; stands after ForceResetter and a collider that reports pairs before they touch (:py:func:`cd_engine.engines` makes "
+      "the list). "
+      "Disks are Sphere bodies with blockedDOFs='zXY' in one plane of constant z; Box (turned about z at will) and Wall are boundaries: "
+      "fixed, moving at a "
+      "prescribed velocity, or free in some freedoms and pushed by O.forces. Two boundaries never touch each other. Friction: the smaller "
+      "frictionAngle of the two. "
+      "After a step every loaded contact is a real interaction with ScGeom and FrictPhys, and O.forces holds the total on each body, gravity "
+      "included.";
 
 template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 {
@@ -143,13 +136,6 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("referenceIds", &C::referenceIds, Access::read, any, "Ids of the pairs that keep a reference overlap, two a pair.");
 	visit("referenceOverlaps", &C::referenceOverlaps, Access::read, any,
 	    "The reference overlaps of these pairs [m]. A pair forgets its overlap once its bodies are apart.");
-}
-
-template <class Archive> void ContactDynamics::serialize(Archive& archive, unsigned)
-{
-	archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(*this));
-	attributes(
-	    [&](const char* name, auto member, Access, const Range&, const char*) { archive& boost::serialization::make_nvp(name, this->*member); });
 }
 
 } // namespace cd_engine

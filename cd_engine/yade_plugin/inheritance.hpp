@@ -3,14 +3,14 @@
 
 namespace cd_engine {
 
-enum class Base { FrictMat, ScGeom, NormShearPhys, FrictPhys };
+enum class Base { FrictMat, ScGeom, NormShearPhys, FrictPhys, Sphere };
 
 // Asks YADE's class factory; remembers every class it has been asked about.
 bool looksUpInheritance(const void* serializable, Base);
 
 inline bool inherits(const void* serializable, Base base)
 {
-	static const void* latest[4] = { nullptr, nullptr, nullptr, nullptr }; // vtable last found to be derived
+	static const void* latest[5] = {}; // vtable last found to be derived
 	const void* const vtable = *static_cast<const void* const*>(serializable);
 	if (vtable == latest[static_cast<int>(base)])
 		return true;

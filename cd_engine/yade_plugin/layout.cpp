@@ -76,6 +76,7 @@ namespace {
 		s.published<double>(&Layout::geom_penetrationDepth, "ScGeom", "penetrationDepth");
 		s.published<Vector3r>(&Layout::geom_shearInc, "ScGeom", "shearInc");
 		s.published<Vector3r>(&Layout::phys_normalForce, "NormPhys", "normalForce");
+		s.published<double>(&Layout::phys_ks, "NormShearPhys", "ks");
 		s.published<Vector3r>(&Layout::phys_shearForce, "NormShearPhys", "shearForce");
 		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
 		s.published<double>(&Layout::bounds_aabbEnlargeFactor, "Bo1_Sphere_Aabb", "aabbEnlargeFactor");

@@ -4,6 +4,7 @@
 #include "../core/time_step.hpp"
 #include "collider_rest.hpp"
 #include "layout.hpp"
+#include "scene_error.hpp"
 
 #include <array>
 #include <cstdint>
@@ -13,11 +14,6 @@
 namespace cd_engine {
 
 using yade::Vector3r;
-
-// What a scene asks that the engine cannot do, or a quantity that is no number; the text names the body and the remedy.
-class SceneError : public std::runtime_error {
-	using std::runtime_error::runtime_error;
-};
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {

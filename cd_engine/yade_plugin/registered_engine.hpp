@@ -1,0 +1,54 @@
+// What a C++ class needs to be an engine of YADE's like its own: a base that makes all of it from one list of attributes.
+#pragma once
+
+#include "abi.hpp"
+
+#include <boost/serialization/base_object.hpp>
+#include <boost/serialization/nvp.hpp>
+#include <boost/serialization/string.hpp>
+#include <boost/serialization/vector.hpp>
+
+#include <limits>
+#include <vector>
+
+namespace cd_engine {
+
+using yade::Vector3r;
+
+// How an attribute may be set from Python.
+enum class Access { set, read };
+
+struct Range {
+	double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+	bool openLow = false; // low itself is excluded
+};
+
+// An engine E : RegisteredEngine<E> has
+//   name            of the class in YADE
+//   documentation   of the class
+//   attributes(v)   calls v(name, member, Access, Range, documentation) for every attribute, in the order a user reads them: the one
+//                   list from which keyword arguments, .dict(), saving, properties and documentation are made
+//   checkText(attribute, value)   only if it has attributes of type string that can be set
+// and a line in module.cpp. The members are defined in python_registration.hpp.
+template <class E> class RegisteredEngine : public yade::GlobalEngine {
+    public:
+	std::string getClassName() const override { return E::name; }
+	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
+	int getBaseClassNumber() const override { return 1; }
+	void pySetAttr(const std::string& key, const boost::python::object& value) override;
+	boost::python::dict pyDict() const override;
+	void callPostLoad() override { GlobalEngine::callPostLoad(); }
+	void pyRegisterClass(boost::python::object scope) override;
+
+	template <class Archive> void serialize(Archive& archive, unsigned)
+	{
+		// Of E itself: Boost.Serialization learns here how E and its registered base are cast into one another.
+		E& self = static_cast<E&>(*this);
+		archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self));
+		E::attributes([&](const char* name, auto member, Access, const Range&, const char*) {
+			archive& boost::serialization::make_nvp(name, self.*member);
+		});
+	}
+};
+
+} // namespace cd_engine
