@@ -1,0 +1,71 @@
+"""Balance of the grains in the box and the set of contact forces it admits: plain statics, which shares no code with the solver.
+
+Forces of a contact as in `analysis.schema`: R along the normal, compression positive, T along the normal turned by +90 degrees,
+both on the second body. SI units.
+"""
+
+import numpy as np
+from scipy import sparse
+
+# Walls that are free to move along their normal in the biaxial box: (id, axis). The walls opposite stand.
+FREE_WALLS = ((1, 0), (3, 1))
+
+
+def balance_matrix(snapshot):
+    """A with A (R, T) = resultants on the free bodies: force along x and y and torque over radius of each disk [N], then the two walls.
+
+    Columns are the contacts' R, then their T. Torques are divided by the disk's radius so that all rows are forces.
+    """
+    ids, normal, point = (snapshot[name] for name in ("contact_ids", "contact_normal", "contact_point"))
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    row_of = {body: 3 * k for k, body in enumerate(snapshot["body_ids"].tolist())}
+    walls = {wall: (3 * len(row_of) + k, axis) for k, (wall, axis) in enumerate(FREE_WALLS)}
+    matrix = sparse.lil_matrix((3 * len(row_of) + len(walls), 2 * len(ids)))
+    for k, pair in enumerate(ids.tolist()):
+        for body, sign in zip(pair, (-1, 1)):
+            for column, direction in ((k, normal[k]), (k + len(ids), tangent[k])):
+                if body in row_of:
+                    row = row_of[body]
+                    arm = (point[k] - snapshot["position"][row // 3]) / snapshot["radius"][row // 3]
+                    matrix[row, column], matrix[row + 1, column] = sign * direction
+                    matrix[row + 2, column] = sign * (arm[0] * direction[1] - arm[1] * direction[0])
+                elif body in walls:
+                    row, axis = walls[body]
+                    matrix[row, column] = sign * direction[axis]
+    return matrix.tocsr()
+
+
+def wall_loads(snapshot, stresses, depth):
+    """The forces [N] that (sigma1, sigma2) [Pa] put on the rows of `balance_matrix`."""
+    x_low, x_high, y_low, y_high = snapshot["box"]
+    load = np.zeros(3 * len(snapshot["body_ids"]) + len(FREE_WALLS))
+    load[-2:] = -stresses[0] * (y_high - y_low) * depth, -stresses[1] * (x_high - x_low) * depth
+    return load
+
+
+def violations(snapshot, normal, tangential, load):
+    """How far networks (R and T, one row each, [N]) are from admissible: three columns, over the network's mean R.
+
+    The largest resultant on a body; the largest |T| - mu R; the largest pull, -R. The last two are negative inside.
+    """
+    normal, tangential = np.atleast_2d(normal), np.atleast_2d(tangential)
+    resultant = np.hstack([normal, tangential]) @ balance_matrix(snapshot).T + load
+    excess = np.abs(tangential) - snapshot["contact_friction"] * normal
+    scale = np.array([row[row > 0].mean() for row in normal])
+    return np.stack([np.abs(resultant).max(axis=1), excess.max(axis=1), (-normal).max(axis=1)], axis=1) / scale[:, None]
+
+
+def degrees_of_freedom(snapshot, loaded):
+    """(M, N, counted, exact) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, dimension of the set.
+
+    counted: unknown forces less equations, 2M - 3N less one for each free wall; a contact without friction has one unknown, and disks
+    that none but such contacts hold have no torque to balance. exact: with the rank of the equations, which need not be independent.
+    """
+    rough = snapshot["contact_friction"] > 0
+    held = np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded])
+    turned = np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded & rough])
+    unknowns = np.flatnonzero(np.concatenate([loaded, loaded & rough]))
+    equations = 2 * held.sum() + turned.sum() + len(FREE_WALLS)
+    matrix = balance_matrix(snapshot)[:, unknowns].toarray()
+    return (int(loaded.sum()), int(held.sum()), len(unknowns) - int(equations),
+            len(unknowns) - int(np.linalg.matrix_rank(matrix)))
