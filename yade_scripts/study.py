@@ -1,9 +1,11 @@
-"""Runs every row of a table, several at a time, each in its own YADE; finished rows are skipped.
+"""Runs every row of tables, several at a time, each in its own YADE; finished rows are skipped.
 
     /usr/bin/python3 yade_scripts/study.py yade_scripts/tables/fig4.txt [--jobs 2]
+    /usr/bin/python3 yade_scripts/study.py --quick        every study's quick table, each figure drawn as soon as its rows are there
+    /usr/bin/python3 yade_scripts/study.py --full         the same with the full tables; stop and start it again at will
 
 A row counts as done by its result file alone, never by an exit code. Rows that need the same packing prepare it once: the first
-holds a lock, the others wait. Exit status: 0 all finished, 1 a row failed, 2 the table cannot be run.
+holds a lock, the others wait. Exit status: 0 all finished, 1 a row or a figure failed, 2 the tables cannot be run.
 """
 import argparse
 import pathlib
@@ -47,27 +49,67 @@ class Job:
         return said or "failed: no result file; the end of its log:\n" + "\n".join(self.log.read_text(errors="replace").splitlines()[-8:])
 
 
-def run_all(jobs, at_once):
-    """Run the jobs, `at_once` at a time; the paths of those that did not finish."""
-    waiting, running, failed, told = list(jobs), [], [], time.monotonic()
-    try:
-        while waiting or running:
-            while waiting and len(running) < at_once:
-                running.append(waiting.pop(0))
-                running[-1].start()
-            time.sleep(0.2)
-            for job in [job for job in running if job.process.poll() is not None]:
-                running.remove(job)
-                print(f"{job.path}: {job.outcome()}", flush=True)
-                if not results.finished(job.path):
-                    failed.append(job.path)
-            if running and time.monotonic() - told >= SECONDS:
-                told = time.monotonic()
-                print(f"{len(waiting)} waiting | " + " | ".join(job.news() for job in running), flush=True)
-    finally:
-        for job in running:
-            job.process.terminate()
-    return failed
+class Queue:
+    """Runs jobs in their order, `at_once` at a time, and says how far it is."""
+
+    def __init__(self, jobs, at_once):
+        self.waiting, self.at_once, self.running, self.failed = list(jobs), at_once, [], []
+        self.total, self.began, self.told = len(self.waiting), time.monotonic(), time.monotonic()
+
+    def run(self, ended=lambda job: None):
+        """Run all; calls ended(job) after each. The paths of those that did not finish."""
+        try:
+            while self.waiting or self.running:
+                while self.waiting and len(self.running) < self.at_once:
+                    self.running.append(self.waiting.pop(0))
+                    self.running[-1].start()
+                time.sleep(0.2)
+                for job in [job for job in self.running if job.process.poll() is not None]:
+                    self.running.remove(job)
+                    print(f"{job.path}: {job.outcome()}", flush=True)
+                    if not results.finished(job.path):
+                        self.failed.append(job.path)
+                    ended(job)
+                self._tell()
+        finally:
+            for job in self.running:
+                job.process.terminate()
+        return self.failed
+
+    def _tell(self):
+        if not self.running or time.monotonic() - self.told < SECONDS:
+            return
+        self.told = time.monotonic()
+        done = self.total - len(self.waiting) - len(self.running)
+        left = f", about {(self.told - self.began) / done * (self.total - done) / 60:.0f} min left" if done else ""
+        print(f"{done} of {self.total} runs done{left} | " + " | ".join(job.news() for job in self.running), flush=True)
+
+
+class Figures:
+    """Draws a study's figure when the last of its rows has ended."""
+
+    def __init__(self, wanted, full, folder, figures):
+        """wanted: {study: its jobs}."""
+        self.open = {study: {job.path for job in jobs} for study, jobs in wanted.items()}
+        self.full, self.folder, self.figures, self.drawn, self.failed = full, folder, figures, [], []
+
+    def ended(self, paths):
+        """These result files will not change any more."""
+        for study, left in list(self.open.items()):
+            left -= paths
+            if not left:
+                del self.open[study]
+                self._draw(study)
+
+    def _draw(self, study):
+        command = [sys.executable, "-m", "analysis", "study", study, "--results", str(pathlib.Path(self.folder).resolve())]
+        if self.full:
+            command.append("--full")
+        if self.figures:
+            command += ["-o", str(pathlib.Path(self.figures).resolve())]
+        done = subprocess.run(command, cwd=HERE.parent, capture_output=True, text=True)
+        print((done.stdout + done.stderr).strip(), flush=True)
+        (self.failed if done.returncode else self.drawn).append(study)
 
 
 def _warn_of_other_code(jobs):
@@ -79,25 +121,60 @@ def _warn_of_other_code(jobs):
             print(f"study: {job.path} was made by commit {made[:12]}{made[40:]}, the code is at {now[:12]}{now[40:]}; delete the file to run it again.", file=sys.stderr)
 
 
-def main(arguments=None):
-    """Command line."""
+def _jobs(paths, folder):
+    """{table: its jobs}; a row that several tables share is one job."""
+    known = {}
+    return {path: [known.setdefault(job.path, job) for job in (Job(row, folder) for row in tables.read(path).values())] for path in paths}
+
+
+def _studies(full):
+    """{study: paths of its tables}."""
+    from analysis import studies
+    return {name: [str(studies.TABLES / table) for table in studies.module(name).TABLES["full" if full else "quick"]] for name in studies.names()}
+
+
+def _options(arguments):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("table", help="a table in yade-batch's format")
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help="tables in yade-batch's format")
+    parser.add_argument("--quick", action="store_true", help="all studies, a first version of each")
+    parser.add_argument("--full", action="store_true", help="all studies")
+    parser.add_argument("--only", action="append", metavar="STUDY", help="with --quick or --full: this study (may be repeated)")
     parser.add_argument("--jobs", type=int, default=2, help="rows run at once (default %(default)s)")
     parser.add_argument("--results", default=results.FOLDER, help="folder of the result files (default %(default)s)")
+    parser.add_argument("--figures", help="folder of the figures of --quick and --full (default: figures/quick or figures/full)")
     options = parser.parse_args(arguments)
+    if bool(options.tables) + options.quick + options.full != 1:
+        parser.error("give either tables, or --quick, or --full")
+    return options
+
+
+def main(arguments=None):
+    """Command line."""
+    options = _options(arguments)
     try:
-        jobs = [Job(row, options.results) for row in tables.read(options.table).values()]
-    except (parameters.ParameterError, tables.TableError) as error:
+        studies = {} if options.tables else _studies(options.full)
+        unknown = [name for name in options.only or () if name not in studies]
+        if unknown:
+            print(f"study: there is no study {', '.join(unknown)}; there are {', '.join(studies)}", file=sys.stderr)
+            return 2
+        studies = {name: paths for name, paths in studies.items() if name in (options.only or studies)}
+        by_table = _jobs(options.tables or list(dict.fromkeys(path for paths in studies.values() for path in paths)), options.results)
+    except (parameters.ParameterError, tables.TableError, ImportError) as error:
         print(f"study: {error}", file=sys.stderr)
         return 2
+    jobs = list(dict.fromkeys(job for rows in by_table.values() for job in rows))
     open_jobs = [job for job in jobs if not results.finished(job.path)]
     _warn_of_other_code(job for job in jobs if results.finished(job.path))
-    print(f"{options.table}: {len(jobs)} runs, {len(jobs) - len(open_jobs)} of them finished before", flush=True)
-    failed = run_all(open_jobs, max(1, options.jobs))
+    print(f"{', '.join(studies or by_table)}: {len(jobs)} runs, {len(jobs) - len(open_jobs)} of them finished before", flush=True)
+    figures = Figures({name: [job for path in paths for job in by_table[path]] for name, paths in studies.items()},
+                      options.full, options.results, options.figures)
+    figures.ended({job.path for job in jobs} - {job.path for job in open_jobs})
+    failed = Queue(open_jobs, max(1, options.jobs)).run(lambda job: figures.ended({job.path}))
     for path in failed:
         print(f"study: {path} failed: {results.status(path) or 'see its log'}", file=sys.stderr)
-    return 1 if failed else 0
+    for study in figures.failed:
+        print(f"study: no figure of {study}", file=sys.stderr)
+    return 1 if failed or figures.failed else 0
 
 
 if __name__ == "__main__":
