@@ -21,9 +21,12 @@ plt.rcParams.update({
 
 
 def finish(fig, runs, path, note=""):
-    """Put the caption under the figure (`note`, then what was run) and write it; makes the folder if need be."""
+    """Put the caption under the figure (`note`, then what was run) and write it; makes the folder if need be.
+
+    Of several samples, loadings or settings the caption tells what they have in common.
+    """
     origin = provenance(*runs)
-    lines = [note, sample(runs[0]), "; ".join(method_settings(run) for run in runs), origin]
+    lines = [note, ", ".join(_common(sample, runs)), _settings(runs), origin]
     fig.text(0.5, 0.012, "\n".join(line for line in lines if line), ha="center", va="bottom", fontsize=7.5,
              linespacing=1.4)
     path = Path(path)
@@ -31,6 +34,21 @@ def finish(fig, runs, path, note=""):
     description = f"{', '.join(run.path.name for run in runs)}; {origin}"
     fig.savefig(path, metadata={"Description": description} if path.suffix == ".png" else None)
     plt.close(fig)
+
+
+def _common(describe, runs):
+    """The items of describe(run) that are the same for all runs."""
+    described = [describe(run) for run in runs]
+    return [item for item in described[0] if all(item in other for other in described)]
+
+
+def _settings(runs, most=2):
+    """method_settings of the different kinds of runs; where there are more than `most`, what each method's runs have in common."""
+    kinds = list(dict.fromkeys((run.method, *method_settings(run)) for run in runs))
+    if len(kinds) > most:
+        kinds = [(method, *_common(method_settings, [run for run in runs if run.method == method]))
+                 for method in dict.fromkeys(run.method for run in runs)]
+    return "; ".join(f"{method}: {', '.join(items)}" for method, *items in kinds)
 
 
 def number(value, digits=3):
@@ -54,9 +72,13 @@ def provenance(*runs):
     commits = {run.attributes["git_commit"] for run in runs}
     text = ", ".join(sorted(short(commit) for commit in commits))
     note = " (DIFFERENT COMMITS)" if len(commits) > 1 else ""
-    states = ", ".join(sorted({run.attributes["state_sha256"][:12] for run in runs}))
-    return (f"prepared state {states}, commit {text}{note}, YADE {runs[0].attributes['yade_version']}, "
-            f"one sample (seed {runs[0].attributes['seed']})")
+    code = f"commit {text}{note}, YADE {runs[0].attributes['yade_version']}"
+    states = sorted({run.attributes["state_sha256"][:12] for run in runs} - {""})
+    if len(states) > 1:
+        return f"{len(runs)} runs from {len(states)} prepared packings, {code}"
+    if not states:
+        return f"{len(runs)} runs, {code}"
+    return f"prepared state {states[0]}, {code}, one sample (seed {runs[0].attributes['seed']})"
 
 
 def short(commit):
@@ -66,19 +88,37 @@ def short(commit):
 
 
 def sample(run):
-    """The sample and its loading in one line."""
+    """The sample and its loading, item by item."""
     row = run.parameters
-    return (f"{row['disks']} disks, $\\mu$ = {row['friction']:g}, $P_0$ = {number(run.pressure)} Pa"
-            f" = {number(row['pressure_ratio'])}$\\,k_n$, {row['loading']} loading, "
-            f"$\\Delta\\sigma$ = {row['delta_sigma']:g}, $t_0$ = {row['period']:g} s")
+    return [f"{row['disks']} disks", f"$\\mu$ = {row['friction']:g}",
+            f"$P_0$ = {number(run.pressure)} Pa = {number(row['pressure_ratio'])}$\\,k_n$", *_loading(row)]
+
+
+def _loading(row):
+    if row["scene"] != "biaxial":
+        return []
+    if row["loading"] == "ramp":
+        return [rf"ramp, $\alpha$ = {row['ramp_rate']:g}/s"]
+    return [f"{row['loading']} loading", rf"$\Delta\sigma$ = {row['delta_sigma']:g}", f"$t_0$ = {row['period']:g} s"]
 
 
 def method_settings(run):
-    """What matters of the method's own parameters, in one line."""
+    """What matters of the method's own parameters, item by item."""
     row = run.parameters
     if run.method == "MD":
-        return (f"MD: $k_n$ = {number(row['kn'])} N/m, $k_t/k_n$ = {row['kt_over_kn']:g}, damping ratio "
-                f"{row['beta_n']:g}, walls by {row['md_walls']}")
-    effort = (f"{row['fixed_iterations']} sweeps a step, no test" if row["fixed_iterations"]
-              else f"tolerance {number(row['tolerance'])}, at most {row['max_iterations']} sweeps")
-    return f"CD: {row['method_cd']}, {effort}, step $\\leq$ {number(row['cd_dt'])} s, walls by force"
+        return [f"$k_n$ = {number(row['kn'] * row['stiffening'])} N/m", f"$k_t/k_n$ = {row['kt_over_kn']:g}",
+                f"damping ratio {row['beta_n']:g}", f"walls by {row['md_walls']}"]
+    effort = ([f"{row['fixed_iterations']} sweeps a step, no test"] if row["fixed_iterations"]
+              else [f"tolerance {number(row['tolerance'])}", f"at most {row['max_iterations']} sweeps"])
+    return [row["method_cd"], *effort, f"step $\\leq$ {number(row['cd_dt'])} s", "walls by force"]
+
+
+# Markers for up to eight kinds, told apart without colour.
+MARKERS = "osD^vPX*"
+
+
+def shades(values):
+    """{value: (colour, marker)} for ordered values: viridis from dark to light, short of its yellow, which is faint on white."""
+    ordered = sorted(set(values))
+    colours = plt.get_cmap("viridis")([0.85 * k / max(1, len(ordered) - 1) for k in range(len(ordered))])
+    return {value: (tuple(colour), MARKERS[k % len(MARKERS)]) for k, (value, colour) in enumerate(zip(ordered, colours))}
