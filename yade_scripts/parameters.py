@@ -22,7 +22,7 @@ SCENES = {
                   max_iterations=1000000),
     "loaded_box": dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
                        max_iterations=1000000),
-    "frozen_packing": dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-3, period=0.2, records_per_cycle=200),
+    "frozen_packing": dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200),
     # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
     "chain": dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
                   records_per_cycle=200),
