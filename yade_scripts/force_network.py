@@ -59,11 +59,14 @@ class Frozen:
 class Walk:
     """A walk over the admissible networks of the sample in O, one step of ContactDynamics each: perturb, relax, put back.
 
-    After the run: normal, tangential [N], one list of the contacts' forces a step; converged: whether that step met the tolerance.
+    After the run: normal, tangential [N], one array of the contacts' forces a step; converged: whether that step met the tolerance.
+    With cold_first the first step begins from no forces at all: the network that the solver finds alone. The walk then starts, as it
+    otherwise does at once, from the forces that were in the scene.
     """
 
-    def __init__(self, seed, amplitude):
+    def __init__(self, seed, amplitude, cold_first=False):
         self.frozen, self.rng, self.amplitude = Frozen(), random.Random(seed), amplitude
+        self.start, self.cold = self.frozen.forces(), cold_first
         self.normal, self.tangential, self.converged = [], [], []
 
     def surround(self):
@@ -75,6 +78,12 @@ class Walk:
                      + [hooks.runner(self._take, iterPeriod=1, initRun=True)])
 
     def _perturb(self):
+        steps = len(self.converged)
+        if steps == 0 and self.cold:
+            self.frozen.impose(*np.zeros_like(self.start))
+            return
+        if steps == self.cold:
+            self.frozen.impose(*self.start)
         self.frozen.perturb(self.rng, self.amplitude)
 
     def _take(self):

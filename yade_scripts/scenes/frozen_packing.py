@@ -1,7 +1,8 @@
 """A prepared packing that does not move: a walk over the contact forces it admits under P0 (see yade_scripts/force_network.py).
 
 The first snapshot holds the forces of the springs that prepared it, from which the walk starts. One sample a step; the bodies are put
-back after each.
+back after each. The step is so short that no gap closes within it: what holds is the set of contacts that the springs left, not a
+pair some 1e-12 m apart that a longer step would bring to bear.
 """
 import numpy as np
 from yade import O
@@ -12,21 +13,23 @@ from yade_scripts.scenes import Scene, load_walls
 
 
 def build(full, folder):
-    """Load the packing (made if it is missing), its walls loaded by P0, and start a walk of records_per_cycle cycles steps."""
+    """Load the packing (made if it is missing) under P0; one step from no forces, then a walk of records_per_cycle times cycles steps."""
     if full["method"] != "CD" or not full["warm_start"] or not full["network_seed"]:
         raise ParameterError("scene = frozen_packing: needs method = CD, warm_start = True and a network_seed above 0, for its perturbed "
                              "forces are the solver's first guess")
     path, checksum = prepare.ensure(full, folder)
     O.load(str(path))
     O.dt = full["cd_dt"]
-    scene = Scene(every=1, samples=full["records_per_cycle"] * full["cycles"], state_sha256=checksum)
+    scene = Scene(every=1, samples=full["records_per_cycle"] * full["cycles"] + 1, state_sha256=checksum)
     p0 = parameters.pressure(full)
     load_walls(full, scene, lambda t: (p0, p0))
-    walk = force_network.Walk(full["network_seed"], full["network_perturbation"])
+    walk = force_network.Walk(full["network_seed"], full["network_perturbation"], cold_first=True)
     walk.surround()
     scene.extra = {
-        "normal": ("N", "R of each contact of the first snapshot (columns), at each step of the walk (rows)", lambda: np.array(walk.normal)),
-        "tangential": ("N", "T likewise", lambda: np.array(walk.tangential)),
-        "converged": ("1", "whether the solver met the tolerance in that step", lambda: np.array(walk.converged)),
+        "normal": ("N", "R of each contact of the first snapshot (columns), at each step of the walk (rows)", lambda: np.array(walk.normal[1:])),
+        "tangential": ("N", "T likewise", lambda: np.array(walk.tangential[1:])),
+        "converged": ("1", "whether the solver met the tolerance in that step", lambda: np.array(walk.converged[1:])),
+        "cold_normal": ("N", "R that the solver finds from no forces at all", lambda: walk.normal[0]),
+        "cold_tangential": ("N", "T likewise", lambda: walk.tangential[0]),
     }
     return scene
