@@ -7,7 +7,8 @@ from yade_scripts.parameters import ParameterError
 
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
 SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedIterations": "fixed_iterations", "method": "method_cd",
-            "warmStart": "warm_start", "seed": "solver_seed", "restitution": "restitution", "gapCorrection": "gap_correction"}
+            "warmStart": "warm_start", "seed": "solver_seed", "restitution": "restitution", "gapCorrection": "gap_correction",
+            "handover": "reference_overlaps"}
 
 
 class Watch:

@@ -153,6 +153,8 @@ REGISTRY = {p.name: p for p in (
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
     Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; 1 for the elastic medium that "
               "under-converged CD is (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
+    Parameter("reference_overlaps", True, "1", "gaps count from the overlaps that the springs left, so that rigid contacts part at once; "
+              "False: from touching, so that they part where the springs would (for under-converged CD as an elastic medium)", method="CD"),
     Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, found from contact forces perturbed at random",
               low=0, high=2**31 - 1, method="CD"),
     Parameter("network_perturbation", 1.0, "1", "of the contact forces for network_seed: uniform within this times the mean normal force",
