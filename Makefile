@@ -2,8 +2,9 @@
 PYTHON  ?= /usr/bin/python3
 YADE    ?= yade
 JOBS    ?= $(shell nproc)
-TABLE   ?= yade_scripts/tables/fig4.txt
-FIGURES ?= figures
+# FULL=1: the full tables, hours; stop and start again at will. STUDY=name: one study only.
+FULL    ?=
+STUDY   ?=
 # One thread a process: runs of several threads are not repeatable, and two run beside each other.
 export OMP_NUM_THREADS = 1
 
@@ -20,11 +21,8 @@ deps: ## install the Debian packages that are missing
 build: deps ## compile the engine
 	@$(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
 
-study: build ## packing, MD and CD from it, figures
-	$(PYTHON) yade_scripts/study.py $(TABLE)
-	@$(PYTHON) -m analysis fig4 --table $(TABLE) -o $(FIGURES)/fig4.png > /dev/null
-	@$(PYTHON) -m analysis force-networks --table $(TABLE) -o $(FIGURES)/force-networks.png > /dev/null
-	@printf 'Figures:\n  %s\n  %s\n' $(abspath $(FIGURES)/fig4.png $(FIGURES)/force-networks.png)
+study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
+	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
 
 test: build ## all tests and the short regression run
 	@.ci/install-packages test
