@@ -26,6 +26,7 @@ SCENES = {
     # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
     "chain": dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
                   records_per_cycle=200),
+    "two_grain_path": dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40),
 }
 
 

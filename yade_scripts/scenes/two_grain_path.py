@@ -1,0 +1,121 @@
+"""One disk is led around another along a closed path, without spins and without slip: what the tangential spring keeps of the way.
+
+McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008). The centres are d apart, the line between them has the angle theta.
+Four legs of equal time: d shrinks by h = path_depth radius_mean; theta grows by A = path_angle; d and theta go back the same way.
+The disks are then where they were, and a spring whose force depends on positions alone is where it was. What YADE's laws leave
+instead, with the stiffness k_t and R1 + R2 = 2R (n steps a leg, t the normal turned by +90 degrees):
+
+    law                stretch d xi     force on the second disk     left of the force      work that the path takes
+    standard           d dtheta         -k_t xi t                    k_t h A                k_t (h A)^2/2, what the spring holds then
+    avoid_ratcheting   2R dtheta        -k_t xi t                    0                      -k_t 2R h A^2/2, gained from nothing
+    path_independent   2R dtheta        -k_t xi (2R/d) t             0                      0
+
+A second error of the first two is of the step: YADE turns the old shear force with the contact by a first-order rotation, which
+lengthens it by dtheta^2/2 a step. It leaves -A^2/(2n) of the force at the far end of the path, and gains 2 A^2/(3n) of the energy there.
+"""
+import math
+
+from yade import O
+
+from yade_scripts import bodies, hooks, md, parameters
+from yade_scripts.parameters import ParameterError
+from yade_scripts.scenes import Known, Scene, set_step
+
+HOLD = 1.5  # by how much the shallow overlap holds the spring's largest force off the Coulomb limit
+MOST = 0.5  # of the mean radius: deeper, disks of unequal size have no line of contact left
+
+
+def build(full, folder):
+    """Two disks of radius_mean (1 -+ radius_spread) that go as they are led, `cycles` times around."""
+    path = Path(full)
+    bodies.append_material("disk", full["friction"], full)
+    radii = [full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1)]
+    masses = [bodies.disk_mass(radius, full) for radius in radii]
+    for place, radius, mass in zip(((0, 0), path.place(0, 0)), radii, masses):
+        bodies.append_disk(place, radius, mass, "disk", blocked="xyzXYZ")
+    every = set_step(full, full["md_dt_factor"] * math.sqrt(min(masses) / parameters.stiffness(full)))
+    scene = Scene(every=every, samples=full["records_per_cycle"] * full["cycles"])
+    md.set_engines(full, scene)
+    lead = Lead(path, every * full["records_per_cycle"], full["cycles"])
+    # Between the forces and the motion, so that the velocity at the next force is the one that has brought the disk there.
+    O.engines = O.engines[:-1] + [hooks.runner(lead.step, iterPeriod=1, initRun=True)] + O.engines[-1:]
+    force, work = path.left(lead.steps // 4)
+    scene.known = [Known("left_force", "k_t R path_depth path_angle", force, lambda: shear_force() / path.force_unit),
+                   Known("loop_work", "k_t (2 R path_angle)^2/2", work, lambda: lead.work / path.energy_unit)]
+    return scene
+
+
+class Path:
+    """The path in the plane, and what theory says of it."""
+
+    def __init__(self, full):
+        if full["method"] != "MD":
+            raise ParameterError("method = 'CD': the scene two_grain_path is about springs")
+        if full["friction"] == 0:
+            raise ParameterError("friction = 0: the tangential spring of two_grain_path needs friction to hold it")
+        if full["records_per_cycle"] % 4:
+            raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be a multiple of 4 for the legs of two_grain_path")
+        self.law, self.cycles = full["tangential_law"], full["cycles"]
+        self.angle, self.sum = full["path_angle"], 2 * full["radius_mean"]
+        self.depth = full["path_depth"] * full["radius_mean"]
+        stiffness = full["kt_over_kn"] * parameters.stiffness(full)
+        self.force_unit = stiffness * self.depth * self.angle
+        self.energy_unit = stiffness * (self.sum * self.angle)**2 / 2
+        longest = self.angle * (self.sum + self.cycles * self.depth)
+        self.overlap = HOLD * full["kt_over_kn"] * longest / full["friction"]
+        if self.overlap + self.depth > MOST * full["radius_mean"] * (1 - full["radius_spread"]):
+            raise ParameterError(f"path_angle = {self.angle}: so that nothing slips the disks would overlap by {self.overlap:.3g} m, too much of "
+                                 "the smaller radius; take a smaller path_angle or kt_over_kn, or more friction")
+
+    def place(self, leg, part):
+        """The second disk's centre [m] when `part` of a leg (0 to 3) is done."""
+        shallow = self.sum - self.overlap
+        depth = self.depth * (part, 1, 1 - part, 0)[leg]
+        theta = self.angle * (0, part, 1, 1 - part)[leg]
+        return (shallow - depth) * math.cos(theta), (shallow - depth) * math.sin(theta)
+
+    def left(self, steps):
+        """Force and work, in the units of `build`, that the law leaves after `cycles` paths of `steps` steps a leg."""
+        if self.law == "path_independent":
+            return 0.0, 0.0
+        share, turned = self.depth / self.sum, self.cycles * self.angle**2 / steps
+        if self.law == "avoid_ratcheting":
+            return -turned / (2 * share), -self.cycles * share - 2 / 3 * turned * self._distance(1)
+        return self.cycles - turned / (2 * share) * self._distance(1.5), (self.cycles * share)**2 - 2 / 3 * turned * self._distance(1)**2
+
+    def _distance(self, depths):
+        """d/(R1 + R2) at so many depths of the path; the effective one of a term is from expanding it in h."""
+        return 1 - (self.overlap + depths * self.depth) / self.sum
+
+
+class Lead:
+    """Leads the second disk along the path by its velocity, and adds up the work that takes [J].
+
+    A step's work is the mean of the forces before and after it times its way, good to the second order in the step. The target is
+    aimed at from where the disk is, so that round-off does not add up.
+    """
+
+    def __init__(self, path, steps, cycles):
+        self.path, self.steps, self.total = path, steps, steps * cycles
+        self.count, self.work, self.before = 0, 0.0, None
+
+    def step(self):
+        """Before the motion of a step: the forces are those of the place reached."""
+        state, force = O.bodies[1].state, O.forces.f(1, True)
+        if self.before is not None:
+            self.work -= 0.5 * (self.before + force).dot(state.vel) * O.dt
+        self.before = force
+        self.count += 1
+        if self.count > self.total:
+            state.vel = (0, 0, 0)
+            return
+        leg, part = divmod((self.count - 1) % self.steps + 1, self.steps // 4)
+        target = self.path.place(leg % 4, part / (self.steps // 4))
+        state.vel = ((target[0] - state.pos[0]) / O.dt, (target[1] - state.pos[1]) / O.dt, 0)
+
+
+def shear_force():
+    """Of the spring on the second disk along the normal turned by +90 degrees [N]."""
+    contact = O.interactions[0, 1]
+    n, force = contact.geom.normal, contact.phys.shearForce
+    return n[0] * force[1] - n[1] * force[0]
