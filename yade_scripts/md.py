@@ -76,7 +76,11 @@ def set_engines(full, scene, goals=None):
     else:
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
-    O.engines = contact_engines(full, full["tangential_law"]) + loading + [integrator(full)]
+    engines = contact_engines(full, full["tangential_law"])
+    if full["tangential_law"] != "path_independent":  # which slips at other forces than the functor's
+        scene.law = next(engine for engine in engines if isinstance(engine, InteractionLoop)).lawDispatcher.functors[0]
+        scene.law.traceEnergy = True
+    O.engines = engines + loading + [integrator(full)]
 
 
 def _divisor(steps, most):

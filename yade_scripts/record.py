@@ -42,6 +42,8 @@ class Recorder:
         self.names = [n for n, f in schema.HISTORY.items() if full["method"] in f.methods or not f.methods]
         if full["method"] == "MD":
             self.names = [n for n in self.names if n not in ("residual_max", "unconverged_steps")]
+        if scene.law is None:
+            self.names.remove("friction_dissipation")
         self.rows, self.count, self.misses, self.gamma_before = [], 0, 0, 0.0
         self.started, self.reference = time.perf_counter(), None
         self._write_attributes()
@@ -102,6 +104,7 @@ class Recorder:
         if self.reference is None:
             self.reference = held
         return {"stored_energy": stored, "dissipated_energy": self.reference - held,
+                "friction_dissipation": self.scene.law.plasticDissipation() if self.scene.law else math.nan,
                 "max_penetration": max(contacts.overlap, default=0.0)}
 
     def _cd(self, row):

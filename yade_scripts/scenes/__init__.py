@@ -28,13 +28,14 @@ class Scene:
     """A scene that stands in O, ready to run.
 
     every: steps between samples, samples: intervals between them; the scene is over after every * samples steps.
-    load: walls.Load, or None where no wall is loaded. snapshots: numbers of the samples at which the whole sample is kept.
+    load: walls.Load, or None where no wall is loaded. law: the functor of MD that sums what its slips dissipate, else None. snapshots: numbers of the samples at which the whole sample is kept.
     extra: arrays that only this scene has, {name: (unit, meaning, array)}; instead of the array a function that gives it after the last
     step. observer: called at every sample.
     """
     every: int
     samples: int
     load: object = None
+    law: object = None
     state_sha256: str = ""
     snapshots: set = field(default_factory=set)
     known: list = field(default_factory=list)
