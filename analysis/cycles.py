@@ -68,7 +68,7 @@ def of(run):
         raise ResultError(run.path, "no cycle is complete", "run longer")
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
     parts = [slice(first, last + 1) for first, last in zip(at[:-1], at[1:])]
-    scale = run.pressure * observables.start_volume(run)
+    scale = observables.work_scale(run)
     return Cycles(
         number=np.arange(1, len(at)), start=float(gamma[0]), permanent=gamma[1:], rate=np.diff(gamma),
         dissipated=np.diff(run.values("dissipated_energy")[at]) / scale,

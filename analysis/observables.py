@@ -91,6 +91,48 @@ def change(run, name, part=slice(None)):
     return values[-1] - values[0]
 
 
+def work_scale(run):
+    """P0 V0 [J], by which energies are divided to compare samples."""
+    return run.pressure * start_volume(run)
+
+
+def work_error(run):
+    """Work of the walls by stress and strain against that summed at every step by force and path: difference over the largest work.
+
+    Two ways to the same number; they differ by the trapezoidal rule over the samples and, under force-loaded walls, by the work that
+    went into the walls' own motion.
+    """
+    summed = run.values("wall_work")
+    largest = np.abs(summed).max()
+    return (wall_work(run) - (summed[-1] - summed[0])) / largest if largest else np.nan
+
+
+def balance_error(run):
+    """(work of the walls - stored - kinetic - dissipated) over the largest work; dissipation summed where it happens.
+
+    CD: by the engine, contact by contact. MD: by the law functor over the slips, without the dashpots, whose work is thus part of what
+    is missing. NaN for runs whose functor sums nothing. MD's `dissipated_energy` is no check, being the remainder of this balance.
+    """
+    name = "dissipated_energy" if run.method == "CD" else "friction_dissipation"
+    if name not in run.history or not np.isfinite(run.history[name]).all():
+        return np.nan
+    largest = np.abs(run.values("wall_work")).max()
+    missing = change(run, "wall_work") - sum(change(run, part) for part in ("stored_energy", "kinetic_energy", name))
+    return missing / largest if largest else np.nan
+
+
+def critical_load(run, threshold):
+    """sigma2/P0 at which |gamma| first exceeds `threshold`, between samples by interpolation; NaN if it never does."""
+    gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
+    above = np.flatnonzero(gamma > threshold)
+    if not len(above):
+        return np.nan
+    first = above[0]
+    if first == 0:
+        return float(load[0])
+    return float(np.interp(threshold, gamma[first - 1:first + 1], load[first - 1:first + 1]))
+
+
 def stress_error(run):
     """Largest |sigma - goal| / P0 over both directions and all samples; NaN if no goal was recorded."""
     if "sigma1_goal" not in run.history or "sigma2_goal" not in run.history:
@@ -154,6 +196,13 @@ def matched_forces(first, second):
 def _force_by_ids(snapshot):
     return {tuple(sorted(ids)): force
             for ids, force in zip(snapshot["contact_ids"].tolist(), snapshot["force_normal"])}
+
+
+def coordination(snapshot):
+    """Mean number of loaded contacts on a disk that is no rattler; contacts with walls count once, those between disks twice."""
+    loaded, held = snapshot["force_normal"] > 0, ~rattlers(snapshot)
+    touching = np.isin(snapshot["contact_ids"][loaded], snapshot["body_ids"][held]).sum()
+    return touching / held.sum() if held.any() else 0.0
 
 
 def correlation(first, second):
