@@ -36,6 +36,7 @@ def build(full, folder):
     state, start, way = O.bodies[last].state, O.bodies[last].state.pos[0], [0.0]
     scene = small(full, _known(full, way))
     scene.extra["end_displacement"] = ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way))
+    scene.extra["end_at_rest"] = ("m", "where the force holds it in the end, if the row is elastic", -STRAIN * 2 * radius * full["disks"])
     O.engines = O.engines + [hooks.runner(lambda: way.append(state.pos[0] - start), iterPeriod=1, initRun=True)]
     return scene
 
