@@ -18,6 +18,9 @@ FEWEST_CYCLES = 8
 MAD_TO_SIGMA = 1.4826
 # Times its standard error a change must be to count.
 SIGNIFICANT = 3
+# "Practically no accumulation" (paper, section 3): so many cycles at the late rate would not double the strain. Springs keep rates of
+# 1e-10 a cycle at the lowest load in cycles that repeat to all digits; nobody would call that ratcheting who runs thousands of cycles.
+PRACTICAL_CYCLES = 1000
 
 
 @dataclass(frozen=True)
@@ -105,8 +108,8 @@ def regime(run):
     """The Regime of a run, by a rule that sees gamma at the ends of the cycles only.
 
     collapse: the sample gave way, or at its late rate reaches collapse_strain within as many cycles again.
-    shakedown: the late change is within the noise or has another sign than the one before, or the rate falls faster than 1/n - then
-    the strain stays bounded, since the sum of n^-p does for p > 1.
+    shakedown: the late change is within the noise or has another sign than the one before; or the rate falls faster than 1/n - then
+    the strain stays bounded, since the sum of n^-p does for p > 1; or PRACTICAL_CYCLES at the late rate would not double the strain.
     ratcheting: everything else; the strain grows without bound, at a constant rate if p is 0.
     """
     found = None
@@ -138,7 +141,7 @@ def _decay(found, first, middle, last):
 def _name(run, found, rate, decay, within_noise):
     if run.collapsed:
         return COLLAPSE
-    if within_noise or decay > 1:
+    if within_noise or decay > 1 or abs(rate) * PRACTICAL_CYCLES < abs(found.permanent[-1]):
         return SHAKEDOWN
     left = run.parameters["collapse_strain"] - abs(found.permanent[-1])
     return COLLAPSE if left < abs(rate) * len(found.number) else RATCHETING
