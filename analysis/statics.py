@@ -5,7 +5,9 @@ both on the second body. SI units.
 """
 
 import numpy as np
-from scipy import sparse
+from scipy import optimize, sparse
+
+from analysis.load import ResultError
 
 # Walls that are free to move along their normal in the biaxial box: (id, axis). The walls opposite stand.
 FREE_WALLS = ((1, 0), (3, 1))
@@ -69,8 +71,41 @@ def counted_freedoms(snapshot, loaded):
 
 
 def degrees_of_freedom(snapshot, loaded):
-    """(M, N, counted, exact) of the networks on the contacts of the mask `loaded`; exact: with the rank of the equations, which need
-    not be independent."""
+    """(M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, unknowns less equations.
+
+    That is 2M - 3N less one for each free wall, where a contact without friction has one unknown and a disk that none but such
+    contacts hold has no torque to balance.
+    """
+    rough = snapshot["contact_friction"] > 0
+    held, turned = (np.isin(snapshot["body_ids"], snapshot["contact_ids"][mask]).sum() for mask in (loaded, loaded & rough))
+    unknowns = loaded.sum() + (loaded & rough).sum()
+    return int(loaded.sum()), int(held), int(unknowns - 2 * held - turned - len(FREE_WALLS))
+
+
+def dimension(snapshot, loaded):
+    """The same dimension with the rank of the equations, which need not be independent: exact, and for 400 disks a second's work."""
     unknowns = np.flatnonzero(np.concatenate([loaded, loaded & (snapshot["contact_friction"] > 0)]))
-    matrix = balance_matrix(snapshot)[:, unknowns].toarray()
-    return (*counted_freedoms(snapshot, loaded), len(unknowns) - int(np.linalg.matrix_rank(matrix)))
+    return len(unknowns) - int(np.linalg.matrix_rank(balance_matrix(snapshot)[:, unknowns].toarray()))
+
+
+def limit_loads(snapshot, pressure, depth):
+    """(least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
+
+    A linear programme, as Coulomb's cone is a pair of straight lines in the plane. Beyond these no rigid contacts hold the sample as it
+    stands; between them, with Coulomb's (not associated) friction, nothing says that they must.
+    """
+    count, mu = len(snapshot["contact_ids"]), sparse.diags(snapshot["contact_friction"])
+    one, none = sparse.identity(count), sparse.csr_matrix((count, 1))
+    # Unknowns in units of the largest wall load: R, T, sigma2/P0.
+    unit = np.abs(wall_loads(snapshot, (pressure, pressure), depth)).max()
+    constant, rising = (wall_loads(snapshot, stresses, depth) / unit for stresses in ((pressure, 0), (0, pressure)))
+    cone = sparse.bmat([[-mu, one, none], [-mu, -one, none]])
+    balance = sparse.hstack([balance_matrix(snapshot), sparse.csr_matrix(rising[:, None])])
+    bounds = [(0, None)] * count + [(None, None)] * (count + 1)
+    found = []
+    for sign in (1, -1):
+        result = optimize.linprog(np.append(np.zeros(2 * count), sign), cone, np.zeros(2 * count), balance, -constant, bounds, "highs")
+        if not result.success:
+            raise ResultError("a snapshot", f"no limit load found ({result.message})", "look whether its disks hold the walls at all")
+        found.append(float(result.x[-1]))
+    return tuple(found)

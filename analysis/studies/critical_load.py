@@ -1,0 +1,174 @@
+"""What breaks a rigid packing under a ramp: the load, against the initial force network, the packing, and limit analysis.
+
+The static theorem (analysis/statics.py) gives the largest sigma2 at which the contacts of a packing admit any forces: a number of
+its geometry and friction alone, from a linear programme that knows no dynamics, compared here with the load at which it moves.
+"""
+
+import numpy as np
+
+from analysis import observables, statics, style
+from analysis.style import plt
+
+TITLE = "The critical load, and what it depends on"
+QUESTION = ("Is Contact Dynamics' resistance to a collapse (Fig. 5) a matter of which of the admissible force networks it starts from? "
+            "The ramp of eq. 1 from many networks of one packing, against the spread over packings and the ramp of MD.")
+TABLES = {"quick": ("quick/critical_load.txt",), "full": ("critical_load.txt",)}
+
+# |gamma| that counts as motion. The middle one is called critical below: the solver's creep stays under it before the packing yields,
+# and once it yields the load passes from there to the next in a few per cent of P0.
+THRESHOLDS = (1e-5, 1e-4, 1e-3, 1e-2)
+CRITICAL = 1e-4
+
+
+def packing(run):
+    """What names a prepared packing of this study."""
+    return run.parameters["preparation_friction"], run.parameters["seed"]
+
+
+def load(run):
+    """sigma2/P0 asked for, sample by sample."""
+    return run.values("sigma2_goal") / run.pressure
+
+
+def crossing(run, threshold):
+    """sigma2/P0 at which |gamma| first passes the threshold, between two samples; NaN if it never does."""
+    gamma, sigma2 = np.abs(run.values("gamma")), load(run)
+    above = np.flatnonzero(gamma > threshold)
+    if not len(above) or not above[0]:
+        return np.nan
+    k = above[0]
+    return float(np.interp(threshold, gamma[k - 1:k + 1], sigma2[k - 1:k + 1]))
+
+
+def summarize(runs):
+    """One row a ramp."""
+    first = {packing(run): run for run in reversed(runs) if run.method == "CD" and run.parameters["network_seed"] == 0}
+    order = sorted(runs, key=lambda run: (run.method, *packing(run), run.parameters["network_seed"]))
+    return [_row(run, first.get(packing(run))) for run in order]
+
+
+def _row(run, other):
+    """other: the CD run of the same packing that starts from the springs' own forces."""
+    critical = crossing(run, CRITICAL)
+    before = [s for s in run.snapshots if not _at(run, s) > critical]
+    last = before[-1]
+    sample = max(0, int(np.searchsorted(load(run), critical)) - 1)
+    contacts, disks, bound = statics.degrees_of_freedom(last, last["force_normal"] > 0)
+    motion, change = zip(*(_between(a, b, run) for a, b in zip(before, before[1:]))) if len(before) > 1 else ((np.nan,), (np.nan,))
+    apart = _apart(run, other) if other is not None and other is not run and run.method == "CD" else []
+    return {
+        "method": run.method, "preparation mu": run.parameters["preparation_friction"], "seed": run.parameters["seed"],
+        "network": run.parameters["network_seed"], "limit load": statics.limit_loads(run.snapshots[0], run.pressure, run.attributes["depth"])[1],
+        **{f"load at {threshold:g}": crossing(run, threshold) for threshold in THRESHOLDS},
+        "sliding there": int(run.values("sliding_contacts")[sample]), "2M-3N there": bound, "contacts there": contacts, "disks held": disks,
+        "unconverged before": int(run.values("unconverged_steps")[sample]) if run.method == "CD" else 0,
+        "force change, median": float(np.median(change)), "force change, largest": float(np.max(change)),
+        "motion over R, median": float(np.median(motion)),
+        "networks apart at start": apart[0][1] if apart else np.nan, "networks apart at end": apart[-1][1] if apart else np.nan,
+        "outcome": run.outcome}
+
+
+def _at(run, snapshot):
+    """sigma2/P0 asked for at a snapshot."""
+    return float(np.interp(snapshot["time"], run.values("time"), load(run)))
+
+
+def _rms_difference(first, second):
+    """rms difference of the normal forces of two snapshots over their mean, contact by contact."""
+    forces = observables.matched_forces(first, second)
+    return float(np.sqrt(((forces[1] - forces[0])**2).mean()) / forces.mean())
+
+
+def _between(first, second, run):
+    """(largest displacement over the mean radius, force change) from one snapshot to the next."""
+    moved = np.abs(second["position"] - first["position"]).max() / run.parameters["radius_mean"]
+    return float(moved), _rms_difference(first, second)
+
+
+def _apart(run, other):
+    """[(sigma2/P0, difference of the normal forces from those of `other`)] at the loads before both yield."""
+    end = min(crossing(run, CRITICAL), crossing(other, CRITICAL))
+    return [(_at(run, a), _rms_difference(a, b)) for a, b in zip(run.snapshots, other.snapshots) if not _at(run, a) > end]
+
+
+def draw(runs, rows, path):
+    """gamma under the ramp; loads against the limit load; how far networks are from each other on the way."""
+    fig, axes = plt.subplots(1, 3, figsize=(10.5, 4.2))
+    main = packing(next((run for run in runs if run.parameters["network_seed"] > 0), runs[0]))
+    mine = [run for run in runs if packing(run) == main]
+    for method in ("CD", "MD"):
+        for k, run in enumerate(run for run in mine if run.method == method):
+            axes[0].semilogy(load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8,
+                             label=f"{method}, {'all networks' if method == 'CD' else 'same packing'}" if k == 0 else None)
+    limit = next(row["limit load"] for row in rows if (row["preparation mu"], row["seed"]) == main)
+    axes[0].axvline(limit, color="0.4", ls=":", label="static limit of the geometry")
+    axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-9, None))
+    for method, threshold, marker in (("CD", CRITICAL, "o"), ("CD", 1e-2, "^"), ("MD", CRITICAL, "s"), ("MD", 1e-2, "D")):
+        chosen = [row for row in rows if row["method"] == method]
+        axes[1].plot([row["limit load"] for row in chosen], [row[f"load at {threshold:g}"] for row in chosen], ls="", marker=marker,
+                     mfc="none" if threshold != CRITICAL else None, color=style.COLOUR[method], ms=5,
+                     label=rf"{method}, $|\gamma|$ = {threshold:g}")
+    ends = [min(row["limit load"] for row in rows), max(row["limit load"] for row in rows)]
+    axes[1].plot(ends, ends, color="0.4", ls=":")
+    axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes")
+    start = next((run for run in mine if run.method == "CD" and run.parameters["network_seed"] == 0), None)
+    for k, run in enumerate(run for run in mine if run.parameters["network_seed"] > 0 and start):
+        at, apart = zip(*_apart(run, start))
+        axes[2].plot(at, apart, color=style.COLOUR["CD"], lw=0.8, label="CD networks from the springs' own" if k == 0 else None)
+    for method, ls in (("CD", "--"), ("MD", "-")):
+        run = next((run for run in mine if run.method == method and run.parameters["network_seed"] == 0), None)
+        if run is not None:
+            steps = [(a, b) for a, b in zip(run.snapshots, run.snapshots[1:]) if not _at(run, b) > limit]
+            axes[2].plot([_at(run, b) for _, b in steps], [_rms_difference(a, b) for a, b in steps], color="0.3", ls=ls,
+                         label=f"{method}: change from snapshot to snapshot")
+    axes[2].axvline(limit, color="0.4", ls=":")
+    axes[2].set(xlabel=r"$\sigma_2/P_0$", ylabel="rms difference of normal forces over their mean", ylim=(0, None))
+    for axis in axes:
+        axis.legend(loc="best", fontsize=6.5)
+    fig.tight_layout(rect=(0, 0.13, 1, 1))
+    style.finish(fig, runs, path, f"Left and right: the packing of seed {main[1]} prepared with $\\mu$ = {main[0]:g}.")
+
+
+def _column(rows, name):
+    return np.array([row[name] for row in rows])
+
+
+def answer(rows):
+    """Networks against packings, against the static limit, against MD; and what moves below it."""
+    cd, md = ([row for row in rows if row["method"] == method] for method in ("CD", "MD"))
+    if not cd:
+        return "No ramp of CD has finished."
+    name = f"load at {CRITICAL:g}"
+    other = next((row for row in cd if row["network"] > 0), cd[0])
+    same = [row for row in cd if (row["preparation mu"], row["seed"]) == (other["preparation mu"], other["seed"])]
+    loads = _column(same, name)
+    text = [f"From {len(same)} different networks of one packing CD passes |gamma| = {CRITICAL:g} at sigma2/P0 = {np.nanmean(loads):.4f}, "
+            f"spread {np.nanstd(loads):.4f} (largest difference {np.ptp(loads[np.isfinite(loads)]):.4f})."]
+    dense = [row for row in cd if row["network"] == 0 and row["preparation mu"] == same[0]["preparation mu"]]
+    if len(dense) > 1:
+        text.append(f"From {len(dense)} packings prepared alike the spread is {np.nanstd(_column(dense, name)):.4f} "
+                    f"(from {np.nanmin(_column(dense, name)):.3f} to {np.nanmax(_column(dense, name)):.3f}).")
+    ratio = _column(cd, name) / _column(cd, "limit load")
+    text.append(f"The load is that at which the contacts of the packing cease to admit any forces: CD's critical load over this static limit is "
+                f"{np.nanmin(ratio):.4f} to {np.nanmax(ratio):.4f} over {len(cd)} runs. It is a property of geometry and friction, which no "
+                "initial network can change: indeterminacy decides the forces below the limit and not where the packing breaks.")
+    ladder = ", ".join(f"{np.nanmedian(_column(same, f'load at {t:g}')):.3f} at {t:g}" for t in THRESHOLDS)
+    text.append(f"Thresholds on |gamma| shift it, for that packing: {ladder}.")
+    if md:
+        text.append("MD moves from the start, its springs giving way; it passes |gamma| = 0.01 at "
+                    f"{np.nanmin(_column(md, 'load at 0.01')):.3f} to {np.nanmax(_column(md, 'load at 0.01')):.3f}, CD from the same packings at "
+                    f"{np.nanmin(_column(cd, 'load at 0.01')):.3f} to {np.nanmax(_column(cd, 'load at 0.01')):.3f}.")
+    text.append(f"Just before, {100 * np.nanmedian(_column(cd, 'sliding there') / _column(cd, '2M-3N there')):.0f} % of the bound 2M - 3N on "
+                f"sliding contacts is reached (median of CD; MD {100 * np.nanmedian(_column(md, 'sliding there') / _column(md, '2M-3N there')):.0f} % "
+                "at the same strain)." if md else "")
+    text.append(f"Below the limit CD's forces change by {100 * np.nanmedian(_column(cd, 'force change, median')):.1f} % (median; rms, of the mean "
+                f"force) from one snapshot to the next, at most {100 * np.nanmax(_column(cd, 'force change, largest')):.1f} %, while no grain moves "
+                f"by more than {np.nanmedian(_column(cd, 'motion over R, median')):.1e} R (median); MD's by "
+                f"{100 * np.nanmedian(_column(md, 'force change, median')):.1f} % with {np.nanmedian(_column(md, 'motion over R, median')):.1e} R." if md else "")
+    apart = [row for row in cd if np.isfinite(row["networks apart at start"])]
+    if apart:
+        text.append(f"Networks that differ by {100 * np.median(_column(apart, 'networks apart at start')):.0f} % at the start differ by "
+                    f"{100 * np.median(_column(apart, 'networks apart at end')):.0f} % when the packing yields.")
+    text.append(f"Evidence: steps that missed the solver's tolerance before yielding: {int(_column(cd, 'unconverged before').sum())}; "
+                "one ramp rate; the limit takes the contacts as prepared and Coulomb's friction as if it were associated, hence is an upper bound.")
+    return " ".join(sentence for sentence in text if sentence)
