@@ -91,21 +91,37 @@ def dimension(snapshot, loaded):
 def limit_loads(snapshot, pressure, depth):
     """(least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
 
-    A linear programme, as Coulomb's cone is a pair of straight lines in the plane. Beyond these no rigid contacts hold the sample as it
-    stands; between them, with Coulomb's (not associated) friction, nothing says that they must.
+    Beyond these no rigid contacts hold the sample as it stands; between them, with Coulomb's (not associated) friction, nothing says
+    that they must.
+    """
+    constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in ((pressure, 0), (0, pressure)))
+    goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
+    goal[-1] = 1
+    return _extremes(snapshot, goal, constant, rising)
+
+
+def force_range(snapshot, load, contact):
+    """(least, largest) R [N] that admissible networks under `load` can put on one contact."""
+    goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
+    goal[contact] = 1
+    return tuple(np.abs(load).max() * value for value in _extremes(snapshot, goal, load, np.zeros_like(load)))
+
+
+def _extremes(snapshot, goal, load, rising):
+    """(least, largest) goal . (R, T, s) over all admissible forces under load + s rising [N], in units of the largest load.
+
+    Linear programmes, as Coulomb's cone is a pair of straight lines in the plane.
     """
     count, mu = len(snapshot["contact_ids"]), sparse.diags(snapshot["contact_friction"])
     one, none = sparse.identity(count), sparse.csr_matrix((count, 1))
-    # Unknowns in units of the largest wall load: R, T, sigma2/P0.
-    unit = np.abs(wall_loads(snapshot, (pressure, pressure), depth)).max()
-    constant, rising = (wall_loads(snapshot, stresses, depth) / unit for stresses in ((pressure, 0), (0, pressure)))
+    unit = np.abs(load).max()
     cone = sparse.bmat([[-mu, one, none], [-mu, -one, none]])
-    balance = sparse.hstack([balance_matrix(snapshot), sparse.csr_matrix(rising[:, None])])
-    bounds = [(0, None)] * count + [(None, None)] * (count + 1)
+    balance = sparse.hstack([balance_matrix(snapshot), sparse.csr_matrix(rising[:, None] / unit)])
+    bounds = [(0, None)] * count + [(None, None)] * count + [(None, None) if rising.any() else (0, 0)]
     found = []
     for sign in (1, -1):
-        result = optimize.linprog(np.append(np.zeros(2 * count), sign), cone, np.zeros(2 * count), balance, -constant, bounds, "highs")
+        result = optimize.linprog(sign * goal, cone, np.zeros(2 * count), balance, -load / unit, bounds, "highs")
         if not result.success:
-            raise ResultError("a snapshot", f"no limit load found ({result.message})", "look whether its disks hold the walls at all")
-        found.append(float(result.x[-1]))
+            raise ResultError("a snapshot", f"its contacts set no bound ({result.message})", "look whether its disks hold the walls at all")
+        found.append(sign * float(result.fun))
     return tuple(found)

@@ -178,10 +178,12 @@ def test_wall_at_prescribed_velocity_pushes_what_it_meets(O):
     assert O.bodies[ball].state.pos[0] == pytest.approx(O.bodies[wall].state.pos[0] + 0.06, abs=1e-9)
 
 
-def test_disk_in_a_groove_turns_at_the_critical_torque(O):
-    """Symmetric groove, walls at 45 degrees, mu < tan: critical torque mu m g R/((1 + mu^2) cos t) (PRE 72, 021304)."""
-    mu, t, radius = 0.3, math.pi / 4, 0.1
-    critical = mu * G * radius / ((1 + mu**2) * math.cos(t))
+@pytest.mark.parametrize("degrees, mu", [(45, 0.3), (30, 0.2), (20, 0.6), (30, 0.8)])
+def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
+    """Symmetric groove, walls at t to the horizontal (PRE 72, 021304): m g R mu/((1 + mu^2) cos t) where mu <= tan t, both contacts
+    sliding; m g R sin t where mu >= tan t and mu tan t < 1, the disk rolling out over one wall."""
+    t, radius = math.radians(degrees), 0.1
+    critical = G * radius * (mu / ((1 + mu**2) * math.cos(t)) if mu <= math.tan(t) else math.sin(t))
     for factor, turns in ((0.999, False), (1.001, True)):
         O.reset()
         mat = plane.material(mu)
