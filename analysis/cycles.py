@@ -12,8 +12,8 @@ from analysis import observables
 from analysis.load import ResultError
 
 SHAKEDOWN, RATCHETING, COLLAPSE, SHORT = "shakedown", "ratcheting", "collapse", "too short"
-# Two octaves of cycles are compared, the shorter of at least two cycles.
-FEWEST_CYCLES = 8
+# Two octaves of cycles are compared, the shorter of at least four cycles: one slip does not make a trend.
+FEWEST_CYCLES = 16
 # The standard deviation of a normal distribution over its median absolute deviation.
 MAD_TO_SIGMA = 1.4826
 # Times its standard error a change must be to count.

@@ -87,8 +87,8 @@ def provenance(collection, answer):
 
 
 def run_command(collection):
-    """The command that runs a study's tables."""
-    return " && ".join(f"/usr/bin/python3 yade_scripts/study.py yade_scripts/tables/{name}" for name in collection.tables)
+    """The command that runs a study's tables and draws it."""
+    return f"make study STUDY={collection.name}" + (" FULL=1" if collection.full else "")
 
 
 def figure_command(collection):

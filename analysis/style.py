@@ -26,7 +26,8 @@ def finish(fig, runs, path, note=""):
     Of several samples, loadings or settings the caption tells what they have in common.
     """
     origin = provenance(*runs)
-    lines = [note, ", ".join(_common(sample, runs)), _settings(runs), origin]
+    between = "; " if fig.get_figwidth() > 9 else "\n"
+    lines = [note, ", ".join(_common(sample, runs)), between.join(_settings(runs)), origin]
     fig.text(0.5, 0.012, "\n".join(line for line in lines if line), ha="center", va="bottom", fontsize=7.5,
              linespacing=1.4)
     path = Path(path)
@@ -48,7 +49,7 @@ def _settings(runs, most=2):
     if len(kinds) > most:
         kinds = [(method, *_common(method_settings, [run for run in runs if run.method == method]))
                  for method in dict.fromkeys(run.method for run in runs)]
-    return "; ".join(f"{method}: {', '.join(items)}" for method, *items in kinds)
+    return [f"{method}: {', '.join(items)}" for method, *items in kinds]
 
 
 def number(value, digits=3):
@@ -90,8 +91,8 @@ def short(commit):
 def sample(run):
     """The sample and its loading, item by item."""
     row = run.parameters
-    return [f"{row['disks']} disks", f"$\\mu$ = {row['friction']:g}",
-            f"$P_0$ = {number(run.pressure)} Pa = {number(row['pressure_ratio'])}$\\,k_n$", *_loading(row)]
+    pressure = f"$P_0$ = {number(run.pressure)} Pa = {number(row['pressure_ratio'])}$\\,k_n$"
+    return [f"{row['disks']} disks", f"$\\mu$ = {row['friction']:g}", *([pressure] if run.attributes["state_sha256"] else []), *_loading(row)]
 
 
 def _loading(row):
@@ -110,7 +111,8 @@ def method_settings(run):
                 f"damping ratio {row['beta_n']:g}", f"walls by {row['md_walls']}"]
     effort = ([f"{row['fixed_iterations']} sweeps a step, no test"] if row["fixed_iterations"]
               else [f"tolerance {number(row['tolerance'])}", f"at most {row['max_iterations']} sweeps"])
-    return [row["method_cd"], *effort, f"step $\\leq$ {number(row['cd_dt'])} s", "walls by force"]
+    solver = "plain sweeps" if row["fixed_iterations"] else row["method_cd"]
+    return [solver, *effort, f"step $\\leq$ {number(row['cd_dt'])} s", *(["walls by force"] if run.attributes["state_sha256"] else [])]
 
 
 # Markers for up to eight kinds, told apart without colour.

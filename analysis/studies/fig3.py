@@ -191,4 +191,5 @@ def _limits(rows):
     seeds = len({row["seed"] for row in rows})
     return (f"Evidence: {summary.count(seeds, 'packing')} of each preparation, at most "
             + " and ".join(f"{number} cycles of {method}" for method, number in most.items())
-            + "; a rate that falls faster than 1/n over the last octaves counts as shakedown, which more cycles could overturn.")
+            + f"; 'too short' is a run of fewer than {cycles.FEWEST_CYCLES} cycles, and a rate that falls faster than 1/n over the last "
+            "octaves counts as shakedown, which more cycles could overturn.")

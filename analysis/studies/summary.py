@@ -15,14 +15,22 @@ def number(value, digits=2):
     return f"{mantissa}e{int(exponent)}"
 
 
-def spread(values):
+def spread(values, digits=2):
     """The median of the finite values, with their range in brackets where there are several."""
     values = finite(values)
     if not len(values):
         return "none"
     if len(values) == 1 or values.min() == values.max():
-        return number(float(values[0]))
-    return f"{number(float(np.median(values)))} ({number(float(values.min()))} to {number(float(values.max()))})"
+        return number(float(values[0]), digits)
+    median, low, high = (number(float(choose(values)), digits) for choose in (np.median, np.min, np.max))
+    return f"{median} ({low} to {high})"
+
+
+def between(values):
+    """'3', or '3 to 5' where they differ."""
+    values = list(values)
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def percent(share):
