@@ -57,19 +57,6 @@ def violations(snapshot, normal, tangential, load):
     return np.stack([np.abs(resultant).max(axis=1), excess.max(axis=1), (-normal).max(axis=1)], axis=1) / scale[:, None]
 
 
-def counted_freedoms(snapshot, loaded):
-    """(M, N, counted): contacts of the mask `loaded`, disks they hold, unknown forces less equations - the most that can slide at rest.
-
-    counted is 2M - 3N less one for each free wall; a contact without friction has one unknown, and disks that none but such contacts
-    hold have no torque to balance.
-    """
-    rough = snapshot["contact_friction"] > 0
-    held = np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded])
-    turned = np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded & rough])
-    equations = 2 * held.sum() + turned.sum() + len(FREE_WALLS)
-    return int(loaded.sum()), int(held.sum()), int(loaded.sum() + (loaded & rough).sum() - equations)
-
-
 def degrees_of_freedom(snapshot, loaded):
     """(M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, unknowns less equations.
 

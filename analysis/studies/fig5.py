@@ -31,7 +31,7 @@ def _row(run):
     used, first = _share_of_bound(run), run.snapshots[0]
     yielded = np.flatnonzero(np.abs(gamma) > THRESHOLDS[-1])
     until = yielded[0] if len(yielded) else len(gamma) - 1
-    contacts, disks, bound = statics.counted_freedoms(first, first["force_normal"] > 0)
+    contacts, disks, bound = statics.degrees_of_freedom(first, first["force_normal"] > 0)
     return {
         "method": run.method, "preparation friction": run.parameters["preparation_friction"], "ramp rate": run.parameters["ramp_rate"],
         "seed": run.parameters["seed"],
@@ -54,7 +54,7 @@ def _share_of_bound(run):
     """
     first = run.snapshots[0]
     loaded = first["force_normal"] > 0
-    bound = statics.counted_freedoms(first, loaded)[2] + 2 * (run.values("contacts") - loaded.sum())
+    bound = statics.degrees_of_freedom(first, loaded)[2] + 2 * (run.values("contacts") - loaded.sum())
     return np.where(bound > 0, run.values("sliding_contacts") / np.maximum(bound, 1), 1.0)
 
 
