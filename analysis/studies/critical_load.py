@@ -14,10 +14,11 @@ QUESTION = ("Is Contact Dynamics' resistance to a collapse (Fig. 5) a matter of 
             "The ramp of eq. 1 from many networks of one packing, against the spread over packings and the ramp of MD.")
 TABLES = {"quick": ("quick/critical_load.txt",), "full": ("critical_load.txt",)}
 
-# |gamma| that counts as motion. The middle one is called critical below: the solver's creep stays under it before the packing yields,
-# and once it yields the load passes from there to the next in a few per cent of P0.
+# |gamma| that counts as motion. CRITICAL is far above the solver's creep below the limit, and below what the contacts that close in
+# a yielding packing can do for it.
 THRESHOLDS = (1e-5, 1e-4, 1e-3, 1e-2)
 CRITICAL = 1e-4
+NEARLY = 0.95  # share of the limit load at which creep, and elastic strain, are read
 
 
 def packing(run):
@@ -49,19 +50,21 @@ def summarize(runs):
 
 def _row(run, other):
     """other: the CD run of the same packing that starts from the springs' own forces."""
-    critical = crossing(run, CRITICAL)
-    before = [s for s in run.snapshots if not _at(run, s) > critical]
-    last = before[-1]
-    sample = max(0, int(np.searchsorted(load(run), critical)) - 1)
-    contacts, disks, bound = statics.degrees_of_freedom(last, last["force_normal"] > 0)
+    limit = statics.limit_loads(run.snapshots[0], run.pressure, run.attributes["depth"])[1]
+    before = [snapshot for snapshot in run.snapshots if _at(run, snapshot) < limit]
     motion, change = zip(*(_between(a, b, run) for a, b in zip(before, before[1:]))) if len(before) > 1 else ((np.nan,), (np.nan,))
+    nearest = min(run.snapshots, key=lambda snapshot: abs(_at(run, snapshot) - limit))
+    contacts, disks, bound = statics.degrees_of_freedom(nearest, nearest["force_normal"] > 0)
+    late = min(np.searchsorted(load(run), NEARLY * limit), len(load(run)) - 1)
     apart = _apart(run, other) if other is not None and other is not run and run.method == "CD" else []
     return {
         "method": run.method, "preparation mu": run.parameters["preparation_friction"], "seed": run.parameters["seed"],
-        "network": run.parameters["network_seed"], "limit load": statics.limit_loads(run.snapshots[0], run.pressure, run.attributes["depth"])[1],
+        "network": run.parameters["network_seed"], "limit load": limit,
         **{f"load at {threshold:g}": crossing(run, threshold) for threshold in THRESHOLDS},
-        "sliding there": int(run.values("sliding_contacts")[sample]), "2M-3N there": bound, "contacts there": contacts, "disks held": disks,
-        "unconverged before": int(run.values("unconverged_steps")[sample]) if run.method == "CD" else 0,
+        f"gamma at {NEARLY:g} limit": float(np.abs(run.values("gamma"))[late]),
+        "snapshot at": _at(run, nearest), "sliding there": int(observables.sliding(nearest).sum()), "2M-3N there": bound,
+        "contacts there": contacts, "disks held": disks,
+        "unconverged before": int(run.values("unconverged_steps")[late]) if run.method == "CD" else 0,
         "force change, median": float(np.median(change)), "force change, largest": float(np.max(change)),
         "motion over R, median": float(np.median(motion)),
         "networks apart at start": apart[0][1] if apart else np.nan, "networks apart at end": apart[-1][1] if apart else np.nan,
@@ -86,7 +89,7 @@ def _between(first, second, run):
 
 
 def _apart(run, other):
-    """[(sigma2/P0, difference of the normal forces from those of `other`)] at the loads before both yield."""
+    """[(sigma2/P0, difference of the normal forces from those of `other`)] at the loads below which neither has yielded."""
     end = min(crossing(run, CRITICAL), crossing(other, CRITICAL))
     return [(_at(run, a), _rms_difference(a, b)) for a, b in zip(run.snapshots, other.snapshots) if not _at(run, a) > end]
 
@@ -103,13 +106,13 @@ def draw(runs, rows, path):
     limit = next(row["limit load"] for row in rows if (row["preparation mu"], row["seed"]) == main)
     axes[0].axvline(limit, color="0.4", ls=":", label="static limit of the geometry")
     axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-9, None))
-    for method, threshold, marker in (("CD", CRITICAL, "o"), ("CD", 1e-2, "^"), ("MD", CRITICAL, "s"), ("MD", 1e-2, "D")):
+    for method, threshold, marker in (("CD", CRITICAL, "o"), ("CD", 1e-2, "^"), ("MD", 1e-2, "D")):
         chosen = [row for row in rows if row["method"] == method]
         axes[1].plot([row["limit load"] for row in chosen], [row[f"load at {threshold:g}"] for row in chosen], ls="", marker=marker,
                      mfc="none" if threshold != CRITICAL else None, color=style.COLOUR[method], ms=5,
                      label=rf"{method}, $|\gamma|$ = {threshold:g}")
     ends = [min(row["limit load"] for row in rows), max(row["limit load"] for row in rows)]
-    axes[1].plot(ends, ends, color="0.4", ls=":")
+    axes[1].plot(ends, ends, color="0.4", ls=":", label="equal")
     axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes")
     start = next((run for run in mine if run.method == "CD" and run.parameters["network_seed"] == 0), None)
     for k, run in enumerate(run for run in mine if run.parameters["network_seed"] > 0 and start):
@@ -133,42 +136,53 @@ def _column(rows, name):
     return np.array([row[name] for row in rows])
 
 
+def _span(rows, name, digits=3):
+    values = _column(rows, name)
+    return f"{np.nanmin(values):.{digits}f} to {np.nanmax(values):.{digits}f}"
+
+
 def answer(rows):
     """Networks against packings, against the static limit, against MD; and what moves below it."""
     cd, md = ([row for row in rows if row["method"] == method] for method in ("CD", "MD"))
     if not cd:
         return "No ramp of CD has finished."
-    name = f"load at {CRITICAL:g}"
+    name, creep = f"load at {CRITICAL:g}", f"gamma at {NEARLY:g} limit"
     other = next((row for row in cd if row["network"] > 0), cd[0])
     same = [row for row in cd if (row["preparation mu"], row["seed"]) == (other["preparation mu"], other["seed"])]
-    loads = _column(same, name)
-    text = [f"From {len(same)} different networks of one packing CD passes |gamma| = {CRITICAL:g} at sigma2/P0 = {np.nanmean(loads):.4f}, "
-            f"spread {np.nanstd(loads):.4f} (largest difference {np.ptp(loads[np.isfinite(loads)]):.4f})."]
-    dense = [row for row in cd if row["network"] == 0 and row["preparation mu"] == same[0]["preparation mu"]]
-    if len(dense) > 1:
-        text.append(f"From {len(dense)} packings prepared alike the spread is {np.nanstd(_column(dense, name)):.4f} "
-                    f"(from {np.nanmin(_column(dense, name)):.3f} to {np.nanmax(_column(dense, name)):.3f}).")
+    alike = [row for row in cd if row["network"] == 0 and row["preparation mu"] == same[0]["preparation mu"]]
     ratio = _column(cd, name) / _column(cd, "limit load")
-    text.append(f"The load is that at which the contacts of the packing cease to admit any forces: CD's critical load over this static limit is "
-                f"{np.nanmin(ratio):.4f} to {np.nanmax(ratio):.4f} over {len(cd)} runs. It is a property of geometry and friction, which no "
-                "initial network can change: indeterminacy decides the forces below the limit and not where the packing breaks.")
-    ladder = ", ".join(f"{np.nanmedian(_column(same, f'load at {t:g}')):.3f} at {t:g}" for t in THRESHOLDS)
-    text.append(f"Thresholds on |gamma| shift it, for that packing: {ladder}.")
-    if md:
-        text.append("MD moves from the start, its springs giving way; it passes |gamma| = 0.01 at "
-                    f"{np.nanmin(_column(md, 'load at 0.01')):.3f} to {np.nanmax(_column(md, 'load at 0.01')):.3f}, CD from the same packings at "
-                    f"{np.nanmin(_column(cd, 'load at 0.01')):.3f} to {np.nanmax(_column(cd, 'load at 0.01')):.3f}.")
-    text.append(f"Just before, {100 * np.nanmedian(_column(cd, 'sliding there') / _column(cd, '2M-3N there')):.0f} % of the bound 2M - 3N on "
-                f"sliding contacts is reached (median of CD; MD {100 * np.nanmedian(_column(md, 'sliding there') / _column(md, '2M-3N there')):.0f} % "
-                "at the same strain)." if md else "")
-    text.append(f"Below the limit CD's forces change by {100 * np.nanmedian(_column(cd, 'force change, median')):.1f} % (median; rms, of the mean "
-                f"force) from one snapshot to the next, at most {100 * np.nanmax(_column(cd, 'force change, largest')):.1f} %, while no grain moves "
-                f"by more than {np.nanmedian(_column(cd, 'motion over R, median')):.1e} R (median); MD's by "
-                f"{100 * np.nanmedian(_column(md, 'force change, median')):.1f} % with {np.nanmedian(_column(md, 'motion over R, median')):.1e} R." if md else "")
+    text = [
+        f"From {len(same)} force networks of one packing CD passes |gamma| = {CRITICAL:g} at sigma2/P0 = {np.nanmean(_column(same, name)):.4f} "
+        f"with a standard deviation of {np.nanstd(_column(same, name)):.4f}; from {len(alike)} packings prepared alike it does so at "
+        f"{_span(alike, name)}.",
+        f"A linear programme gives the largest load under which the contacts of a packing, as prepared, admit any forces at all: CD's critical "
+        f"load is {np.nanmin(ratio):.3f} to {np.nanmax(ratio):.3f} of that limit in {len(cd)} runs"
+        + (": geometry and friction set it, not the network at the start." if np.nanmax(np.abs(ratio - 1)) < 0.05 else "."),
+        f"At {NEARLY:g} of the limit CD has strained by {np.nanmedian(_column(cd, creep)):.0e} (median, the solver's creep)"
+        + (f", MD by {np.nanmedian(_column(md, creep)):.0e}." if md else "."),
+        f"At the snapshot nearest the limit sliding contacts over the bound 2M - 3N are {_sliding(cd)} in CD"
+        + (f", {_sliding(md)} in MD." if md else "."),
+        f"Below it the normal forces of CD change by {100 * np.nanmedian(_column(cd, 'force change, median')):.1f} % of their mean from snapshot to "
+        f"snapshot (median of the rms), at most by {100 * np.nanmax(_column(cd, 'force change, largest')):.0f} %, while the grain that moves "
+        f"most moves by {np.nanmedian(_column(cd, 'motion over R, median')):.0e} R (median)"
+        + (f"; MD's by {100 * np.nanmedian(_column(md, 'force change, median')):.1f} % with "
+           f"{np.nanmedian(_column(md, 'motion over R, median')):.0e} R." if md else ".")]
     apart = [row for row in cd if np.isfinite(row["networks apart at start"])]
     if apart:
-        text.append(f"Networks that differ by {100 * np.median(_column(apart, 'networks apart at start')):.0f} % at the start differ by "
-                    f"{100 * np.median(_column(apart, 'networks apart at end')):.0f} % when the packing yields.")
-    text.append(f"Evidence: steps that missed the solver's tolerance before yielding: {int(_column(cd, 'unconverged before').sum())}; "
-                "one ramp rate; the limit takes the contacts as prepared and Coulomb's friction as if it were associated, hence is an upper bound.")
-    return " ".join(sentence for sentence in text if sentence)
+        text.append(f"Networks that are {100 * np.median(_column(apart, 'networks apart at start')):.0f} % of the mean force apart at the start are "
+                    f"{100 * np.median(_column(apart, 'networks apart at end')):.0f} % apart at the last snapshot before the packing yields: the "
+                    "set of admissible forces shrinks under them.")
+    text.append(f"Thresholds, for the one packing: {', '.join(f'{np.nanmedian(_column(same, _name(t))):.3f} at {t:g}' for t in THRESHOLDS)}. What "
+                "comes after the first motion belongs to new contacts. Evidence: one ramp rate; "
+                f"{int(_column(cd, 'unconverged before').sum())} steps missed the solver's tolerance before {NEARLY:g} of the limit; the limit takes Coulomb's friction as if it were associated, and is "
+                "an upper bound.")
+    return " ".join(text)
+
+
+def _name(threshold):
+    return f"load at {threshold:g}"
+
+
+def _sliding(rows):
+    shares = [row["sliding there"] / row["2M-3N there"] for row in rows if row["2M-3N there"] > 0]
+    return f"{np.median(shares):.2f} (median; {min(shares):.2f} to {max(shares):.2f})" if shares else "not defined"
