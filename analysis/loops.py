@@ -1,0 +1,54 @@
+"""One load and unload in three numbers, and the same over several packings."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis import observables
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Of the first cycle, strains as gamma [1].
+
+    largest: |gamma| where it is largest. width: loop_width. remanent: |permanent_strain|.
+    """
+
+    largest: float
+    width: float
+    remanent: float
+
+
+QUANTITIES = {"largest": r"largest $|\gamma|$", "width": "width of the loop", "remanent": r"remanent $|\gamma|$"}
+
+
+def of(run):
+    """The Loop of a run's first cycle."""
+    part = observables.cycle_range(run)
+    gamma = run.values("gamma")[part] - run.values("gamma")[part][0]
+    return Loop(float(np.abs(gamma).max()), observables.loop_width(gamma, run.values("sigma2")[part]),
+                float(abs(observables.permanent_strain(gamma))))
+
+
+def spread(runs, scale=1.0):
+    """{quantity: mean, quantity_low, quantity_high} of the runs' loops, strains times `scale`."""
+    found, loops = {}, [of(run) for run in runs]
+    for name in QUANTITIES:
+        values = scale * np.array([getattr(loop, name) for loop in loops])
+        found |= {name: float(values.mean()), f"{name}_low": float(values.min()), f"{name}_high": float(values.max())}
+    return found
+
+
+def grouped(runs, key):
+    """{key(run): [runs]} in the order of the runs."""
+    groups = {}
+    for run in runs:
+        groups.setdefault(key(run), []).append(run)
+    return groups
+
+
+def draw_spread(axes, x, rows, name, factor=1.0, **style):
+    """The quantity of the rows against x with the range over the packings, on `axes`; `factor` multiplies the values."""
+    middle = factor * np.array([row[name] for row in rows])
+    low, high = (np.array([row[f"{name}_{end}"] for row in rows]) * factor for end in ("low", "high"))
+    axes.errorbar(x, middle, yerr=[np.maximum(middle - low, 0), np.maximum(high - middle, 0)], capsize=2, **style)
