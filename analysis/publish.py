@@ -14,7 +14,7 @@ import h5py
 import matplotlib
 import numpy as np
 
-from analysis import studies
+from analysis import comparison, observables, overview, studies
 from analysis.load import ResultError
 
 STATUS = "status"
@@ -30,7 +30,7 @@ def publish(collection, folder):
     rows = study.summarize(collection.runs)
     study.draw(collection.runs, rows, stem.with_suffix(".png"))
     write_csv(stem.with_suffix(".csv"), rows + missing_rows(collection))
-    text = json.dumps(provenance(collection, study.answer(rows)), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(findings(collection, rows) | provenance(collection), indent=1, ensure_ascii=False, allow_nan=False)
     stem.with_suffix(".json").write_text(text + "\n")
     return stem
 
@@ -67,13 +67,31 @@ def read_csv(path):
         return reader.fieldnames, list(reader)
 
 
-def provenance(collection, answer):
+def findings(collection, rows):
+    """What a study says: question, answer, its line in the short answer, the paper's statements beside it, energy balance."""
+    study = collection.module
+    answer = study.answer(rows)
+    return {"study": collection.name, "title": study.TITLE, "question": study.QUESTION, "answer": answer,
+            "headline": overview.headline(collection.name, rows, answer), "points": comparison.of_study(collection.name, rows),
+            "energy_balance": energy_balance(collection.runs)}
+
+
+def energy_balance(runs):
+    """{method: how many runs have a balance, its median and largest error}; see observables.balance_error."""
+    found = {}
+    for method in ("MD", "CD"):
+        errors = [observables.balance_error(run) for run in runs if run.method == method and "wall_work" in run.history]
+        errors = np.abs([error for error in errors if math.isfinite(error)])
+        if len(errors):
+            found[method] = {"runs": len(errors), "median": float(np.median(errors)), "largest": float(errors.max())}
+    return found
+
+
+def provenance(collection):
     """What the figure and the table come from; plain data for JSON."""
     constant, varied = _split([run.parameters for run in collection.runs])
-    study = collection.module
     failed = [reason for _, _, reason in collection.missing if reason.startswith("failed")]
     return {
-        "study": collection.name, "title": study.TITLE, "question": study.QUESTION, "answer": answer,
         "extent": collection.extent, "tables": [f"yade_scripts/tables/{name}" for name in collection.tables],
         "runs_finished": len(collection.runs), "runs_failed": len(failed), "runs_missing": len(collection.missing) - len(failed),
         "runs_collapsed": sum(run.collapsed for run in collection.runs),

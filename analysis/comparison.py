@@ -1,0 +1,207 @@
+"""The paper's statements, in its order, beside what the studies measure: each judged by numbers alone.
+
+A judge gets the rows of one study's summary and returns (verdict, measured in words). Quotations are of Garcia-Rojo, McNamara and
+Herrmann (2004); where they say less than they seem to, the judge's sentence says what was counted.
+"""
+
+from dataclasses import dataclass
+from typing import Callable
+
+import numpy as np
+
+from analysis import cycles, schema
+from analysis.studies import summary
+
+AGREES, PARTLY, DISAGREES, OPEN = "agrees", "agrees in part", "disagrees", "open"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One statement: its words, where they stand, the study that measures it, and the judge."""
+
+    quote: str
+    where: str
+    study: str
+    judge: Callable
+
+
+def of_study(name, rows):
+    """The judged points of a study as plain data; a judge that finds too few rows leaves its point open."""
+    return [dict(zip(("verdict", "measured"), point.judge(rows)), quote=point.quote, where=point.where, order=number)
+            for number, point in enumerate(POINTS) if point.study == name]
+
+
+def _verdict(holding, all_of):
+    if not all_of:
+        return OPEN
+    return AGREES if holding == all_of else DISAGREES if not holding else PARTLY
+
+
+def _where(rows, **wanted):
+    return [row for row in rows if all(row.get(name) == value for name, value in wanted.items())]
+
+
+def _pairs(rows, keys):
+    """[(MD row, CD row)] that agree in `keys`."""
+    partner = {tuple(row[key] for key in keys): row for row in _where(rows, method="CD")}
+    return [(row, partner[key]) for row in _where(rows, method="MD") if (key := tuple(row[key] for key in keys)) in partner]
+
+
+def _shakes_down(rows):
+    lowest = min(row["dSigma"] for row in rows)
+    low = [row for row in _where(rows, method="MD", dSigma=lowest) if row["regime"] != cycles.SHORT]
+    held = sum(row["regime"] == cycles.SHAKEDOWN for row in low)
+    return _verdict(held, len(low)), (f"MD at dSigma = {lowest:g}: {held} of {len(low)} runs shake down, at a late rate of "
+                                      f"{summary.spread(abs(row['late rate']) for row in low)} a cycle.")
+
+
+def _sliding_vanishes(rows):
+    still = _where(rows, method="MD", regime=cycles.SHAKEDOWN)
+    name = "sliding at most, last cycle"
+    gone = sum(row[name] == 0 for row in still)
+    return _verdict(gone, len(still)), (
+        f"Of {len(still)} MD runs that shake down, {gone} have no sliding contact left. At most {summary.spread(100 * row[name] for row in still)} % "
+        f"of the contacts still slide within the last cycle (in the first {summary.spread(100 * row['sliding at most, first cycle'] for row in still)} %), "
+        f"at its quietest {summary.spread(100 * row['sliding at least, last cycle'] for row in still)} %: they slide to and fro and dissipate "
+        f"{summary.spread(row['dissipated/P0V0, last cycle'] for row in still)} P0 V0 a cycle without straining the sample.")
+
+
+def _ratchets(rows):
+    found = _where(rows, method="MD", regime=cycles.RATCHETING)
+    judged = [row for row in _where(rows, method="MD") if row["regime"] != cycles.SHORT]
+    # A rate that halves within a decade of cycles is constant as far as a log-log chart of a decade tells.
+    constant = sum(abs(row["decay p"]) < 0.3 for row in found)
+    return _verdict(constant, len(found)) if judged else OPEN, (
+        f"{len(found)} of {len(judged)} MD runs ratchet, at {summary.spread(abs(row['late rate']) for row in found)} a cycle; in {constant} of them "
+        f"the rate is constant (falls or grows more slowly than n^0.3). From one cycle to the next their sliding contacts differ by "
+        f"{summary.spread(100 * row['sliding, change of a cycle'] for row in found)} % (rms).")
+
+
+def _collapses(rows):
+    by_preparation = summary.groups([row for row in _where(rows, method="MD") if row["dSigma"] >= 0.4], lambda row: row["preparation friction"])
+    counts = {friction: (sum(row["regime"] == cycles.COLLAPSE for row in same), len(same)) for friction, same in by_preparation.items()}
+    held, total = (sum(part) for part in zip(*counts.values())) if counts else (0, 0)
+    words = "; ".join(f"prepared with mu = {friction:g}: {some} of {of} runs" for friction, (some, of) in counts.items())
+    return _verdict(held, total), f"MD at dSigma of 0.40 and more collapses as follows. {words[:1].upper()}{words[1:]}."
+
+
+def _weaker_in_cd(rows):
+    ratios = [abs(md["largest |gamma|"] / cd["largest |gamma|"]) for md, cd in _pairs(rows, ("seed",)) if cd["largest |gamma|"]]
+    return _verdict(sum(ratio > 1 for ratio in ratios), len(ratios)), (
+        f"On the same packing MD strains {summary.spread(ratios)} times as far as CD.")
+
+
+def _dissipates_more(rows):
+    pairs = _pairs(rows, ("seed",))
+    held = sum(md["dissipated/P0V0"] > cd["dissipated/P0V0"] and abs(md["remanent gamma"]) > abs(cd["remanent gamma"]) for md, cd in pairs)
+    return _verdict(held, len(pairs)), (
+        f"Both hold on {held} of {len(pairs)} packings: dissipated {summary.spread(md['dissipated/P0V0'] for md, _ in pairs)} P0 V0 in MD against "
+        f"{summary.spread(cd['dissipated/P0V0'] for _, cd in pairs)} in CD, remanent |gamma| {summary.spread(abs(md['remanent gamma']) for md, _ in pairs)} "
+        f"against {summary.spread(abs(cd['remanent gamma']) for _, cd in pairs)}.")
+
+
+def _precision(rows):
+    solved = sorted(_where(rows, effort="tolerance"), key=lambda row: row["value"])
+    if len(solved) < 2:
+        return OPEN, "Fewer than two tolerances have finished."
+    best, worst = solved[0], solved[-1]
+    falling = all(small["largest"] < large["largest"] for small, large in zip(solved, solved[1:]))
+    return AGREES if falling else PARTLY, (
+        f"From a tolerance of {worst['value']:.0e} to one of {best['value']:.0e} CD's largest |gamma| falls from {summary.number(worst['largest'])} to "
+        f"{summary.number(best['largest'])}: " + ("it is the precision throughout." if falling else "not at every step of the way."))
+
+
+def _drifts(rows):
+    md = _where(rows, method="MD")
+    shares = [row["load at |gamma| = 0.0001"] for row in md]
+    yields = [row["load at |gamma| = 0.01"] for row in md]
+    held = sum(early < late for early, late in zip(shares, yields))
+    return _verdict(held, len(md)), (
+        f"MD passes |gamma| = 1e-4 at {summary.spread(shares, 3)} P0, long before 1e-2 at {summary.spread(yields, 3)} P0: it strains from the start. "
+        f"The area shrinks at first, by at most {summary.spread(-row['least volume strain'] for row in md)}, and then expands.")
+
+
+def _sudden(rows):
+    pairs = _pairs(rows, ("seed", "preparation friction", "ramp rate"))
+    name = "largest jump of gamma before yield"
+    held = sum(md[name] > cd[name] for md, cd in pairs)
+    return _verdict(held, len(pairs)), (
+        f"Largest change of gamma from sample to sample before |gamma| = 0.01: MD {summary.spread(md[name] for md, _ in pairs)}, CD "
+        f"{summary.spread(cd[name] for _, cd in pairs)}; MD jumps further than CD on {held} of {len(pairs)} packings.")
+
+
+def _rests(rows):
+    cd = _where(rows, method="CD")
+    first, last = ([row[f"load at |gamma| = {threshold}"] for row in cd] for threshold in ("0.0001", "0.01"))
+    held = sum(a > 1 + 0.5 * (b - 1) for a, b in zip(first, last))
+    return _verdict(held, len(cd)), (
+        f"CD stays below |gamma| = 1e-4 up to {summary.spread(first, 3)} P0 and passes 1e-2 at {summary.spread(last, 3)} P0; the contacts that slide "
+        f"reach the bound 2M - 3N at {summary.spread((row['load where sliding reaches the bound'] for row in cd), 3)} P0.")
+
+
+def _no_collapse(rows):
+    cd = _where(rows, method="CD")
+    whole = sum(row["outcome"] == schema.OUTCOME_COMPLETED for row in cd)
+    return _verdict(whole, len(cd)), (
+        f"{len(cd) - whole} of {len(cd)} CD runs collapse in the end, at most at {summary.spread((row['largest load'] for row in cd), 3)} P0; the paper "
+        "does not say how far its ramp went.")
+
+
+def _resistant(rows):
+    pairs = _pairs(rows, ("seed", "preparation friction", "ramp rate"))
+    ratios = summary.finite(cd["load at |gamma| = 0.01"] / md["load at |gamma| = 0.01"] for md, cd in pairs)
+    # "Much more": at least a tenth more load before |gamma| = 0.01.
+    much = int(np.sum(ratios > 1.1))
+    return _verdict(much, len(ratios)), (
+        f"At |gamma| = 0.01, where neither is elastic any more, CD carries {summary.spread(ratios, 3)} times MD's load on the same packing; more than a "
+        f"tenth more on {much} of {len(ratios)}. Below yield MD only moves more.")
+
+
+def _jumps(rows):
+    cd = [row for row in _where(rows, method="CD") if np.isfinite(row["force change, median"])]
+    change, motion = ([row[name] for row in cd] for name in ("force change, median", "motion over R, median"))
+    held = sum(a > 0.01 and b < 1e-6 for a, b in zip(change, motion))
+    return _verdict(held, len(cd)), (
+        f"Below its limit CD's forces change by {summary.spread(100 * value for value in change)} % of the mean force (rms) from snapshot to snapshot "
+        f"while no grain moves by more than {summary.spread(motion)} R.")
+
+
+def _because_of_indeterminacy(rows):
+    cd = _where(rows, method="CD")
+    name = "load at 0.0001"
+    networks = [row for row in cd if row["network"] > 0]
+    if not networks:
+        return OPEN, "No ramp from another network has finished."
+    place = (networks[0]["preparation mu"], networks[0]["seed"])
+    same = summary.finite(row[name] for row in cd if (row["preparation mu"], row["seed"]) == place)
+    ratio = summary.finite(row[name] / row["limit load"] for row in cd)
+    # The load would have to depend on which of the admissible networks the run starts from: by a per cent at least.
+    return (DISAGREES if np.ptp(same) < 0.01 * same.mean() else AGREES), (
+        f"From {len(same)} different networks of one packing CD yields at {summary.spread(same, 4)} P0: the network does not matter. The critical load "
+        f"is {summary.spread(ratio, 4)} times the static limit of the contacts' geometry and friction, which knows no network.")
+
+
+POINTS = (
+    Point("If the loadings are low enough, the excitations shakedown in the material. [...] there will be practically no accumulation of permanent "
+          "strain.", "section 3, Fig. 3", "fig3", _shakes_down),
+    Point("This is related to the disappearance of sliding contacts in the sample.", "section 3, Fig. 3", "fig3", _sliding_vanishes),
+    Point("This incremental collapse can be seen in cases dSigma = 0.40 and dSigma = 0.50 of the figure.", "section 3, Fig. 3", "fig3", _collapses),
+    Point("For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small rate. This "
+          "behavior is associated to a quasi-periodic response of the sliding contacts.", "section 3, Fig. 3", "fig3", _ratchets),
+    Point("The perturbation that the loading exerts on the system is much weaker in the CD simulation", "section 3, Fig. 4", "fig4", _weaker_in_cd),
+    Point("and related to the precision of the method.", "section 3, Fig. 4", "tolerance", _precision),
+    Point("But note also that the energy dissipated is bigger in the MD cycle, and so is the remanent strain at the end of the process.",
+          "section 3, Fig. 4", "fig4", _dissipates_more),
+    Point("In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "fig5", _drifts),
+    Point("A sudden compression is perceived [...], after which the deformation rate seems to grow [...]. In the CD simulation, the response is smoother "
+          "than in the MD case.", "section 3, Fig. 5", "fig5", _sudden),
+    Point("At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
+          "expands.", "section 3, Fig. 5", "fig5", _rests),
+    Point("this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5", "fig5",
+          _no_collapse),
+    Point("The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4", "fig5",
+          _resistant),
+    Point("This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "critical_load",
+          _because_of_indeterminacy),
+    Point("The system can jump from one force configuration to another without any movement of the particles.", "section 4", "critical_load", _jumps),
+)

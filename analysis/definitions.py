@@ -1,0 +1,53 @@
+"""What each measured number means: name, equation, words, and the function that computes it. The report prints this list.
+
+Equations are HTML; numbers in brackets are those of the paper's equations.
+"""
+
+from dataclasses import dataclass
+
+from analysis import cycles, schema
+
+_MIN, _MAX = cycles.FEWEST_CYCLES, cycles.PRACTICAL_CYCLES
+
+
+@dataclass(frozen=True)
+class Definition:
+    """One measured number."""
+
+    name: str
+    equation: str
+    words: str
+    code: str
+
+
+DEFINITIONS = (
+    Definition("Stress", "σ<sub>1</sub> = F<sub>x</sub>/(L<sub>y</sub> depth), σ<sub>2</sub> = F<sub>y</sub>/(L<sub>x</sub> depth)",
+               "Contact forces on opposite walls, their mean; compression positive.", "yade_scripts/walls.py"),
+    Definition("Load", "σ<sub>1</sub> = P<sub>0</sub>; σ<sub>2</sub> = P<sub>0</sub>[1 + ½Δσ(1 − cos 2πt/t<sub>0</sub>)] (7), "
+               "P<sub>0</sub>(1 + αt) (1), or linear up and down", "Δσ is delta_sigma, α ramp_rate.", "yade_scripts/loading.py"),
+    Definition("Strain", "ε<sub>1</sub> = L<sub>x</sub>/L<sub>x0</sub> − 1, ε<sub>2</sub> = L<sub>y</sub>/L<sub>y0</sub> − 1",
+               "Between the walls; extension positive. The paper's (2) and (3) lack the −1, which its γ does not notice.", "analysis/schema.py"),
+    Definition("γ", "γ = ε<sub>2</sub> − ε<sub>1</sub> (4)", "Negative when the sample shortens along the loaded axis.", "analysis/schema.py"),
+    Definition("Permanent strain", "γ<sub>n</sub> = γ(n t<sub>0</sub>)",
+               "At the end of cycle n, where the load is back at P<sub>0</sub>. The remanent strain of one cycle is γ<sub>1</sub> − γ<sub>0</sub>.",
+               "analysis/cycles.py, observables.permanent_strain"),
+    Definition("Strain rate per cycle", "Δγ<sub>n</sub> = γ<sub>n</sub> − γ<sub>n−1</sub>", "Curves show means over windows of cycles.", "analysis/cycles.py"),
+    Definition("Sliding contact", f"|T| ≥ μR(1 − {schema.SLIDING_MARGIN:g}), R &gt; 0, μ &gt; 0",
+               "At the Coulomb limit (section 2.2); the margin is above rounding. Walls without friction never count.", "schema.is_sliding"),
+    Definition("Bound on sliding contacts", "2M − 3N − 2",
+               "Unknown forces less equations: M contacts (one unknown where there is no friction), N disks without rattlers, two free walls "
+               "(McNamara and Herrmann 2004). At more, the sample moves.", "statics.degrees_of_freedom"),
+    Definition("Coordination number", "Z = (2M<sub>disks</sub> + M<sub>walls</sub>)/N", "Loaded contacts on disks that are no rattlers. Curves through "
+               "the cycles show 2M/N with all disks and contacts instead.", "observables.coordination"),
+    Definition("Dissipated energy", "D = W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> in MD; Σ over contacts and steps in CD",
+               "W: work of the walls. In units of P<sub>0</sub>V<sub>0</sub>, V<sub>0</sub> the sample's volume at the start.", "yade_scripts/record.py"),
+    Definition("Error of the energy balance", "(W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> − D')/max|W|",
+               "D' is summed where it happens: in CD the engine's dissipation, in MD the law functor's over all slips. MD's dashpots are not "
+               "in D', so their work is part of the error.", "observables.balance_error"),
+    Definition("Critical load", "σ<sub>2</sub>/P<sub>0</sub> at which |γ| passes a threshold", "Always given with the threshold.",
+               "observables.critical_load"),
+    Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",
+               f"Collapse: the sample gave way, or would within as many cycles again. Shakedown: the late change is noise or turns back, or p &gt; 1, "
+               f"or {_MAX} cycles at the late rate would not double the strain. Ratcheting: the rest. Under {_MIN} cycles: too short to tell.",
+               "cycles.regime"),
+)

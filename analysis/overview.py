@@ -1,0 +1,101 @@
+"""The short answer on top of the report: what of the paper's divergence between the methods is tolerance, stiffness, indeterminacy.
+
+One or two sentences a topic from the rows of one study each, plainer and shorter than the study's own answer.
+"""
+
+import re
+
+import numpy as np
+
+from analysis import cycles
+from analysis.studies import summary
+
+# Headings, and the studies whose sentences stand under each.
+TOPICS = (("The figures, repeated", ("fig4", "fig3", "fig5", "influence")), ("What is tolerance", ("tolerance",)),
+          ("What is stiffness", ("stiffness", "chain")), ("What is indeterminacy", ("critical_load", "indeterminacy")),
+          ("What is the tangential spring", ("closed_path", "laws")))
+
+
+def headline(name, rows, answer):
+    """The sentences of a study; the first one of its answer where it has none of its own, or too few rows for them."""
+    try:
+        return HEADLINES[name](rows)
+    except (KeyError, IndexError, ValueError, ZeroDivisionError):
+        return first_sentence(answer)
+
+
+def first_sentence(text):
+    """Up to the first full stop that ends a sentence."""
+    return re.split(r"(?<=\.)\s+(?=[A-Z])", text, maxsplit=1)[0]
+
+
+def _fig4(rows):
+    by = {method: [row["largest |gamma|"] for row in rows if row["method"] == method] for method in ("MD", "CD")}
+    packings = len({row["seed"] for row in rows})
+    return (f"One load of 0.2 P0 and back ({summary.count(packings, 'packing')}): |gamma| reaches {summary.spread(by['MD'])} with springs and "
+            f"{summary.spread(by['CD'])} with rigid contacts, as the paper's Fig. 4 has it.")
+
+
+def _fig3(rows):
+    count = {method: {name: sum(row["method"] == method and row["regime"] == name for row in rows)
+                      for name in (cycles.SHAKEDOWN, cycles.RATCHETING, cycles.COLLAPSE)} for method in ("MD", "CD")}
+    def words(method):
+        return ", ".join(f"{name} {number}" for name, number in count[method].items())
+    return f"Under repeated loading, runs end as follows. MD: {words('MD')}; CD: {words('CD')}."
+
+
+def _fig5(rows):
+    slowest = min(row["ramp rate"] for row in rows)
+    name = "load at |gamma| = 0.01"
+    ratio = summary.finite(summary.paired_ratio([row for row in rows if row["method"] == "CD" and row["ramp rate"] == slowest],
+                                                [row for row in rows if row["method"] == "MD" and row["ramp rate"] == slowest],
+                                                ("seed", "preparation friction"), name))
+    if not len(ratio):
+        raise ValueError(name)
+    return (f"Under the ramp CD rests until it yields while MD drifts, but both yield at nearly the same load: at |gamma| = 0.01 CD carries "
+            f"{summary.spread(ratio, 3)} times what MD does.")
+
+
+def _tolerance(rows):
+    solved = sorted((row for row in rows if row["effort"] == "tolerance"), key=lambda row: row["value"])
+    best, worst = solved[0], solved[-1]
+    if best is worst:
+        raise ValueError("one tolerance")
+    return (f"All of CD's loop below yield. It shrinks with the solver's error, from {summary.number(worst['largest'])} at {worst['value']:.0e} to "
+            f"{summary.number(best['largest'])} at {best['value']:.0e}, and no limit above zero is seen: solved to the end, rigid grains below yield "
+            "do not move.")
+
+
+def _stiffness(rows):
+    springs = {row["springs_over_kn"]: row for row in rows if row["medium"] == "MD" and not row["comparison"]}
+    ratios = [row["scaled_largest"] / springs[row["springs_over_kn"]]["scaled_largest"] for row in rows
+              if row["medium"] == "CD, parting as springs" and not row["comparison"]]
+    return (f"What is not tolerance is stiffness: CD left with few sweeps a step is an elastic medium, and at the springs' own stiffness it strains "
+            f"{summary.spread(ratios)} times as far as MD does. MD approaches CD as its springs stiffen.")
+
+
+def _critical_load(rows):
+    cd = [row for row in rows if row["method"] == "CD"]
+    ratio = summary.finite(row["load at 0.0001"] / row["limit load"] for row in cd)
+    networks = sum(row["network"] > 0 for row in cd)
+    if not len(ratio) or not networks:
+        raise ValueError("no ramp")
+    return (f"The forces, not the strength. CD yields at {summary.spread(ratio, 4)} times the static limit of the packing, from "
+            f"{summary.count(networks + 1, 'initial network')} alike: indeterminacy decides which forces are carried below the limit and not where "
+            "the packing breaks.")
+
+
+def _laws(rows):
+    ratios = {law: summary.finite(row["strain over standard"] for row in rows if row["law"] == law and "strain over standard" in row)
+              for law in ("avoid_ratcheting", "path_independent")}
+    if not all(len(values) for values in ratios.values()):
+        raise ValueError("laws missing")
+    ends = [row["regime"] for row in rows if row["law"] == "path_independent"]
+    return (f"Not the cause: under the path-independent law samples strain {summary.spread(ratios['path_independent'], 3)} times as "
+            f"far as under the standard one, and {ends.count(cycles.RATCHETING)} of {len(ends)} still ratchet."
+            if np.all(np.abs(np.log(ratios["path_independent"])) < np.log(1.5)) else
+            f"Under the path-independent law samples strain {summary.spread(ratios['path_independent'], 3)} times as far as under the standard one; "
+            f"{ends.count(cycles.RATCHETING)} of {len(ends)} ratchet.")
+
+
+HEADLINES = {"fig4": _fig4, "fig3": _fig3, "fig5": _fig5, "tolerance": _tolerance, "stiffness": _stiffness, "critical_load": _critical_load, "laws": _laws}
