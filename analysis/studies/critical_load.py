@@ -174,8 +174,8 @@ def answer(rows):
                     "set of admissible forces shrinks under them.")
     text.append(f"Thresholds, for the one packing: {', '.join(f'{np.nanmedian(_column(same, _name(t))):.3f} at {t:g}' for t in THRESHOLDS)}. What "
                 "comes after the first motion belongs to new contacts. Evidence: one ramp rate; "
-                f"{int(_column(cd, 'unconverged before').sum())} steps missed the solver's tolerance before {NEARLY:g} of the limit; the limit takes Coulomb's friction as if it were associated, and is "
-                "an upper bound.")
+                f"{int(_column(cd, 'unconverged before').sum())} steps missed the solver's tolerance before {NEARLY:g} of the limit; "
+                "the limit takes Coulomb's friction as if it were associated, and is an upper bound.")
     return " ".join(text)
 
 

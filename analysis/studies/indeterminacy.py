@@ -159,7 +159,8 @@ def answer(rows):
     refused = sum(row["samples"] - row["used"] for row in rows)
     text.append(f"Evidence: {len({row['seed'] for row in rows})} packings for each mu; the walk samples by its own measure, not uniformly, and "
                 f"covers {_covered(rows)} of the range of single forces that linear programmes allow; "
-                f"{sum(row['unconverged'] for row in rows)} of {sum(row['samples'] for row in rows)} samples missed the solver's tolerance, {refused} were refused as not admissible to {ADMISSIBLE:g} of the mean force.")
+                f"{sum(row['unconverged'] for row in rows)} of {sum(row['samples'] for row in rows)} samples missed the "
+                f"solver's tolerance, {refused} were refused as not admissible to {ADMISSIBLE:g} of the mean force.")
     return " ".join(text)
 
 
