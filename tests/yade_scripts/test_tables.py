@@ -48,8 +48,16 @@ def test_every_table_of_ours_can_be_run(path):
     assert len({parameters.result_name(row) for row in rows}) == len(rows), "two rows are the same run"
 
 
-def test_fig4_runs_both_methods_from_one_packing():
-    md, cd = (parameters.complete(row) for row in tables.read(FOLDER / "fig4.txt").values())
-    assert {md["method"], cd["method"]} == {"MD", "CD"}
-    assert parameters.preparation(md) == parameters.preparation(cd)
-    assert all(md[name] == cd[name] for name in ("loading", "delta_sigma", "period", "cycles"))
+@pytest.mark.parametrize("name", ["fig4.txt", "quick/fig4.txt"])
+def test_fig4_runs_both_methods_from_each_packing(name):
+    rows = [parameters.complete(row) for row in tables.read(FOLDER / name).values()]
+    for md, cd in zip(rows[::2], rows[1::2], strict=True):
+        assert (md["method"], cd["method"]) == ("MD", "CD")
+        assert parameters.preparation(md) == parameters.preparation(cd)
+        assert all(md[name] == cd[name] for name in ("loading", "delta_sigma", "period", "cycles"))
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.rglob("*.txt")), ids=lambda path: str(path.relative_to(FOLDER)))
+def test_every_row_can_be_run_and_is_another(path):
+    rows = [parameters.complete(row) for row in tables.read(path).values()]
+    assert len({parameters.result_name(row) for row in rows}) == len(rows)
