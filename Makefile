@@ -24,6 +24,9 @@ build: deps ## compile the engine
 study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
 	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
 
+report: deps ## one HTML page of the studies drawn so far; FULL=1 for the full tables
+	@$(PYTHON) -m analysis report $(if $(FULL),--full) -o $(REPORT)
+
 test: build ## all tests and the short regression run
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/regression.py --short
@@ -53,4 +56,4 @@ uninstall: ## undo `make install`
 clean: ## remove what was compiled; results stay
 	$(MAKE) --no-print-directory -C cd_engine clean
 
-.PHONY: help deps build study test console regression bench lint install uninstall clean
+.PHONY: help deps build study report test console regression bench lint install uninstall clean

@@ -43,6 +43,13 @@ def _parser():
     study.add_argument("-o", "--output", metavar="FOLDER", help="where to (default: figures/quick or figures/full)")
     study.add_argument("--results", default=str(load.RESULTS), help="folder of the result files")
     study.set_defaults(run=_study)
+    report = commands.add_parser("report", help="one HTML page of all studies",
+                                 description="Draw all studies that have results, then write one self-contained HTML page of them.")
+    report.add_argument("--full", action="store_true", help="of the full tables (default: the quick ones)")
+    report.add_argument("-o", "--output", default="report.html", help="page to write (default: %(default)s)")
+    report.add_argument("--results", default=str(load.RESULTS), help="folder of the result files")
+    report.add_argument("--published", metavar="FOLDER", help="take figures and tables from here and draw nothing")
+    report.set_defaults(run=_report)
     for name, what, run in (("summary", "one line of numbers a run", _summary), ("check", "say which files can be used", _check)):
         command = commands.add_parser(name, help=what, description=what + ".")
         command.add_argument("files", nargs="+", metavar="FILE", help="result files")
@@ -86,16 +93,34 @@ def _draw(options, draw):
 
 def _study(options):
     """Publish one study or all; what is missing is named."""
-    folder = Path(options.output or FIGURES / ("full" if options.full else "quick"))
+    folder = Path(options.output or _folder(options))
     if options.name == "all":
-        for name, reason in publish.publish_all(folder, options.results, options.full).items():
-            print(f"analysis study: {name}: {reason}", file=sys.stderr)
+        _publish_all(options, folder)
     else:
         collection = studies.collect(options.name, options.results, options.full)
         publish.publish(collection, folder)
         for path, _, reason in collection.missing:
             print(f"analysis study: {path.name}: {reason}", file=sys.stderr)
     print(folder.resolve())
+    return 0
+
+
+def _folder(options):
+    """Where studies are published unless told otherwise."""
+    return FIGURES / ("full" if options.full else "quick")
+
+
+def _publish_all(options, folder):
+    for name, reason in publish.publish_all(folder, options.results, options.full).items():
+        print(f"analysis {options.command}: {name}: {reason}", file=sys.stderr)
+
+
+def _report(options):
+    """The page, of studies drawn just now or taken as they are."""
+    from analysis import report
+    if not options.published:
+        _publish_all(options, _folder(options))
+    print(report.build(options.published or _folder(options), options.output).resolve())
     return 0
 
 

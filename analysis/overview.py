@@ -8,7 +8,7 @@ import re
 import numpy as np
 
 from analysis import cycles
-from analysis.studies import summary
+from analysis.studies import influence, summary
 
 # Headings, and the studies whose sentences stand under each.
 TOPICS = (("The figures, repeated", ("fig4", "fig3", "fig5", "influence")), ("What is tolerance", ("tolerance",)),
@@ -98,4 +98,8 @@ def _laws(rows):
             f"{ends.count(cycles.RATCHETING)} of {len(ends)} ratchet.")
 
 
-HEADLINES = {"fig4": _fig4, "fig3": _fig3, "fig5": _fig5, "tolerance": _tolerance, "stiffness": _stiffness, "critical_load": _critical_load, "laws": _laws}
+def _influence(rows):
+    return f"{influence.strongest(rows)} {influence.verdict(rows)}"
+
+
+HEADLINES = {"influence": _influence, "fig4": _fig4, "fig3": _fig3, "fig5": _fig5, "tolerance": _tolerance, "stiffness": _stiffness, "critical_load": _critical_load, "laws": _laws}

@@ -182,11 +182,16 @@ def _map(axis, rows):
 
 def answer(rows):
     """Which parameter matters most, and whether the paper's regimes were found."""
-    return _strongest([row for row in rows if row["kind"] == "variation" and row["parameter"] != "base"]) + " " + _found(
-        [row for row in rows if row["kind"] == "search"])
+    return f"{strongest(rows)} {_extent(_of(rows, 'search'))} {verdict(rows)}"
 
 
-def _strongest(rows):
+def _of(rows, kind):
+    return [row for row in rows if row["kind"] == kind and row["parameter"] != "base"]
+
+
+def strongest(rows):
+    """The parameters that matter most, in a sentence."""
+    rows = _of(rows, "variation")
     ranked = sorted((row for row in rows if row["ratio to the base"] > 0), key=lambda row: -_factor(row))
     if not ranked:
         return "No parameter has been varied yet."
@@ -203,24 +208,31 @@ def _factor(row):
     return float(np.exp(abs(np.log(row["ratio to the base"]))))
 
 
-def _found(rows):
-    frictions, loads = sorted({row["value"] for row in rows}), sorted({row["dSigma"] for row in rows})
-    by = {(row["value"], row["dSigma"]): row for row in rows}
+def _extent(rows):
+    """How far the search went and what it met."""
+    frictions, loads = (", ".join(f"{value:g}" for value in sorted({row[name] for row in rows})) for name in ("value", "dSigma"))
+    counts = [f"{name} in {sum(row[name] for row in rows)}" for name in _REGIME_COLOUR if any(row[name] for row in rows)]
+    return (f"The search covered preparation friction {frictions} and dSigma {loads}, {summary.between(row['packings'] for row in rows)} packings and "
+            f"{summary.between(row['cycles'] for row in rows)} cycles a point. Of {sum(row['packings'] for row in rows)} runs: {', '.join(counts)}.")
+
+
+def verdict(rows):
+    """Whether a preparation was found that gives the paper's regimes, in a sentence."""
+    by = {(row["value"], row["dSigma"]): row for row in _of(rows, "search")}
+    frictions, loads = (sorted(set(values)) for values in zip(*by))
+
     def share(friction, load, name):
         row = by.get((friction, load))
         return row[name] / row["packings"] if row else 0.0
-    matching = [friction for friction in frictions if all(share(friction, load, name) > 0.5 for load, name in PAPER.items())
-                and any(share(friction, load, cycles.RATCHETING) > 0.5 for load in loads)
-                and any(share(friction, load, cycles.SHAKEDOWN) > 0.5 for load in loads)]
-    extent = (f"The search covered preparation friction {', '.join(f'{value:g}' for value in frictions)} and dSigma "
-              f"{', '.join(f'{value:g}' for value in loads)}, {summary.between(row['packings'] for row in rows)} packings and "
-              f"{summary.between(row['cycles'] for row in rows)} cycles a point.")
-    counts = [f"{name} in {sum(row[name] for row in rows)}" for name in _REGIME_COLOUR if any(row[name] for row in rows)]
+
+    def matches(friction):
+        return all(share(friction, load, name) > 0.5 for load, name in PAPER.items()) and all(
+            any(share(friction, load, name) > 0.5 for load in loads) for name in (cycles.RATCHETING, cycles.SHAKEDOWN))
+
+    matching = [friction for friction in frictions if matches(friction)]
     if matching:
-        verdict = f"The paper's regimes appear, by the majority of packings, at preparation friction {', '.join(f'{value:g}' for value in matching)}."
-    else:
-        best = max(((share(friction, load, cycles.COLLAPSE), friction, load) for friction in frictions for load in loads))
-        verdict = ("No preparation was found for which loads of 0.40 and 0.50 collapse while lower ones ratchet and shake down in the majority of "
-                   "packings; " + (f"collapse is most frequent at preparation friction {best[1]:g} and dSigma {best[2]:g} "
-                                   f"({100 * best[0]:.0f} % of the packings)." if best[0] else "no run collapsed."))
-    return f"{extent} Of {sum(row['packings'] for row in rows)} runs: {', '.join(counts)}. {verdict}"
+        return f"The paper's regimes appear, by the majority of packings, at preparation friction {', '.join(f'{value:g}' for value in matching)}."
+    best, friction, load = max((share(*point, cycles.COLLAPSE), *point) for point in by)
+    return ("No preparation was found for which loads of 0.40 and 0.50 collapse while lower ones ratchet and shake down in the majority of packings; "
+            + (f"collapse is most frequent at preparation friction {friction:g} and dSigma {load:g} ({100 * best:.0f} % of the packings)." if best
+               else "no run collapsed."))
