@@ -43,13 +43,14 @@ def _row(effort, value, group):
         return row
     # The samples of the history stand for all steps.
     sweeps = float(np.mean([run.values("iterations")[1:].mean() for run in group]))
-    full = group[0].parameters | {"fixed_iterations": sweeps}
-    steps = [effective_medium.step(full) for _ in group]
+    full = group[0].parameters
+    if effort == BY_SWEEPS:
+        row["kappa_over_kn"] = effective_medium.stiffness(full) / full["kn"]
     return row | {
-        "sweeps_a_step": sweeps, "kappa_over_kn": effective_medium.stiffness(full) / full["kn"],
+        "sweeps_a_step": sweeps,
         "error_median": float(np.median([np.median(run.values("residual")[1:]) for run in group])),
         "unsolved_steps": sum(observables.unconverged_steps(run) for run in group),
-        "steps": int(sum(round(run.values("time")[-1] / step) for run, step in zip(group, steps)))}
+        "steps": sum(round(run.values("time")[-1] / effective_medium.step(full)) for run in group)}
 
 
 def _of(rows, effort):
@@ -87,9 +88,9 @@ def answer(rows):
     best, worst = solved[0], solved[-1]
     text = (f"Tolerance. From {worst['value']:.0e} to {best['value']:.0e} the largest |gamma| of CD falls from {worst['largest']:.1e} to "
             f"{best['largest']:.1e}, the width of the loop from {worst['width']:.1e} to {best['width']:.1e}, the remanent strain from "
-            f"{worst['remanent']:.1e} to {best['remanent']:.1e}, and none of them levels off")
-    text = text if _falling(solved) else text.replace(", and none of them levels off", "; not every step of the way goes down")
-    text += "."
+            f"{worst['remanent']:.1e} to {best['remanent']:.1e}")
+    level = [words for name, words in (("largest", "largest |gamma|"), ("width", "width"), ("remanent", "remanent strain")) if not _falling(solved, name)]
+    text += f" (the {' and the '.join(level)} not at every tolerance on the way)." if level else ", and none of them levels off."
     if md:
         near = min(solved, key=lambda row: abs(np.log(row["largest"] / md[0]["largest"])))
         text += (f" A tolerance of {near['value']:.0e} gives {near['largest'] / md[0]['largest']:.2f} times MD's largest |gamma| "
@@ -111,7 +112,7 @@ def answer(rows):
     return text + " One load, dSigma = 0.2; packings and loads that yield are another matter (fig5)."
 
 
-def _falling(rows):
-    """Whether the largest strain goes down with every smaller value."""
-    largest = [row["largest"] for row in rows]
-    return all(small < large for small, large in zip(largest, largest[1:]))
+def _falling(rows, name):
+    """Whether the quantity goes down with every smaller value."""
+    values = [row[name] for row in rows]
+    return all(small < large for small, large in zip(values, values[1:]))
