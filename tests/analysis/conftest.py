@@ -59,6 +59,7 @@ def history(method, samples=201, scale=1e-3):
                     sigma1=np.full(samples, pressure), sigma2=sigma2, sigma1_goal=np.full(samples, pressure),
                     sigma2_goal=sigma2 * (1 + 1e-4), dissipated_energy=np.linspace(0, 2e-3, samples))
     if method == "CD":
+        del columns["friction_dissipation"]
         columns |= dict(residual=np.full(samples, 1e-7), unconverged_steps=np.arange(samples) // 50)
     else:
         for name in ("residual_max", "unconverged_steps"):

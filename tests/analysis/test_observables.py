@@ -121,3 +121,48 @@ def test_correlation():
     x = np.array([1.0, 2.0, 4.0])
     assert observables.correlation(x, 3 - 2 * x) == pytest.approx(-1)
     assert np.isnan(observables.correlation(x, np.ones(3)))
+
+
+def energies(folder, method, name, dissipated):
+    """A run in which the walls do 1 J of work, 0.25 J are stored, 0.05 J move, and the history field `name` counts `dissipated` J."""
+    columns = history(method)
+    share = np.linspace(0, 1, len(columns["time"]))
+    columns |= {"wall_work": share, "stored_energy": 0.25 * share, "kinetic_energy": 0.05 * share, name: dissipated * share}
+    return load.load(write(folder / f"{method}.h5", method, columns))
+
+
+def test_balance_error_takes_what_was_summed_where_it_happened(tmp_path):
+    assert observables.balance_error(energies(tmp_path, "CD", "dissipated_energy", 0.7)) == pytest.approx(0, abs=1e-15)
+    assert observables.balance_error(energies(tmp_path, "CD", "dissipated_energy", 0.6)) == pytest.approx(0.1)
+    assert observables.balance_error(energies(tmp_path, "MD", "friction_dissipation", 0.6)) == pytest.approx(0.1)
+    assert np.isnan(observables.balance_error(energies(tmp_path, "MD", "friction_dissipation", np.nan)))
+
+
+def test_work_error_compares_two_ways_to_the_work(tmp_path):
+    """Isotropic compression at P0 by a tenth of the area, whose work is P0 dA; the history claims a tenth more."""
+    columns = history("MD")
+    count = len(columns["time"])
+    columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.zeros(count)
+    columns["sigma1"] = columns["sigma2"] = np.full(count, 1200.0)
+    columns["wall_work"] = np.linspace(0, 1.1 * 1200 * SIDE**2 * 0.1, count)
+    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    assert observables.work_error(run) == pytest.approx(-0.1 / 1.1, rel=1e-9)
+    assert observables.work_scale(run) == pytest.approx(1200 * SIDE**2)
+
+
+def test_critical_load_is_interpolated(tmp_path):
+    columns = history("MD")
+    count = len(columns["time"])
+    share = np.linspace(0, 1, count)
+    columns |= dict(gamma=-0.01 * share, sigma2_goal=1200 * (1 + share))
+    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    # A straight line, which interpolation meets exactly.
+    assert observables.critical_load(run, 0.00333) == pytest.approx(1.333, rel=1e-12)
+    assert np.isnan(observables.critical_load(run, 0.02))
+
+
+def test_coordination_leaves_rattlers_out():
+    """A triangle of disks, one of which also leans on a wall; a fourth disk carries nothing."""
+    snapshot = dict(body_ids=np.array([6, 7, 8, 9]), contact_ids=np.array([[6, 7], [7, 8], [6, 8], [2, 6], [8, 9]]),
+                    force_normal=np.array([1.0, 1.0, 1.0, 1.0, 0.0]))
+    assert observables.coordination(snapshot) == pytest.approx(7 / 3)
