@@ -119,7 +119,7 @@ def draw(runs, rows, path):
     if len(mu):
         axes[0].plot([mu[0], 0.1], [eta[0], eta[0] * 0.1 / mu[0]], color="0.5", ls=":", label=r"$\propto\mu$")
     axes[2].axhline(1, color="0.5", ls=":")
-    axes[2].text(least, 1.03, "samples of the walk (rms)", fontsize=7, color="0.4")
+    axes[2].text(0.99, 1.02, "samples (rms)", fontsize=7, color="0.4", ha="right", transform=axes[2].get_yaxis_transform())
     for axis, label in zip(axes, (r"ambiguity $\eta=\langle\delta F\rangle/\langle|F|\rangle$", "dimension of the set of forces",
                                   "distance from the ensemble's mean\n(1: rms of the samples)")):
         axis.set(xscale="log", xlabel=r"friction $\mu$ (left edge: 0)", ylabel=label)
@@ -140,11 +140,13 @@ def answer(rows):
     small = (mu > 0) & (mu <= 0.011)
     if small.sum() > 1:
         slope = np.polyfit(np.log(mu[small]), np.log(eta[small]), 1)[0]
-        text.append(f"For small mu eta grows as mu^{slope:.2f} (published: proportional).")
+        text.append(f"For small mu eta grows as mu^{slope:.2f} (published: proportional; packings of one mu differ by up to a factor "
+                    f"{_scatter(rows, mu[small]):.1f} here).")
     if (mu > 0).sum() > 2:
         top = int(np.argmax(eta))
-        text.append(f"It is largest, {eta[top]:.3f}, at mu = {mu[top]:g} among those tried and falls to {eta[-1]:.3f} at mu = {mu[-1]:g} "
-                    "(published: a maximum near 0.1, then a fall).")
+        broad = mu[eta > 0.7 * eta[top]]
+        text.append(f"It is largest, {eta[top]:.3f}, at mu = {mu[top]:g} among those tried, above 70 % of that from {broad.min():g} to "
+                    f"{broad.max():g}, and {eta[-1]:.3f} at mu = {mu[-1]:g} (published: a maximum near 0.1, then a fall).")
     mu, eta = medians(rows, DENSE, "eta")
     if len(mu):
         text.append(f"The dense packings of the other studies are pressed so far that they stay indeterminate without friction: dimension "
@@ -162,6 +164,12 @@ def answer(rows):
                 f"{sum(row['unconverged'] for row in rows)} of {sum(row['samples'] for row in rows)} samples missed the "
                 f"solver's tolerance, {refused} were refused as not admissible to {ADMISSIBLE:g} of the mean force.")
     return " ".join(text)
+
+
+def _scatter(rows, frictions):
+    """Largest over smallest eta of the own packings of one mu, the most of any of these mu."""
+    groups = [[row["eta"] for row in rows if row["packing"] == OWN and row["mu"] == mu] for mu in frictions]
+    return max(max(group) / min(group) for group in groups)
 
 
 def _covered(rows):
