@@ -150,7 +150,9 @@ def answer(rows):
     mu, eta = medians(rows, DENSE, "eta")
     if len(mu):
         text.append(f"The dense packings of the other studies are pressed so far that they stay indeterminate without friction: dimension "
-                    f"{_dimensions(rows, DENSE, mu[0])} and eta = {eta[0]:.2g} at mu = {mu[0]:g}, {eta[-1]:.2g} at mu = {mu[-1]:g}.")
+                    f"{_dimensions(rows, DENSE, mu[0])} and eta = {eta[0]:.2g} at mu = {mu[0]:g}, {eta[-1]:.2g} at mu = {mu[-1]:g}"
+                    + (", rising all the way: with the contacts given, the widening cone only adds; the fall is the packings', which more friction "
+                       "leaves with fewer contacts." if len(mu) > 2 and (np.diff(eta) > 0).all() else "."))
     for packing in (OWN, DENSE):
         mine = [row for row in rows if row["packing"] == packing and row["mu"] > 0 and row["dimension"] > 0]
         if mine:
