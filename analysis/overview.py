@@ -24,16 +24,28 @@ def headline(name, rows, answer):
         return first_sentence(answer)
 
 
+# Characters below which a sentence says too little alone, such as "Yes."
+SHORT = 60
+
+
 def first_sentence(text):
-    """Up to the first full stop that ends a sentence."""
-    return re.split(r"(?<=\.)\s+(?=[A-Z])", text, maxsplit=1)[0]
+    """Up to the first full stop that ends a sentence, or the second where the first says too little."""
+    sentences = re.split(r"(?<=\.)\s+(?=[A-Z])", text)
+    taken = sentences[0]
+    for sentence in sentences[1:]:
+        if len(taken) >= SHORT:
+            break
+        taken += f" {sentence}"
+    return taken
 
 
 def _fig4(rows):
     by = {method: [row["largest |gamma|"] for row in rows if row["method"] == method] for method in ("MD", "CD")}
     packings = len({row["seed"] for row in rows})
-    return (f"One load of 0.2 P0 and back ({summary.count(packings, 'packing')}): |gamma| reaches {summary.spread(by['MD'])} with springs and "
-            f"{summary.spread(by['CD'])} with rigid contacts, as the paper's Fig. 4 has it.")
+    ordered = min(by["MD"]) > max(by["CD"])
+    return (f"One load and back ({summary.count(packings, 'packing')}): |gamma| reaches {summary.spread(by['MD'])} with springs and "
+            f"{summary.spread(by['CD'])} with rigid contacts" + (", in the order of the paper's Fig. 4." if ordered else ", not always in the order of "
+                                                                 "the paper's Fig. 4."))
 
 
 def _fig3(rows):
@@ -52,8 +64,10 @@ def _fig5(rows):
                                                 ("seed", "preparation friction"), name))
     if not len(ratio):
         raise ValueError(name)
-    return (f"Under the ramp CD rests until it yields while MD drifts, but both yield at nearly the same load: at |gamma| = 0.01 CD carries "
-            f"{summary.spread(ratio, 3)} times what MD does.")
+    alike = "both yield at nearly the same load" if np.all(np.abs(ratio - 1) < 0.1) else "they do not always yield at the same load"
+    drift, rest = ([row["load at |gamma| = 0.0001"] for row in rows if row["method"] == method and row["ramp rate"] == slowest] for method in ("MD", "CD"))
+    return (f"Under the ramp MD passes |gamma| = 1e-4 at {summary.spread(drift, 3)} P0 and CD at {summary.spread(rest, 3)} P0, but {alike}: at |gamma| = 0.01 "
+            f"CD carries {summary.spread(ratio, 3)} times what MD does.")
 
 
 def _tolerance(rows):
@@ -61,17 +75,22 @@ def _tolerance(rows):
     best, worst = solved[0], solved[-1]
     if best is worst:
         raise ValueError("one tolerance")
-    return (f"All of CD's loop below yield. It shrinks with the solver's error, from {summary.number(worst['largest'])} at {worst['value']:.0e} to "
-            f"{summary.number(best['largest'])} at {best['value']:.0e}, and no limit above zero is seen: solved to the end, rigid grains below yield "
-            "do not move.")
+    falling = all(small["largest"] < large["largest"] for small, large in zip(solved, solved[1:]))
+    range_of = (f"the largest |gamma| goes from {summary.number(worst['largest'])} at a tolerance of {worst['value']:.0e} to "
+                f"{summary.number(best['largest'])} at {best['value']:.0e}")
+    if not falling:
+        return f"Much of CD's loop below yield: {range_of}, though not downwards at every step."
+    return (f"All of CD's loop below yield: {range_of}, and no limit above zero is seen. Solved to the end, rigid grains below yield do not move.")
 
 
 def _stiffness(rows):
     springs = {row["springs_over_kn"]: row for row in rows if row["medium"] == "MD" and not row["comparison"]}
     ratios = [row["scaled_largest"] / springs[row["springs_over_kn"]]["scaled_largest"] for row in rows
               if row["medium"] == "CD, parting as springs" and not row["comparison"]]
-    return (f"What is not tolerance is stiffness: CD left with few sweeps a step is an elastic medium, and at the springs' own stiffness it strains "
-            f"{summary.spread(ratios)} times as far as MD does. MD approaches CD as its springs stiffen.")
+    softest, stiffest = springs[min(springs)], springs[max(springs)]
+    return (f"CD left with few sweeps a step is an elastic medium: at the springs' own stiffness it strains {summary.spread(ratios)} times as far as MD "
+            f"does. MD's own largest |gamma| goes from {summary.number(softest['largest'])} at {min(springs):g} k_n to "
+            f"{summary.number(stiffest['largest'])} at {max(springs):g} k_n.")
 
 
 def _critical_load(rows):
@@ -80,9 +99,13 @@ def _critical_load(rows):
     networks = sum(row["network"] > 0 for row in cd)
     if not len(ratio) or not networks:
         raise ValueError("no ramp")
-    return (f"The forces, not the strength. CD yields at {summary.spread(ratio, 4)} times the static limit of the packing, from "
-            f"{summary.count(networks + 1, 'initial network')} alike: indeterminacy decides which forces are carried below the limit and not where "
-            "the packing breaks.")
+    place = next((row["preparation mu"], row["seed"]) for row in cd if row["network"] > 0)
+    same = summary.finite(row["load at 0.0001"] for row in cd if (row["preparation mu"], row["seed"]) == place)
+    alike = np.ptp(same) < 0.01 * same.mean()
+    return (f"From {summary.count(networks + 1, 'initial force network')} of one packing CD yields at {summary.spread(same, 4)} P0, and over all packings at "
+            f"{summary.spread(ratio, 4)} times the static limit of their geometry and friction: " + (
+                "indeterminacy decides which forces are carried below the limit, and not where the packing breaks." if alike else
+                "the initial network matters."))
 
 
 def _laws(rows):

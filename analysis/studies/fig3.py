@@ -78,16 +78,16 @@ def draw(runs, rows, path):
     groups = summary.groups(runs, _group)
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
     fig, axes = plt.subplots(5, len(groups), figsize=(1.2 + 3.9 * len(groups), 15), squeeze=False, sharey="row")
+    _dress(axes)
     for column, ((rigid, friction), own) in enumerate(groups.items()):
         axes[0, column].set_title(f"{'CD' if rigid else 'MD'}, prepared with $\\mu$ = {friction:g}")
         for load, same in summary.groups(own, lambda run: run.parameters["delta_sigma"]).items():
             _curves(axes[:, column], same, *look[load])
-    _dress(axes)
     handles = [Line2D([], [], color=colour, marker=marker, markersize=4, label=rf"$\Delta\sigma$ = {load:g}")
                for load, (colour, marker) in look.items()]
     handles.append(Line2D([], [], color="#444444", marker="x", linestyle="none", label="collapsed"))
     fig.legend(handles=handles, loc="upper center", ncol=len(handles), bbox_to_anchor=(0.5, 0.995))
-    fig.subplots_adjust(left=0.09 if len(groups) > 2 else 0.11, right=0.985, top=0.955, bottom=0.085, hspace=0.3, wspace=0.08)
+    fig.subplots_adjust(left=0.09 if len(groups) > 2 else 0.11, right=0.985, top=0.955, bottom=0.1, hspace=0.3, wspace=0.08)
     style.finish(fig, runs, path, "Bold: median over the packings, thin: each packing. Rates are means over windows that grow with the cycle's number")
 
 
@@ -107,7 +107,7 @@ def _curves(axes, runs, colour, marker):
         several.append(found)
         axes[0].plot(*strains[-1], **thin)
         axes[1].plot(found.number, found.sliding_max, **thin)
-        axes[3].plot(found.number, found.dissipated, **thin)
+        axes[3].plot(found.number, _positive(found.dissipated), **thin)
         axes[4].plot(found.number, found.contacts, **thin)
     if not several:
         return
@@ -117,8 +117,14 @@ def _curves(axes, runs, colour, marker):
     axes[0].plot(*np.median([strain[:, :shortest] for strain in strains], axis=0), **bold)
     every = dict(markevery=max(1, count // 8))
     for axis, name in ((axes[1], "sliding_max"), (axes[3], "dissipated"), (axes[4], "contacts")):
-        axis.plot(np.arange(1, count + 1), np.median([getattr(found, name)[:count] for found in several], axis=0), **bold, **every)
+        median = np.median([getattr(found, name)[:count] for found in several], axis=0)
+        axis.plot(np.arange(1, count + 1), _positive(median) if name == "dissipated" else median, **bold, **every)
     _through_the_cycle(axes[2], [run for run in runs if _cycles(run)], bold)
+
+
+def _positive(values):
+    """NaN where a logarithmic axis has no place: CD below yield dissipates within its tolerance of nothing, on either side."""
+    return np.where(values > 0, values, np.nan)
 
 
 def _through_the_cycle(axis, runs, bold):
@@ -153,7 +159,7 @@ def answer(rows):
     for (method, friction), own in _by(rows, "method", "preparation friction"):
         loads = [f"{load:g} {_regimes(same)}" for (load,), same in _by(own, "dSigma")]
         parts.append(f"{method}, prepared with mu = {friction:g}: dSigma {', '.join(loads)}; {_rates(own)}. {_sliding(own)}")
-    return " ".join(parts) + " " + _limits(rows)
+    return "\n".join([*parts, _limits(rows)])
 
 
 def _by(rows, *names):

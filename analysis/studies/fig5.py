@@ -78,7 +78,7 @@ def draw(runs, rows, path):
     handles += [Line2D([], [], color="#444444", linestyle=":", label="faster ramp"),
                 Line2D([], [], color="#444444", marker="x", linestyle="none", label="collapsed")]
     fig.legend(handles=handles, loc="upper center", ncol=4)
-    fig.subplots_adjust(left=0.09 if len(groups) > 1 else 0.14, right=0.98, top=0.93, bottom=0.115, hspace=0.28, wspace=0.22)
+    fig.subplots_adjust(left=0.09 if len(groups) > 1 else 0.14, right=0.98, top=0.93, bottom=0.12 if len(groups) > 1 else 0.14, hspace=0.28, wspace=0.22)
     style.finish(fig, runs, path, "A line a packing; inset: CD alone, on its own scale")
 
 
@@ -134,9 +134,9 @@ def answer(rows):
     parts = []
     for friction, own in summary.groups(rows, lambda row: row["preparation friction"]).items():
         slow = [row for row in own if row["ramp rate"] == slowest]
-        parts.append(f"Prepared with mu = {friction:g}: " + "; ".join(_words(method, [row for row in slow if row["method"] == method])
-                                                                   for method in ("MD", "CD")) + "." + _ratio(slow))
-    return " ".join(parts) + _rate(rows, slowest)
+        parts += [f"Prepared with mu = {friction:g}, {_words(method, [row for row in slow if row['method'] == method])}." for method in ("MD", "CD")]
+        parts.append(_ratio(slow))
+    return "\n".join([*parts, _rate(rows, slowest)])
 
 
 def _words(method, rows):
@@ -149,14 +149,16 @@ def _words(method, rows):
             f"{summary.spread(row['largest jump of gamma before yield'] for row in rows)} between samples; the volume shrinks by at most "
             f"{summary.spread(-row['least volume strain'] for row in rows)} and ends {summary.spread(row['volume strain at the end'] for row in rows)} "
             f"larger than at the start; the sliding contacts reach their bound at "
-            f"{summary.spread((row['load where sliding reaches the bound'] for row in rows), 3)} P0 and are {summary.spread(row['sliding/bound at |gamma| = 0.01'] for row in rows)} "
-            f"times it where |gamma| = 0.01, at most {summary.spread(row['largest sliding/bound'] for row in rows)}")
+            f"{summary.spread((row['load where sliding reaches the bound'] for row in rows), 3)} P0 and are "
+            f"{summary.spread(row['sliding/bound at |gamma| = 0.01'] for row in rows)} times it where |gamma| = 0.01, at most {summary.spread(row['largest sliding/bound'] for row in rows)}")
 
 
 def _ratio(rows):
     by = {method: [row for row in rows if row["method"] == method] for method in ("MD", "CD")}
     ratio = summary.paired_ratio(by["CD"], by["MD"], ("seed",), f"load at |gamma| = {THRESHOLDS[-1]:g}")
-    return f" On the same packing CD carries {summary.spread(ratio, 3)} times MD's load at |gamma| = {THRESHOLDS[-1]:g}." if len(summary.finite(ratio)) else ""
+    if not len(summary.finite(ratio)):
+        return "No packing has been strained that far by both methods."
+    return f"On the same packing CD carries {summary.spread(ratio, 3)} times MD's load at |gamma| = {THRESHOLDS[-1]:g}."
 
 
 def _rate(rows, slowest):
@@ -165,5 +167,5 @@ def _rate(rows, slowest):
     fast, slow = ([row for row in rows if (row["ramp rate"] == slowest) == is_slow] for is_slow in (False, True))
     ratio = summary.paired_ratio(fast, slow, ("method", "seed", "preparation friction"), name)
     if not len(summary.finite(ratio)):
-        return " One rate of loading only."
-    return f" A faster ramp changes that load by a factor of {summary.spread(ratio, 3)}."
+        return "One rate of loading only."
+    return f"A faster ramp changes that load by a factor of {summary.spread(ratio, 3)}."
