@@ -96,12 +96,12 @@ def _study(options):
     folder = Path(options.output or _folder(options))
     if options.name == "all":
         _publish_all(options, folder)
-    else:
-        collection = studies.collect(options.name, options.results, options.full)
-        publish.publish(collection, folder)
-        for path, _, reason in collection.missing:
-            print(f"analysis study: {path.name}: {reason}", file=sys.stderr)
-    print(folder.resolve())
+        print(folder.resolve())
+        return 0
+    collection = studies.collect(options.name, options.results, options.full)
+    print(publish.publish(collection, folder).with_suffix(".png").resolve())
+    for path, _, reason in collection.missing:
+        print(f"analysis study: {path.name}: {reason}", file=sys.stderr)
     return 0
 
 

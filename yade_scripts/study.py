@@ -109,7 +109,10 @@ class Figures:
             command += ["-o", str(pathlib.Path(self.figures).resolve())]
         done = subprocess.run(command, cwd=HERE.parent, capture_output=True, text=True)
         print((done.stdout + done.stderr).strip(), flush=True)
-        (self.failed if done.returncode else self.drawn).append(study)
+        if done.returncode:
+            self.failed.append(study)
+        else:
+            self.drawn += done.stdout.split("\n")
 
 
 def _warn_of_other_code(jobs):
@@ -172,6 +175,9 @@ def main(arguments=None):
     failed = Queue(open_jobs, max(1, options.jobs)).run(lambda job: figures.ended({job.path}))
     for path in failed:
         print(f"study: {path} failed: {results.status(path) or 'see its log'}", file=sys.stderr)
+    drawn = [path for path in figures.drawn if path.strip()]
+    if drawn:
+        print("Figures:\n  " + "\n  ".join(drawn) + "\nOne page of all: make report" + " FULL=1" * options.full)
     for study in figures.failed:
         print(f"study: no figure of {study}", file=sys.stderr)
     return 1 if failed or figures.failed else 0
