@@ -10,16 +10,19 @@ import numpy as np
 
 from analysis import observables
 from analysis.load import ResultError
+from yade_scripts import parameters
 
 SHAKEDOWN, RATCHETING, COLLAPSE, SHORT = "shakedown", "ratcheting", "collapse", "too short"
-# Two octaves of cycles are compared, the shorter of at least four cycles: one slip does not make a trend.
-FEWEST_CYCLES = 16
+# Below that a run is too short for any verdict; below the second, for one by its decay, whose shorter octave is then four cycles: one
+# slip does not make a trend.
+FEWEST_CYCLES, FEWEST_FOR_DECAY = 8, 16
 # The standard deviation of a normal distribution over its median absolute deviation.
 MAD_TO_SIGMA = 1.4826
 # Times its standard error a change must be to count.
 SIGNIFICANT = 3
-# "Practically no accumulation" (paper, section 3): so many cycles at the late rate would not double the strain. Springs keep rates of
-# 1e-10 a cycle at the lowest load in cycles that repeat to all digits; nobody would call that ratcheting who runs thousands of cycles.
+# "Practically no accumulation" (paper, section 3): so many cycles at the late rate would neither double the strain nor add as much as
+# the elastic strain P0/k_n. At the lowest load springs keep rates of 1e-10 a cycle in cycles that repeat to all digits, and CD creeps by
+# its tolerance; nobody would call either ratcheting who runs thousands of cycles.
 PRACTICAL_CYCLES = 1000
 
 
@@ -109,7 +112,8 @@ def regime(run):
 
     collapse: the sample gave way, or at its late rate reaches collapse_strain within as many cycles again.
     shakedown: the late change is within the noise or has another sign than the one before; or the rate falls faster than 1/n - then
-    the strain stays bounded, since the sum of n^-p does for p > 1; or PRACTICAL_CYCLES at the late rate would not double the strain.
+    the strain stays bounded, since the sum of n^-p does for p > 1; or PRACTICAL_CYCLES at the late rate would add neither the strain so
+    far nor P0/k_n.
     ratcheting: everything else; the strain grows without bound, at a constant rate if p is 0.
     """
     found = None
@@ -139,9 +143,13 @@ def _decay(found, first, middle, last):
 
 
 def _name(run, found, rate, decay, within_noise):
+    count, strain = len(found.number), abs(found.permanent[-1])
     if run.collapsed:
         return COLLAPSE
-    if within_noise or decay > 1 or abs(rate) * PRACTICAL_CYCLES < abs(found.permanent[-1]):
+    if abs(rate) * PRACTICAL_CYCLES < max(strain, run.pressure * run.parameters["depth"] / parameters.stiffness(run.parameters)):
         return SHAKEDOWN
-    left = run.parameters["collapse_strain"] - abs(found.permanent[-1])
-    return COLLAPSE if left < abs(rate) * len(found.number) else RATCHETING
+    if count < FEWEST_FOR_DECAY:
+        return SHORT
+    if within_noise or decay > 1:
+        return SHAKEDOWN
+    return COLLAPSE if run.parameters["collapse_strain"] - strain < abs(rate) * count else RATCHETING

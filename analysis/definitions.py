@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from analysis import cycles, schema
 
-_MIN, _MAX = cycles.FEWEST_CYCLES, cycles.PRACTICAL_CYCLES
+_MIN, _MAX = cycles.FEWEST_FOR_DECAY, cycles.PRACTICAL_CYCLES
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ DEFINITIONS = (
                "observables.critical_load"),
     Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",
                f"Collapse: the sample gave way, or would within as many cycles again. Shakedown: the late change is noise or turns back, or p &gt; 1, "
-               f"or {_MAX} cycles at the late rate would not double the strain. Ratcheting: the rest. Under {_MIN} cycles: too short to tell.",
+               f"or {_MAX} cycles at the late rate would add neither the strain so far nor P<sub>0</sub>/k<sub>n</sub>. Ratcheting: the rest. "
+               f"Too short to tell: what would need the decay p in under {_MIN} cycles.",
                "cycles.regime"),
 )

@@ -38,7 +38,7 @@ def publish(collection, folder):
 def missing_rows(collection):
     """One row for each run that failed or is missing: its reason, file and the parameters that differ within the study."""
     varied = _split([run.parameters for run in collection.runs] + [row for _, row, _ in collection.missing])[1]
-    return [{STATUS: reason, "file": path.name} | {name: row[name] for name in varied} for path, row, reason in collection.missing]
+    return [{STATUS: reason, "file": path.name} | {name: row.get(name, "") for name in varied} for path, row, reason in collection.missing]
 
 
 def write_csv(path, rows):
@@ -124,15 +124,15 @@ def processor():
 
 
 def _split(rows):
-    """(parameters that are the same in all rows, {name: values} of those that are not)."""
-    values = {name: list(dict.fromkeys(row.get(name) for row in rows)) for name in (rows[0] if rows else ())}
+    """(parameters that are the same in all rows, {name: values} of those that are not); None in a run older than the parameter."""
+    values = {name: list(dict.fromkeys(row.get(name) for row in rows)) for name in dict.fromkeys(name for row in rows for name in row)}
     return ({name: seen[0] for name, seen in values.items() if len(seen) == 1},
             {name: sorted(seen, key=_order) for name, seen in values.items() if len(seen) > 1})
 
 
 def _order(value):
-    """Numbers before texts, each in its own order."""
-    return (isinstance(value, str), value)
+    """None, then numbers, then texts, each in their own order."""
+    return (value is not None, isinstance(value, str), value or 0) if not isinstance(value, str) else (True, True, value)
 
 
 def _last(values):

@@ -97,9 +97,8 @@ def _curves(axes, runs, colour, marker):
     for run in runs:
         found = _cycles(run)
         if run.collapsed:
-            end = abs(run.values("gamma")[-1])
-            rate = end - abs(found.permanent[-1]) if found else end
-            axes[0].plot(end, max(rate, 1e-12), "x", color=colour, markersize=6)
+            end = run.values("gamma")[-1]
+            axes[0].plot(abs(end), abs(end - found.permanent[-1] if found else end), "x", color=colour, markersize=6)
         if found is None:
             continue
         windows = cycles.windows(len(found.number))
@@ -197,5 +196,5 @@ def _limits(rows):
     seeds = len({row["seed"] for row in rows})
     return (f"Evidence: {summary.count(seeds, 'packing')} of each preparation, at most "
             + " and ".join(f"{number} cycles of {method}" for method, number in most.items())
-            + f"; 'too short' is a run of fewer than {cycles.FEWEST_CYCLES} cycles, and a rate that falls faster than 1/n over the last "
+            + f"; 'too short' is a run of fewer than {cycles.FEWEST_FOR_DECAY} cycles that still strains, and a rate that falls faster than 1/n over the last "
             "octaves counts as shakedown, which more cycles could overturn.")

@@ -147,8 +147,8 @@ def _words(method, rows):
     return (f"{method} passes |gamma| = threshold at sigma2/P0 = {loads}; {collapsed} of {len(rows)} collapsed, at most at "
             f"{summary.spread((row['largest load'] for row in rows), 3)} P0; before yield gamma jumps by at most "
             f"{summary.spread(row['largest jump of gamma before yield'] for row in rows)} between samples; the volume shrinks by at most "
-            f"{summary.spread(-row['least volume strain'] for row in rows)} and ends {summary.spread(row['volume strain at the end'] for row in rows)} "
-            f"larger than at the start; the sliding contacts reach their bound at "
+            f"{summary.spread(-row['least volume strain'] for row in rows)} of its start and has changed by "
+            f"{summary.spread(row['volume strain at the end'] for row in rows)} at the end; the sliding contacts reach their bound at "
             f"{summary.spread((row['load where sliding reaches the bound'] for row in rows), 3)} P0 and are "
             f"{summary.spread(row['sliding/bound at |gamma| = 0.01'] for row in rows)} times it where |gamma| = 0.01, at most {summary.spread(row['largest sliding/bound'] for row in rows)}")
 

@@ -39,9 +39,9 @@ def summarize(runs):
 
 
 def _base(runs):
-    """Of each parameter the value that most runs have."""
-    names = [name for name in runs[0].parameters if name not in IGNORED]
-    return {name: max((values := [run.parameters[name] for run in runs]), key=lambda v: (values.count(v), -values.index(v))) for name in names}
+    """Of each parameter the value that most runs have; runs made before a parameter existed do not have it."""
+    names = [name for name in runs[0].parameters if name not in IGNORED and all(name in run.parameters for run in runs)]
+    return {name: summary.commonest(run.parameters[name] for run in runs) for name in names}
 
 
 def _differences(run, base, ignore=()):
@@ -78,8 +78,7 @@ def _search_point(run):
 
 def _anchor(runs, varied):
     """The point of the search around which parameters are varied."""
-    points = [_search_point(run) for run in varied or runs]
-    return max(points, key=points.count)
+    return summary.commonest(_search_point(run) for run in varied or runs)
 
 
 def _partners(same, runs, base):

@@ -65,6 +65,12 @@ def groups(items, key):
     return dict(sorted(found.items()))
 
 
+def commonest(values):
+    """The value that occurs most often, the first of several such."""
+    values = list(values)
+    return max(values, key=values.count)
+
+
 def count(number_of, what):
     """'1 run', '3 runs'."""
     return f"{number_of} {what}{'' if number_of == 1 else 's'}"

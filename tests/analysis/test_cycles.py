@@ -71,11 +71,13 @@ def test_decay_and_regime_of_a_power_law(tmp_path, power, name):
 
 def test_scatter_about_rest_is_shakedown(tmp_path):
     """gamma read with an error at every cycle's end: rates of both signs and no trend."""
-    noise = np.random.default_rng(1).normal(0, 1e-9, 65)
-    regime = cycles.regime(run_of(tmp_path, np.diff(noise), first=-1e-4))
-    assert regime.name == cycles.SHAKEDOWN
+    noise = np.random.default_rng(1).normal(0, 1e-4, 65)
+    noise[-1] += 2e-4
+    regime = cycles.regime(run_of(tmp_path, np.diff(noise)))
+    # Two standard deviations up in the last reading: not small, but not above the noise.
+    assert abs(regime.late_rate) * cycles.PRACTICAL_CYCLES > 6e-4 and regime.name == cycles.SHAKEDOWN
     # The difference of two readings scatters by sqrt(2) sigma; 32 of them tell it within a third.
-    assert regime.noise == pytest.approx(np.sqrt(2) * 1e-9, rel=0.35)
+    assert regime.noise == pytest.approx(np.sqrt(2) * 1e-4, rel=0.35)
 
 
 def test_a_slip_in_the_early_window_is_no_decay(tmp_path):
@@ -88,8 +90,10 @@ def test_a_rate_that_takes_more_than_a_thousand_cycles_to_matter_is_shakedown(tm
     rates = np.full(64, -1e-10)
     rates[0] = -1e-5
     assert cycles.regime(run_of(tmp_path, rates)).name == cycles.SHAKEDOWN
-    rates[1:] = -1e-7
-    assert cycles.regime(run_of(tmp_path, rates, "faster.h5")).name == cycles.RATCHETING
+    # 1000 cycles at 1e-7 are ten times that strain, but less than P0/k_n = 6e-4; at 1e-6 they are more.
+    for rate, name in ((-1e-7, cycles.SHAKEDOWN), (-1e-6, cycles.RATCHETING)):
+        rates[1:] = rate
+        assert cycles.regime(run_of(tmp_path, rates, f"{name}{rate}.h5")).name == name
 
 
 def test_collapse(tmp_path):
@@ -101,5 +105,8 @@ def test_collapse(tmp_path):
 
 
 def test_too_short_to_tell(tmp_path):
-    regime = cycles.regime(run_of(tmp_path, [-1e-4] * (cycles.FEWEST_CYCLES - 1)))
+    regime = cycles.regime(run_of(tmp_path, [-1e-9] * (cycles.FEWEST_CYCLES - 1)))
     assert regime.name == cycles.SHORT and np.isnan(regime.late_rate)
+    # Long enough to see that nothing moves, not to tell a decay from a constant rate.
+    assert cycles.regime(run_of(tmp_path, [-1e-9] * cycles.FEWEST_CYCLES, "still.h5")).name == cycles.SHAKEDOWN
+    assert cycles.regime(run_of(tmp_path, [-1e-4] * (cycles.FEWEST_FOR_DECAY - 1), "moving.h5")).name == cycles.SHORT
