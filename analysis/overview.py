@@ -125,4 +125,5 @@ def _influence(rows):
     return f"{influence.strongest(rows)} {influence.verdict(rows)}"
 
 
-HEADLINES = {"influence": _influence, "fig4": _fig4, "fig3": _fig3, "fig5": _fig5, "tolerance": _tolerance, "stiffness": _stiffness, "critical_load": _critical_load, "laws": _laws}
+HEADLINES = {"fig4": _fig4, "fig3": _fig3, "fig5": _fig5, "influence": _influence, "tolerance": _tolerance, "stiffness": _stiffness,
+             "critical_load": _critical_load, "laws": _laws}

@@ -132,7 +132,7 @@ def _split(rows):
 
 def _order(value):
     """None, then numbers, then texts, each in their own order."""
-    return (value is not None, isinstance(value, str), value or 0) if not isinstance(value, str) else (True, True, value)
+    return (value is not None, isinstance(value, str), 0 if value is None else value)
 
 
 def _last(values):
