@@ -18,12 +18,28 @@ SHAKEDOWN, RATCHETING, COLLAPSE, SHORT = "shakedown", "ratcheting", "collapse", 
 FEWEST_CYCLES, FEWEST_FOR_DECAY = 8, 16
 # The standard deviation of a normal distribution over its median absolute deviation.
 MAD_TO_SIGMA = 1.4826
-# Times its standard error a change must be to count.
-SIGNIFICANT = 3
-# "Practically no accumulation" (paper, section 3): so many cycles at the late rate would neither double the strain nor add as much as
-# the elastic strain P0/k_n. At the lowest load springs keep rates of 1e-10 a cycle in cycles that repeat to all digits, and CD creeps by
-# its tolerance; nobody would call either ratcheting who runs thousands of cycles.
-PRACTICAL_CYCLES = 1000
+
+
+@dataclass(frozen=True)
+class Rule:
+    """The limits between the regimes. They were set with trial runs in view, so that each verdict is given with those of VARIANTS.
+
+    practical: "practically no accumulation" (paper, section 3) is that so many cycles at the late rate would neither double the strain
+    nor add `elastic` P0/k_n. At the lowest load springs keep rates of 1e-10 a cycle in cycles that repeat to all digits, and CD creeps
+    by its tolerance; nobody would call either ratcheting who runs thousands of cycles.
+    significant: times its standard error a change must be to count. decay: p above which a rate n^-p counts as ending; the strain stays
+    bounded for p > 1.
+    """
+
+    practical: float = 1000
+    elastic: float = 1
+    significant: float = 3
+    decay: float = 1
+
+
+RULE = Rule()
+VARIANTS = (Rule(practical=300), Rule(practical=3000), Rule(elastic=0.3), Rule(elastic=3), Rule(significant=2), Rule(significant=5),
+            Rule(decay=0.7), Rule(decay=1.3))
 
 
 @dataclass(frozen=True)
@@ -107,13 +123,18 @@ class Regime:
     noise: float
 
 
-def regime(run):
+def other_verdicts(run):
+    """The regimes that VARIANTS of the rule give and RULE does not, sorted; empty where the verdict does not hang on a limit."""
+    return sorted({regime(run, rule).name for rule in VARIANTS} - {regime(run).name})
+
+
+def regime(run, rule=RULE):
     """The Regime of a run, by a rule that sees gamma at the ends of the cycles only.
 
     collapse: the sample gave way, or at its late rate reaches collapse_strain within as many cycles again.
     shakedown: the late change is within the noise or has another sign than the one before; or the rate falls faster than 1/n - then
-    the strain stays bounded, since the sum of n^-p does for p > 1; or PRACTICAL_CYCLES at the late rate would add neither the strain so
-    far nor P0/k_n.
+    the strain stays bounded, since the sum of n^-p does for p > 1; or 1000 cycles at the late rate would add neither the strain so
+    far nor P0/k_n. (The numbers are those of RULE.)
     ratcheting: everything else; the strain grows without bound, at a constant rate if p is 0.
     """
     found = None
@@ -131,7 +152,8 @@ def regime(run):
     noise = MAD_TO_SIGMA * float(np.median(np.abs(late - np.median(late))))
     # Two comparisons, the less favourable of which counts: a slip in the earlier window alone would pass for a decay.
     decay = min(_decay(found, count // 4, half, count), _decay(found, half, half + (count - half) // 2, count))
-    return Regime(_name(run, found, rate, decay, abs(rate) * (count - half) <= SIGNIFICANT * noise), rate, decay, noise)
+    within_noise = abs(rate) * (count - half) <= rule.significant * noise
+    return Regime(_name(run, found, rate, within_noise or decay > rule.decay, rule), rate, decay, noise)
 
 
 def _decay(found, first, middle, last):
@@ -142,14 +164,14 @@ def _decay(found, first, middle, last):
     return float(-np.log(late / early) / np.log((middle + last) / (first + middle)))
 
 
-def _name(run, found, rate, decay, within_noise):
+def _name(run, found, rate, ends, rule):
     count, strain = len(found.number), abs(found.permanent[-1])
     if run.collapsed:
         return COLLAPSE
-    if abs(rate) * PRACTICAL_CYCLES < max(strain, run.pressure * run.parameters["depth"] / parameters.stiffness(run.parameters)):
+    if abs(rate) * rule.practical < max(strain, rule.elastic * run.pressure * run.parameters["depth"] / parameters.stiffness(run.parameters)):
         return SHAKEDOWN
     if count < FEWEST_FOR_DECAY:
         return SHORT
-    if within_noise or decay > 1:
+    if ends:
         return SHAKEDOWN
     return COLLAPSE if run.parameters["collapse_strain"] - strain < abs(rate) * count else RATCHETING

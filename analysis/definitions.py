@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from analysis import cycles, schema
 
-_MIN, _MAX = cycles.FEWEST_FOR_DECAY, cycles.PRACTICAL_CYCLES
+_MIN, _MAX = cycles.FEWEST_FOR_DECAY, cycles.RULE.practical
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ DEFINITIONS = (
                "observables.critical_load"),
     Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",
                f"Collapse: the sample gave way, or would within as many cycles again. Shakedown: the late change is noise or turns back, or p &gt; 1, "
-               f"or {_MAX} cycles at the late rate would add neither the strain so far nor P<sub>0</sub>/k<sub>n</sub>. Ratcheting: the rest. "
-               f"Too short to tell: what would need the decay p in under {_MIN} cycles.",
+               f"or {_MAX:g} cycles at the late rate would add neither the strain so far nor P<sub>0</sub>/k<sub>n</sub>. Ratcheting: the rest. "
+               f"Too short to tell: what would need the decay p in under {_MIN} cycles. Other verdicts: those with one limit moved (1000 to 300 or 3000 "
+               "cycles, P<sub>0</sub>/k<sub>n</sub> by 0.3 or 3, p to 0.7 or 1.3, significance 3 to 2 or 5).",
                "cycles.regime"),
 )

@@ -75,7 +75,7 @@ def test_scatter_about_rest_is_shakedown(tmp_path):
     noise[-1] += 2e-4
     regime = cycles.regime(run_of(tmp_path, np.diff(noise)))
     # Two standard deviations up in the last reading: not small, but not above the noise.
-    assert abs(regime.late_rate) * cycles.PRACTICAL_CYCLES > 6e-4 and regime.name == cycles.SHAKEDOWN
+    assert abs(regime.late_rate) * cycles.RULE.practical > 6e-4 and regime.name == cycles.SHAKEDOWN
     # The difference of two readings scatters by sqrt(2) sigma; 32 of them tell it within a third.
     assert regime.noise == pytest.approx(np.sqrt(2) * 1e-4, rel=0.35)
 
@@ -110,3 +110,11 @@ def test_too_short_to_tell(tmp_path):
     # Long enough to see that nothing moves, not to tell a decay from a constant rate.
     assert cycles.regime(run_of(tmp_path, [-1e-9] * cycles.FEWEST_CYCLES, "still.h5")).name == cycles.SHAKEDOWN
     assert cycles.regime(run_of(tmp_path, [-1e-4] * (cycles.FEWEST_FOR_DECAY - 1), "moving.h5")).name == cycles.SHORT
+
+
+def test_a_verdict_that_hangs_on_a_limit_says_so(tmp_path):
+    """Rates n^-1.15: bounded for the rule (p > 1), not for its variant with p > 1.3; n^-0.2 ratchets whatever the limits."""
+    n = np.arange(1, 65)
+    close, clear = (run_of(tmp_path, -1e-4 * n**-p, name=f"{p}.h5") for p in (1.15, 0.2))
+    assert cycles.regime(close).name == cycles.SHAKEDOWN and cycles.other_verdicts(close) == [cycles.RATCHETING]
+    assert cycles.regime(clear).name == cycles.RATCHETING and cycles.other_verdicts(clear) == []
