@@ -71,9 +71,8 @@ def power_of_ten(values):
 def provenance(*runs):
     """What was run: the line that every figure carries at its foot."""
     commits = {run.attributes["git_commit"] for run in runs}
-    text = ", ".join(sorted(short(commit) for commit in commits))
-    note = " (DIFFERENT COMMITS)" if len(commits) > 1 else ""
-    code = f"commit {text}{note}, YADE {runs[0].attributes['yade_version']}"
+    text = f"commit {short(*commits)}" if len(commits) == 1 else f"{len(commits)} DIFFERENT COMMITS"
+    code = f"{text}, YADE {runs[0].attributes['yade_version']}"
     states = sorted({run.attributes["state_sha256"][:12] for run in runs} - {""})
     if len(states) > 1:
         return f"{len(runs)} runs from {len(states)} prepared packings, {code}"

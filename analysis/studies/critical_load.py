@@ -31,16 +31,6 @@ def load(run):
     return run.values("sigma2_goal") / run.pressure
 
 
-def crossing(run, threshold):
-    """sigma2/P0 at which |gamma| first passes the threshold, between two samples; NaN if it never does."""
-    gamma, sigma2 = np.abs(run.values("gamma")), load(run)
-    above = np.flatnonzero(gamma > threshold)
-    if not len(above) or not above[0]:
-        return np.nan
-    k = above[0]
-    return float(np.interp(threshold, gamma[k - 1:k + 1], sigma2[k - 1:k + 1]))
-
-
 def summarize(runs):
     """One row a ramp."""
     first = {packing(run): run for run in reversed(runs) if run.method == "CD" and run.parameters["network_seed"] == 0}
@@ -60,7 +50,7 @@ def _row(run, other):
     return {
         "method": run.method, "preparation mu": run.parameters["preparation_friction"], "seed": run.parameters["seed"],
         "network": run.parameters["network_seed"], "limit load": limit,
-        **{f"load at {threshold:g}": crossing(run, threshold) for threshold in THRESHOLDS},
+        **{f"load at {threshold:g}": observables.critical_load(run, threshold) for threshold in THRESHOLDS},
         f"gamma at {NEARLY:g} limit": float(np.abs(run.values("gamma"))[late]),
         "snapshot at": _at(run, nearest), "sliding there": int(observables.sliding(nearest).sum()), "2M-3N there": bound,
         "contacts there": contacts, "disks held": disks,
@@ -90,7 +80,7 @@ def _between(first, second, run):
 
 def _apart(run, other):
     """[(sigma2/P0, difference of the normal forces from those of `other`)] at the loads below which neither has yielded."""
-    end = min(crossing(run, CRITICAL), crossing(other, CRITICAL))
+    end = min(observables.critical_load(run, CRITICAL), observables.critical_load(other, CRITICAL))
     return [(_at(run, a), _rms_difference(a, b)) for a, b in zip(run.snapshots, other.snapshots) if not _at(run, a) > end]
 
 
