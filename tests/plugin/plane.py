@@ -1,6 +1,7 @@
 """Bodies of a plane scene, as the tests build them: SI units, disks of depth 1 m."""
 import math
 
+import numpy as np
 import yade
 from yade import utils
 
@@ -53,4 +54,13 @@ def kinetic_energy():
             continue
         v, w = b.state.vel, b.state.angVel[2]
         total += 0.5 * b.state.mass * (v[0]**2 + v[1]**2) + 0.5 * b.state.inertia[2] * w * w
+    return total
+
+
+def momenta():
+    """Linear momentum x, y and angular momentum about the origin, of all bodies."""
+    total = np.zeros(3)
+    for b in yade.O.bodies:
+        m, x, v = b.state.mass, b.state.pos, b.state.vel
+        total += (m * v[0], m * v[1], m * (x[0] * v[1] - x[1] * v[0]) + b.state.inertia[2] * b.state.angVel[2])
     return total

@@ -194,25 +194,17 @@ def cloud(O, count, seed, mu):
                    mat=mat)
 
 
-def momenta(O):
-    total = np.zeros(3)
-    for b in O.bodies:
-        m, x, v = b.state.mass, b.state.pos, b.state.vel
-        total += (m * v[0], m * v[1], m * (x[0] * v[1] - x[1] * v[0]) + b.state.inertia[2] * b.state.angVel[2])
-    return total
-
-
 @pytest.mark.parametrize("mu", [0, 0.3, 10])
 def test_momentum_and_angular_momentum_are_kept(O, mu):
     """25 colliding disks, contacts made, slipping and lost: to the round-off of 3000 steps, as a sum of random signs."""
     cloud(O, 25, 1, mu)
-    before, size = momenta(O), sum(b.state.mass * b.state.vel.norm() for b in O.bodies)
+    before, size = plane.momenta(), sum(b.state.mass * b.state.vel.norm() for b in O.bodies)
     engine, touched, slid = engines(O), 0, 0
     for _ in range(30):
         O.run(100, True)
         touched, slid = touched + engine.contacts, slid + engine.slidingContacts
     assert touched > 100 and (slid > 0 or mu != 0.3) and (slid == 0 or mu > 0)
-    assert momenta(O) == pytest.approx(before, abs=1e-15 * size * math.sqrt(3000) * 10)
+    assert plane.momenta() == pytest.approx(before, abs=1e-15 * size * math.sqrt(3000) * 10)
 
 
 def test_slip_is_clipped_at_the_coulomb_limit(O):
