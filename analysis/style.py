@@ -20,11 +20,15 @@ plt.rcParams.update({
 })
 
 
-def finish(fig, runs, path, note=""):
+def finish(fig, runs, path, note="", foot=None):
     """Put the caption under the figure (`note`, then what was run) and write it; makes the folder if need be.
 
-    Of several samples, loadings or settings the caption tells what they have in common.
+    Of several samples, loadings or settings the caption tells what they have in common. `foot`: share of the height that it needs,
+    above which the panels are laid out tightly; without it they stay where they are.
     """
+    _drop_empty_logarithms(fig)
+    if foot is not None:
+        fig.tight_layout(rect=(0, foot, 1, 1))
     origin = provenance(*runs)
     between = "; " if fig.get_figwidth() > 9 else "\n"
     lines = [note, ", ".join(_common(sample, runs)), between.join(_settings(runs)), origin]
@@ -35,6 +39,14 @@ def finish(fig, runs, path, note=""):
     description = f"{', '.join(run.path.name for run in runs)}; {origin}"
     fig.savefig(path, metadata={"Description": description} if path.suffix == ".png" else None)
     plt.close(fig)
+
+
+def _drop_empty_logarithms(fig):
+    """Linear axes where a logarithmic one has nothing positive to show: Matplotlib cannot place its ticks."""
+    for axes in fig.axes:
+        for axis, scale in ((axes.xaxis, axes.set_xscale), (axes.yaxis, axes.set_yscale)):
+            if axis.get_scale() == "log" and not math.isfinite(axis.get_minpos()):
+                scale("linear")
 
 
 def _common(describe, runs):

@@ -61,10 +61,9 @@ def draw(runs, rows, path):
     fig, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.2))
     _draw_way(left, runs)
     _draw_theory(right, rows)
-    fig.tight_layout(rect=(0, 0.13, 1, 1))
     note = ("A constant force pushes the last disk from step 0 on. Memory: warm start, no gap correction; overlap: cold start, gap correction 1; "
             "theory: damped elastic rod, nothing fitted")
-    style.finish(fig, runs, path, note)
+    style.finish(fig, runs, path, note, foot=0.13)
 
 
 def _draw_way(axes, runs):

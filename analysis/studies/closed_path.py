@@ -42,9 +42,8 @@ def draw(runs, rows, path):
         axis.set_ylabel(label)
     axes[0].legend(loc="center left", bbox_to_anchor=(0, 0.37))
     angles = ", ".join(f"{angle:g}" for angle in sorted({row["path_angle"] for row in rows}))
-    fig.tight_layout(rect=(0, 0.14, 1, 1))
     style.finish(fig, runs, path, f"Lines: theory with the step's error, dashed without. Symbols grow with the path's angle A = {angles} rad. "
-                                  "Of the path-independent law: round-off.")
+                                  "Of the path-independent law: round-off.", foot=0.14)
 
 
 def _draw_law(axis, law, quantity, rows):

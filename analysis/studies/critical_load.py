@@ -118,8 +118,7 @@ def draw(runs, rows, path):
     axes[2].set(xlabel=r"$\sigma_2/P_0$", ylabel="rms difference of normal forces over their mean", ylim=(0, None))
     for axis in axes:
         axis.legend(loc="best", fontsize=6.5)
-    fig.tight_layout(rect=(0, 0.13, 1, 1))
-    style.finish(fig, runs, path, f"Left and right: the packing of seed {main[1]} prepared with $\\mu$ = {main[0]:g}.")
+    style.finish(fig, runs, path, f"Left and right: the packing of seed {main[1]} prepared with $\\mu$ = {main[0]:g}.", foot=0.13)
 
 
 def _column(rows, name):

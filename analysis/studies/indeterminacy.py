@@ -126,8 +126,7 @@ def draw(runs, rows, path):
         axis.legend(loc="best", fontsize=6.5)
     axes[0].set_yscale("log")
     axes[2].set_ylim(0, None)
-    fig.tight_layout(rect=(0, 0.13, 1, 1))
-    style.finish(fig, runs, path, "Points: packings; lines: medians over seeds. Only samples found admissible by an independent check.")
+    style.finish(fig, runs, path, "Points: packings; lines: medians over seeds. Only samples found admissible by an independent check.", foot=0.13)
 
 
 def answer(rows):

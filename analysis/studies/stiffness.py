@@ -84,8 +84,7 @@ def draw(runs, rows, path):
         axes.legend()
     left.set_ylabel(r"strain $\gamma$")
     _draw_loops(right, runs)
-    fig.tight_layout(rect=(0, 0.13, 1, 1))
-    style.finish(fig, runs, path, r"$\kappa = q m N_I/\Delta t^2$, nothing fitted; bars: smallest and largest of the packings")
+    style.finish(fig, runs, path, r"$\kappa = q m N_I/\Delta t^2$, nothing fitted; bars: smallest and largest of the packings", foot=0.13)
 
 
 def _draw_loops(axes, runs):

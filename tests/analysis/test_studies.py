@@ -1,6 +1,7 @@
 """Studies from tables to published files: runs collected, failures kept, tables exact, every answer from its rows."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -79,6 +80,21 @@ def test_a_summary_is_written_with_all_digits_and_regenerates(fig4_results, tmp_
     md = load.load(file_of(fig4_results, "MD"))
     row = publish.read_csv(first.with_suffix(".csv"))[1][0]
     assert float(row["largest |gamma|"]) == np.abs(md.values("gamma")).max()
+
+
+@pytest.mark.parametrize("name", ("fig4", "fig3", "fig5", "influence", "tolerance", "stiffness", "laws"))
+def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
+    """Rows fail or are still to come: of the first one alone, and of one method alone, a study says what it can."""
+    rows = [parameters.complete(row) for table in studies.module(name).TABLES["quick"] for row in tables.read(studies.TABLES / table).values()]
+    for part in (rows[:1], [row for row in rows if row["method"] == "MD"], [row for row in rows if row["method"] == "CD"]):
+        folder = tmp_path / "results"
+        folder.mkdir()
+        for row in part:
+            write(results.path_of(row, folder), row["method"], row=row)
+        if part:
+            stem = publish.publish(studies.collect(name, folder), tmp_path / "out")
+            assert json.loads(stem.with_suffix(".json").read_text())["runs_finished"] == len(part)
+        shutil.rmtree(folder)
 
 
 def test_nothing_finished_is_a_mistake(tmp_path, capsys):
