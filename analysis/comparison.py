@@ -152,9 +152,14 @@ def _rests(rows):
 def _no_collapse(rows):
     cd = _where(rows, method="CD")
     whole = sum(row["outcome"] == schema.OUTCOME_COMPLETED for row in cd)
-    return _verdict(whole, len(cd)), (
-        f"{len(cd) - whole} of {len(cd)} CD runs collapse in the end, at most at {summary.spread((row['largest load'] for row in cd), 3)} P0; the paper "
-        "does not say how far its ramp went.")
+    further = summary.finite(row["largest load"] / row["load at |gamma| = 0.0001"] for row in cd)
+    # Load that rises by another twentieth after the first motion was carried by a sample that had given way and not collapsed.
+    carried = int(np.sum(further > 1.05))
+    verdict = _verdict(whole, len(cd))
+    return PARTLY if verdict == DISAGREES and carried else verdict, (
+        f"After |gamma| = 1e-4 the load rises by another {summary.spread(100 * (further - 1))} % before the end, in steps of expansion and rest "
+        f"(by more than 5 % in {carried} of {len(cd)} runs); in the end {len(cd) - whole} of {len(cd)} CD runs collapse, at most at "
+        f"{summary.spread((row['largest load'] for row in cd), 3)} P0. The paper does not say how far its ramp went.")
 
 
 def _resistant(rows):
