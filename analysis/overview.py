@@ -24,6 +24,14 @@ def headline(name, rows, answer):
         return first_sentence(answer)
 
 
+def lead(name, rows):
+    """What the study adds to the answer in one sentence, or '' where its rows do not bear that sentence out."""
+    try:
+        return LEADS[name](rows)
+    except (KeyError, IndexError, ValueError, ZeroDivisionError):
+        return ""
+
+
 # Characters below which a sentence says too little alone, such as "Yes."
 SHORT = 60
 
@@ -127,3 +135,39 @@ def _influence(rows):
 
 HEADLINES = {"fig4": _fig4, "fig3": _fig3, "fig5": _fig5, "influence": _influence, "tolerance": _tolerance, "stiffness": _stiffness,
              "critical_load": _critical_load, "laws": _laws}
+
+
+def _md_strain_is_the_springs(rows):
+    springs = [(row["springs_over_kn"], row["largest"]) for row in rows if row["medium"] == "MD" and not row["comparison"]]
+    if len(springs) < 2:
+        return ""
+    stiffness, strain = np.array(springs).T
+    slope = np.polyfit(np.log(stiffness), np.log(strain), 1)[0]
+    # Elastic strain goes with 1/k_n; a tenth off that power still leaves a fifth of the strain per decade to something else.
+    return f"Below yield MD strains because its contacts are springs: |gamma| goes as k_n to the power {slope:.2f}." if abs(slope + 1) < 0.1 else ""
+
+
+def _cd_strain_is_the_tolerance(rows):
+    solved = sorted((row for row in rows if row["effort"] == "tolerance"), key=lambda row: row["value"])
+    falling = len(solved) > 1 and all(small["largest"] < large["largest"] for small, large in zip(solved, solved[1:]))
+    return "Below yield CD strains because its equations are left unsolved by the tolerance: solved further, it strains less, without end." if falling else ""
+
+
+def _strength_is_alike(rows):
+    slowest = min(row["ramp rate"] for row in rows)
+    by = {method: [row for row in rows if row["method"] == method and row["ramp rate"] == slowest] for method in ("MD", "CD")}
+    ratio = summary.finite(summary.paired_ratio(by["CD"], by["MD"], ("seed", "preparation friction"), "load at |gamma| = 0.01"))
+    return (f"At yield the methods agree: |gamma| = 0.01 takes CD {summary.spread(ratio, 3)} times MD's load." if len(ratio) and np.all(np.abs(ratio - 1) < 0.1)
+            else "")
+
+
+def _network_is_no_cause(rows):
+    cd = [row for row in rows if row["method"] == "CD"]
+    places = summary.groups([row for row in cd if np.isfinite(row["load at 0.0001"])], lambda row: (row["preparation mu"], row["seed"]))
+    ensembles = [[row["load at 0.0001"] for row in same] for same in places.values() if any(row["network"] > 0 for row in same)]
+    alike = ensembles and all(np.ptp(loads) < 0.01 * np.mean(loads) for loads in ensembles)
+    return "That the forces are indeterminate lets them jump without any motion; it does not decide at which load the packing yields." if alike else ""
+
+
+LEADS = {"stiffness": _md_strain_is_the_springs, "tolerance": _cd_strain_is_the_tolerance, "fig5": _strength_is_alike,
+         "critical_load": _network_is_no_cause}

@@ -72,7 +72,7 @@ def findings(collection, rows):
     study = collection.module
     answer = study.answer(rows)
     return {"study": collection.name, "title": study.TITLE, "question": study.QUESTION, "answer": answer,
-            "headline": overview.headline(collection.name, rows, answer), "points": comparison.of_study(collection.name, rows),
+            "headline": overview.headline(collection.name, rows, answer), "lead": overview.lead(collection.name, rows), "points": comparison.of_study(collection.name, rows),
             "energy_balance": energy_balance(collection.runs)}
 
 

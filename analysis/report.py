@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from analysis import comparison, publish, studies, style
 from analysis.definitions import DEFINITIONS
 from analysis.load import ResultError
-from analysis.overview import TOPICS
+from analysis.overview import LEADS, TOPICS
 
 QUESTION = ("Load a dense packing of disks, unload it, and some strain remains. How much depends on the method: with springs at the contacts "
             "(Molecular Dynamics, MD) the loop is wide, with rigid contacts (Contact Dynamics, CD) narrow. Is that the physics of rigid grains, or "
@@ -32,7 +32,7 @@ def build(folder, path):
     environment.filters |= {"short": style.short, "number": _number, "duration": _duration, "symbols": _symbols}
     commits = sorted({commit for study in there.values() for commit in study["commits"]})
     page = environment.get_template("report.html").render(
-        question=QUESTION, paper=PAPER, topics=[(heading, [there[name] for name in names if name in there]) for heading, names in TOPICS],
+        question=QUESTION, paper=PAPER, leads=[there[name]["lead"] for name in LEADS if name in there and there[name]["lead"]], topics=[(heading, [there[name] for name in names if name in there]) for heading, names in TOPICS],
         studies=list(there.values()), absent=[studies.module(name).TITLE for name, study in found.items() if not study],
         points=_points(there.values()), definitions=DEFINITIONS, commits=commits,
         dirty=[commit for commit in commits if commit.endswith("-dirty")], extents=sorted({study["extent"] for study in there.values()}))

@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from analysis import comparison, load, publish, report, schema, studies
+from analysis import comparison, load, overview, publish, report, schema, studies
 from analysis.__main__ import main
 from analysis.studies import summary
 from tests.analysis.conftest import history, write
@@ -230,3 +230,21 @@ def test_laws_compare_on_the_same_packing(tmp_path):
     assert [row["strain over standard"] for row in rows] == [pytest.approx(ratio) for ratio in (1, 1.1, 3)]
     assert "In 1 of 2 comparisons the strain agrees" in module.answer(rows)
     module.draw(runs, rows, tmp_path / "laws.png")
+
+
+def test_the_leading_sentences_follow_the_numbers():
+    """Each stands only where its rows bear it out."""
+    springs = [dict(medium="MD", comparison="", springs_over_kn=ratio, largest=4e-4 / ratio) for ratio in (1.0, 10.0, 100.0)]
+    assert "to the power -1.00" in overview.lead("stiffness", springs)
+    assert overview.lead("stiffness", [row | dict(largest=4e-4 / row["springs_over_kn"]**0.8) for row in springs]) == ""
+    assert overview.lead("stiffness", springs[:1]) == overview.lead("fig4", springs) == overview.lead("fig5", []) == ""
+    solved = [dict(effort="tolerance", value=value, largest=value**0.9) for value in (1e-4, 1e-6, 1e-8)]
+    assert "without end" in overview.lead("tolerance", solved)
+    assert overview.lead("tolerance", [row | dict(largest=max(row["largest"], 1e-5)) for row in solved]) == ""
+    ramps = [{"method": method, "seed": 1, "preparation friction": 0.0, "ramp rate": 0.1, "load at |gamma| = 0.01": load}
+             for method, load in (("MD", 1.5), ("CD", 1.56))]
+    assert "1.04 times MD's" in overview.lead("fig5", ramps)
+    assert overview.lead("fig5", [ramps[0], ramps[1] | {"load at |gamma| = 0.01": 1.8}]) == ""
+    networks = [{"method": "CD", "preparation mu": 0.0, "seed": 1, "network": number, "load at 0.0001": 1.6 + 1e-3 * number} for number in range(3)]
+    assert "does not decide" in overview.lead("critical_load", networks)
+    assert overview.lead("critical_load", [row | {"load at 0.0001": 1.6 + 0.1 * row["network"]} for row in networks]) == ""
