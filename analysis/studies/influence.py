@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from analysis import cycles, style
 from analysis.load import ResultError
@@ -150,6 +151,9 @@ def _ratios(axis, rows):
     axis.set_yticks(range(len(labels)), labels)
     axis.invert_yaxis()
     axis.set(xscale="log", xlabel=r"$|\gamma|$ over that of the base, after the same cycles", title="One parameter at a time")
+    axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.xaxis.set_major_formatter(ScalarFormatter())
+    axis.xaxis.set_minor_formatter(NullFormatter())
     axis.grid(color="#DDDDDD", linewidth=0.5)
 
 
@@ -231,7 +235,10 @@ def verdict(rows):
     matching = [friction for friction in frictions if matches(friction)]
     if matching:
         return f"The paper's regimes appear, by the majority of packings, at preparation friction {', '.join(f'{value:g}' for value in matching)}."
+    order = [friction for friction in frictions if any(share(friction, low, cycles.SHAKEDOWN) > 0.5 and share(friction, high, cycles.RATCHETING) > 0.5
+                                                       for low in loads for high in loads if low < high)]
+    below = f" Without it, shakedown below ratcheting appears at {', '.join(f'{value:g}' for value in order)}." if order else ""
     best, friction, load = max((share(*point, cycles.COLLAPSE), *point) for point in by)
     return ("No preparation was found for which loads of 0.40 and 0.50 collapse while lower ones ratchet and shake down in the majority of packings; "
             + (f"collapse is most frequent at preparation friction {friction:g} and dSigma {load:g} ({100 * best:.0f} % of the packings)." if best
-               else "no run collapsed."))
+               else "no run collapsed.") + below)
