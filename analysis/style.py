@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # after the backend is chosen
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 # Okabe and Ito's palette, distinct under the common colour-vision deficiencies.
 COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
@@ -26,7 +27,7 @@ def finish(fig, runs, path, note="", foot=None):
     Of several samples, loadings or settings the caption tells what they have in common. `foot`: share of the height that it needs,
     above which the panels are laid out tightly; without it they stay where they are.
     """
-    _drop_empty_logarithms(fig)
+    _mend_logarithms(fig)
     if foot is not None:
         fig.tight_layout(rect=(0, foot, 1, 1))
     origin = provenance(*runs)
@@ -41,12 +42,22 @@ def finish(fig, runs, path, note="", foot=None):
     plt.close(fig)
 
 
-def _drop_empty_logarithms(fig):
-    """Linear axes where a logarithmic one has nothing positive to show: Matplotlib cannot place its ticks."""
+def _mend_logarithms(fig):
+    """Linear axes where a logarithmic one has nothing positive to show, and few ticks where it spans less than a decade.
+
+    Matplotlib finds no ticks for the one, and writes numbers over each other on the other.
+    """
     for axes in fig.axes:
         for axis, scale in ((axes.xaxis, axes.set_xscale), (axes.yaxis, axes.set_yscale)):
-            if axis.get_scale() == "log" and not math.isfinite(axis.get_minpos()):
+            if axis.get_scale() != "log":
+                continue
+            low, high = sorted(axis.get_view_interval())
+            if not math.isfinite(axis.get_minpos()):
                 scale("linear")
+            elif 0 < low and high < 10 * low:
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if high > 4 * low else MaxNLocator(3))
+                axis.set_major_formatter(lambda value, _: f"{value:g}")
+                axis.set_minor_locator(NullLocator())
 
 
 def _common(describe, runs):
