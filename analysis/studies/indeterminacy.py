@@ -20,7 +20,7 @@ TABLES = {"quick": ("quick/indeterminacy.txt",), "full": ("indeterminacy.txt",)}
 ADMISSIBLE = 1e-4
 # Contacts at which the walk's range is held against the exact one, two linear programmes each; the first seed of the smaller packings.
 PROBED = 8
-OWN, DENSE = "own, rigid limit", "dense, P0 = 6e-4 kn"
+OWN, DENSE = "near the rigid limit", "dense, P0 = 6e-4 k_n"
 
 
 def kind(run):
@@ -156,7 +156,7 @@ def answer(rows):
         mine = [row for row in rows if row["packing"] == packing and row["mu"] > 0 and row["dimension"] > 0]
         if mine:
             springs, cold = (np.median([row[f"{name} from mean"] for row in mine]) for name in ("springs", "cold start"))
-            text.append(f"In packings {packing}, the springs' own network lies {springs:.2f} from the ensemble's mean (median; the samples' "
+            text.append(f"Packings {packing}: the springs' own network lies {springs:.2f} from the ensemble's mean (median; the samples' "
                         f"rms is 1) and at {100 * np.median([row['springs within range'] for row in mine]):.0f} % of the contacts within the "
                         f"walk's range; the network that the solver finds from no forces lies at {cold:.2f}.")
     refused = sum(row["samples"] - row["used"] for row in rows)

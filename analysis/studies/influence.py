@@ -170,7 +170,8 @@ def _map(axis, rows):
             width = 0.9 * row[name] / total
             if width:
                 axis.bar(start, 0.9, width, bottom=bottom - 0.45, align="edge", color=colour, edgecolor="white", linewidth=0.5)
-                axis.text(start + width / 2, bottom, f"{name[0].upper()}{row[name]}", ha="center", va="center", fontsize=8)
+                axis.text(start + width / 2, bottom, f"{name[0].upper()}{row[name]}", ha="center", va="center", fontsize=8 if width > 0.2 else 6,
+                          rotation=0 if width > 0.2 else 90)
             start += width
         if row["dSigma"] in PAPER:
             axis.bar(left, 0.96, 0.96, bottom=bottom - 0.48, fill=False, edgecolor="#1A1A1A", linewidth=0.9)
@@ -192,16 +193,16 @@ def _of(rows, kind):
     return [row for row in rows if row["kind"] == kind and row["parameter"] != "base"]
 
 
-def strongest(rows):
-    """The parameters that matter most, in a sentence."""
+def strongest(rows, shown=SHOWN):
+    """The `shown` parameters that matter most, in a sentence."""
     rows = _of(rows, "variation")
     ranked = sorted((row for row in rows if row["ratio to the base"] > 0), key=lambda row: -_factor(row))
     if not ranked:
         return "No parameter has been varied yet."
     words = [f"{row['parameter']} = {row['value']} by a factor of {summary.number(row['ratio to the base'])} "
              f"({summary.number(row['least ratio'])} to {summary.number(row['largest ratio'])}, {summary.count(row['packings'], 'packing')})"
-             for row in ranked[:SHOWN]]
-    rest = f"; all others by less than a factor of {summary.number(_factor(ranked[SHOWN]))}" if len(ranked) > SHOWN else ""
+             for row in ranked[:shown]]
+    rest = f"; all others by less than a factor of {summary.number(_factor(ranked[shown]))}" if len(ranked) > shown else ""
     cycles_compared = summary.between(row["cycles"] for row in ranked)
     return f"Varied alone, these change |gamma| after {cycles_compared} cycles most: {'; '.join(words)}{rest}."
 

@@ -239,7 +239,7 @@ def test_the_leading_sentences_follow_the_numbers():
     assert overview.lead("stiffness", [row | dict(largest=4e-4 / row["springs_over_kn"]**0.8) for row in springs]) == ""
     assert overview.lead("stiffness", springs[:1]) == overview.lead("fig4", springs) == overview.lead("fig5", []) == ""
     solved = [dict(effort="tolerance", value=value, largest=value**0.9) for value in (1e-4, 1e-6, 1e-8)]
-    assert "without end" in overview.lead("tolerance", solved)
+    assert "down to 6e-08" in overview.lead("tolerance", solved)
     assert overview.lead("tolerance", [row | dict(largest=max(row["largest"], 1e-5)) for row in solved]) == ""
     ramps = [{"method": method, "seed": 1, "preparation friction": 0.0, "ramp rate": 0.1, "load at |gamma| = 0.01": load}
              for method, load in (("MD", 1.5), ("CD", 1.56))]
