@@ -4,7 +4,9 @@
 // eqs. 6-8), with their restart when the sweep turns back against the momentum. Friction makes the problem non-monotone, where
 // momentum can blow up: beta is capped, and the cap lowered whenever the changes made by the sweeps do not decrease over a window.
 // An iteration costs a sweep and two passes over the impulses.
+#include "delassus_sweep.hpp"
 #include "iterate.hpp"
+#include "sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +15,13 @@
 namespace cd {
 namespace {
 
-	class Momentum {
+	template <class S> class Momentum {
 	    public:
-		explicit Momentum(Sweep& s)
+		explicit Momentum(S& s)
 		    : sweep(s)
 		    , before(2 * s.size())
 		    , ahead(2 * s.size())
-		    , velocityBefore(3 * s.bodies().size())
+		    , velocityBefore(s.velocities())
 		{
 			remember();
 		}
@@ -50,8 +52,7 @@ namespace {
 				before[2 * i] = pn;
 				before[2 * i + 1] = pt;
 			});
-			for (std::size_t i = 0; i < sweep.bodies().size(); i++)
-				std::copy_n(sweep.bodies()[i].v, 3, &velocityBefore[3 * i]);
+			sweep.forEachVelocity([&](double v, std::size_t i) { velocityBefore[i] = v; });
 		}
 
 		// Moves impulses and, being linear in them, velocities from p to p + beta (p - q); then q is p.
@@ -66,13 +67,11 @@ namespace {
 				ahead[2 * i] = pn;
 				ahead[2 * i + 1] = pt;
 			});
-			for (std::size_t i = 0; i < sweep.bodies().size(); i++)
-				for (int k = 0; k < 3; k++) {
-					double& v = sweep.bodies()[i].v[k];
-					const double now = v;
-					v += beta * (now - velocityBefore[3 * i + k]);
-					velocityBefore[3 * i + k] = now;
-				}
+			sweep.forEachVelocity([&](double& v, std::size_t i) {
+				const double now = v;
+				v += beta * (now - velocityBefore[i]);
+				velocityBefore[i] = now;
+			});
 		}
 
 		void watch(double change)
@@ -88,7 +87,7 @@ namespace {
 			sum = largest = 0;
 		}
 
-		Sweep& sweep;
+		S& sweep;
 		std::vector<double> before, ahead; // q and y, two numbers a contact
 		std::vector<double> velocityBefore;
 		double t = 1, cap = 0.9;
@@ -96,11 +95,14 @@ namespace {
 		int made = 0;
 	};
 
+	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
+	{
+		return iterate<S>(system, settings, [](S& sweep) { return [momentum = std::make_shared<Momentum<S>>(sweep)] { (*momentum)(); }; });
+	}
+
 } // namespace
 
-SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
-{
-	return iterate(system, settings, [](Sweep& sweep) { return [momentum = std::make_shared<Momentum>(sweep)] { (*momentum)(); }; });
-}
+SolverReport accelerated(ContactSystem& system, const SolverSettings& settings) { return solve<Sweep>(system, settings); }
+SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return solve<DelassusSweep>(system, settings); }
 
 } // namespace cd

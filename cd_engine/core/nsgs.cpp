@@ -1,12 +1,20 @@
 // Nonlinear (block) Gauss-Seidel: contact by contact, each solved exactly with the others held (Moreau 1988; Jean 1999, section 6).
 // The reference method: linear convergence, about sqrt(N) sweeps and more to carry a force through N disks.
+#include "delassus_sweep.hpp"
 #include "iterate.hpp"
+#include "sweep.hpp"
 
 namespace cd {
+namespace {
 
-SolverReport nsgs(ContactSystem& system, const SolverSettings& settings)
-{
-	return iterate(system, settings, [](Sweep& sweep) { return [&sweep] { sweep(); }; });
-}
+	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
+	{
+		return iterate<S>(system, settings, [](S& sweep) { return [&sweep] { sweep(); }; });
+	}
+
+} // namespace
+
+SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return solve<Sweep>(system, settings); }
+SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return solve<DelassusSweep>(system, settings); }
 
 } // namespace cd

@@ -24,6 +24,38 @@ namespace {
 		pn = along;
 	}
 
+	// What the contacts add up to.
+	class Sum {
+	    public:
+		// u: relative velocity with the bias; compliance: W_nn; floor: round-off of u over W_nn, below which a difference counts as none.
+		void add(double pn, double pt, double un, double ut, double mu, double compliance, double floor)
+		{
+			double qn = pn - (un + mu * std::abs(ut)) / compliance, qt = pt - ut / compliance;
+			projectOnCone(mu, qn, qt);
+			const double difference = (pn - qn) * (pn - qn) + (pt - qt) * (pt - qt);
+			const double d = difference <= floor * floor ? 0 : difference;
+			sum += d;
+			sumEnergy += d * compliance;
+			normEnergy += (pn * pn + pt * pt) * compliance;
+			// Written so that a NaN is kept and reported instead of being lost in a comparison.
+			if (!(d <= worst))
+				worst = d;
+		}
+
+		Residual of(double normP, std::size_t contacts) const
+		{
+			if (normP == 0) {
+				const double e = sum == 0 ? 0 : std::numeric_limits<double>::infinity();
+				return { e, e, e };
+			}
+			const double meanSquare = normP / static_cast<double>(contacts);
+			return { std::sqrt(sum / normP), std::sqrt(sumEnergy / normEnergy), std::sqrt(worst / meanSquare) };
+		}
+
+	    private:
+		double sum = 0, worst = 0, sumEnergy = 0, normEnergy = 0;
+	};
+
 } // namespace
 
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity)
@@ -43,7 +75,7 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 		vb[2] += mb[2] * (c.pn * c.bn + c.pt * c.bt);
 		normP += c.pn * c.pn + c.pt * c.pt;
 	}
-	double sum = 0, worst = 0, sumEnergy = 0, normEnergy = 0;
+	Sum sum;
 	for (const ContactRow& c : system.contacts) {
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
 		const double *va = &v[3 * c.a], *vb = &v[3 * c.b];
@@ -53,27 +85,35 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 		const double ux = vb[0] - va[0], uy = vb[1] - va[1];
 		const double ut = uy * c.nx - ux * c.ny + vb[2] * c.bt - va[2] * c.at;
 		const double un = ux * c.nx + uy * c.ny + vb[2] * c.bn - va[2] * c.an + c.bias;
-		double qn = c.pn - (un + c.mu * std::abs(ut)) / compliance, qt = c.pt - ut / compliance;
-		projectOnCone(c.mu, qn, qt);
-		const double difference = (c.pn - qn) * (c.pn - qn) + (c.pt - qt) * (c.pt - qt);
 		// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding
 		// along another at 1 m/s cannot be told from one pressed with 1e-16 of its momentum.
 		const double floor
 		    = roundOff * (std::abs(va[0]) + std::abs(va[1]) + std::abs(vb[0]) + std::abs(vb[1]) + std::abs(c.bias)) / compliance;
-		const double d = difference <= floor * floor ? 0 : difference;
-		sum += d;
-		sumEnergy += d * compliance;
-		normEnergy += (c.pn * c.pn + c.pt * c.pt) * compliance;
-		// Written so that a NaN is kept and reported instead of being lost in a comparison.
-		if (!(d <= worst))
-			worst = d;
+		sum.add(c.pn, c.pt, un, ut, c.mu, compliance, floor);
 	}
-	if (normP == 0) {
-		const double e = sum == 0 ? 0 : std::numeric_limits<double>::infinity();
-		return { e, e, e };
+	return sum.of(normP, system.contacts.size());
+}
+
+Residual residual(const DelassusSystem& system)
+{
+	Sum sum;
+	double normP = 0;
+	for (std::size_t i = 0; i < system.contacts(); i++) {
+		double un = system.q[2 * i], ut = system.q[2 * i + 1];
+		double size = std::abs(un) + std::abs(ut);
+		for (std::size_t k = system.start[i]; k < system.start[i + 1]; k++) {
+			const Block& w = system.blocks[k];
+			const double n = system.p[2 * system.column[k]], t = system.p[2 * system.column[k] + 1];
+			un += w.nn * n + w.nt * t;
+			ut += w.tn * n + w.tt * t;
+			size += std::abs(w.nn * n) + std::abs(w.nt * t) + std::abs(w.tn * n) + std::abs(w.tt * t);
+		}
+		const double pn = system.p[2 * i], pt = system.p[2 * i + 1], compliance = system.blocks[system.diagonal[i]].nn;
+		normP += pn * pn + pt * pt;
+		// u is a sum, known to the round-off of its terms.
+		sum.add(pn, pt, un, ut, system.mu[i], compliance, roundOff * size / compliance);
 	}
-	const double meanSquare = normP / static_cast<double>(system.contacts.size());
-	return { std::sqrt(sum / normP), std::sqrt(sumEnergy / normEnergy), std::sqrt(worst / meanSquare) };
+	return sum.of(normP, system.contacts());
 }
 
 } // namespace cd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_system.hpp"
+#include "delassus_system.hpp"
 
 namespace cd {
 
@@ -18,5 +19,8 @@ struct Residual {
 // Differences below the round-off of the velocities count as none. Without any impulse the error is 0 if no contact is violated, else infinite. Costs
 // about two sweeps.
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
+
+// The same of the impulses in `system`, with u = W p + q. Costs about a sweep.
+Residual residual(const DelassusSystem& system);
 
 } // namespace cd

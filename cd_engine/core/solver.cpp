@@ -5,19 +5,32 @@ namespace {
 	struct Entry {
 		const char* name;
 		Solver solver;
+		DelassusSolver delassusSolver;
 	};
 	const Entry entries[] = {
-		{ "nsgs", nsgs },
-		{ "accelerated", accelerated },
+		{ "nsgs", nsgs, nsgs },
+		{ "accelerated", accelerated, accelerated },
 	};
+
+	const Entry* find(const std::string& method)
+	{
+		for (const Entry& e : entries)
+			if (method == e.name)
+				return &e;
+		return nullptr;
+	}
 } // namespace
 
 Solver findSolver(const std::string& method)
 {
-	for (const Entry& e : entries)
-		if (method == e.name)
-			return e.solver;
-	return nullptr;
+	const Entry* const e = find(method);
+	return e ? e->solver : nullptr;
+}
+
+DelassusSolver findDelassusSolver(const std::string& method)
+{
+	const Entry* const e = find(method);
+	return e ? e->delassusSolver : nullptr;
 }
 
 std::vector<std::string> solverNames()

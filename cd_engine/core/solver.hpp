@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_system.hpp"
+#include "delassus_system.hpp"
 
 #include <string>
 #include <vector>
@@ -28,12 +29,17 @@ struct SolverReport {
 
 // Improves the impulses in `system.contacts` and leaves the velocities that belong to them in `system.bodies`.
 using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
+// The same method for a problem given by its matrix; improves the impulses in `system.p`.
+using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 
 // Null if there is no such method.
 Solver findSolver(const std::string& method);
+DelassusSolver findDelassusSolver(const std::string& method);
 std::vector<std::string> solverNames();
 
 SolverReport nsgs(ContactSystem&, const SolverSettings&);
+SolverReport nsgs(DelassusSystem&, const SolverSettings&);
 SolverReport accelerated(ContactSystem&, const SolverSettings&);
+SolverReport accelerated(DelassusSystem&, const SolverSettings&);
 
 } // namespace cd

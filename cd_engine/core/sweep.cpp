@@ -1,15 +1,18 @@
 #include "sweep.hpp"
+#include "local_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace cd {
 
-Sweep::Sweep(ContactSystem& s, const std::vector<double>& freeVelocity, unsigned seed)
+Sweep::Sweep(ContactSystem& s, unsigned seed)
     : system(s)
-    , random(seed)
-    , shuffled(seed > 0)
+    , freeVelocity(3 * s.bodies.size())
+    , order(seed)
 {
+	for (size_t i = 0; i < s.bodies.size(); i++)
+		std::copy_n(s.bodies[i].v, 3, &freeVelocity[3 * i]);
 	diagonal.resize(s.contacts.size());
 	diagonalRows.reserve(s.contacts.size());
 	for (size_t i = 0; i < s.contacts.size(); i++) {
@@ -37,15 +40,10 @@ Sweep::Sweep(ContactSystem& s, const std::vector<double>& freeVelocity, unsigned
 		diagonalRows.push_back(static_cast<int32_t>(i));
 	}
 	diagonal.resize(diagonalRows.size());
-	if (shuffled) {
-		order.resize(diagonal.size() + generalRows.size());
-		for (size_t i = 0; i < order.size(); i++)
-			order[i] = static_cast<int32_t>(i);
-	}
-	restoreVelocities(freeVelocity);
+	restoreVelocities();
 }
 
-void Sweep::restoreVelocities(const std::vector<double>& freeVelocity)
+void Sweep::restoreVelocities()
 {
 	for (size_t i = 0; i < system.bodies.size(); i++)
 		for (int k = 0; k < 3; k++)
@@ -86,44 +84,13 @@ inline void Sweep::solveDiagonal(Diagonal& c, BodyVelocity* bodies)
 	B.v[2] += B.w[2] * (c.bt * dt);
 }
 
-// Signorini and Coulomb for one contact with a full 2 x 2 block: open, sticking, or sliding either way, in this order.
-// For mu |W_nt| >= W_nn or W_tt (a contact that can wedge) several cases may hold; the first is taken.
 void Sweep::solveGeneral(ContactRow& c, BodyVelocity* bodies)
 {
 	BodyVelocity &A = bodies[c.a], &B = bodies[c.b];
-	double un, ut;
+	double un, ut, pn, pt;
 	relativeVelocity(c, A, B, un, ut);
 	const double qn = un + c.bias - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
-	double pn = 0, pt = 0;
-	if (qn < 0) {
-		const double determinant = c.wnn * c.wtt - c.wnt * c.wnt;
-		bool stick = false;
-		if (determinant > 1e-14 * c.wnn * c.wtt) {
-			pn = (-qn * c.wtt + qt * c.wnt) / determinant;
-			pt = (-qt * c.wnn + qn * c.wnt) / determinant;
-			stick = pn >= 0 && std::abs(pt) <= c.mu * pn;
-		} else if (c.wtt <= 1e-14 * c.wnn) {
-			// Nothing can move along t: no tangential impulse is needed, and none can be determined.
-			pn = -qn / c.wnn;
-			pt = 0;
-			stick = true;
-		}
-		if (!stick) {
-			pn = -qn / c.wnn;
-			pt = 0;
-			for (const double side : { -1., 1. }) {
-				const double w = c.wnn + side * c.mu * c.wnt;
-				if (w <= 0)
-					continue;
-				const double slidingPn = -qn / w;
-				if (side * (qt + (c.wnt + side * c.mu * c.wtt) * slidingPn) > 0)
-					continue; // friction would push along the motion
-				pn = slidingPn;
-				pt = side * c.mu * slidingPn;
-				break;
-			}
-		}
-	}
+	solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, qn, qt, pn, pt);
 	applyImpulse(c, A, B, pn - c.pn, pt - c.pt);
 	c.pn = pn;
 	c.pt = pt;
@@ -132,10 +99,8 @@ void Sweep::solveGeneral(ContactRow& c, BodyVelocity* bodies)
 void Sweep::operator()()
 {
 	BodyVelocity* const bodies = system.bodies.data();
-	if (shuffled) {
-		for (size_t i = order.size(); i > 1; i--)
-			std::swap(order[i - 1], order[random() % i]);
-		for (const int32_t i : order) {
+	if (order) {
+		for (const int32_t i : order.next(size())) {
 			if (static_cast<size_t>(i) < diagonal.size())
 				solveDiagonal(diagonal[i], bodies);
 			else

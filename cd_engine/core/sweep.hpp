@@ -1,17 +1,20 @@
-// Gauss-Seidel sweeps over packed contacts: the inner loop that all sweeping solvers share.
+// Gauss-Seidel sweeps over packed contacts, in the velocities of the bodies: the inner loop that all sweeping solvers share.
 #pragma once
 
 #include "contact_system.hpp"
-
-#include <random>
+#include "random_order.hpp"
+#include "residual.hpp"
 
 namespace cd {
 
+// What a method needs of the form a problem is given in; DelassusSweep has the same functions for the other form.
 class Sweep {
     public:
-	// Packs the contacts and puts their first-guess impulses on the bodies. freeVelocity as in residual.hpp.
+	using System = ContactSystem;
+
+	// Packs the contacts and puts their first-guess impulses on the bodies.
 	// seed > 0: each sweep visits the contacts in a new random order.
-	Sweep(ContactSystem& system, const std::vector<double>& freeVelocity, unsigned seed);
+	Sweep(ContactSystem& system, unsigned seed);
 
 	// Solves every contact once, exactly, the others held. About 112 bytes and 45 operations a contact.
 	void operator()();
@@ -19,7 +22,9 @@ class Sweep {
 	// Copies the impulses back to `system.contacts`.
 	void storeImpulses();
 	// Recomputes the bodies' velocities from the packed impulses, which clears the round-off that updates in place leave behind.
-	void restoreVelocities(const std::vector<double>& freeVelocity);
+	void restoreVelocities();
+	// The error of the impulses last stored.
+	Residual error() const { return residual(system, freeVelocity); }
 
 	// Calls f(p_n, p_t, i) with the impulses of every contact that can be solved, i counting them in a fixed order.
 	template <class F> void forEachImpulse(F&& f)
@@ -31,7 +36,15 @@ class Sweep {
 			f(system.contacts[row].pn, system.contacts[row].pt, i++);
 	}
 	std::size_t size() const { return diagonal.size() + generalRows.size(); }
-	std::vector<BodyVelocity>& bodies() { return system.bodies; }
+
+	// Calls f(v, i) with every velocity kept; they are linear in the impulses, and have to be moved as those are.
+	template <class F> void forEachVelocity(F&& f)
+	{
+		for (std::size_t i = 0; i < system.bodies.size(); i++)
+			for (int k = 0; k < 3; k++)
+				f(system.bodies[i].v[k], 3 * i + k);
+	}
+	std::size_t velocities() const { return 3 * system.bodies.size(); }
 
     private:
 	// A contact without coupling between n and t, and no lever arm of the normal force: the closed form needs no cases.
@@ -43,11 +56,10 @@ class Sweep {
 	static void solveGeneral(ContactRow&, BodyVelocity* bodies);
 
 	ContactSystem& system;
+	std::vector<double> freeVelocity; // as in residual.hpp
 	std::vector<Diagonal> diagonal;
 	std::vector<int32_t> diagonalRows, generalRows; // where each lies in system.contacts
-	std::vector<int32_t> order; // of the random sweeps
-	std::mt19937_64 random;
-	bool shuffled;
+	RandomOrder order;
 };
 
 } // namespace cd

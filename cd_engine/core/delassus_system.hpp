@@ -1,0 +1,36 @@
+// The contact problem given by its Delassus matrix: what other codes exchange (Siconos, FCLIB), for bodies of any kind.
+//
+// Conventions as in contact_system.hpp; the bias is part of q:
+//   u = W p + q,   per contact the normal component, then the tangential one
+//   0 <= u_n  _|_  p_n >= 0,   |p_t| <= mu p_n,   p_t = -mu p_n u_t/|u_t| where the contact slides
+#pragma once
+
+#include "contact_system.hpp"
+
+namespace cd {
+
+// The 2 x 2 coupling of two contacts [1/kg]. W is symmetric in mechanics but not to the last bit in files, so none is assumed.
+struct Block {
+	double nn, nt, tn, tt;
+};
+
+struct DelassusSystem {
+	std::vector<std::size_t> start; // row i holds the blocks start[i] .. start[i + 1] - 1
+	std::vector<int32_t> column; // of each block: the contact it couples to, ascending in a row
+	std::vector<Block> blocks;
+	std::vector<std::size_t> diagonal; // which block of row i is its own; its nn and tt are positive
+	std::vector<double> q; // relative velocities without impulses [m/s], 2 a contact
+	std::vector<double> mu; // Coulomb friction coefficients
+	std::vector<double> p; // impulses [N s], 2 a contact: first guess on entry, solution on exit
+
+	std::size_t contacts() const { return mu.size(); }
+};
+
+// The rows of `system.contacts` that have a place in W, ascending: all but those between two immobile bodies.
+std::vector<int32_t> solvableRows(const ContactSystem&);
+
+// W = H^T M^-1 H and q = H^T v + bias of these rows, v the free velocities, with the first guess. Two contacts couple where they share a
+// body that can move; one body with k contacts makes k^2 blocks.
+DelassusSystem assembleDelassus(const ContactSystem& system);
+
+} // namespace cd

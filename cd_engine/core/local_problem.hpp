@@ -1,0 +1,42 @@
+// One contact, the others held: Signorini and Coulomb for a full 2 x 2 block.
+#pragma once
+
+#include <cmath>
+
+namespace cd {
+
+// Finds p with u = w p + q, (wnn, wnt; wtn, wtt) being w, by trying in this order: open, sticking, sliding either way.
+// For mu |W_nt| >= W_nn or W_tt (a contact that can wedge) several cases may hold; the first is taken.
+inline void solveLocal(double wnn, double wnt, double wtn, double wtt, double mu, double qn, double qt, double& pn, double& pt)
+{
+	pn = pt = 0;
+	if (!(qn < 0))
+		return;
+	const double determinant = wnn * wtt - wnt * wtn;
+	if (determinant > 1e-14 * wnn * wtt) {
+		pn = (-qn * wtt + qt * wnt) / determinant;
+		pt = (-qt * wnn + qn * wtn) / determinant;
+		if (pn >= 0 && std::abs(pt) <= mu * pn)
+			return;
+	} else if (wtt <= 1e-14 * wnn) {
+		// Nothing can move along t: no tangential impulse is needed, and none can be determined.
+		pn = -qn / wnn;
+		pt = 0;
+		return;
+	}
+	pn = -qn / wnn;
+	pt = 0;
+	for (const double side : { -1., 1. }) {
+		const double w = wnn + side * mu * wnt;
+		if (w <= 0)
+			continue;
+		const double slidingPn = -qn / w;
+		if (side * (qt + (wtn + side * mu * wtt) * slidingPn) > 0)
+			continue; // friction would push along the motion
+		pn = slidingPn;
+		pt = side * mu * slidingPn;
+		return;
+	}
+}
+
+} // namespace cd

@@ -1,0 +1,39 @@
+// A new random order of the contacts for every sweep, the same for the same seed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace cd {
+
+class RandomOrder {
+    public:
+	// seed 0: no random order is asked for.
+	explicit RandomOrder(unsigned seed)
+	    : random(seed)
+	    , asked(seed > 0)
+	{
+	}
+
+	explicit operator bool() const { return asked; }
+
+	// The numbers below `count`, which is the same at every call.
+	const std::vector<int32_t>& next(std::size_t count)
+	{
+		while (order.size() < count)
+			order.push_back(static_cast<int32_t>(order.size()));
+		for (std::size_t i = count; i > 1; i--)
+			std::swap(order[i - 1], order[random() % i]);
+		return order;
+	}
+
+    private:
+	std::vector<int32_t> order;
+	std::mt19937_64 random;
+	bool asked;
+};
+
+} // namespace cd
