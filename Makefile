@@ -47,8 +47,9 @@ lint: ## style and static checks
 	$(if $(wildcard .clang-format),clang-format --dry-run --Werror $(cpp))
 
 install: build ## let every YADE console of this user import cd_engine
-	install -d $(site)/cd_engine
+	install -d $(site)/cd_engine/core
 	install -m 644 cd_engine/*.py cd_engine/*.so $(site)/cd_engine
+	install -m 644 cd_engine/core/*.py cd_engine/core/*.so $(site)/cd_engine/core
 
 uninstall: ## undo `make install`
 	rm -rf $(site)/cd_engine

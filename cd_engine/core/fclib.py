@@ -1,0 +1,152 @@
+"""Reads and writes FCLIB files: local frictional contact problems in HDF5, the exchange format of the field.
+
+V. Acary, M. Brémond, T. Koziara, F. Pérignon: FCLIB, a collection of discrete 3D frictional contact problems (INRIA RT-444, 2014); the
+names and shapes are those of fclib.h. Its u = W r + q is this package's u = W p + q with the same signs and the same order (normal, tangential).
+"""
+import os
+
+import h5py
+import numpy as np
+from scipy import sparse
+
+from . import guarded
+from .problem import Problem
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"  # how an HDF5 file begins
+COLUMNS, ROWS = -1, -2            # FCLIB's `nz` of a matrix compressed by columns, by rows; >= 0: so many triplets
+
+
+def write_problem(path, problem, title="", description="", contact_ids=None):
+    """Write `problem` as an FCLIB file, which takes the place of one of that name only once it is complete.
+
+    contact_ids: the two bodies of each contact, kept in a data set of that name beside FCLIB's own, which other readers pass over.
+    """
+    path = os.fspath(path)
+    problem = Problem(problem.W, problem.q, problem.mu)
+    W = problem.W.tocsc()
+    if W.nnz >= 2**31:
+        raise ValueError(f"W has {W.nnz} numbers; FCLIB counts them in 31 bits")
+    aside = f"{path}.{os.getpid()}.part"
+    try:
+        with h5py.File(aside, "w") as file:
+            _integers(file, "fclib_local/spacedim", [2])
+            for name, value in (("nzmax", [W.nnz]), ("m", [W.shape[0]]), ("n", [W.shape[1]]), ("nz", [COLUMNS]), ("p", W.indptr), ("i", W.indices)):
+                _integers(file, f"fclib_local/W/{name}", value)
+            file["fclib_local/W/x"] = W.data
+            file["fclib_local/vectors/q"] = problem.q
+            file["fclib_local/vectors/mu"] = problem.mu
+            for name, value in (("title", title), ("description", description)):
+                # libfclib reads strings of fixed length and needs the zero at the end.
+                text = value.encode()
+                file.create_dataset(f"fclib_local/info/{name}", data=np.bytes_(text), dtype=f"S{len(text) + 1}")
+            if contact_ids is not None:
+                file["contact_ids"] = np.asarray(contact_ids, dtype=np.int32).reshape(problem.contacts, 2)
+        os.replace(aside, path)
+    finally:
+        if os.path.exists(aside):
+            os.remove(aside)
+
+
+def _integers(file, name, value):
+    file[name] = np.asarray(value, dtype=np.int32)
+
+
+def read(path):
+    """The `Problem` in the file; ValueError with the data set where it is damaged or of another kind."""
+    W, q, mu = guarded.call(_arrays, path)
+    try:
+        return Problem(W, q, mu)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _arrays(path):
+    """W, q, mu as they stand in the file."""
+    with _Reader(path) as reader:
+        if not reader.has(""):
+            raise ValueError(f"{path}: there is no /fclib_local in it; only FCLIB's local problems are read")
+        dimension = reader.integer("spacedim")
+        if dimension != 2:
+            raise reader.error("spacedim", f"the problem has {dimension} dimensions; only 2 are supported")
+        for name in ("V", "R"):
+            if reader.has(name):
+                raise reader.error(name, "bilateral constraints are not supported, only contacts")
+        W = _matrix(reader)
+        q = reader.array("vectors/q", float, W.shape[0])
+        return W, q, reader.array("vectors/mu", float, W.shape[0] // 2)
+
+
+class _Reader:
+    """Data sets below /fclib_local. A damaged file makes h5py raise exceptions of many types; here each becomes a ValueError with the place."""
+
+    def __init__(self, path):
+        self.path = path
+        try:
+            self.file = h5py.File(path, "r")
+        except Exception as error:
+            raise ValueError(f"{path}: not a complete HDF5 file ({error})") from None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self.file.close()
+        except Exception as error:
+            raise ValueError(f"{self.path}: not a complete HDF5 file ({error})") from None
+
+    def error(self, name, what):
+        return ValueError(f"{self.path}, /fclib_local/{name}: {what}")
+
+    def has(self, name):
+        try:
+            return f"fclib_local/{name}" in self.file
+        except Exception as error:
+            raise self.error(name, f"cannot be read ({error})") from None
+
+    def array(self, name, kind, length):
+        """A data set of so many numbers; `kind` int or float."""
+        if not self.has(name):
+            raise self.error(name, "is missing")
+        try:
+            data = self.file[f"fclib_local/{name}"]
+            shape, dtype = data.shape, data.dtype
+            # Before the numbers are read: a damaged size may claim any amount of memory.
+            if shape == (length,) and dtype.kind in ("iu" if kind is int else "iuf"):
+                return np.asarray(data[()], dtype=np.int64 if kind is int else float)
+        except Exception as error:
+            raise self.error(name, f"cannot be read ({error})") from None
+        if shape != (length,):
+            raise self.error(name, f"has the shape {shape}; {length} numbers in one row are expected")
+        raise self.error(name, f"holds {dtype}, not numbers of the kind expected")
+
+    def integer(self, name):
+        return int(self.array(name, int, 1)[0])
+
+
+def _matrix(reader):
+    size, columns, kept, nz = (reader.integer(f"W/{name}") for name in ("m", "n", "nzmax", "nz"))
+    if size != columns:
+        raise reader.error("W", f"is {size} x {columns}; it must be square")
+    if size < 0 or size % 2:
+        raise reader.error("W/m", f"is {size}; a contact has two rows, so their number must be even")
+    count = nz if nz >= 0 else kept
+    if nz < ROWS or count < 0:
+        raise reader.error("W/nz", f"is {nz} with nzmax {kept}, which is no way to store a matrix")
+    # Also before anything of the size claimed is made.
+    if count < size:
+        raise reader.error("W", f"has {count} numbers, fewer than its {size} rows; its diagonal must be positive")
+    index = reader.array("W/i", int, count)
+    value = reader.array("W/x", float, count)
+    if index.size and not (0 <= index.min() and index.max() < size):
+        raise reader.error("W/i", f"points outside a matrix of {size} rows")
+    if nz >= 0:
+        # fclib.h: p the rows, i the columns. Siconos writes them the other way round, which is the same for a symmetric W.
+        row = reader.array("W/p", int, count)
+        if row.size and not (0 <= row.min() and row.max() < size):
+            raise reader.error("W/p", f"points outside a matrix of {size} rows")
+        return sparse.coo_matrix((value, (row, index)), shape=(size, size))
+    pointer = reader.array("W/p", int, size + 1)
+    if pointer[0] != 0 or pointer[-1] != count or np.any(np.diff(pointer) < 0):
+        raise reader.error("W/p", f"does not ascend from 0 to {count}")
+    return (sparse.csc_matrix if nz == COLUMNS else sparse.csr_matrix)((value, index, pointer), shape=(size, size))

@@ -1,0 +1,53 @@
+"""Calls a function on a file that may be damaged, out of reach of what that does to the library underneath.
+
+libhdf5 trusts what it reads: on some damaged files it loops for ever or crashes, and neither can be caught where it happens.
+"""
+import faulthandler
+import os
+import pickle
+import resource
+import signal
+
+SECONDS, PER_MEGABYTE = 2, 1  # of processor time, not of the clock: a busy machine is no damaged file. A sound one takes 1 ms
+
+
+def call(function, path):
+    """function(path) in a process of its own; a ValueError is passed on, and what ends or holds up the process becomes one."""
+    allowed = SECONDS + PER_MEGABYTE * (os.path.getsize(path) >> 20)
+    out, into = os.pipe()
+    child = os.fork()
+    if child == 0:
+        _answer(function, path, into, allowed)
+    os.close(into)
+    try:
+        with os.fdopen(out, "rb") as answer:
+            message = answer.read()
+    finally:
+        ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if ended == -signal.SIGXCPU:
+        raise ValueError(f"{path}: damaged, libhdf5 does not come to an end with it")
+    if ended != 0:
+        raise ValueError(f"{path}: damaged, libhdf5 fails on it (status {ended})")
+    value, error = pickle.loads(message)
+    if error is not None:
+        raise ValueError(error)
+    return value
+
+
+def _answer(function, path, into, seconds):
+    """Never returns."""
+    status = 1
+    try:
+        faulthandler.disable()
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+        signal.signal(signal.SIGXCPU, signal.SIG_DFL)
+        try:
+            message = function(path), None
+        except (ValueError, MemoryError) as error:
+            message = None, str(error) or f"{path}: asks for more memory than there is"
+        with os.fdopen(into, "wb") as answer:
+            pickle.dump(message, answer, pickle.HIGHEST_PROTOCOL)
+        status = 0
+    finally:
+        os._exit(status)

@@ -1,0 +1,85 @@
+"""A contact problem given by its Delassus matrix, and what makes one well posed enough to be solved."""
+import numpy as np
+from scipy import sparse
+
+
+class Problem:
+    """Contacts of one time step in the plane; two rows a contact, normal then tangential.
+
+    W   Delassus matrix [1/kg], a SciPy sparse matrix of 2n x 2n with a positive diagonal. It is symmetric and positive semidefinite in
+        mechanics; neither is demanded, since files that print few digits miss both by a little
+    q   relative velocities without contact impulses [m/s], 2n; the gap or the restitution of a contact is part of its normal component
+    mu  Coulomb's friction coefficient of each contact, n, at least 0
+
+    Anything that cannot be taken as these is a ValueError that says where.
+    """
+
+    def __init__(self, W, q, mu):
+        self.W = _matrix(W)
+        self.q = vector("q", q, self.W.shape[0])
+        self.mu = vector("mu", mu, self.W.shape[0] // 2)
+        negative = np.flatnonzero(self.mu < 0)
+        if negative.size:
+            raise ValueError(f"mu[{negative[0]}] = {self.mu[negative[0]]:g} is negative")
+
+    @property
+    def contacts(self):
+        """How many there are."""
+        return len(self.mu)
+
+    def velocities(self, impulses):
+        """Relative velocities u = W p + q [m/s] that belong to impulses p [N s], 2n each."""
+        return self.W @ vector("impulses", impulses, len(self.q)) + self.q
+
+    def __repr__(self):
+        return f"<Problem of {self.contacts} contacts, {self.W.nnz} numbers in W>"
+
+
+def _matrix(W):
+    """W in SciPy's row format with sorted columns and no entry twice; the one given is left as it is."""
+    try:
+        if sparse.issparse(W):
+            if hasattr(W, "check_format"):
+                W.check_format(full_check=True)
+        else:
+            W = np.asarray(W)
+            if W.ndim != 2:
+                raise ValueError(f"it has {W.ndim} dimensions, not 2")
+        if np.iscomplexobj(W):
+            raise ValueError("its numbers are complex")
+        rows = sparse.csr_matrix(W, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"W is not a matrix of numbers: {error}") from None
+    if rows.shape[0] != rows.shape[1]:
+        raise ValueError(f"W is {rows.shape[0]} x {rows.shape[1]}; it must be square")
+    if rows.shape[0] % 2:
+        raise ValueError(f"W has {rows.shape[0]} rows; a contact has two, so their number must be even")
+    if not rows.has_canonical_format:
+        rows = rows.copy()
+        rows.sum_duplicates()
+    wrong = np.flatnonzero(~np.isfinite(rows.data))
+    if wrong.size:
+        row = np.searchsorted(rows.indptr, wrong[0], side="right") - 1
+        raise ValueError(f"W[{row}, {rows.indices[wrong[0]]}] is {rows.data[wrong[0]]:g}, not a finite number")
+    own = rows.diagonal()
+    wrong = np.flatnonzero(own <= 0)
+    if wrong.size:
+        raise ValueError(f"W[{wrong[0]}, {wrong[0]}] = {own[wrong[0]]:g}, the {'tangential' if wrong[0] % 2 else 'normal'} compliance of contact "
+                         f"{wrong[0] // 2}, must be positive")
+    return rows
+
+
+def vector(name, values, length):
+    """`values` as an array of so many finite numbers."""
+    try:
+        if np.iscomplexobj(values):
+            raise ValueError("complex")
+        array = np.ascontiguousarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is not an array of numbers") from None
+    if array.shape != (length,):
+        raise ValueError(f"{name} has the shape {array.shape}; a W of this size asks for {length} numbers in one row")
+    wrong = np.flatnonzero(~np.isfinite(array))
+    if wrong.size:
+        raise ValueError(f"{name}[{wrong[0]}] is {array[wrong[0]]:g}, not a finite number")
+    return array

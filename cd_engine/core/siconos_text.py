@@ -1,0 +1,192 @@
+"""Reads the text in which Siconos writes a FrictionContactProblem of two dimensions (frictionContact_printInFile).
+
+    dimension, contacts, storage of the matrix (0 dense, 1 blocks, 2 sparse), rows, columns, the matrix, q, mu
+
+The three storages are those of Siconos's NM_write_in_file: dense by columns; blocks by rows with each block by columns; sparse as CSparse
+prints a matrix, by columns, rows or triplets. What follows mu is passed over, as Siconos does: old files end with a flag.
+"""
+import re
+
+import numpy as np
+from scipy import sparse
+
+from .problem import Problem
+
+DENSE, BLOCKS, SPARSE = 0, 1, 2
+
+_SIZES = re.compile(r"(?P<order>csr: |triplet: |)(?P<rows>\d+)-by-(?P<columns>\d+), nzmax: \d+ nnz: (?P<entries>\d+)(, 1-norm: \S+)?")
+_HEAD = re.compile(r"(?P<line>col|row) (?P<number>\d+) : locations (?P<first>\d+) to (?P<last>-?\d+)")
+_INTEGER = re.compile(r"\d{1,18}")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+
+
+class _Text:
+    """The words of a file one after the other, with the line each stands in for messages."""
+
+    def __init__(self, path):
+        self.path = path
+        with open(path, "rb") as file:
+            content = file.read()
+        try:
+            text = content.decode("ascii")
+        except UnicodeDecodeError as error:
+            self.line = content.count(b"\n", 0, error.start) + 1
+            raise self.error("is not text of a FrictionContactProblem") from None
+        self.lines = text.split("\n")
+        self.line = 0
+        self.words = iter(())
+
+    def error(self, what):
+        return ValueError(f"{self.path}, line {self.line}: {what}")
+
+    def next_line(self):
+        """The next line that is not blank, without the space around it; what is left of the present one is passed over."""
+        self.words = iter(())
+        while self.line < len(self.lines):
+            self.line += 1
+            if line := self.lines[self.line - 1].strip():
+                return line
+        raise self.error("the file ends too early")
+
+    def word(self):
+        for word in self.words:
+            return word
+        words = iter(self.next_line().split())
+        self.words = words
+        return next(words)
+
+    def integer(self, what, low=0, high=2**31 - 1):
+        return self.to_integer(self.word(), what, low, high)
+
+    def to_integer(self, word, what, low=0, high=2**31 - 1):
+        if not _INTEGER.fullmatch(word):
+            raise self.error(f"{what} should be a whole number, not {word[:40]!r}")
+        if not low <= int(word) <= high:
+            raise self.error(f"{what} is {int(word)}; it must lie between {low} and {high}")
+        return int(word)
+
+    def to_number(self, word, what):
+        number = float(word) if _NUMBER.fullmatch(word) else np.nan
+        if not np.isfinite(number):
+            raise self.error(f"{what} should be a finite number, not {word[:40]!r}")
+        return number
+
+    def numbers(self, count, what):
+        # One at a time, so that a count far beyond the end of the file is noticed there and not by memory.
+        return np.array([self.to_number(self.word(), f"{what}[{i}]") for i in range(count)])
+
+
+def read(path):
+    """The `Problem` in the file; ValueError with the line where it is damaged."""
+    text = _Text(path)
+    dimension = text.integer("the dimension")
+    if dimension != 2:
+        raise text.error(f"the problem has {dimension} dimensions; only 2 are supported")
+    contacts = text.integer("the number of contacts")
+    storage = text.integer("the storage of the matrix")
+    rows = text.integer("the number of rows")
+    columns = text.integer("the number of columns")
+    if rows != 2 * contacts or columns != 2 * contacts:
+        raise text.error(f"the matrix is {rows} x {columns}, which does not fit {contacts} contacts with two rows each")
+    if storage not in (DENSE, BLOCKS, SPARSE):
+        raise text.error(f"there is no storage {storage} of a matrix")
+    row, column, value = {DENSE: _dense, BLOCKS: _blocks, SPARSE: _sparse}[storage](text, rows)
+    # Before any array of the size the file claims is made: a matrix that can be solved has its whole diagonal.
+    if len(value) < rows:
+        raise text.error(f"W has {len(value)} numbers, fewer than its {rows} rows; its diagonal must be positive")
+    W = sparse.coo_matrix((value, (row, column)), shape=(rows, rows))
+    q = text.numbers(rows, "q")
+    mu = text.numbers(contacts, "mu")
+    try:
+        return Problem(W, q, mu)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _dense(text, size):
+    for what in ("rows", "columns"):
+        text.integer(f"the number of {what}, given again,", size, size)
+    values = text.numbers(size * size, "W")
+    column, row = np.divmod(np.arange(size * size), max(size, 1))
+    kept = values != 0
+    return row[kept], column[kept], values[kept]
+
+
+def _blocks(text, size):
+    """Siconos's SparseBlockStructuredMatrix: where the rows and columns of blocks end, the blocks of each row, their numbers."""
+    count = text.integer("the number of blocks")
+    of_rows = text.integer("the number of block rows", 0, size)
+    of_columns = text.integer("the number of block columns", 0, size)
+    ends = [_ends(text, number, size, what) for number, what in ((of_rows, "rows"), (of_columns, "columns"))]
+    filled = text.integer("the number of row pointers", 1, of_rows + 1)
+    text.integer("the number of blocks, given again,", count, count)
+    pointers = [text.integer("a row pointer", 0, count) for _ in range(filled)]
+    if pointers[0] != 0 or pointers[-1] != count or any(a > b for a, b in zip(pointers, pointers[1:])):
+        raise text.error(f"the row pointers do not ascend from 0 to {count}")
+    of_block = [text.integer("the column of a block", 0, of_columns - 1) for _ in range(count)]
+    row, column, value = [], [], []
+    for i in range(filled - 1):
+        for k in range(pointers[i], pointers[i + 1]):
+            text.integer("the number of a block", k, k)
+            (top, bottom), (left, right) = (ends[0][i:i + 2], ends[1][of_block[k]:of_block[k] + 2])
+            for j in range(left, right):
+                for m in range(top, bottom):
+                    row.append(m)
+                    column.append(j)
+                    value.append(text.to_number(text.word(), f"W[{m}, {j}]"))
+    return row, column, value
+
+
+def _ends(text, number, size, what):
+    ends = [0]
+    for _ in range(number):
+        ends.append(text.integer(f"the end of a block's {what}", ends[-1], size))
+    if ends[-1] != size:
+        raise text.error(f"the blocks end at {what} {ends[-1]}, not {size}")
+    return ends
+
+
+def _sparse(text, size):
+    """A matrix as CSparse's cs_print shows it, six digits a number."""
+    text.integer("the origin of the sparse matrix")
+    if not text.next_line().startswith("CSparse Version"):
+        raise text.error("a sparse matrix should begin with 'CSparse Version'")
+    sizes = _SIZES.fullmatch(text.next_line())
+    if not sizes:
+        raise text.error("expected the sizes of the matrix, such as '4-by-4, nzmax: 8 nnz: 8, 1-norm: 2.5'")
+    for what in ("rows", "columns"):
+        text.to_integer(sizes[what], f"the number of {what}, given again,", size, size)
+    entries = text.to_integer(sizes["entries"], "the number of entries")
+    if sizes["order"] == "triplet: ":
+        return _triplets(text, size, entries)
+    by_rows = sizes["order"] == "csr: "
+    outer, inner, value = [], [], []
+    for number in range(size):
+        head = _HEAD.fullmatch(text.next_line())
+        if not head or (head["line"] == "row") != by_rows or head["number"] != str(number):
+            raise text.error(f"expected '{'row' if by_rows else 'col'} {number} : locations ...'")
+        if head["first"] != str(len(value)):
+            raise text.error(f"the locations begin at {head['first'][:20]}, but {len(value)} entries came before")
+        last = text.to_integer(head["last"], "the last location", 0, entries - 1) if head["last"] != str(len(value) - 1) else len(value) - 1
+        for _ in range(len(value), last + 1):
+            words = text.next_line().split()
+            if len(words) != 3 or words[1] != ":":
+                raise text.error("expected an entry such as '12 : -0.5'")
+            outer.append(number)
+            inner.append(text.to_integer(words[0], "an index", 0, size - 1))
+            value.append(text.to_number(words[2], "an entry"))
+    if len(value) != entries:
+        raise text.error(f"the matrix has {len(value)} entries, {entries} were announced")
+    return (outer, inner, value) if by_rows else (inner, outer, value)
+
+
+def _triplets(text, size, entries):
+    row, column, value = [], [], []
+    for _ in range(entries):
+        words = text.next_line().split()
+        if len(words) != 4 or words[2] != ":":
+            raise text.error("expected an entry such as '3 12 : -0.5'")
+        row.append(text.to_integer(words[0], "a row", 0, size - 1))
+        column.append(text.to_integer(words[1], "a column", 0, size - 1))
+        value.append(text.to_number(words[3], "an entry"))
+    return row, column, value

@@ -1,0 +1,181 @@
+"""Problems given by their matrix: what is refused, what the error means, and that the methods bring it to its tolerance."""
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import sparse
+
+from cd_engine import core
+
+
+def packed(contacts, seed, mu=0.4):
+    """A problem with a W = H^T H of its own: unknowns fewer than rows, so it is singular as in a dense packing."""
+    random = np.random.default_rng(seed)
+    H = sparse.random(max(3, 3 * contacts // 2), 2 * contacts, density=min(1, 6 / contacts), random_state=seed, data_rvs=random.standard_normal)
+    W = (H.T @ H + 0.3 * sparse.eye(2 * contacts)).tocsr()
+    return core.Problem(W, random.standard_normal(2 * contacts) - np.tile([0.5, 0], contacts), np.full(contacts, mu))
+
+
+def on_cone(mu, n, t):
+    """Euclidean projection of (n, t) on |t| <= mu n as the nearest of three points: itself, the apex, the feet on the two edges."""
+    if n >= 0 and abs(t) <= mu * n:
+        return np.array([n, t])
+    edge = [np.array([1, side * mu]) for side in (-1, 1)]
+    feet = [max(0, e @ (n, t)) / (e @ e) * e for e in edge]
+    return min(feet, key=lambda foot: np.hypot(*(foot - (n, t))))
+
+
+def error(problem, p):
+    """e from its definition, contact by contact."""
+    u = problem.W.toarray() @ p + problem.q
+    total = 0
+    for i, mu in enumerate(problem.mu):
+        own = problem.W[2 * i, 2 * i]
+        n, t = p[2 * i] - (u[2 * i] + mu * abs(u[2 * i + 1])) / own, p[2 * i + 1] - u[2 * i + 1] / own
+        total += np.sum((p[2 * i:2 * i + 2] - on_cone(mu, n, t)) ** 2)
+    return np.sqrt(total) / np.linalg.norm(p)
+
+
+NUMBER = st.floats(-10, 10).map(lambda x: round(x, 6))
+
+
+MU = st.floats(0, 2).map(lambda x: round(x, 6))
+POINT = arrays(float, 2, elements=NUMBER)
+
+
+@given(MU, POINT, POINT)
+@settings(deadline=None)
+def test_projection(mu, a, b):
+    """The projection the errors below are compared with: on the cone, idempotent, nonexpansive."""
+    pa, pb = on_cone(mu, *a), on_cone(mu, *b)
+    # 1e-13: round-off of numbers up to 10, some operations each.
+    assert abs(pa[1]) <= mu * pa[0] + 1e-13
+    assert np.allclose(on_cone(mu, *pa), pa, rtol=0, atol=1e-13)
+    assert np.linalg.norm(pa - pb) <= np.linalg.norm(a - b) + 1e-13
+
+
+@given(st.integers(1, 4), st.integers(0, 10**6), MU, st.data())
+@settings(deadline=None)
+def test_error_is_its_definition(contacts, seed, mu, data):
+    problem = packed(contacts, seed, mu)
+    p = data.draw(arrays(float, 2 * contacts, elements=NUMBER))
+    if not p.any():
+        return
+    # 1e-12: both sum a few numbers of order 1 to 100.
+    assert core.residual(problem, p) == pytest.approx(error(problem, p), rel=1e-12, abs=1e-12)
+
+
+@given(MU, st.sampled_from(["open", "stick", "slide"]), st.floats(0.1, 5), st.floats(-1, 1), st.floats(0.1, 5))
+@settings(deadline=None)
+def test_no_error_where_the_law_holds(mu, state, pn, share, speed):
+    """One contact in each state; and one if the velocity or the impulse is off it."""
+    W = np.array([[2.0, 0.3], [0.3, 3.0]])
+    side = 1 if share >= 0 else -1
+    p = {"open": [0, 0], "stick": [pn, share * mu * pn], "slide": [pn, -side * mu * pn]}[state]
+    u = {"open": [speed, share], "stick": [0, 0], "slide": [0, side * speed]}[state]
+    solved = core.Problem(W, np.array(u) - W @ p, [mu])
+    assert core.residual(solved, p) < 1e-13  # round-off
+    off = core.residual(core.Problem(W, np.array(u) - [speed + 0.1, 0] - W @ p, [mu]), p)
+    assert off > 1e-3  # closing: infinite where there is no impulse at all
+
+
+@pytest.mark.parametrize("method", core.methods())
+@pytest.mark.parametrize("mu", [0, 0.1, 0.8])
+def test_every_method_solves(method, mu):
+    problem = packed(60, 5, mu)
+    report = core.solve(problem, method=method, tolerance=1e-10)
+    assert report.converged and report.status == "converged" and report.iterations > 0 and report.seconds > 0
+    assert report.residual <= 1e-10 and report.residual <= report.residual_max
+    assert core.residual(problem, report.impulses) == report.residual
+    assert error(problem, report.impulses) < 2e-10  # the definition, with its own round-off
+    again = core.solve(problem, method=method, tolerance=1e-10, impulses=report.impulses)
+    assert again.iterations == 0 and np.array_equal(again.impulses, report.impulses)
+
+
+def test_units_do_not_matter():
+    """Impulses of 1e-20 N s are solved as those of 1: the error has no scale."""
+    problem = packed(30, 2)
+    small = core.Problem(problem.W, problem.q * 2.0**-70, problem.mu)
+    a, b = core.solve(problem), core.solve(small)
+    assert a.iterations == b.iterations and np.array_equal(a.impulses * 2.0**-70, b.impulses)
+
+
+def test_what_is_not_solved_says_so():
+    problem = packed(60, 5)
+    few = core.solve(problem, max_iterations=2, tolerance=1e-12)
+    assert not few.converged and few.status == "max_iterations" and few.iterations == 2
+    assert core.residual(problem, few.impulses) == few.residual
+    # Pulled together along a direction in which nothing can resist: no impulses solve it.
+    hopeless = core.solve(core.Problem([[1, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 1, 0], [0, 0, 0, 1]], [-1, 0, -1, 0], [0, 0]), max_iterations=5000)
+    assert not hopeless.converged and hopeless.status in ("stagnated", "max_iterations")
+
+
+def test_fixed_iterations_and_seed():
+    problem = packed(60, 5)
+    a, b = (core.solve(problem, method=method, fixed_iterations=9, seed=4) for method in ("nsgs", "accelerated"))
+    assert a.iterations == 9 and a.status == "fixed_iterations" and np.array_equal(a.impulses, b.impulses)
+    assert not np.array_equal(a.impulses, core.solve(problem, fixed_iterations=9, seed=5).impulses)
+
+
+def test_nothing_given_is_changed_and_none_is_needed():
+    problem = packed(20, 1)
+    first = np.ones(40)
+    before = problem.W.copy(), problem.q.copy()
+    core.solve(problem, impulses=first)
+    assert np.all(first == 1) and (problem.W != before[0]).nnz == 0 and np.array_equal(problem.q, before[1])
+    none = core.Problem(sparse.csr_matrix((0, 0)), [], [])
+    assert core.solve(none).converged and core.residual(none, []) == 0
+
+
+GOOD = np.diag([2.0, 3.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("W, q, mu, words", [
+    (np.ones((4, 2)), np.zeros(4), [0, 0], "4 x 2"),
+    (np.eye(3), np.zeros(3), [0], "even"),
+    (np.eye(4) * np.nan, np.zeros(4), [0, 0], r"W\[0, 0\]"),
+    (GOOD + np.pad([[0, np.inf]], ((0, 3), (0, 2))), np.zeros(4), [0, 0], r"W\[0, 1\]"),
+    (np.diag([2.0, 3, 0, 3]), np.zeros(4), [0, 0], r"W\[2, 2\].*normal compliance of contact 1"),
+    (np.diag([2.0, 3, 2, -3]), np.zeros(4), [0, 0], r"W\[3, 3\].*tangential compliance of contact 1"),
+    (sparse.csr_matrix((4, 4)), np.zeros(4), [0, 0], r"W\[0, 0\]"),
+    (GOOD, np.zeros(3), [0, 0], "q has the shape"),
+    (GOOD, np.zeros((4, 1)), [0, 0], "q has the shape"),
+    (GOOD, [0, np.nan, 0, 0], [0, 0], r"q\[1\]"),
+    (GOOD, np.zeros(4), [0, 0, 0], "mu has the shape"),
+    (GOOD, np.zeros(4), [0.5, -0.1], r"mu\[1\] = -0.1 is negative"),
+    (GOOD, np.zeros(4), [np.inf, 0], r"mu\[0\]"),
+    (GOOD * 1j, np.zeros(4), [0, 0], "complex"),
+    (GOOD, ["a"] * 4, [0, 0], "q is not an array of numbers"),
+    ("W", np.zeros(4), [0, 0], "W is not a matrix"),
+    (None, np.zeros(4), [0, 0], "W is not a matrix"),
+])
+def test_refused(W, q, mu, words):
+    with pytest.raises(ValueError, match=words):
+        core.Problem(W, q, mu)
+
+
+@pytest.mark.parametrize("wrong, words", [
+    ({"method": "lemke"}, "lemke"), ({"tolerance": 0}, "tolerance"), ({"tolerance": np.nan}, "tolerance"), ({"tolerance": "small"}, "tolerance"),
+    ({"max_iterations": 0}, "max_iterations"), ({"max_iterations": 2.5}, "max_iterations"), ({"fixed_iterations": -1}, "fixed_iterations"),
+    ({"max_iterations": 2**31}, "max_iterations"), ({"seed": -1}, "seed"), ({"impulses": [1.0]}, "impulses"), ({"impulses": [np.nan] * 4}, "impulses"),
+])
+def test_refused_by_solve(wrong, words):
+    with pytest.raises(ValueError, match=words):
+        core.solve(core.Problem(GOOD, np.zeros(4), [0, 0]), **wrong)
+
+
+def test_a_problem_spoilt_later_is_refused_too():
+    problem = packed(5, 1)
+    problem.q[3] = np.nan
+    with pytest.raises(ValueError, match=r"q\[3\]"):
+        core.solve(problem)
+    with pytest.raises(ValueError, match=r"q\[3\]"):
+        core.residual(problem, np.zeros(10))
+
+
+def test_no_yade_is_needed(root):
+    """In a fresh interpreter that has never heard of YADE."""
+    import subprocess
+    code = "import sys; sys.path.insert(0, sys.argv[1]); from cd_engine import core; core.methods(); assert 'yade' not in sys.modules"
+    subprocess.run(["/usr/bin/python3", "-I", "-c", code, str(root)], check=True)
