@@ -1,8 +1,13 @@
 """The core's own tests (C++, doctest), built by cd_engine's Makefile; the core knows neither YADE nor Python."""
 import subprocess
 
+import pytest
 
-def test_core(root):
-    subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), "core_tests"], check=True)
-    done = subprocess.run([str(root / "cd_engine" / "build" / "core_tests")], capture_output=True, text=True)
-    assert done.returncode == 0 and "Status: SUCCESS" in done.stdout, done.stdout
+
+# sanitized: the address and undefined-behaviour sanitizers end the tests at the first fault.
+@pytest.mark.parametrize("build", ["core_tests", "sanitized"])
+def test_core(root, build):
+    subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), build], check=True)
+    program = root / "cd_engine" / "build" / {"core_tests": "core_tests", "sanitized": "core_tests_sanitized"}[build]
+    done = subprocess.run([str(program)], capture_output=True, text=True)
+    assert done.returncode == 0 and "Status: SUCCESS" in done.stdout, done.stdout + done.stderr
