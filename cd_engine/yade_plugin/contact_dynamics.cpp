@@ -46,21 +46,26 @@ void ContactDynamics::action()
 	}
 }
 
+cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
+{
+	cd::StepSettings s;
+	s.dt = at<double>(of, layout.scene_dt);
+	s.restitution = restitution;
+	s.gapCorrection = gapCorrection;
+	s.solve = cd::findSolver(method);
+	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
+	if (!s.solve)
+		throw SceneError("ContactDynamics: there is no method '" + method + "'. See cd_engine.methods()");
+	if (gravity[2] != 0)
+		throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
+	return s;
+}
+
 void ContactDynamics::advance()
 {
 	if (enginesChanged())
 		checkEngines();
-	cd::StepSettings settings;
-	settings.dt = at<double>(scene, layout.scene_dt);
-	settings.restitution = restitution;
-	settings.gapCorrection = gapCorrection;
-	settings.solve = cd::findSolver(method);
-	settings.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(scene, layout.scene_iter)) };
-	if (!settings.solve)
-		throw SceneError("ContactDynamics: there is no method '" + method + "'. See cd_engine.methods()");
-	if (gravity[2] != 0)
-		throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
-
+	const cd::StepSettings settings = this->settings(scene);
 	link.gather(scene, gravity, settings.dt, warmStart, { referenceIds, referenceOverlaps }, rest, colliderMargin);
 	if (handover) {
 		link.takeOverlaps();

@@ -52,8 +52,11 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static void checkText(const char* attribute, const std::string& value);
 
 	void action() override;
+	void exportProblem(const std::string& path);
+	template <class Class> static void methods(Class&);
 
     private:
+	cd::StepSettings settings(yade::Scene*) const;
 	void checkEngines();
 	bool enginesChanged();
 	void advance();
@@ -136,6 +139,17 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("referenceIds", &C::referenceIds, Access::read, any, "Ids of the pairs that keep a reference overlap, two a pair.");
 	visit("referenceOverlaps", &C::referenceOverlaps, Access::read, any,
 	    "The reference overlaps of these pairs [m]. A pair forgets its overlap once its bodies are apart.");
+}
+
+template <class Class> void ContactDynamics::methods(Class& cls)
+{
+	cls.def("exportProblem", &ContactDynamics::exportProblem, boost::python::args("self", "path"),
+	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5) for :py:func:`cd_engine.core.read_problem` and for "
+	    "other "
+	    "codes; the ids of the bodies of each contact are in its data set contact_ids. Nothing in the scene changes. External forces are gravity "
+	    "and "
+	    "the permanent ones (O.forces.setPermF); what engines add in the course of a step is not known before it, and is left out. Pairs are "
+	    "those the collider has found, so at least one step must have been made, by this engine or by springs.");
 }
 
 } // namespace cd_engine

@@ -163,6 +163,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	cls.def("__init__", py::raw_function(constructRaw<E>, 1));
 	cls.def("__init__", py::make_constructor(+[](const boost::shared_ptr<E>& e) { return e; }));
 	E::attributes(PropertyMaker<E> { cls, static_cast<const E&>(*this) });
+	E::methods(cls);
 }
 
 // Makes E known to YADE's class factory and to Python; Boost.Serialization knows it by BOOST_CLASS_EXPORT.

@@ -153,6 +153,13 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces,
 		mustBeFinite(id, "force", force);
 		mustBeFinite(id, "torque", torque);
 	}
+	setForce(id, body, force, torque, g);
+}
+
+void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Vector3r& torque, const Vector3r& g) const
+{
+	const bool moves = body.inverseMass[0] > 0 || body.inverseMass[1] > 0;
+	const double mass = at<double>(bodies[id].state, layout.state_mass);
 	body.force[0] = force[0] + (moves ? mass * g[0] : 0);
 	body.force[1] = force[1] + (moves ? mass * g[1] : 0);
 	body.force[2] = torque[2];
@@ -221,18 +228,46 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	}
 }
 
-void SceneLink::gather(
-    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest& rest, double margin)
+void SceneLink::checkScene(yade::Scene* scene, double dt) const
 {
 	if (at<bool>(scene, layout.scene_isPeriodic))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
 	if (!(dt > 0 && std::isfinite(dt)))
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
+}
+
+void SceneLink::gather(
+    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest& rest, double margin)
+{
+	checkScene(scene, dt);
 	gravity = g;
 	gatherBodies(scene, g);
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
 	rest.refresh(
 	    world, scene, dt, margin, !pairsUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));
+	gatherPairs(scene, dt, impulses, known);
+}
+
+void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known)
+{
+	namespace py = boost::python;
+	inspecting = true;
+	checkScene(scene, dt);
+	gatherBodies(scene, g);
+	// O.forces holds what the last step left there, its contact forces among them; a ForceResetter comes before the next one.
+	const py::object lasting = py::import("yade").attr("O").attr("forces");
+	const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
+	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
+		cd::Body& body = world.bodies[id];
+		if (!bodies[id].exists || !(body.inverseMass[0] > 0 || body.inverseMass[1] > 0 || body.inverseMass[2] > 0))
+			continue;
+		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
+		if (any) { // YADE reads past the end of its list where there are none
+			force = py::extract<Vector3r>(lasting.attr("permF")(id));
+			torque = py::extract<Vector3r>(lasting.attr("permT")(id));
+		}
+		setForce(id, body, force, torque, g);
+	}
 	gatherPairs(scene, dt, impulses, known);
 }
 

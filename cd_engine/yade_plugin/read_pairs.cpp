@@ -55,14 +55,16 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Refere
 			continue;
 		if ((bodies[id1].boundary && bodies[id2].boundary) || !bodies[id1].inPlane || !bodies[id2].inPlane)
 			continue;
-		if (bodies[id2].boundary) { // YADE's own functors, too, want the boundary first
+		const bool turned = bodies[id2].boundary; // YADE's own functors, too, want the boundary first
+		if (turned && !inspecting) {
 			at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom).reset();
 			at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys).reset();
 			interaction->swapOrder();
 		}
 		cd::Pair pair;
-		pair.a = id1;
-		pair.b = id2;
+		// id1 and id2 are references: swapOrder has exchanged them.
+		pair.a = turned && inspecting ? id2 : id1;
+		pair.b = turned && inspecting ? id1 : id2;
 		pair.reference = known.of(id1, id2);
 		pairs.push_back(pair);
 		of.push_back(interaction);
@@ -136,6 +138,8 @@ void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const 
 	findForces();
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		cd::Pair& pair = world.pairs[i];
+		if (inspecting && pair.a != at<int>(interactions[i], layout.interaction_id1))
+			forces[i] = {}; // the step itself would forget them with their order
 		pair.mu = std::min(bodies[pair.a].friction, bodies[pair.b].friction); // the smaller angle of the two, as YADE
 		if (impulses)
 			readImpulse(i, dt);

@@ -29,6 +29,7 @@ struct Range {
 //   attributes(v)   calls v(name, member, Access, Range, documentation) for every attribute, in the order a user reads them: the one
 //                   list from which keyword arguments, .dict(), saving, properties and documentation are made
 //   checkText(attribute, value)   only if it has attributes of type string that can be set
+//   methods(c)      only if it has functions for Python: defines them on its class c
 // and a line in module.cpp. The members are defined in python_registration.hpp.
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
     public:
@@ -39,6 +40,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	boost::python::dict pyDict() const override;
 	void callPostLoad() override { GlobalEngine::callPostLoad(); }
 	void pyRegisterClass(boost::python::object scope) override;
+	template <class Class> static void methods(Class&) { }
 
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{

@@ -30,6 +30,8 @@ class SceneLink {
 	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `known`: overlaps of pairs that
 	// are new to the list. Runs the collider if it rests and the bodies have moved too far for that.
 	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest&, double margin);
+	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.
+	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const ReferenceOverlaps& known);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
 	// Writes positions, velocities, interactions and O.forces for impulses over dt. O.forces then holds the total on each body, gravity
@@ -53,12 +55,14 @@ class SceneLink {
 		int id1, id2;
 	};
 
+	void checkScene(yade::Scene*, double dt) const;
 	void gatherBodies(yade::Scene*, const Vector3r& gravity);
 	void findLayer(yade::BodyContainer&);
 	void inspect(int id, void* body);
 	void inspectMotion(int id) const;
 	void readShape(int id, cd::Body&);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
+	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const ReferenceOverlaps& known);
 	bool pairsUnchanged(yade::InteractionContainer*) const;
 	void rebuildPairs(yade::InteractionContainer*, const ReferenceOverlaps& known);
@@ -72,6 +76,7 @@ class SceneLink {
 	std::vector<KnownBody> bodies;
 	std::vector<KnownPair> listed; // the scene's interactions in its own order, to notice changes
 	std::vector<yade::Interaction*> interactions; // of world.pairs
+	bool inspecting = false; // the scene is only looked at
 	struct Spare {
 		boost::shared_ptr<yade::IGeom> geom;
 		boost::shared_ptr<yade::IPhys> phys;

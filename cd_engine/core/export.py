@@ -1,0 +1,16 @@
+"""Writes the problem that the engine in YADE assembled; called from cd_engine/yade_plugin/export_problem.cpp."""
+import numpy as np
+from scipy import sparse
+
+from .fclib import write_problem
+from .problem import Problem
+
+
+def write_step(path, start, column, blocks, q, mu, ids):
+    """W in rows of 2 x 2 blocks, q and mu, all as bytes; ids: the two bodies of each contact, the normal pointing to the second."""
+    q = np.frombuffer(q)
+    blocks = np.frombuffer(blocks).reshape(-1, 2, 2)
+    start, column = np.frombuffer(start, np.int64), np.frombuffer(column, np.int32)
+    W = sparse.bsr_matrix((blocks, column, start), shape=(len(q), len(q))) if len(blocks) else sparse.csr_matrix((0, 0))
+    write_problem(path, Problem(W, q, np.frombuffer(mu)), title="A step of Contact Dynamics",
+                  contact_ids=np.frombuffer(ids, np.int32).reshape(-1, 2))

@@ -1,0 +1,46 @@
+// The problem of the next step as a file: assembled here, written by cd_engine/core.
+#include "../core/delassus_system.hpp"
+#include "contact_dynamics.hpp"
+
+namespace cd_engine {
+namespace {
+
+	namespace py = boost::python;
+
+	// An array as Python's bytes, which NumPy takes without this file knowing NumPy.
+	template <class T> py::object bytes(const std::vector<T>& v)
+	{
+		return py::object(
+		    py::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(v.data()), static_cast<Py_ssize_t>(v.size() * sizeof(T)))));
+	}
+
+} // namespace
+
+void ContactDynamics::exportProblem(const std::string& path)
+{
+	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
+	// Everything that remembers is a copy: this engine and the scene stay as they are.
+	const cd::StepSettings settings = this->settings(now);
+	std::vector<int> ids = referenceIds;
+	std::vector<double> overlaps = referenceOverlaps;
+	SceneLink look;
+	look.inspectScene(now, gravity, settings.dt, warmStart, { ids, overlaps });
+	if (handover)
+		look.takeOverlaps();
+	if (look.world.pairs.empty() && steps == 0)
+		throw SceneError(
+		    "ContactDynamics.exportProblem: the scene has no pairs of bodies, and no step has been made that would find them. Make one");
+	cd::TimeStep next;
+	const cd::ContactSystem& system = next.assemble(look.world, settings);
+	const cd::DelassusSystem problem = cd::assembleDelassus(system);
+	std::vector<int> pairs;
+	for (const int32_t row : cd::solvableRows(system)) {
+		pairs.push_back(system.contacts[row].a);
+		pairs.push_back(system.contacts[row].b);
+	}
+	const std::vector<int64_t> start(problem.start.begin(), problem.start.end());
+	py::import("cd_engine.core.export")
+	    .attr("write_step")(path, bytes(start), bytes(problem.column), bytes(problem.blocks), bytes(problem.q), bytes(problem.mu), bytes(pairs));
+}
+
+} // namespace cd_engine
