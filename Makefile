@@ -5,6 +5,9 @@ JOBS    ?= $(shell nproc)
 # FULL=1: the full tables, hours; stop and start again at will. STUDY=name: one study only.
 FULL    ?=
 STUDY   ?=
+REPORT  ?= figures/report.html
+# PUBLISHED=1: make report of the committed full run, without any run here.
+PUBLISHED ?=
 # One thread a process: runs of several threads are not repeatable, and two run beside each other.
 export OMP_NUM_THREADS = 1
 
@@ -24,8 +27,8 @@ build: deps ## compile the engine
 study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
 	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
 
-report: deps ## one HTML page of the studies drawn so far; FULL=1 for the full tables
-	@$(PYTHON) -m analysis report $(if $(FULL),--full) -o $(REPORT)
+report: deps ## one HTML page of the studies run so far; FULL=1 of the full tables, PUBLISHED=1 of the committed full run
+	@$(PYTHON) -m analysis report $(if $(FULL),--full) $(if $(PUBLISHED),--published analysis/published) -o $(REPORT)
 
 test: build ## all tests and the short regression run
 	@.ci/install-packages test

@@ -1,5 +1,6 @@
 """What is committed in analysis/published: complete, regenerated from result files where they are there, and one cheap study run anew."""
 
+import html
 import json
 import os
 import re
@@ -26,6 +27,13 @@ def said(name):
 
 def test_every_study_is_published():
     assert PUBLISHED == sorted(studies.names())
+
+
+def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
+    page = tmp_path / "new" / "report.html"
+    subprocess.run(["make", "report", "PUBLISHED=1", f"REPORT={page}"], cwd=root, check=True, capture_output=True, timeout=300)
+    text = html.unescape(page.read_text())
+    assert "Not run yet" not in text and all(studies.module(name).TITLE in text for name in PUBLISHED)
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
