@@ -129,7 +129,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("cycles", 1, "1", "periods simulated", low=1, high=10**6),
     Parameter("records_per_cycle", 200, "1",
               "samples of the history in a period, even so that one falls on the load maximum", low=2, high=10**5),
-    Parameter("collapse_strain", 0.2, "1", "a run ends, collapsed, when |gamma| exceeds this or the walls lose their load", **_positive(10)),
+    Parameter("collapse_strain", 0.2, "1", "a run ends, collapsed, when |gamma| exceeds this", **_positive(10)),
     # Walls.
     Parameter("wall_mass_ratio", 20.0, "1",
               "mass of a force-loaded wall in mean disk masses; it swings after the kinks of a triangle", **_positive(1e6)),
