@@ -83,9 +83,9 @@ def ends(run):
     return np.flatnonzero(near)[np.unique(whole[near], return_index=True)[1]]
 
 
-def of(run):
-    """The Cycles of a run; ResultError if not one is complete."""
-    at = ends(run)
+def of(run, most=None):
+    """The Cycles of a run, at most so many; ResultError if not one is complete."""
+    at = ends(run) if most is None else ends(run)[:most + 1]
     if len(at) < 2:
         raise ResultError(run.path, "no cycle is complete", "run longer")
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
@@ -128,8 +128,8 @@ def other_verdicts(run):
     return sorted({regime(run, rule).name for rule in VARIANTS} - {regime(run).name})
 
 
-def regime(run, rule=RULE):
-    """The Regime of a run, by a rule that sees gamma at the ends of the cycles only.
+def regime(run, rule=RULE, most=None):
+    """The Regime of a run, by a rule that sees gamma at the ends of the cycles only; most: as it would be after so many cycles.
 
     collapse: the sample gave way, or at its late rate reaches collapse_strain within as many cycles again.
     shakedown: the late change is within the noise or has another sign than the one before; or the rate falls faster than 1/n - then
@@ -137,15 +137,15 @@ def regime(run, rule=RULE):
     far nor P0/k_n. (The numbers are those of RULE.)
     ratcheting: everything else; the strain grows without bound, at a constant rate if p is 0.
     """
-    found = None
+    collapsed, found = run.collapsed and (most is None or len(ends(run)) <= most), None
     try:
-        found = of(run)
+        found = of(run, most)
     except ResultError:
-        if not run.collapsed:
+        if not collapsed:
             raise
     count = len(found.number) if found else 0
     if count < FEWEST_CYCLES:
-        return Regime(COLLAPSE if run.collapsed else SHORT, np.nan, np.nan, np.nan)
+        return Regime(COLLAPSE if collapsed else SHORT, np.nan, np.nan, np.nan)
     half = count // 2
     rate = (found.permanent[-1] - found.permanent[half - 1]) / (count - half)
     late = found.rate[half:]
@@ -153,7 +153,8 @@ def regime(run, rule=RULE):
     # Two comparisons, the less favourable of which counts: a slip in the earlier window alone would pass for a decay.
     decay = min(_decay(found, count // 4, half, count), _decay(found, half, half + (count - half) // 2, count))
     within_noise = abs(rate) * (count - half) <= rule.significant * noise
-    return Regime(_name(run, found, rate, within_noise or decay > rule.decay, rule), rate, decay, noise)
+    name = COLLAPSE if collapsed else _name(run, found, rate, within_noise or decay > rule.decay, rule)
+    return Regime(name, rate, decay, noise)
 
 
 def _decay(found, first, middle, last):
@@ -166,8 +167,6 @@ def _decay(found, first, middle, last):
 
 def _name(run, found, rate, ends, rule):
     count, strain = len(found.number), abs(found.permanent[-1])
-    if run.collapsed:
-        return COLLAPSE
     if abs(rate) * rule.practical < max(strain, rule.elastic * run.pressure * run.parameters["depth"] / parameters.stiffness(run.parameters)):
         return SHAKEDOWN
     if count < FEWEST_FOR_DECAY:

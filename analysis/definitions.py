@@ -25,6 +25,9 @@ DEFINITIONS = (
                "Contact forces on opposite walls, their mean; compression positive.", "yade_scripts/walls.py"),
     Definition("Load", "σ<sub>1</sub> = P<sub>0</sub>; σ<sub>2</sub> = P<sub>0</sub>[1 + ½Δσ(1 − cos 2πt/t<sub>0</sub>)] (7), "
                "P<sub>0</sub>(1 + αt) (1), or linear up and down", "Δσ is delta_sigma, α ramp_rate.", "yade_scripts/loading.py"),
+    Definition("Springs", "R = k<sub>n</sub>δ<sub>n</sub> − 2β√(k<sub>n</sub>m<sub>eff</sub>) δ̇<sub>n</sub> (5), "
+               "|T| = min(k<sub>t</sub>|δ<sub>t</sub>|, μR) (6)", "Unlike the paper's (6) without a tangential dashpot; the normal force is not cut off where "
+               "the dashpot pulls. Damping works on the normal motion only.", "yade_scripts/md.py"),
     Definition("Strain", "ε<sub>1</sub> = L<sub>x</sub>/L<sub>x0</sub> − 1, ε<sub>2</sub> = L<sub>y</sub>/L<sub>y0</sub> − 1",
                "Between the walls; extension positive. The paper's (2) and (3) lack the −1, which its γ does not notice.", "analysis/schema.py"),
     Definition("γ", "γ = ε<sub>2</sub> − ε<sub>1</sub> (4)", "Negative when the sample shortens along the loaded axis.", "analysis/schema.py"),
@@ -42,8 +45,9 @@ DEFINITIONS = (
     Definition("Dissipated energy", "D = W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> in MD; Σ over contacts and steps in CD",
                "W: work of the walls. In units of P<sub>0</sub>V<sub>0</sub>, V<sub>0</sub> the sample's volume at the start.", "yade_scripts/record.py"),
     Definition("Error of the energy balance", "(W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> − D')/max|W|",
-               "D' is summed where it happens: in CD the engine's dissipation, in MD the law functor's over all slips. MD's dashpots are not "
-               "in D', so their work is part of the error.", "observables.balance_error"),
+               "D' is summed where it happens: in CD the engine's dissipation, in MD the law functor's over all slips. Left as error in MD are "
+               "the dashpots' work, which is positive, and the error of the time step, of either sign, which adds up from cycle to cycle. YADE's sum "
+               "does not exist for the path-independent law.", "observables.balance_error"),
     Definition("Critical load", "σ<sub>2</sub>/P<sub>0</sub> at which |γ| passes a threshold", "Always given with the threshold.",
                "observables.critical_load"),
     Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",

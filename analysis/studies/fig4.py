@@ -50,7 +50,7 @@ def draw(runs, rows, path):
             axis.grid(color="#DDDDDD", linewidth=0.5)
     _same_limits(axes[0])
     fig.subplots_adjust(left=0.08, right=0.98, top=0.95, bottom=0.16, hspace=0.38, wspace=0.2)
-    note = "Solid: loading, dashed: unloading, square: end; bold: the first packing"
+    note = "Solid: loading, dashed: unloading, square: end; bold: the first packing. CD's own range is its solver's tolerance"
     style.finish(fig, runs, path, note)
 
 

@@ -104,6 +104,25 @@ def _curves(axes, found, standard, colour, marker):
         axes[1].plot(found.number[:count], np.abs(found.permanent[:count] / standard.permanent[:count]), **thin, markevery=max(1, count // 8))
 
 
+# A rate n^-p that falls or grows more slowly than this counts as constant: over a decade of cycles, by less than a half.
+STEADY = 0.3
+
+
+def steady(rows):
+    """What the other laws make of the samples that ratchet at a constant rate under the standard one."""
+    cases = [(row["P0/k_n"], row["preparation friction"], row["dSigma"], row["seed"]) for row in rows
+             if row["law"] == STANDARD and row["regime"] == cycles.RATCHETING and abs(row["decay p"]) < STEADY]
+    found = []
+    for law in dict.fromkeys(row["law"] for row in rows if row["law"] != STANDARD):
+        same = [row for row in rows if row["law"] == law and (row["P0/k_n"], row["preparation friction"], row["dSigma"], row["seed"]) in cases]
+        if same:
+            found.append(f"under {law} {sum(row['regime'] == cycles.RATCHETING for row in same)} of {len(same)} still ratchet, at "
+                         f"{summary.spread((row['late rate over standard'] for row in same), 3)} times the rate")
+    if not found:
+        return "No sample ratchets at a constant rate under the standard law."
+    return f"Of {summary.count(len(cases), 'sample')} that ratchet{'s' if len(cases) == 1 else ''} at a constant rate under the standard law, {'; '.join(found)}."
+
+
 def answer(rows):
     """Strains and late rates under the other laws over those under the standard one, by pressure."""
     others = [row for row in rows if row["law"] != STANDARD and "strain over standard" in row]
@@ -120,5 +139,5 @@ def answer(rows):
     regimes = {law: [row["regime"] for row in rows if row["law"] == law] for law in dict.fromkeys(row["law"] for row in rows)}
     named = "; ".join(f"{law} {names.count(cycles.RATCHETING)} of {len(names)}" for law, names in regimes.items())
     return (f"{'; '.join(parts)[:1].upper()}{'; '.join(parts)[1:]}. In {alike} of {len(ratios)} comparisons the strain agrees within a factor of "
-            f"{ALIKE:g}. Runs that ratchet: {named}. A strain that remains under the path-independent law is no artefact of the spring; a "
+            f"{ALIKE:g}. Runs that ratchet: {named}. {steady(rows)} A strain that remains under the path-independent law is no artefact of the spring; a "
             "difference between single runs may be chance, since small changes grow in such packings.")

@@ -57,6 +57,12 @@ def paired_ratio(above, below, keys, name):
     return [abs(a / b) for a, b in pairs if b]
 
 
+def pairs(rows, keys):
+    """[(MD row, CD row)] that agree in `keys`."""
+    partner = {tuple(row[key] for key in keys): row for row in rows if row["method"] == "CD"}
+    return [(row, partner[key]) for row in rows if row["method"] == "MD" and (key := tuple(row[key] for key in keys)) in partner]
+
+
 def groups(items, key):
     """{key(item): [items]} in the order of the keys."""
     found = {}

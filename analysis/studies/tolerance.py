@@ -76,7 +76,7 @@ def draw(runs, rows, path):
         panels[1].plot([row["value"] for row in part], [md[0]["largest"] / row["kappa_over_kn"] for row in part], ":", color="k",
                        label=r"MD's largest $|\gamma|$ times $k_n/\kappa$, $\kappa = q m N_I/\Delta t^2$")
         panels[1].legend()
-    style.finish(fig, runs, path, "Mean over the packings, bars from the smallest to the largest", foot=0.13)
+    style.finish(fig, runs, path, "Mean over the packings, bars from the smallest to the largest; points without bars are of one packing", foot=0.13)
 
 
 def answer(rows):

@@ -176,7 +176,7 @@ def test_fig5_finds_the_critical_loads_of_a_known_curve(tmp_path):
     # CD is ten times as stiff: its load above P0 is the cube root of ten times MD's.
     assert summary.number((1 + 0.1**(1 / 3)) / (1 + 0.01**(1 / 3)), 3) in said and "One rate of loading only" in said
     verdicts = {point["quote"][:20]: point["verdict"] for point in comparison.of_study("fig5", [md, cd])}
-    assert verdicts["The response of the "] == comparison.AGREES and verdicts["this expansion is ca"] == comparison.AGREES
+    assert verdicts["The response of the "] == comparison.OPEN and verdicts["this expansion is ca"] == comparison.AGREES
     module.draw(runs, [md, cd], tmp_path / "fig5.png")
 
 
@@ -241,10 +241,10 @@ def test_the_leading_sentences_follow_the_numbers():
     solved = [dict(effort="tolerance", value=value, largest=value**0.9) for value in (1e-4, 1e-6, 1e-8)]
     assert "down to 6e-08" in overview.lead("tolerance", solved)
     assert overview.lead("tolerance", [row | dict(largest=max(row["largest"], 1e-5)) for row in solved]) == ""
-    ramps = [{"method": method, "seed": 1, "preparation friction": 0.0, "ramp rate": 0.1, "load at |gamma| = 0.01": load}
+    ramps = [{"method": method, "seed": 1, "preparation friction": 0.0, "ramp rate": 0.1, "load at |gamma| = 0.01": load, "largest load": 1.8}
              for method, load in (("MD", 1.5), ("CD", 1.56))]
     assert "1.04 times MD's" in overview.lead("fig5", ramps)
-    assert overview.lead("fig5", [ramps[0], ramps[1] | {"load at |gamma| = 0.01": 1.8}]) == ""
+    assert overview.lead("fig5", [ramps[0], ramps[1] | {"load at |gamma| = 0.01": 1.9}]) == ""
     networks = [{"method": "CD", "preparation mu": 0.0, "seed": 1, "network": number, "load at 0.0001": 1.6 + 1e-3 * number} for number in range(3)]
     assert "does not decide" in overview.lead("critical_load", networks)
     assert overview.lead("critical_load", [row | {"load at 0.0001": 1.6 + 0.1 * row["network"]} for row in networks]) == ""
