@@ -199,7 +199,7 @@ def _ratcheting_is_of_the_springs(rows):
     name = f"regime after {fig3.COMPARED}"
     pairs = summary.pairs(rows, ("preparation friction", "dSigma", "seed"))
     md, cd = (sum(pair[which][name] == cycles.RATCHETING for pair in pairs) for which in (0, 1))
-    return (f"Under repeated loading MD ratchets in {md} of {len(pairs)} cases and CD in {cd}: slow ratcheting below the critical load is MD's."
+    return (f"Under repeated loading MD ratchets in {md} of {len(pairs)} cases and CD in {cd}: ratcheting is the springs', not the rigid grains'."
             if md > 2 * cd else "")
 
 
