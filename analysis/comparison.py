@@ -68,11 +68,10 @@ def _sliding_vanishes(rows):
 def _ratchets(rows):
     found = _where(rows, method="MD", regime=cycles.RATCHETING)
     judged = [row for row in _where(rows, method="MD") if row["regime"] != cycles.SHORT]
-    # A rate that halves within a decade of cycles is constant as far as a log-log chart of a decade tells.
-    constant = sum(abs(row["decay p"]) < 0.3 for row in found)
+    constant = sum(cycles.is_constant(row["last quarter's rate over the one before"]) for row in found)
     return _verdict(constant, len(found)) if judged else OPEN, (
         f"{len(found)} of {len(judged)} MD runs ratchet, at {summary.spread(abs(row['late rate']) for row in found)} a cycle; in {constant} of them "
-        f"the rate is constant (falls or grows more slowly than n^0.3). From one cycle to the next their sliding contacts differ by "
+        f"the rate is constant (within a factor of 2 from the third to the last quarter of the cycles). From one cycle to the next their sliding contacts differ by "
         f"{summary.spread(100 * row['sliding, change of a cycle'] for row in found)} % (rms).")
 
 

@@ -157,6 +157,24 @@ def regime(run, rule=RULE, most=None):
     return Regime(name, rate, decay, noise)
 
 
+def last_quarter(run):
+    """Strain rate of the last quarter of the cycles over that of the quarter before; NaN where there is none. 1: a constant rate."""
+    try:
+        found = of(run)
+    except ResultError:
+        return np.nan
+    count = len(found.number)
+    if count < FEWEST_CYCLES:
+        return np.nan
+    before, last = found.rates([(count // 2 + 1, 3 * count // 4), (3 * count // 4 + 1, count)])
+    return float(last / before) if before else np.nan
+
+
+def is_constant(ratio):
+    """Whether a rate counts as constant: from one quarter of the cycles to the next it does not change by a factor of 2."""
+    return 0.5 <= ratio <= 2
+
+
 def _decay(found, first, middle, last):
     """p of a rate that falls as n^-p, from gamma after three numbers of cycles; infinite if the strain stops or turns back."""
     early, late = found.rates([(first + 1, middle), (middle + 1, last)])

@@ -37,7 +37,7 @@ def _row(run):
            "seed": run.parameters["seed"], "cycles": len(found.number) if found else 0, "regime": regime.name,
            "gamma at the end": float(run.values("gamma")[-1]), "late rate": float(regime.late_rate), "decay p": float(regime.decay),
            "noise of the rate": float(regime.noise), "other verdicts": " or ".join(cycles.other_verdicts(run)),
-           f"regime after {COMPARED}": cycles.regime(run, most=COMPARED).name,
+           "last quarter's rate over the one before": cycles.last_quarter(run), f"regime after {COMPARED}": cycles.regime(run, most=COMPARED).name,
            f"rate after {COMPARED}": float(cycles.regime(run, most=COMPARED).late_rate),
            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
     if found:

@@ -37,7 +37,8 @@ def _row(run, standard):
     found, regime = _cycles(run), cycles.regime(run)
     row = {"law": run.parameters["tangential_law"], "P0/k_n": pressure, "preparation friction": friction, "dSigma": load, "seed": seed,
            "cycles": len(found.number) if found else 0, "regime": regime.name, "gamma at the end": float(run.values("gamma")[-1]),
-           "late rate": float(regime.late_rate), "decay p": float(regime.decay), "noise of the rate": float(regime.noise)}
+           "late rate": float(regime.late_rate), "decay p": float(regime.decay), "noise of the rate": float(regime.noise),
+           "last quarter's rate over the one before": cycles.last_quarter(run)}
     if standard is not None:
         row |= {"strain over standard": _ratio(found, _cycles(standard)),
                 "late rate over standard": _over(regime.late_rate, cycles.regime(standard).late_rate)}
@@ -104,14 +105,10 @@ def _curves(axes, found, standard, colour, marker):
         axes[1].plot(found.number[:count], np.abs(found.permanent[:count] / standard.permanent[:count]), **thin, markevery=max(1, count // 8))
 
 
-# A rate n^-p that falls or grows more slowly than this counts as constant: over a decade of cycles, by less than a half.
-STEADY = 0.3
-
-
 def steady(rows):
     """What the other laws make of the samples that ratchet at a constant rate under the standard one."""
     cases = [(row["P0/k_n"], row["preparation friction"], row["dSigma"], row["seed"]) for row in rows
-             if row["law"] == STANDARD and row["regime"] == cycles.RATCHETING and abs(row["decay p"]) < STEADY]
+             if row["law"] == STANDARD and row["regime"] == cycles.RATCHETING and cycles.is_constant(row["last quarter's rate over the one before"])]
     found = []
     for law in dict.fromkeys(row["law"] for row in rows if row["law"] != STANDARD):
         same = [row for row in rows if row["law"] == law and (row["P0/k_n"], row["preparation friction"], row["dSigma"], row["seed"]) in cases]
