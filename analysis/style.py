@@ -38,7 +38,9 @@ def finish(fig, runs, path, note="", foot=None):
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     description = f"{', '.join(run.path.name for run in runs)}; {origin}"
-    fig.savefig(path, metadata={"Description": description} if path.suffix == ".png" else None)
+    # At most 2000 points wide: more is bytes that no screen shows.
+    dpi = min(plt.rcParams["savefig.dpi"], 2000 / fig.get_figwidth())
+    fig.savefig(path, dpi=dpi, metadata={"Description": description} if path.suffix == ".png" else None)
     plt.close(fig)
 
 
