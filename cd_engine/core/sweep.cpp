@@ -3,115 +3,267 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace cd {
 
+Sweep::Packed& Sweep::spare()
+{
+	static thread_local Packed kept;
+	return kept;
+}
+
 Sweep::Sweep(ContactSystem& s, unsigned seed)
     : system(s)
-    , freeVelocity(3 * s.bodies.size())
+    , packed(std::move(spare()))
     , order(seed)
 {
-	for (size_t i = 0; i < s.bodies.size(); i++)
-		std::copy_n(s.bodies[i].v, 3, &freeVelocity[3 * i]);
-	diagonal.resize(s.contacts.size());
-	diagonalRows.reserve(s.contacts.size());
-	for (size_t i = 0; i < s.contacts.size(); i++) {
-		const ContactRow& c = s.contacts[i];
+	packed.freeVelocity.resize(3 * s.bodies.size());
+	for (std::size_t i = 0; i < s.bodies.size(); i++)
+		std::copy_n(s.bodies[i].v, 3, &packed.freeVelocity[3 * i]);
+	groupContacts();
+	fillGroups();
+	fillLoose();
+	computeVelocities();
+}
+
+Sweep::~Sweep() { spare() = std::move(packed); }
+
+// Bodies are numbered as the contacts first meet them: what is near in the order of the contacts is near in memory.
+inline int32_t Sweep::pack(int32_t body)
+{
+	int32_t& place = packed.place[body];
+	if (place >= 0)
+		return place;
+	place = static_cast<int32_t>(packed.bodyAt.size());
+	const double* const w = system.bodies[body].w;
+	const bool turns = w[0] > 0 && w[2] > 0;
+	const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
+	packed.kinds.push_back({ k, 1 / k, w[0] == w[1] && (w[0] > 0 || w[2] == 0), turns, w[0] > 0 });
+	packed.bodyAt.push_back(body);
+	return place;
+}
+
+void Sweep::groupContacts()
+{
+	packed.place.assign(system.bodies.size(), -1);
+	packed.bodyAt.clear();
+	packed.kinds.clear();
+	packed.loose.clear();
+	packed.builder.begin(system.bodies.size(), system.contacts.size(), packed.grouping);
+	contacts = 0;
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		const ContactRow& c = system.contacts[i];
 		if (!(c.wnn > 0))
 			continue; // two immobile bodies
-		if (!c.diagonal() || !(c.wtt > 0)) {
-			generalRows.push_back(static_cast<int32_t>(i));
-			continue;
-		}
-		// Member by member: a whole struct would be built on the stack and copied, at three times the cost.
-		Diagonal& d = diagonal[diagonalRows.size()];
-		d.a = c.a;
-		d.b = c.b;
-		d.nx = c.nx;
-		d.ny = c.ny;
-		d.at = c.at;
-		d.bt = c.bt;
-		d.bias = c.bias;
-		d.mu = c.mu;
-		d.inverseWnn = 1 / c.wnn;
-		d.inverseWtt = 1 / c.wtt;
-		d.pn = c.pn;
-		d.pt = c.pt;
-		diagonalRows.push_back(static_cast<int32_t>(i));
+		contacts++;
+		const int32_t a = pack(c.a), b = pack(c.b);
+		const PackedKind &A = packed.kinds[a], &B = packed.kinds[b];
+		const bool groupable = c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
+		if (groupable)
+			packed.builder.add(static_cast<int32_t>(i), a, A.movable, b, B.movable);
+		else
+			packed.grouping.loose.push_back(static_cast<int32_t>(i));
 	}
-	diagonal.resize(diagonalRows.size());
-	restoreVelocities();
+	packed.builder.end();
+}
+
+void Sweep::fillGroups()
+{
+	const auto nobody = static_cast<int32_t>(packed.bodyAt.size());
+	packed.groups.resize(packed.grouping.groups());
+	const int32_t* member = packed.grouping.members.data();
+	for (Group& g : packed.groups) {
+		double wnn[Group::lanes], wtt[Group::lanes];
+		for (int lane = 0; lane < Group::lanes; lane++, member++) {
+			if (*member < 0) {
+				g.a[lane] = g.b[lane] = nobody;
+				g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
+				wnn[lane] = wtt[lane] = std::numeric_limits<double>::infinity();
+				continue;
+			}
+			const ContactRow& c = system.contacts[*member];
+			g.a[lane] = packed.place[c.a];
+			g.b[lane] = packed.place[c.b];
+			g.nx[lane] = c.nx;
+			g.ny[lane] = c.ny;
+			g.at[lane] = c.at * packed.kinds[g.a[lane]].inverseRadius;
+			g.bt[lane] = c.bt * packed.kinds[g.b[lane]].inverseRadius;
+			g.bias[lane] = c.bias;
+			g.mu[lane] = c.mu;
+			g.pn[lane] = c.pn;
+			g.pt[lane] = c.pt;
+			wnn[lane] = c.wnn;
+			wtt[lane] = c.wtt;
+		}
+		for (int lane = 0; lane < Group::lanes; lane++) {
+			g.inverseWnn[lane] = 1 / wnn[lane];
+			g.inverseWtt[lane] = 1 / wtt[lane];
+		}
+	}
+}
+
+void Sweep::fillLoose()
+{
+	packed.loose.resize(packed.grouping.loose.size());
+	for (std::size_t i = 0; i < packed.loose.size(); i++) {
+		Loose& l = packed.loose[i];
+		l.row = system.contacts[packed.grouping.loose[i]];
+		const auto fill = [&](int32_t& body, double& n, double& t, double* w) {
+			std::copy_n(system.bodies[body].w, 3, w);
+			body = packed.place[body];
+			n *= packed.kinds[body].inverseRadius;
+			t *= packed.kinds[body].inverseRadius;
+			w[2] *= packed.kinds[body].radius * packed.kinds[body].radius;
+		};
+		fill(l.row.a, l.row.an, l.row.at, l.wa);
+		fill(l.row.b, l.row.bn, l.row.bt, l.wb);
+	}
+}
+
+void Sweep::computeVelocities()
+{
+	for (std::size_t i = 0; i < system.bodies.size(); i++)
+		std::copy_n(&packed.freeVelocity[3 * i], 3, system.bodies[i].v);
+	for (const ContactRow& c : system.contacts)
+		if (c.pn != 0 || c.pt != 0)
+			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+	const std::size_t count = packed.bodyAt.size();
+	packed.bodies.resize(count + 1);
+	for (std::size_t i = 0; i < count; i++) {
+		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
+		// + 0: a body at rest keeps +0, whatever it adds 0 times; -0 would not, and its lanes would differ in sign.
+		packed.bodies[i] = { b.v[0] + 0., b.v[1] + 0., b.v[2] * packed.kinds[i].radius + 0., b.w[0] };
+	}
+	packed.bodies[count] = {};
 }
 
 void Sweep::restoreVelocities()
 {
-	for (size_t i = 0; i < system.bodies.size(); i++)
-		for (int k = 0; k < 3; k++)
-			system.bodies[i].v[k] = freeVelocity[3 * i + k];
 	storeImpulses();
-	for (const ContactRow& c : system.contacts)
-		applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+	computeVelocities();
 }
 
 void Sweep::storeImpulses()
 {
-	for (size_t i = 0; i < diagonal.size(); i++) {
-		ContactRow& c = system.contacts[diagonalRows[i]];
-		c.pn = diagonal[i].pn;
-		c.pt = diagonal[i].pt;
-	}
+	const auto store = [&](int32_t contact, double pn, double pt) {
+		system.contacts[contact].pn = pn;
+		system.contacts[contact].pt = pt;
+	};
+	for (std::size_t k = 0; k < packed.grouping.members.size(); k++)
+		if (packed.grouping.members[k] >= 0) {
+			const Group& g = packed.groups[k / Group::lanes];
+			store(packed.grouping.members[k], g.pn[k % Group::lanes], g.pt[k % Group::lanes]);
+		}
+	for (std::size_t i = 0; i < packed.loose.size(); i++)
+		store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
 }
 
-inline void Sweep::solveDiagonal(Diagonal& c, BodyVelocity* bodies)
+void Sweep::solveLoose(Loose& l, PackedBody* bodies)
 {
-	BodyVelocity &A = bodies[c.a], &B = bodies[c.b];
-	const double dx = B.v[0] - A.v[0], dy = B.v[1] - A.v[1];
-	const double un = c.nx * dx + c.ny * dy + c.bias;
-	const double ut = c.nx * dy - c.ny * dx + (c.bt * B.v[2] - c.at * A.v[2]);
-	// Without coupling the normal law decides alone, then the tangential impulse that stops sliding is cut at the cone.
-	const double pn = std::max(0., c.pn - un * c.inverseWnn);
-	const double limit = c.mu * pn;
-	const double pt = std::max(-limit, std::min(limit, c.pt - ut * c.inverseWtt));
+	ContactRow& c = l.row;
+	PackedBody &A = bodies[c.a], &B = bodies[c.b];
+	const double dx = B.vx - A.vx, dy = B.vy - A.vy;
+	const double un = c.nx * dx + c.ny * dy + (c.bn * B.spin - c.an * A.spin) + c.bias;
+	const double ut = c.nx * dy - c.ny * dx + (c.bt * B.spin - c.at * A.spin);
+	double pn, pt;
+	if (c.wnt == 0 && c.wtt > 0) {
+		pn = std::max(0., c.pn - un / c.wnn);
+		pt = std::max(-c.mu * pn, std::min(c.mu * pn, c.pt - ut / c.wtt));
+	} else {
+		const double qn = un - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
+		solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, qn, qt, pn, pt);
+	}
 	const double dn = pn - c.pn, dt = pt - c.pt;
 	c.pn = pn;
 	c.pt = pt;
 	const double px = c.nx * dn - c.ny * dt, py = c.ny * dn + c.nx * dt;
-	A.v[0] -= A.w[0] * px;
-	A.v[1] -= A.w[1] * py;
-	A.v[2] -= A.w[2] * (c.at * dt);
-	B.v[0] += B.w[0] * px;
-	B.v[1] += B.w[1] * py;
-	B.v[2] += B.w[2] * (c.bt * dt);
+	A.vx -= l.wa[0] * px;
+	A.vy -= l.wa[1] * py;
+	A.spin -= l.wa[2] * (c.an * dn + c.at * dt);
+	B.vx += l.wb[0] * px;
+	B.vy += l.wb[1] * py;
+	B.spin += l.wb[2] * (c.bn * dn + c.bt * dt);
 }
 
-void Sweep::solveGeneral(ContactRow& c, BodyVelocity* bodies)
+inline void Sweep::solveAhead(Loose& l, PackedBody* bodies, double beta, AheadReport& report)
 {
-	BodyVelocity &A = bodies[c.a], &B = bodies[c.b];
-	double un, ut, pn, pt;
-	relativeVelocity(c, A, B, un, ut);
-	const double qn = un + c.bias - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
-	solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, qn, qt, pn, pt);
-	applyImpulse(c, A, B, pn - c.pn, pt - c.pt);
-	c.pn = pn;
-	c.pt = pt;
+	ContactRow& c = l.row;
+	const double n = c.pn, t = c.pt;
+	const double yn = n + beta * (n - l.beforePn), yt = t + beta * (t - l.beforePt);
+	l.beforePn = n;
+	l.beforePt = t;
+	c.pn = yn;
+	c.pt = yt;
+	solveLoose(l, bodies);
+	const double dn = yn - c.pn, dt = yt - c.pt;
+	report.change += dn * dn + dt * dt;
+	report.against += dn * (c.pn - n) + dt * (c.pt - t);
+}
+
+// Velocities are linear in the impulses and are moved as those are.
+AheadReport Sweep::ahead(double beta)
+{
+	const GroupKernel& kernel = groupKernel();
+	PackedBody* const bodies = packed.bodies.data();
+	const std::size_t groups = packed.groups.size();
+	if (!remembered)
+		remember();
+	kernel.extrapolate(bodies, packed.bodiesBefore.data(), packed.bodies.size(), beta);
+	AheadReport report;
+	LaneSums sums = {};
+	if (order) {
+		for (const auto i : order.next(groups + packed.loose.size())) {
+			if (static_cast<std::size_t>(i) < groups)
+				kernel.sweepAhead(&packed.groups[i], &packed.groupsBefore[i], 1, bodies, beta, sums);
+			else
+				solveAhead(packed.loose[i - groups], bodies, beta, report);
+		}
+	} else {
+		kernel.sweepAhead(packed.groups.data(), packed.groupsBefore.data(), groups, bodies, beta, sums);
+		for (Loose& l : packed.loose)
+			solveAhead(l, bodies, beta, report);
+	}
+	for (int lane = 0; lane < Group::lanes; lane++) {
+		report.change += sums.change[lane];
+		report.against += sums.against[lane];
+	}
+	return report;
+}
+
+void Sweep::remember()
+{
+	packed.bodiesBefore = packed.bodies;
+	packed.groupsBefore.resize(packed.groups.size());
+	for (std::size_t k = 0; k < packed.groups.size(); k++) {
+		std::copy_n(packed.groups[k].pn, Group::lanes, packed.groupsBefore[k].pn);
+		std::copy_n(packed.groups[k].pt, Group::lanes, packed.groupsBefore[k].pt);
+	}
+	for (Loose& l : packed.loose) {
+		l.beforePn = l.row.pn;
+		l.beforePt = l.row.pt;
+	}
+	remembered = true;
 }
 
 void Sweep::operator()()
 {
-	BodyVelocity* const bodies = system.bodies.data();
+	const GroupKernel& kernel = groupKernel();
+	PackedBody* const bodies = packed.bodies.data();
+	const std::size_t groups = packed.groups.size();
 	if (order) {
-		for (const int32_t i : order.next(size())) {
-			if (static_cast<size_t>(i) < diagonal.size())
-				solveDiagonal(diagonal[i], bodies);
+		for (const auto i : order.next(groups + packed.loose.size())) {
+			if (static_cast<std::size_t>(i) < groups)
+				kernel.sweep(&packed.groups[i], 1, bodies);
 			else
-				solveGeneral(system.contacts[generalRows[i - diagonal.size()]], bodies);
+				solveLoose(packed.loose[i - groups], bodies);
 		}
 		return;
 	}
-	for (Diagonal& c : diagonal)
-		solveDiagonal(c, bodies);
-	for (const int32_t i : generalRows)
-		solveGeneral(system.contacts[i], bodies);
+	kernel.sweep(packed.groups.data(), groups, bodies);
+	for (Loose& l : packed.loose)
+		solveLoose(l, bodies);
 }
 
 } // namespace cd

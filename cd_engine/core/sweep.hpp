@@ -2,10 +2,18 @@
 #pragma once
 
 #include "contact_system.hpp"
+#include "group_kernel.hpp"
+#include "grouping.hpp"
 #include "random_order.hpp"
 #include "residual.hpp"
 
 namespace cd {
+
+// What a sweep from an extrapolated point did: y the point, p before, p+ after the sweep.
+struct AheadReport {
+	double change = 0; // |y - p+|^2 [N^2 s^2]
+	double against = 0; // (y - p+) . (p+ - p) [N^2 s^2], positive: the sweep turned back
+};
 
 // What a method needs of the form a problem is given in; DelassusSweep has the same functions for the other form.
 class Sweep {
@@ -13,52 +21,78 @@ class Sweep {
 	using System = ContactSystem;
 
 	// Packs the contacts and puts their first-guess impulses on the bodies.
-	// seed > 0: each sweep visits the contacts in a new random order.
+	// seed > 0: each sweep visits the groups of contacts in a new random order.
 	Sweep(ContactSystem& system, unsigned seed);
+	~Sweep();
+	Sweep(const Sweep&) = delete;
+	Sweep& operator=(const Sweep&) = delete;
 
-	// Solves every contact once, exactly, the others held. About 112 bytes and 45 operations a contact.
+	// Solves every contact once, exactly, the others held. About 104 bytes and 45 operations a contact.
 	void operator()();
+	// The same from y = p + beta (p - q), q being the impulses before the last such sweep (p itself at the first).
+	AheadReport ahead(double beta);
 
 	// Copies the impulses back to `system.contacts`.
 	void storeImpulses();
 	// Recomputes the bodies' velocities from the packed impulses, which clears the round-off that updates in place leave behind.
 	void restoreVelocities();
 	// The error of the impulses last stored.
-	Residual error() const { return residual(system, freeVelocity); }
+	Residual error() const { return residual(system, packed.freeVelocity); }
 
 	// Calls f(p_n, p_t, i) with the impulses of every contact that can be solved, i counting them in a fixed order.
 	template <class F> void forEachImpulse(F&& f)
 	{
 		std::size_t i = 0;
-		for (Diagonal& c : diagonal)
-			f(c.pn, c.pt, i++);
-		for (const int32_t row : generalRows)
-			f(system.contacts[row].pn, system.contacts[row].pt, i++);
+		for (std::size_t k = 0; k < packed.grouping.members.size(); k++) {
+			Group& g = packed.groups[k / Group::lanes];
+			if (packed.grouping.members[k] >= 0)
+				f(g.pn[k % Group::lanes], g.pt[k % Group::lanes], i++);
+		}
+		for (Loose& c : packed.loose)
+			f(c.row.pn, c.row.pt, i++);
 	}
-	std::size_t size() const { return diagonal.size() + generalRows.size(); }
-
-	// Calls f(v, i) with every velocity kept; they are linear in the impulses, and have to be moved as those are.
-	template <class F> void forEachVelocity(F&& f)
-	{
-		for (std::size_t i = 0; i < system.bodies.size(); i++)
-			for (int k = 0; k < 3; k++)
-				f(system.bodies[i].v[k], 3 * i + k);
-	}
-	std::size_t velocities() const { return 3 * system.bodies.size(); }
+	std::size_t size() const { return contacts; }
 
     private:
-	// A contact without coupling between n and t, and no lever arm of the normal force: the closed form needs no cases.
-	struct Diagonal {
-		int32_t a, b;
-		double nx, ny, at, bt, bias, mu, inverseWnn, inverseWtt, pn, pt;
+	// A contact that is solved alone: it couples n and t, or has a body that is no disk.
+	struct Loose {
+		ContactRow row; // packed bodies, arms over k
+		double wa[3], wb[3]; // inverse masses of x, y and spin
+		double beforePn, beforePt;
 	};
-	static void solveDiagonal(Diagonal&, BodyVelocity* bodies);
-	static void solveGeneral(ContactRow&, BodyVelocity* bodies);
+	struct PackedKind {
+		double radius, inverseRadius; // k [m] and 1/k; 1 where the body does not turn
+		bool uniform; // one inverse mass for x, y and spin: may be in a group
+		bool turns, movable;
+	};
+	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
+	struct Packed {
+		std::vector<double> freeVelocity; // as in residual.hpp
+		std::vector<int32_t> place; // of each body of the system: its number among the packed, -1: not in any contact
+		std::vector<int32_t> bodyAt; // the other way round
+		std::vector<PackedKind> kinds; // of each packed body
+		std::vector<PackedBody> bodies, bodiesBefore; // the last is immobile, for empty lanes
+		std::vector<Group> groups;
+		std::vector<GroupBefore> groupsBefore;
+		std::vector<Loose> loose;
+		Grouping grouping;
+		GroupBuilder builder;
+	};
+	static Packed& spare();
+
+	int32_t pack(int32_t body);
+	void groupContacts();
+	void fillGroups();
+	void fillLoose();
+	void computeVelocities();
+	void remember();
+	static void solveLoose(Loose&, PackedBody* bodies);
+	static void solveAhead(Loose&, PackedBody* bodies, double beta, AheadReport&);
 
 	ContactSystem& system;
-	std::vector<double> freeVelocity; // as in residual.hpp
-	std::vector<Diagonal> diagonal;
-	std::vector<int32_t> diagonalRows, generalRows; // where each lies in system.contacts
+	Packed packed;
+	std::size_t contacts = 0;
+	bool remembered = false; // whether the arrays named `before` are filled
 	RandomOrder order;
 };
 

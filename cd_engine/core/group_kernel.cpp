@@ -1,0 +1,63 @@
+#include "group_kernel.hpp"
+
+namespace cd {
+
+// Forced: the vectors of a target must stay in registers, also where the optimizer would call.
+#define INLINE static inline __attribute__((always_inline))
+
+#define LANES 2
+namespace any_processor {
+#include "group_kernel.inl"
+}
+#undef LANES
+
+#ifdef __x86_64__
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+#define LANES 4
+namespace avx2 {
+#include "group_kernel.inl"
+}
+#undef LANES
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4")
+#define LANES 8
+namespace avx512 {
+#include "group_kernel.inl"
+}
+#undef LANES
+#pragma GCC pop_options
+#endif
+
+namespace {
+
+	const GroupKernel all[] = {
+#ifdef __x86_64__
+		{ "avx512", 8, avx512::sweep, avx512::sweepAhead, avx512::extrapolate },
+		{ "avx2", 4, avx2::sweep, avx2::sweepAhead, avx2::extrapolate },
+#endif
+		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate },
+	};
+	constexpr std::size_t known = sizeof all / sizeof *all;
+
+	std::size_t firstSupported()
+	{
+#ifdef __x86_64__
+		__builtin_cpu_init();
+		return __builtin_cpu_supports("x86-64-v4") ? 0 : __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
+#else
+		return 0;
+#endif
+	}
+
+	const GroupKernel* chosen = all + firstSupported();
+
+} // namespace
+
+GroupKernels groupKernels() { return { all + firstSupported(), known - firstSupported() }; }
+const GroupKernel& groupKernel() { return *chosen; }
+void useGroupKernel(const GroupKernel& kernel) { chosen = &kernel; }
+
+} // namespace cd

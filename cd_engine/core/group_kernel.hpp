@@ -1,0 +1,40 @@
+// The inner loops of a sweep, once for every kind of processor; all give the same bits.
+#pragma once
+
+#include "group.hpp"
+
+#include <cstddef>
+
+namespace cd {
+
+// What a sweep from an extrapolated point did, summed lane by lane [N^2 s^2]: y the point, p before, p+ after the sweep.
+struct alignas(64) LaneSums {
+	double change[Group::lanes]; // |y - p+|^2
+	double against[Group::lanes]; // (y - p+) . (p+ - p)
+};
+
+struct GroupKernel {
+	const char* name;
+	int lanes; // contacts solved at once
+	// Solves the contacts of groups[0 .. count) in turn, the others held.
+	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
+	// The same from y = p + beta (p - before); `before` becomes p. The bodies have been moved to y already. Adds to the sums.
+	void (*sweepAhead)(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums);
+	// v + beta (v - before) for every velocity; `before` becomes v.
+	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
+};
+
+// Those this processor can run, the fastest first; the list ends with the one for any processor.
+struct GroupKernels {
+	const GroupKernel* first;
+	std::size_t count;
+	const GroupKernel* begin() const { return first; }
+	const GroupKernel* end() const { return first + count; }
+};
+GroupKernels groupKernels();
+
+// The one in use: the fastest unless a test or a benchmark chose another.
+const GroupKernel& groupKernel();
+void useGroupKernel(const GroupKernel&);
+
+} // namespace cd

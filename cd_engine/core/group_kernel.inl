@@ -1,0 +1,180 @@
+// Included by group_kernel.cpp once for every target, with LANES 2, 4 or 8 and the compiler set to that target. No #include here, and nothing but
+// this file's own functions: one that other files also make could be linked in from here and run where it cannot.
+
+typedef double Vector __attribute__((vector_size(8 * LANES)));
+typedef double Quad __attribute__((vector_size(32), aligned(32), may_alias)); // a body
+
+INLINE Vector load(const double* p) { return *reinterpret_cast<const Vector*>(p); }
+INLINE void store(double* p, const Vector& v) { *reinterpret_cast<Vector*>(p) = v; }
+INLINE Vector larger(const Vector& a, const Vector& b) { return a > b ? a : b; }
+INLINE Vector smaller(const Vector& a, const Vector& b) { return a < b ? a : b; }
+
+struct Bodies {
+	Vector vx, vy, spin, w;
+};
+
+#if LANES == 8
+
+INLINE Quad body(const PackedBody* bodies, int32_t i) { return *reinterpret_cast<const Quad*>(bodies + i); }
+INLINE Vector two(const Quad& a, const Quad& b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
+
+INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
+{
+	const Vector q0 = two(body(bodies, i[0]), body(bodies, i[2])), q1 = two(body(bodies, i[1]), body(bodies, i[3]));
+	const Vector q2 = two(body(bodies, i[4]), body(bodies, i[6])), q3 = two(body(bodies, i[5]), body(bodies, i[7]));
+	const Vector even01 = __builtin_shufflevector(q0, q1, 0, 8, 2, 10, 4, 12, 6, 14), odd01 = __builtin_shufflevector(q0, q1, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector even23 = __builtin_shufflevector(q2, q3, 0, 8, 2, 10, 4, 12, 6, 14), odd23 = __builtin_shufflevector(q2, q3, 1, 9, 3, 11, 5, 13, 7, 15);
+	return { __builtin_shufflevector(even01, even23, 0, 1, 4, 5, 8, 9, 12, 13), __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5, 8, 9, 12, 13),
+		__builtin_shufflevector(even01, even23, 2, 3, 6, 7, 10, 11, 14, 15), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7, 10, 11, 14, 15) };
+}
+
+INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+{
+	const Vector evenV = __builtin_shufflevector(v.vx, v.vy, 0, 8, 2, 10, 4, 12, 6, 14), oddV = __builtin_shufflevector(v.vx, v.vy, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector evenS = __builtin_shufflevector(v.spin, v.w, 0, 8, 2, 10, 4, 12, 6, 14), oddS = __builtin_shufflevector(v.spin, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector b02 = __builtin_shufflevector(evenV, evenS, 0, 1, 8, 9, 2, 3, 10, 11), b46 = __builtin_shufflevector(evenV, evenS, 4, 5, 12, 13, 6, 7, 14, 15);
+	const Vector b13 = __builtin_shufflevector(oddV, oddS, 0, 1, 8, 9, 2, 3, 10, 11), b57 = __builtin_shufflevector(oddV, oddS, 4, 5, 12, 13, 6, 7, 14, 15);
+	const auto put = [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; };
+	put(0, __builtin_shufflevector(b02, b02, 0, 1, 2, 3));
+	put(1, __builtin_shufflevector(b13, b13, 0, 1, 2, 3));
+	put(2, __builtin_shufflevector(b02, b02, 4, 5, 6, 7));
+	put(3, __builtin_shufflevector(b13, b13, 4, 5, 6, 7));
+	put(4, __builtin_shufflevector(b46, b46, 0, 1, 2, 3));
+	put(5, __builtin_shufflevector(b57, b57, 0, 1, 2, 3));
+	put(6, __builtin_shufflevector(b46, b46, 4, 5, 6, 7));
+	put(7, __builtin_shufflevector(b57, b57, 4, 5, 6, 7));
+}
+
+#elif LANES == 4
+
+// Four bodies to four vectors and back: the transpose is its own inverse.
+INLINE void transpose(Quad& r0, Quad& r1, Quad& r2, Quad& r3)
+{
+	const Quad even01 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6), odd01 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
+	const Quad even23 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6), odd23 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
+	r0 = __builtin_shufflevector(even01, even23, 0, 1, 4, 5);
+	r1 = __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5);
+	r2 = __builtin_shufflevector(even01, even23, 2, 3, 6, 7);
+	r3 = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
+}
+
+INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
+{
+	const auto body = [&](int lane) { return *reinterpret_cast<const Quad*>(bodies + i[lane]); };
+	Quad r0 = body(0), r1 = body(1), r2 = body(2), r3 = body(3);
+	transpose(r0, r1, r2, r3);
+	return { r0, r1, r2, r3 };
+}
+
+INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+{
+	Quad r0 = v.vx, r1 = v.vy, r2 = v.spin, r3 = v.w;
+	transpose(r0, r1, r2, r3);
+	const auto put = [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; };
+	put(0, r0);
+	put(1, r1);
+	put(2, r2);
+	put(3, r3);
+}
+
+#else
+
+INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
+{
+	Bodies v;
+	for (int lane = 0; lane < LANES; lane++) {
+		const PackedBody& one = bodies[i[lane]];
+		v.vx[lane] = one.vx;
+		v.vy[lane] = one.vy;
+		v.spin[lane] = one.spin;
+		v.w[lane] = one.w;
+	}
+	return v;
+}
+
+INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+{
+	for (int lane = 0; lane < LANES; lane++) {
+		PackedBody& one = bodies[i[lane]];
+		one.vx = v.vx[lane];
+		one.vy = v.vy[lane];
+		one.spin = v.spin[lane];
+	}
+}
+
+#endif
+
+// Solves LANES contacts, from impulses pn, pt that the velocities of the bodies contain already.
+INLINE void solve(Group& g, int lane, PackedBody* bodies, Vector& pn, Vector& pt)
+{
+	Bodies A = gather(bodies, g.a + lane), B = gather(bodies, g.b + lane);
+	const Vector nx = load(g.nx + lane), ny = load(g.ny + lane), at = load(g.at + lane), bt = load(g.bt + lane);
+	const Vector dx = B.vx - A.vx, dy = B.vy - A.vy;
+	const Vector un = nx * dx + ny * dy + load(g.bias + lane);
+	const Vector ut = (nx * dy - ny * dx) + (bt * B.spin - at * A.spin);
+	// Without coupling the normal law decides alone, then the tangential impulse that stops sliding is cut at the cone.
+	const Vector n = larger(pn - un * load(g.inverseWnn + lane), Vector {});
+	const Vector limit = load(g.mu + lane) * n;
+	const Vector t = larger(smaller(pt - ut * load(g.inverseWtt + lane), limit), -limit);
+	const Vector dn = n - pn, dt = t - pt;
+	pn = n;
+	pt = t;
+	store(g.pn + lane, n);
+	store(g.pt + lane, t);
+	const Vector px = nx * dn - ny * dt, py = ny * dn + nx * dt;
+	A.vx -= A.w * px;
+	A.vy -= A.w * py;
+	A.spin -= A.w * (at * dt);
+	B.vx += B.w * px;
+	B.vy += B.w * py;
+	B.spin += B.w * (bt * dt);
+	scatter(bodies, g.a + lane, A);
+	scatter(bodies, g.b + lane, B);
+}
+
+static void sweep(Group* groups, std::size_t count, PackedBody* bodies)
+{
+	for (Group* g = groups; g != groups + count; g++)
+		for (int lane = 0; lane < Group::lanes; lane += LANES) {
+			Vector pn = load(g->pn + lane), pt = load(g->pt + lane);
+			solve(*g, lane, bodies, pn, pt);
+		}
+}
+
+static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums)
+{
+	Vector change[Group::lanes / LANES], against[Group::lanes / LANES];
+	for (int half = 0; half < Group::lanes / LANES; half++) {
+		change[half] = load(sums.change + half * LANES);
+		against[half] = load(sums.against + half * LANES);
+	}
+	for (std::size_t k = 0; k < count; k++)
+		for (int half = 0; half < Group::lanes / LANES; half++) {
+			Group& g = groups[k];
+			const int lane = half * LANES;
+			const Vector n = load(g.pn + lane), t = load(g.pt + lane);
+			const Vector yn = n + beta * (n - load(before[k].pn + lane)), yt = t + beta * (t - load(before[k].pt + lane));
+			store(before[k].pn + lane, n);
+			store(before[k].pt + lane, t);
+			Vector pn = yn, pt = yt;
+			solve(g, lane, bodies, pn, pt);
+			const Vector dn = yn - pn, dt = yt - pt;
+			change[half] += dn * dn + dt * dt;
+			against[half] += dn * (pn - n) + dt * (pt - t);
+		}
+	for (int half = 0; half < Group::lanes / LANES; half++) {
+		store(sums.change + half * LANES, change[half]);
+		store(sums.against + half * LANES, against[half]);
+	}
+}
+
+static void extrapolate(PackedBody* bodies, PackedBody* before, std::size_t count, double beta)
+{
+	// The inverse masses among the velocities do not change: w + beta (w - w) = w.
+	for (std::size_t i = 0; i < count; i++) {
+		Quad &v = reinterpret_cast<Quad&>(bodies[i]), &last = reinterpret_cast<Quad&>(before[i]);
+		const Quad now = v;
+		v = now + beta * (now - last);
+		last = now;
+	}
+}

@@ -1,0 +1,46 @@
+// Which contacts can be solved at once: groups of eight that share no movable body, near each other in the order given.
+#pragma once
+
+#include "group.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace cd {
+
+struct Grouping {
+	std::vector<int32_t> members; // Group::lanes a group: numbers of contacts, -1: the lane is empty
+	std::vector<int32_t> loose; // contacts without a group
+	std::size_t groups() const { return members.size() / Group::lanes; }
+};
+
+class GroupBuilder {
+    public:
+	// Forgets what was grouped before.
+	void begin(std::size_t bodies, std::size_t contacts, Grouping& result);
+	// Contacts come in an order in which neighbours are near each other.
+	void add(int32_t contact, int32_t a, bool movableA, int32_t b, bool movableB);
+	void end();
+
+    private:
+	void retireOldest();
+
+	// So many groups less one are open at a time: a contact goes to the oldest with room that has neither of its bodies, and whose neighbours
+	// in the order of the sweep have neither, so that no group waits for velocities the last one has just written (a third of the time).
+	static constexpr int places = 64;
+	// A group with fewer contacts costs more than to solve them one by one.
+	static constexpr int fewest = 3;
+
+	struct OpenGroup {
+		int count = 0;
+		int32_t contacts[Group::lanes];
+		int32_t bodies[2 * Group::lanes];
+	};
+	OpenGroup group[places];
+	int oldest = 0;
+	uint64_t withRoom = ~uint64_t(0);
+	std::vector<uint64_t> has; // for every body the places of the groups that have it
+	Grouping* grouping = nullptr;
+};
+
+} // namespace cd

@@ -1,0 +1,207 @@
+// The packed sweep: what may be in a group, and that neither the processor nor the packing shows in the result.
+#include "grouping.hpp"
+#include "residual.hpp"
+#include "solver.hpp"
+#include "sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <doctest/doctest.h>
+#include <random>
+#include <set>
+
+using namespace cd;
+
+namespace {
+
+// Disks of spread masses on a floor, each in contact with some before it; a loaded wall with one freedom, and where `general` bodies
+// whose contacts couple the two directions. Body 0 is immobile, body 1 the wall.
+ContactSystem heap(unsigned seed, int contacts, double mu, bool general)
+{
+	std::mt19937 random(seed);
+	std::uniform_real_distribution<double> unit(0, 1);
+	ContactSystem s;
+	const int bodies = 3 + contacts / 2;
+	s.bodies.resize(bodies);
+	s.bodies[1].w[0] = 0.3;
+	s.bodies[1].v[0] = 0.2;
+	std::vector<double> radius(bodies);
+	for (int i = 2; i < bodies; i++) {
+		BodyVelocity& b = s.bodies[i];
+		radius[i] = 0.3 + unit(random);
+		const double mass = 3 * radius[i] * radius[i];
+		b.w[0] = b.w[1] = 1 / mass;
+		b.w[2] = 2 / (mass * radius[i] * radius[i]);
+		b.v[0] = unit(random) - 0.5;
+		b.v[1] = -unit(random);
+	}
+	for (int k = 0; k < contacts; k++) {
+		ContactRow c;
+		c.b = 2 + k % (bodies - 2);
+		c.a = std::max(0, c.b - 1 - static_cast<int>(6 * unit(random)));
+		const double angle = c.a == 1 ? 0 : 1.57 + 2 * (unit(random) - 0.5);
+		c.nx = c.a == 1 ? 1 : std::cos(angle);
+		c.ny = c.a == 1 ? 0 : std::sin(angle);
+		c.at = radius[c.a];
+		c.bt = -radius[c.b];
+		if (general && k % 5 == 0)
+			c.bn = 0.3 * unit(random);
+		c.mu = mu;
+		c.bias = 0.1 * unit(random);
+		s.contacts.push_back(c);
+	}
+	s.assembleBlocks();
+	return s;
+}
+
+bool sameBits(const ContactSystem& a, const ContactSystem& b)
+{
+	for (std::size_t i = 0; i < a.contacts.size(); i++)
+		if (std::memcmp(&a.contacts[i].pn, &b.contacts[i].pn, 2 * sizeof(double)) != 0)
+			return false;
+	for (std::size_t i = 0; i < a.bodies.size(); i++)
+		if (std::memcmp(a.bodies[i].v, b.bodies[i].v, 3 * sizeof(double)) != 0)
+			return false;
+	return true;
+}
+
+} // namespace
+
+TEST_CASE("every processor gives the same bits, with any number of contacts")
+{
+	const GroupKernel& usual = groupKernel();
+	for (const int contacts : { 0, 1, 7, 8, 9, 64, 1000 })
+		for (const double mu : { 0., 0.5 })
+			for (const bool general : { false, true })
+				for (const unsigned seed : { 0u, 3u })
+					for (const auto method : { "nsgs", "accelerated" })
+						for (const int fixed : { 0, 5 }) {
+							CAPTURE(contacts);
+							CAPTURE(method);
+							const ContactSystem start = heap(1, contacts, mu, general);
+							SolverSettings settings;
+							settings.seed = seed;
+							settings.fixedIterations = fixed;
+							settings.maxIterations = 60;
+							useGroupKernel(*groupKernels().begin());
+							ContactSystem first = start;
+							const SolverReport expected = findSolver(method)(first, settings);
+							for (const GroupKernel& kernel : groupKernels()) {
+								CAPTURE(kernel.name);
+								useGroupKernel(kernel);
+								ContactSystem other = start;
+								const SolverReport report = findSolver(method)(other, settings);
+								CHECK(sameBits(first, other));
+								CHECK(report.iterations == expected.iterations);
+								CHECK(std::memcmp(&report.residual, &expected.residual, sizeof(double)) == 0);
+							}
+						}
+	useGroupKernel(usual);
+}
+
+TEST_CASE("the packing left by another problem does not show")
+{
+	SolverSettings settings;
+	settings.fixedIterations = 4;
+	ContactSystem alone = heap(2, 300, 0.5, true), after = alone, other = heap(5, 2000, 0.3, false);
+	nsgs(alone, settings);
+	accelerated(other, SolverSettings {});
+	nsgs(after, settings);
+	CHECK(sameBits(alone, after));
+}
+
+TEST_CASE("both methods and both forms of order solve a heap to the tolerance, by the independent error")
+{
+	for (const auto method : { "nsgs", "accelerated" })
+		for (const unsigned seed : { 0u, 3u })
+			for (const bool general : { false, true }) {
+				ContactSystem s = heap(4, 200, 0.3, general);
+				std::vector<double> free;
+				for (const BodyVelocity& b : s.bodies)
+					free.insert(free.end(), b.v, b.v + 3);
+				SolverSettings settings;
+				settings.tolerance = 1e-9;
+				settings.maxIterations = 100000;
+				settings.seed = seed;
+				CAPTURE(method);
+				CAPTURE(general);
+				CHECK(findSolver(method)(s, settings).status == Status::converged);
+				CHECK(residual(s, free).norm <= 1e-9);
+			}
+}
+
+// In groups, as leftovers and beside walls alike: contacts without a common body are solved by one sweep.
+TEST_CASE("one sweep solves contacts that share no body, up to round-off")
+{
+	for (const int pairs : { 1, 7, 8, 9, 100 }) {
+		ContactSystem s;
+		std::mt19937 random(7);
+		std::uniform_real_distribution<double> unit(0, 1);
+		s.bodies.resize(2 * pairs);
+		for (int i = 0; i < pairs; i++) {
+			for (int k = 0; k < 2; k++) {
+				BodyVelocity& b = s.bodies[2 * i + k];
+				b.w[0] = b.w[1] = 0.5 + unit(random);
+				b.w[2] = 1 + unit(random);
+				b.v[0] = unit(random) - k;
+				b.v[2] = unit(random) - 0.5;
+			}
+			ContactRow c;
+			c.a = 2 * i;
+			c.b = 2 * i + 1;
+			c.nx = std::cos(unit(random));
+			c.ny = std::sqrt(1 - c.nx * c.nx);
+			c.at = 0.5;
+			c.bt = -0.7;
+			c.mu = unit(random);
+			s.contacts.push_back(c);
+		}
+		s.assembleBlocks();
+		SolverSettings settings;
+		settings.fixedIterations = 1;
+		CHECK(nsgs(s, settings).residual < 1e-15 * 8); // a few roundings of numbers of order 1
+	}
+}
+
+TEST_CASE("no contact is lost, the contacts of a group share no movable body, nor do neighbouring groups before the last 64")
+{
+	std::mt19937 random(9);
+	const int bodies = 400, contacts = 1500, hub = bodies - 1, floor = 0;
+	Grouping grouping;
+	GroupBuilder builder;
+	for (const bool withHub : { true, false, true }) { // again with what the others left behind
+		CAPTURE(withHub);
+		std::vector<std::pair<int, int>> ends;
+		builder.begin(bodies, contacts, grouping);
+		for (int i = 0; i < contacts; i++) {
+			const int near = 1 + i * (bodies - 20) / contacts;
+			const int a = i % 10 == 0 ? floor : near + random() % 8, b = withHub && i % 9 == 0 ? hub : near + 9 + random() % 8;
+			ends.emplace_back(a, b);
+			builder.add(i, a, a != floor, b, true);
+		}
+		builder.end();
+		CHECK((withHub || grouping.loose.size() <= 10)); // what the last groups, cut short, dissolved into
+		std::multiset<int> seen(grouping.loose.begin(), grouping.loose.end());
+		std::set<int> before;
+		for (std::size_t g = 0; g < grouping.groups(); g++) {
+			std::set<int> now;
+			for (int lane = 0; lane < Group::lanes; lane++) {
+				const int contact = grouping.members[g * Group::lanes + lane];
+				if (contact < 0)
+					continue;
+				seen.insert(contact);
+				for (const int body : { ends[contact].first, ends[contact].second })
+					if (body != floor) {
+						CHECK(now.insert(body).second);
+						CHECK((before.count(body) == 0 || withHub || g + 64 > grouping.groups()));
+					}
+			}
+			before = now;
+		}
+		CHECK(seen.size() == contacts);
+		CHECK(*seen.begin() == 0);
+		CHECK(*seen.rbegin() == contacts - 1);
+		CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
+	}
+}
