@@ -24,7 +24,7 @@ void GroupBuilder::begin(std::size_t bodies, std::size_t contacts, Grouping& res
 
 void GroupBuilder::add(int32_t contact, int32_t a, bool movableA, int32_t b, bool movableB)
 {
-	const uint64_t taken = (movableA ? has[a] : 0) | (movableB ? has[b] : 0);
+	const uint64_t taken = has[a] | has[b];
 	const uint64_t allowed = withRoom & ~(taken | rotateLeft(taken, 1) | rotateLeft(taken, -1));
 	if (allowed == 0) { // a body with very many contacts
 		grouping->loose.push_back(contact);
@@ -36,8 +36,8 @@ void GroupBuilder::add(int32_t contact, int32_t a, bool movableA, int32_t b, boo
 	g.contacts[g.count] = contact;
 	g.bodies[2 * g.count] = a;
 	g.bodies[2 * g.count + 1] = b;
-	has[a] |= bit;
-	has[b] |= bit;
+	has[a] |= movableA ? bit : 0;
+	has[b] |= movableB ? bit : 0;
 	if (++g.count < Group::lanes)
 		return;
 	withRoom &= ~bit;

@@ -39,7 +39,7 @@ class GroupBuilder {
 	OpenGroup group[places];
 	int oldest = 0;
 	uint64_t withRoom = ~uint64_t(0);
-	std::vector<uint64_t> has; // for every body the places of the groups that have it
+	std::vector<uint64_t> has; // for every movable body the places of the groups that have it
 	Grouping* grouping = nullptr;
 };
 

@@ -22,6 +22,7 @@ Sweep::Sweep(ContactSystem& s, unsigned seed)
 	packed.freeVelocity.resize(3 * s.bodies.size());
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
 		std::copy_n(s.bodies[i].v, 3, &packed.freeVelocity[3 * i]);
+	classifyBodies();
 	groupContacts();
 	fillGroups();
 	fillLoose();
@@ -30,36 +31,42 @@ Sweep::Sweep(ContactSystem& s, unsigned seed)
 
 Sweep::~Sweep() { spare() = std::move(packed); }
 
-// Bodies are numbered as the contacts first meet them: what is near in the order of the contacts is near in memory.
-inline int32_t Sweep::pack(int32_t body)
+void Sweep::classifyBodies()
 {
-	int32_t& place = packed.place[body];
-	if (place >= 0)
-		return place;
-	place = static_cast<int32_t>(packed.bodyAt.size());
-	const double* const w = system.bodies[body].w;
-	const bool turns = w[0] > 0 && w[2] > 0;
-	const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
-	packed.kinds.push_back({ k, 1 / k, w[0] == w[1] && (w[0] > 0 || w[2] == 0), turns, w[0] > 0 });
-	packed.bodyAt.push_back(body);
-	return place;
+	packed.kinds.resize(system.bodies.size());
+	for (std::size_t i = 0; i < system.bodies.size(); i++) {
+		const double* const w = system.bodies[i].w;
+		const bool turns = w[0] > 0 && w[2] > 0;
+		const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
+		packed.kinds[i] = { k, 1 / k, w[0] == w[1] && (w[0] > 0 || w[2] == 0), turns, w[0] > 0 };
+	}
 }
 
+// Bodies are numbered as the contacts first meet them: what is near in the order of the contacts is near in memory.
 void Sweep::groupContacts()
 {
 	packed.place.assign(system.bodies.size(), -1);
-	packed.bodyAt.clear();
-	packed.kinds.clear();
+	packed.bodyAt.resize(system.bodies.size() + 1);
 	packed.loose.clear();
 	packed.builder.begin(system.bodies.size(), system.contacts.size(), packed.grouping);
+	int32_t met = 0;
+	// Without a branch, which would be mispredicted half the time.
+	const auto number = [&, place = packed.place.data(), bodyAt = packed.bodyAt.data()](int32_t body) {
+		const bool fresh = place[body] < 0;
+		const int32_t at = fresh ? met : place[body];
+		place[body] = at;
+		bodyAt[met] = body;
+		met += fresh;
+		return at;
+	};
 	contacts = 0;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c = system.contacts[i];
 		if (!(c.wnn > 0))
 			continue; // two immobile bodies
 		contacts++;
-		const int32_t a = pack(c.a), b = pack(c.b);
-		const PackedKind &A = packed.kinds[a], &B = packed.kinds[b];
+		const int32_t a = number(c.a), b = number(c.b);
+		const BodyKind &A = packed.kinds[c.a], &B = packed.kinds[c.b];
 		const bool groupable = c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
 		if (groupable)
 			packed.builder.add(static_cast<int32_t>(i), a, A.movable, b, B.movable);
@@ -67,6 +74,7 @@ void Sweep::groupContacts()
 			packed.grouping.loose.push_back(static_cast<int32_t>(i));
 	}
 	packed.builder.end();
+	packed.bodyAt.resize(met);
 }
 
 void Sweep::fillGroups()
@@ -88,8 +96,8 @@ void Sweep::fillGroups()
 			g.b[lane] = packed.place[c.b];
 			g.nx[lane] = c.nx;
 			g.ny[lane] = c.ny;
-			g.at[lane] = c.at * packed.kinds[g.a[lane]].inverseRadius;
-			g.bt[lane] = c.bt * packed.kinds[g.b[lane]].inverseRadius;
+			g.at[lane] = c.at * packed.kinds[c.a].inverseRadius;
+			g.bt[lane] = c.bt * packed.kinds[c.b].inverseRadius;
 			g.bias[lane] = c.bias;
 			g.mu[lane] = c.mu;
 			g.pn[lane] = c.pn;
@@ -112,10 +120,11 @@ void Sweep::fillLoose()
 		l.row = system.contacts[packed.grouping.loose[i]];
 		const auto fill = [&](int32_t& body, double& n, double& t, double* w) {
 			std::copy_n(system.bodies[body].w, 3, w);
+			const BodyKind& kind = packed.kinds[body];
+			n *= kind.inverseRadius;
+			t *= kind.inverseRadius;
+			w[2] *= kind.radius * kind.radius;
 			body = packed.place[body];
-			n *= packed.kinds[body].inverseRadius;
-			t *= packed.kinds[body].inverseRadius;
-			w[2] *= packed.kinds[body].radius * packed.kinds[body].radius;
 		};
 		fill(l.row.a, l.row.an, l.row.at, l.wa);
 		fill(l.row.b, l.row.bn, l.row.bt, l.wb);
@@ -134,7 +143,7 @@ void Sweep::computeVelocities()
 	for (std::size_t i = 0; i < count; i++) {
 		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
 		// + 0: a body at rest keeps +0, whatever it adds 0 times; -0 would not, and its lanes would differ in sign.
-		packed.bodies[i] = { b.v[0] + 0., b.v[1] + 0., b.v[2] * packed.kinds[i].radius + 0., b.w[0] };
+		packed.bodies[i] = { b.v[0] + 0., b.v[1] + 0., b.v[2] * packed.kinds[packed.bodyAt[i]].radius + 0., b.w[0] };
 	}
 	packed.bodies[count] = {};
 }

@@ -60,7 +60,7 @@ class Sweep {
 		double wa[3], wb[3]; // inverse masses of x, y and spin
 		double beforePn, beforePt;
 	};
-	struct PackedKind {
+	struct BodyKind {
 		double radius, inverseRadius; // k [m] and 1/k; 1 where the body does not turn
 		bool uniform; // one inverse mass for x, y and spin: may be in a group
 		bool turns, movable;
@@ -70,7 +70,7 @@ class Sweep {
 		std::vector<double> freeVelocity; // as in residual.hpp
 		std::vector<int32_t> place; // of each body of the system: its number among the packed, -1: not in any contact
 		std::vector<int32_t> bodyAt; // the other way round
-		std::vector<PackedKind> kinds; // of each packed body
+		std::vector<BodyKind> kinds; // of each body of the system
 		std::vector<PackedBody> bodies, bodiesBefore; // the last is immobile, for empty lanes
 		std::vector<Group> groups;
 		std::vector<GroupBefore> groupsBefore;
@@ -80,7 +80,7 @@ class Sweep {
 	};
 	static Packed& spare();
 
-	int32_t pack(int32_t body);
+	void classifyBodies();
 	void groupContacts();
 	void fillGroups();
 	void fillLoose();
