@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace cd {
@@ -48,8 +49,7 @@ template <class S> class Iteration {
 			// No gain of a hundredth while the number of sweeps doubled, and at least a thousand: waiting on is in vain.
 			if (report.iterations > 1000 + 2 * bestAt)
 				return giveBest(Status::stagnated);
-			// The error costs two sweeps, so it is asked for at a spacing that grows with the sweeps already made.
-			const int more = std::min(settings.maxIterations - report.iterations, 4 + report.iterations / 10);
+			const int more = std::min(settings.maxIterations - report.iterations, untilNext());
 			for (int i = 0; i < more; i++)
 				improve();
 			report.iterations += more;
@@ -65,6 +65,17 @@ template <class S> class Iteration {
 			}
 		}
 		return std::isnan(error) ? giveBest(Status::diverged) : Status::converged;
+	}
+
+	// Sweeps before the error is asked for again, which costs five: as many as the fall since it was last asked for would need to reach the
+	// tolerance, at least four and at most a quarter of those already made.
+	int untilNext()
+	{
+		const double fall = std::log(lastError / error) / std::max(1, report.iterations - lastIterations);
+		const double needed = fall > 0 ? std::log(error / settings.tolerance) / fall : std::numeric_limits<double>::infinity();
+		lastError = error;
+		lastIterations = report.iterations;
+		return 4 + static_cast<int>(std::min(needed, 0.25 * report.iterations));
 	}
 
 	void keep()
@@ -98,6 +109,8 @@ template <class S> class Iteration {
 	const SolverSettings& settings;
 	SolverReport report;
 	double error = 0; // what is held against the tolerance
+	double lastError = 0; // when it was asked for before, after so many sweeps
+	int lastIterations = 0;
 	std::vector<double> bestImpulses; // of the iterate with the smallest error
 };
 
