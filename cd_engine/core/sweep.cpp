@@ -8,38 +8,62 @@
 
 namespace cd {
 
-Sweep::Packed& Sweep::spare()
+std::unique_ptr<Sweep::Packed>& Sweep::spare()
 {
-	static thread_local Packed kept;
-	return kept;
+	static thread_local std::unique_ptr<Packed> one;
+	return one;
 }
 
 Sweep::Sweep(ContactSystem& s, unsigned seed)
     : system(s)
-    , packed(std::move(spare()))
+    , kept(spare() ? std::move(spare()) : std::make_unique<Packed>())
+    , packed(*kept)
     , order(seed)
 {
 	packed.freeVelocity.resize(3 * s.bodies.size());
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
 		std::copy_n(s.bodies[i].v, 3, &packed.freeVelocity[3 * i]);
-	classifyBodies();
-	groupContacts();
+	if (!classifyBodies() || !sameLinks())
+		groupContacts();
 	fillGroups();
 	fillLoose();
 	computeVelocities();
 }
 
-Sweep::~Sweep() { spare() = std::move(packed); }
+Sweep::~Sweep() { spare() = std::move(kept); }
 
-void Sweep::classifyBodies()
+bool Sweep::classifyBodies()
 {
+	bool same = packed.kinds.size() == system.bodies.size();
 	packed.kinds.resize(system.bodies.size());
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
 		const double* const w = system.bodies[i].w;
-		const bool turns = w[0] > 0 && w[2] > 0;
+		BodyKind& kind = packed.kinds[i];
+		if (same && std::equal(w, w + 3, kind.w))
+			continue;
+		const bool turns = w[0] > 0 && w[2] > 0, uniform = w[0] == w[1] && (w[0] > 0 || w[2] == 0), movable = w[0] > 0;
 		const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
-		packed.kinds[i] = { k, 1 / k, w[0] == w[1] && (w[0] > 0 || w[2] == 0), turns, w[0] > 0 };
+		same = same && uniform == kind.uniform && turns == kind.turns && movable == kind.movable;
+		kind = { { w[0], w[1], w[2] }, k, 1 / k, uniform, turns, movable };
 	}
+	return same;
+}
+
+inline Sweep::Link Sweep::link(const ContactRow& c) const
+{
+	const BodyKind &A = packed.kinds[c.a], &B = packed.kinds[c.b];
+	const bool groupable = c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
+	return { c.a, c.b, !(c.wnn > 0) ? Part::none : groupable ? Part::grouped : Part::loose };
+}
+
+bool Sweep::sameLinks() const
+{
+	if (packed.links.size() != system.contacts.size())
+		return false;
+	for (std::size_t i = 0; i < packed.links.size(); i++)
+		if (!(packed.links[i] == link(system.contacts[i])))
+			return false;
+	return true;
 }
 
 // Bodies are numbered as the contacts first meet them: what is near in the order of the contacts is near in memory.
@@ -47,8 +71,9 @@ void Sweep::groupContacts()
 {
 	packed.place.assign(system.bodies.size(), -1);
 	packed.bodyAt.resize(system.bodies.size() + 1);
-	packed.loose.clear();
+	packed.links.resize(system.contacts.size());
 	packed.builder.begin(system.bodies.size(), system.contacts.size(), packed.grouping);
+	packed.contacts = 0;
 	int32_t met = 0;
 	// Without a branch, which would be mispredicted half the time.
 	const auto number = [&, place = packed.place.data(), bodyAt = packed.bodyAt.data()](int32_t body) {
@@ -59,17 +84,14 @@ void Sweep::groupContacts()
 		met += fresh;
 		return at;
 	};
-	contacts = 0;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c = system.contacts[i];
-		if (!(c.wnn > 0))
-			continue; // two immobile bodies
-		contacts++;
+		const Link c = packed.links[i] = link(system.contacts[i]);
+		if (c.part == Part::none)
+			continue;
+		packed.contacts++;
 		const int32_t a = number(c.a), b = number(c.b);
-		const BodyKind &A = packed.kinds[c.a], &B = packed.kinds[c.b];
-		const bool groupable = c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
-		if (groupable)
-			packed.builder.add(static_cast<int32_t>(i), a, A.movable, b, B.movable);
+		if (c.part == Part::grouped)
+			packed.builder.add(static_cast<int32_t>(i), a, packed.kinds[c.a].movable, b, packed.kinds[c.b].movable);
 		else
 			packed.grouping.loose.push_back(static_cast<int32_t>(i));
 	}

@@ -7,6 +7,8 @@
 #include "random_order.hpp"
 #include "residual.hpp"
 
+#include <memory>
+
 namespace cd {
 
 // What a sweep from an extrapolated point did: y the point, p before, p+ after the sweep.
@@ -20,7 +22,8 @@ class Sweep {
     public:
 	using System = ContactSystem;
 
-	// Packs the contacts and puts their first-guess impulses on the bodies.
+	// Packs the contacts and puts their first-guess impulses on the bodies. The groups are those of this thread's last problem where that had
+	// the same contacts in the same order, as in most steps of a packing at rest.
 	// seed > 0: each sweep visits the groups of contacts in a new random order.
 	Sweep(ContactSystem& system, unsigned seed);
 	~Sweep();
@@ -51,7 +54,7 @@ class Sweep {
 		for (Loose& c : packed.loose)
 			f(c.row.pn, c.row.pt, i++);
 	}
-	std::size_t size() const { return contacts; }
+	std::size_t size() const { return packed.contacts; }
 
     private:
 	// A contact that is solved alone: it couples n and t, or has a body that is no disk.
@@ -61,9 +64,17 @@ class Sweep {
 		double beforePn, beforePt;
 	};
 	struct BodyKind {
+		double w[3]; // what the rest was made from
 		double radius, inverseRadius; // k [m] and 1/k; 1 where the body does not turn
 		bool uniform; // one inverse mass for x, y and spin: may be in a group
 		bool turns, movable;
+	};
+	enum class Part : int32_t { none, loose, grouped }; // none: two immobile bodies
+	// All that the grouping asks of a contact.
+	struct Link {
+		int32_t a, b;
+		Part part;
+		bool operator==(const Link& other) const { return a == other.a && b == other.b && part == other.part; }
 	};
 	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
 	struct Packed {
@@ -71,16 +82,20 @@ class Sweep {
 		std::vector<int32_t> place; // of each body of the system: its number among the packed, -1: not in any contact
 		std::vector<int32_t> bodyAt; // the other way round
 		std::vector<BodyKind> kinds; // of each body of the system
+		std::vector<Link> links; // of each contact of the system
 		std::vector<PackedBody> bodies, bodiesBefore; // the last is immobile, for empty lanes
 		std::vector<Group> groups;
 		std::vector<GroupBefore> groupsBefore;
 		std::vector<Loose> loose;
 		Grouping grouping;
+		std::size_t contacts = 0; // that can be solved
 		GroupBuilder builder;
 	};
-	static Packed& spare();
+	static std::unique_ptr<Packed>& spare();
 
-	void classifyBodies();
+	bool classifyBodies(); // whether they are of the same kinds as in the last problem
+	Link link(const ContactRow&) const;
+	bool sameLinks() const;
 	void groupContacts();
 	void fillGroups();
 	void fillLoose();
@@ -90,8 +105,8 @@ class Sweep {
 	static void solveAhead(Loose&, PackedBody* bodies, double beta, AheadReport&);
 
 	ContactSystem& system;
-	Packed packed;
-	std::size_t contacts = 0;
+	std::unique_ptr<Packed> kept;
+	Packed& packed;
 	bool remembered = false; // whether the arrays named `before` are filled
 	RandomOrder order;
 };
