@@ -47,9 +47,10 @@ template <class S> class Iteration {
 			if (report.iterations >= settings.maxIterations)
 				return giveBest(Status::max_iterations);
 			// No gain of a hundredth while the number of sweeps doubled, and at least a thousand: waiting on is in vain.
-			if (report.iterations > 1000 + 2 * bestAt)
+			const int inVain = 1000 + 2 * bestAt;
+			if (report.iterations >= inVain)
 				return giveBest(Status::stagnated);
-			const int more = std::min(settings.maxIterations - report.iterations, untilNext());
+			const int more = std::min({ settings.maxIterations - report.iterations, inVain - report.iterations, untilNext() });
 			for (int i = 0; i < more; i++)
 				improve();
 			report.iterations += more;
