@@ -12,7 +12,7 @@ PUBLISHED ?=
 export OMP_NUM_THREADS = 1
 
 site     = $(shell $(PYTHON) -m site --user-site)
-cpp      = $(wildcard cd_engine/*/*.[ch]pp tests/core/*.cpp)
+cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/core/*.inl tests/core/*.cpp)
 packages = cd_engine yade_scripts analysis tests
 
 help:
@@ -41,7 +41,7 @@ console: build ## YADE's console with the engine and the prepared packing
 regression: build ## every scene, headless, against stored numbers
 	$(PYTHON) yade_scripts/regression.py
 
-bench: build ## what a sweep and a step cost, to results/benchmark.csv
+bench: build ## what a sweep, its set-up and a step cost, to results/benchmark.csv
 	$(YADE) -n -x yade_scripts/benchmark.py
 
 lint: ## style and static checks

@@ -22,18 +22,25 @@ INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
 {
 	const Vector q0 = two(body(bodies, i[0]), body(bodies, i[2])), q1 = two(body(bodies, i[1]), body(bodies, i[3]));
 	const Vector q2 = two(body(bodies, i[4]), body(bodies, i[6])), q3 = two(body(bodies, i[5]), body(bodies, i[7]));
-	const Vector even01 = __builtin_shufflevector(q0, q1, 0, 8, 2, 10, 4, 12, 6, 14), odd01 = __builtin_shufflevector(q0, q1, 1, 9, 3, 11, 5, 13, 7, 15);
-	const Vector even23 = __builtin_shufflevector(q2, q3, 0, 8, 2, 10, 4, 12, 6, 14), odd23 = __builtin_shufflevector(q2, q3, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector even01 = __builtin_shufflevector(q0, q1, 0, 8, 2, 10, 4, 12, 6, 14),
+		     odd01 = __builtin_shufflevector(q0, q1, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector even23 = __builtin_shufflevector(q2, q3, 0, 8, 2, 10, 4, 12, 6, 14),
+		     odd23 = __builtin_shufflevector(q2, q3, 1, 9, 3, 11, 5, 13, 7, 15);
 	return { __builtin_shufflevector(even01, even23, 0, 1, 4, 5, 8, 9, 12, 13), __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5, 8, 9, 12, 13),
-		__builtin_shufflevector(even01, even23, 2, 3, 6, 7, 10, 11, 14, 15), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7, 10, 11, 14, 15) };
+		__builtin_shufflevector(even01, even23, 2, 3, 6, 7, 10, 11, 14, 15),
+		__builtin_shufflevector(odd01, odd23, 2, 3, 6, 7, 10, 11, 14, 15) };
 }
 
 INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 {
-	const Vector evenV = __builtin_shufflevector(v.vx, v.vy, 0, 8, 2, 10, 4, 12, 6, 14), oddV = __builtin_shufflevector(v.vx, v.vy, 1, 9, 3, 11, 5, 13, 7, 15);
-	const Vector evenS = __builtin_shufflevector(v.spin, v.w, 0, 8, 2, 10, 4, 12, 6, 14), oddS = __builtin_shufflevector(v.spin, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
-	const Vector b02 = __builtin_shufflevector(evenV, evenS, 0, 1, 8, 9, 2, 3, 10, 11), b46 = __builtin_shufflevector(evenV, evenS, 4, 5, 12, 13, 6, 7, 14, 15);
-	const Vector b13 = __builtin_shufflevector(oddV, oddS, 0, 1, 8, 9, 2, 3, 10, 11), b57 = __builtin_shufflevector(oddV, oddS, 4, 5, 12, 13, 6, 7, 14, 15);
+	const Vector evenV = __builtin_shufflevector(v.vx, v.vy, 0, 8, 2, 10, 4, 12, 6, 14),
+		     oddV = __builtin_shufflevector(v.vx, v.vy, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector evenS = __builtin_shufflevector(v.spin, v.w, 0, 8, 2, 10, 4, 12, 6, 14),
+		     oddS = __builtin_shufflevector(v.spin, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
+	const Vector b02 = __builtin_shufflevector(evenV, evenS, 0, 1, 8, 9, 2, 3, 10, 11),
+		     b46 = __builtin_shufflevector(evenV, evenS, 4, 5, 12, 13, 6, 7, 14, 15);
+	const Vector b13 = __builtin_shufflevector(oddV, oddS, 0, 1, 8, 9, 2, 3, 10, 11),
+		     b57 = __builtin_shufflevector(oddV, oddS, 4, 5, 12, 13, 6, 7, 14, 15);
 	const auto put = [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; };
 	put(0, __builtin_shufflevector(b02, b02, 0, 1, 2, 3));
 	put(1, __builtin_shufflevector(b13, b13, 0, 1, 2, 3));
