@@ -5,6 +5,7 @@
 #include <boost/archive/xml_iarchive.hpp>
 #include <boost/archive/xml_oarchive.hpp>
 // The archives come first: the export below instantiates one serializer for each archive known by then.
+#include "../core/group_kernel.hpp"
 #include "contact_dynamics.hpp"
 #include "path_independent_shear.hpp"
 #include "python_registration.hpp"
@@ -74,6 +75,22 @@ namespace {
 		return all;
 	}
 
+	py::list instructionSets()
+	{
+		py::list all;
+		for (const cd::GroupKernel& kernel : cd::groupKernels())
+			all.append(kernel.name);
+		return all;
+	}
+
+	void useInstructionSet(const std::string& name)
+	{
+		for (const cd::GroupKernel& kernel : cd::groupKernels())
+			if (name == kernel.name)
+				return cd::useGroupKernel(kernel);
+		raise(PyExc_ValueError, "this processor has no instruction set '" + name + "' that the sweeps are written for");
+	}
+
 	void fill()
 	{
 		verify({});
@@ -83,6 +100,8 @@ namespace {
 		py::def("verify_layout", verifyLayout,
 		    "Repeat the check made on import with false claims {member: offset or type name}; ImportError where one is found out.");
 		py::def("methods", methods, "Names of the contact solvers.");
+		py::def("instruction_sets", instructionSets, "Names of those the sweeps can use on this processor, the fastest first.");
+		py::def("use_instruction_set", useInstructionSet, "Sweep with this one from now on. The results are the same bits with all.");
 	}
 
 } // namespace
