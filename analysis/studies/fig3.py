@@ -93,8 +93,8 @@ def draw(runs, rows, path):
     handles.append(Line2D([], [], color="#444444", marker="x", linestyle="none", label="collapsed"))
     fig.legend(handles=handles, loc="upper center", ncol=len(handles), bbox_to_anchor=(0.5, 0.995))
     fig.subplots_adjust(left=0.09 if len(groups) > 2 else 0.11, right=0.985, top=0.955, bottom=0.1, hspace=0.3, wspace=0.08)
-    style.finish(fig, runs, path, "Bold: median over the packings, thin: each packing. Rates are means over windows that grow with the cycle's number.\nCD strain "
-                 "below about 1e-6 is the solver's (figure of the tolerance)")
+    style.finish(fig, runs, path, "Bold: median over the packings, thin: each packing. Rates are means over windows that grow with the cycle's number.\nWhat CD "
+                 "strains in packings that rest is its solver's tolerance (see that study)")
 
 
 def _curves(axes, runs, colour, marker):
