@@ -23,10 +23,27 @@ class ResultError(Exception):
 
 
 @dataclass(frozen=True)
+class Known:
+    """A number of a run with what it should be, as `yade_scripts.scenes.Known` declares it."""
+
+    measured: float
+    exact: float
+    unit: str
+    scale: float
+    source: str
+
+    @property
+    def error(self):
+        """|measured - exact|/scale; infinite where the number is none."""
+        error = abs(self.measured - self.exact) / self.scale
+        return error if np.isfinite(error) else np.inf
+
+
+@dataclass(frozen=True)
 class Run:
     """One result file: names, units and shapes as in `analysis.schema`.
 
-    extra: {name: array} of what only this scene has. known: {name: (measured, exact, unit)}.
+    extra: {name: array} of what only this scene has. known: {name: Known}.
     """
 
     path: Path
@@ -62,6 +79,11 @@ class Run:
     def collapsed(self):
         """True if the sample gave way, which ended the run early and is a result."""
         return self.outcome.startswith(schema.OUTCOME_COLLAPSED)
+
+    @property
+    def error(self):
+        """The largest error of what is known about the run; NaN where nothing is."""
+        return max((known.error for known in self.known.values()), default=np.nan)
 
     def values(self, name):
         """A history field; ResultError where it is missing or holds a NaN or an infinity."""
@@ -148,8 +170,9 @@ def newest_pair(folder=RESULTS, mixed_commits=False):
 
 def _differences(md, cd):
     """Names of what should be the same in both files and is not."""
-    names = [name for name, parameter in parameters.REGISTRY.items()
-             if parameter.method is None and name != "method"]
+    general = parameters.REGISTRY
+    names = [name for name in dict.fromkeys([*general, *md.parameters, *cd.parameters])  # the latter hold what only their scene has
+             if name not in general or general[name].method is None and name != "method"]
     found = [f"{name} ({md.parameters.get(name)} and {cd.parameters.get(name)})"
              for name in names if md.parameters.get(name) != cd.parameters.get(name)]
     if md.attributes["state_sha256"] != cd.attributes["state_sha256"]:
@@ -172,9 +195,14 @@ def _read(path, file):
     snapshots = [_read_snapshot(file["snapshots"][number])
                  for number in sorted(file.get("snapshots", ()), key=int)]
     extra = {name: data[()] for name, data in file.get("extra", {}).items()}
-    known = {name: (float(data[()]), float(data.attrs["exact"]), str(data.attrs["unit"]))
-             for name, data in file.get("known", {}).items()}
+    known = {name: _read_known(data) for name, data in file.get("known", {}).items()}
     return Run(path, attributes, row, history, snapshots, extra, known)
+
+
+def _read_known(data):
+    exact = float(data.attrs["exact"])
+    return Known(float(data[()]), exact, str(data.attrs["unit"]), float(data.attrs.get("scale", abs(exact) or 1)),
+                 str(data.attrs.get("source", "")))
 
 
 def _read_snapshot(group):

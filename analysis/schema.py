@@ -3,8 +3,8 @@
 The recorder writes by these tables and the loader checks against them. One run is one HDF5 file:
 root attributes say what was run, `/history/<name>` is one 1-D array a quantity (all of one length,
 unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at one instant. A finished run may
-also hold `/known/<name>`, a measured number with its exact value in the attribute `exact`, and
-`/extra/<name>`, arrays that only its scene has; both with `unit`, the latter with `doc`.
+also hold `/known/<name>`, a measured number with the attributes of KNOWN, and `/extra/<name>`, arrays
+that only its scene has, with `unit` and `doc`.
 
 Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls.
 Strain is extension positive. Equations are those of Garcia-Rojo, McNamara and Herrmann (2004).
@@ -82,6 +82,13 @@ SNAPSHOT = _table(
     Field("force_tangential", "N", "T on the second body, along the normal turned by +90 degrees",
           ("m",)),
     Field("box", "m", "inner faces of the walls x-, x+, y-, y+; NaN where there is no box", (4,)),
+)
+
+KNOWN = _table(
+    Field("unit", "", "unit of the number and of the next two"),
+    Field("exact", "", "what it should be"),
+    Field("scale", "", "what an error is held against; |exact|, or 1 where that is 0, in files without it"),
+    Field("source", "", "where the exact value comes from; absent from older files"),
 )
 
 SNAPSHOT_ATTRIBUTES = _table(

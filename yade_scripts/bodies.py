@@ -1,7 +1,7 @@
 """Disks: making them, finding them, counting their contacts."""
 import math
 
-from yade import O, utils
+from yade import O, Quaternion, utils
 from yade.wrapper import FrictViscoMat, Sphere
 
 from yade_scripts import parameters, walls
@@ -25,6 +25,18 @@ def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"
     body.state.blockedDOFs = blocked
     body.state.vel = (*velocity, 0)
     return O.bodies.append(body)
+
+
+def append_box(centre, half, full, angle=0.0, material="disk"):
+    """Append a fixed box at (x, y) [m] of half sides (x, y) [m] as deep as the disks, turned by `angle` [rad] about z; its id."""
+    return O.bodies.append(utils.box((*centre, 0), (*half, full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
+                                     color=(0.4, 0.4, 0.4)))
+
+
+def append_floor(full, length=None, material="disk"):
+    """Append a floor whose surface is y = 0, `length` [m] to either side, ten mean radii unless given; its id."""
+    radius = full["radius_mean"]
+    return append_box((0, -radius), (length or 10 * radius, radius), full, material=material)
 
 
 def disks():
@@ -53,8 +65,6 @@ def contacts_per_disk():
 def loaded_contacts(body):
     """Number of contacts of a body that carry a force."""
     return sum(1 for i in body.intrs() if i.isReal and i.phys.normalForce.squaredNorm() > 0)
-
-
 
 
 def sag(force, full):

@@ -4,6 +4,9 @@ A row (of a table, or of name=value arguments) overrides defaults; `complete` ch
 the sample is `depth` deep, so a 2D stress [N/m] is a stress [Pa] times `depth`. The paper leaves many of these open
 (see each `doc`); whatever was used is stored with the result.
 
+Here are the parameters that every scene has. Those that only one scene has, and its own defaults, stand in the scene's file; they
+are legal in rows of that scene alone, and only there part of a row's name.
+
 `/usr/bin/python3 -m yade_scripts.parameters` prints the list.
 """
 import difflib
@@ -12,23 +15,7 @@ import json
 import math
 from dataclasses import dataclass
 
-# What a scene changes in the defaults below. The name of a scene is the name of its file in scenes/.
-SCENES = {
-    "biaxial": {},
-    "incline": dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13),
-    "slide_to_roll": dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13),
-    "bounce": dict(method="CD", restitution=0.5, gravity=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13),
-    "stack": dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
-                  max_iterations=1000000),
-    "loaded_box": dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
-                       max_iterations=1000000),
-    "frozen_packing": dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200),
-    # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
-    "chain": dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
-                  records_per_cycle=200),
-    "two_grain_path": dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40),
-}
-
+from yade_scripts import scenes
 
 class ParameterError(ValueError):
     """A row cannot be run; the message names the parameter, its value, and what is allowed."""
@@ -94,7 +81,7 @@ def _positive(high):
 
 
 REGISTRY = {p.name: p for p in (
-    Parameter("scene", "biaxial", "1", "what is simulated", choices=tuple(SCENES)),
+    Parameter("scene", "biaxial", "1", "what is simulated", choices=scenes.names()),
     Parameter("method", "MD", "1", "MD: springs and dashpots; CD: rigid contacts", choices=("MD", "CD")),
     # The sample; the paper: 400 disks, k_n = 2 MPa, mu = 0.1, P0 = 6e-4 k_n (caption of Fig. 3).
     Parameter("disks", 400, "1", "number of disks", low=1, high=100000, prepare=True),
@@ -169,23 +156,38 @@ REGISTRY = {p.name: p for p in (
 )}
 
 
+def registry(scene):
+    """The parameters that rows of a scene may have: {name: Parameter}, the general ones first."""
+    return REGISTRY | {parameter.name: parameter for parameter in scenes.module(scene).PARAMETERS}
+
+
 def complete(row):
     """The full row: `row` checked, over the scene's defaults, over the registry's. ParameterError if it cannot be run."""
+    scene = REGISTRY["scene"].check(row.get("scene", REGISTRY["scene"].default))
+    legal = registry(scene)
     for name in row:
-        if name not in REGISTRY:
-            near = difflib.get_close_matches(name, REGISTRY, n=3)
-            hint = f"did you mean {' or '.join(near)}?" if near else "the list: /usr/bin/python3 -m yade_scripts.parameters"
-            raise ParameterError(f"unknown parameter {name!r} (value {row[name]!r}); {hint}")
-    checked = {name: REGISTRY[name].check(value) for name, value in row.items()}
-    full = {name: parameter.default for name, parameter in REGISTRY.items()}
-    full |= SCENES[checked.get("scene", full["scene"])]
-    full |= checked
+        if name not in legal:
+            raise ParameterError(f"unknown parameter {name!r} (value {row[name]!r}); {_hint(name, legal, scene)}")
+    full = {name: parameter.default for name, parameter in legal.items()} | scenes.module(scene).DEFAULTS
+    full |= {name: legal[name].check(value) for name, value in row.items()}
     _check_together(full)
     return full
 
 
+def _hint(name, legal, scene):
+    """What a name that is not legal in a scene may have meant."""
+    others = [other for other in scenes.names() if name in registry(other)]
+    if others:
+        return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
+    near = difflib.get_close_matches(name, legal, n=3)
+    return f"did you mean {' or '.join(near)}?" if near else "the list: /usr/bin/python3 -m yade_scripts.parameters"
+
+
 def _check_together(full):
     """Conditions on several parameters at once."""
+    scene = scenes.module(full["scene"])
+    if full["method"] not in scene.METHODS:
+        raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves out {scene.LEFT_OUT}")
     largest = full["radius_mean"] * (1 + full["radius_spread"])
     if full["depth"] <= 2 * largest:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
@@ -194,6 +196,8 @@ def _check_together(full):
         raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
+    if hasattr(scene, "check"):
+        scene.check(full)
 
 
 def from_text(name, text):
@@ -201,7 +205,8 @@ def from_text(name, text):
     text = text.strip()
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
         return text[1:-1]
-    parameter = REGISTRY.get(name)
+    # A name has one kind of value, whatever scenes declare it.
+    parameter = REGISTRY.get(name) or next((own[name] for own in map(registry, scenes.names()) if name in own), None)
     if parameter is None or isinstance(parameter.default, str):
         return text
     if isinstance(parameter.default, bool):
@@ -227,7 +232,7 @@ def from_arguments(arguments):
 
 def preparation(full):
     """The part of a full row that shapes the prepared packing."""
-    return {name: full[name] for name, parameter in REGISTRY.items() if parameter.prepare}
+    return {name: full[name] for name, parameter in registry(full["scene"]).items() if parameter.prepare}
 
 
 def digest(values, length=12):
@@ -238,7 +243,7 @@ def digest(values, length=12):
 
 def result_name(full):
     """Stem of the result file: scene, method, hash of every parameter that this method reads."""
-    read = {name: full[name] for name, parameter in REGISTRY.items() if parameter.method in (None, full["method"])}
+    read = {name: full[name] for name, parameter in registry(full["scene"]).items() if parameter.method in (None, full["method"])}
     return f"{full['scene']}-{full['method']}-{digest(read)}"
 
 
@@ -252,6 +257,20 @@ def pressure(full):
     return full["pressure_ratio"] * full["kn"] / full["depth"]
 
 
+def _lines(parameter):
+    return f"{parameter.name:22} {parameter.default!s:>10} [{parameter.unit}]  {parameter.allowed()}\n{'':24}{parameter.doc}"
+
+
+def listing():
+    """All parameters in words, those of one scene under its name with the defaults that it changes."""
+    lines = [_lines(parameter) for parameter in REGISTRY.values()]
+    for name in scenes.names():
+        scene = scenes.module(name)
+        lines += ["", f"scene={name}: {scene.TITLE} ({', '.join(scene.METHODS)})"]
+        lines += [f"{'':24}defaults: " + ", ".join(f"{key}={value}" for key, value in scene.DEFAULTS.items())] * bool(scene.DEFAULTS)
+        lines += [_lines(parameter) for parameter in scene.PARAMETERS]
+    return "\n".join(lines)
+
+
 if __name__ == "__main__":
-    for p in REGISTRY.values():
-        print(f"{p.name:22} {p.default!s:>10} [{p.unit}]  {p.allowed()}\n{'':24}{p.doc}")
+    print(listing())

@@ -158,7 +158,7 @@ class Recorder:
             self._write_rows()
         for known in () if failure else self.scene.known:
             value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
-            value.attrs.update({"unit": known.unit, "exact": known.exact})
+            value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
         for name, (unit, doc, array) in () if failure else self.scene.extra.items():
             values = self.file.create_dataset(f"extra/{name}", data=array() if callable(array) else array)
             values.attrs.update({"unit": unit, "doc": doc})

@@ -39,9 +39,9 @@ def _row(what, sweeps, group):
         return row
     row["kappa_N_per_m"] = effective_medium.stiffness(full)
     for name in ("swing_period", "swing_decay"):
-        measured = np.array([run.known[name][0] for run in group if name in run.known])
+        measured = np.array([run.known[name].measured for run in group if name in run.known])
         if len(measured):
-            row |= {f"{name}_theory": group[0].known[name][1], f"{name}_measured": float(np.mean(measured)),
+            row |= {f"{name}_theory": group[0].known[name].exact, f"{name}_measured": float(np.mean(measured)),
                     f"{name}_low": float(measured.min()), f"{name}_high": float(measured.max())}
     return row
 

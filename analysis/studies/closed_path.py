@@ -24,10 +24,11 @@ def summarize(runs):
 
 
 def _row(run):
-    row, (force, force_theory, _), (work, work_theory, _) = run.parameters, run.known["left_force"], run.known["loop_work"]
+    row, force, work = run.parameters, run.known["left_force"], run.known["loop_work"]
     share = row["path_depth"] / 2  # of the units in which the scene gives the force
     return {"law": row["tangential_law"], "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
-            "left_force": force * share, "left_force_theory": force_theory * share, "loop_work": work, "loop_work_theory": work_theory,
+            "left_force": force.measured * share, "left_force_theory": force.exact * share,
+            "loop_work": work.measured, "loop_work_theory": work.exact,
             "slides": int(run.values("sliding_contacts").max())}
 
 

@@ -198,3 +198,29 @@ def test_table_that_is_no_pair(tmp_path, text, word):
     table.write_text(text)
     with pytest.raises(load.ResultError, match=word):
         load.pair_of_table(table, tmp_path)
+
+
+def add_known(path, name, measured, **attributes):
+    with h5py.File(path, "r+") as file:
+        file.create_dataset(f"known/{name}", data=measured).attrs.update({"unit": "m"} | attributes)
+
+
+def test_error_of_a_run_is_the_largest_of_what_is_known(md):
+    assert np.isnan(load.load(md).error)
+    add_known(md, "way", 2.5, exact=2.0, scale=10.0, source="a formula")
+    add_known(md, "height", 0.01, exact=0.0, scale=0.5, source="balance")
+    run = load.load(md)
+    assert run.known["way"] == load.Known(2.5, 2.0, "m", 10.0, "a formula")
+    assert run.error == run.known["way"].error == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("exact, scale", [(-4.0, 4.0), (0.0, 1.0)])
+def test_files_from_before_scales_are_read(md, exact, scale):
+    add_known(md, "way", 3.0, exact=exact)
+    assert load.load(md).known["way"] == load.Known(3.0, exact, "m", scale, "")
+
+
+def test_a_measured_number_that_is_none_is_infinitely_wrong(md):
+    add_known(md, "way", np.nan, exact=1.0, scale=1.0, source="")
+    add_known(md, "height", 1.0, exact=1.0, scale=1.0, source="")
+    assert load.load(md).error == np.inf

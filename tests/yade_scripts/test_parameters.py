@@ -7,20 +7,72 @@ import sys
 import pytest
 from hypothesis import given, strategies as st
 
-from yade_scripts import parameters
+from yade_scripts import parameters, scenes
 from yade_scripts.parameters import REGISTRY, ParameterError, complete
 
 
 def test_defaults_of_every_scene_pass_their_own_checks():
-    for scene in parameters.SCENES:
-        full = complete({"scene": scene})
-        assert set(full) == set(REGISTRY)
+    for scene in scenes.names():
+        full = complete({"scene": scene, "method": scenes.module(scene).METHODS[-1]})
+        assert set(full) == set(parameters.registry(scene))
         assert complete(full) == full
 
 
 def test_scenes_are_the_files_of_the_folder():
     folder = pathlib.Path(parameters.__file__).parent / "scenes"
-    assert {path.stem for path in folder.glob("*.py")} - {"__init__"} == set(parameters.SCENES)
+    assert {path.stem for path in folder.glob("*.py")} - {"__init__"} == set(scenes.names())
+
+
+def test_every_scene_declares_what_it_is():
+    owners = {}
+    for name in scenes.names():
+        scene = scenes.module(name)
+        assert all(isinstance(text, str) and text for text in (scene.TITLE, scene.HORIZON, scene.LEFT_OUT))
+        assert scene.METHODS in (("MD", "CD"), ("MD",), ("CD",)) and complete({"scene": name})["method"] in scene.METHODS
+        assert set(scene.DEFAULTS) <= set(REGISTRY), "defaults of a scene's own parameters stand where they are declared"
+        for parameter in scene.PARAMETERS:
+            assert parameter.name not in REGISTRY and parameter.check(parameter.default) == parameter.default
+            assert type(parameter.default) is type(owners.setdefault(parameter.name, parameter).default), "a typed value is read by its name alone"
+
+
+def test_declarations_need_no_yade(root):
+    """Isolated (-I), so that no folder of YADE's is on the path, whatever the environment says."""
+    code = ("import sys; sys.path.insert(0, '.'); from yade_scripts import parameters, scenes; parameters.listing();"
+            "print('yade' in sys.modules, len(scenes.names()))")
+    done = subprocess.run([sys.executable, "-I", "-c", code], cwd=root, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", str(len(scenes.names()))]
+
+
+@pytest.fixture
+def own(monkeypatch):
+    """A parameter that only the scene stack has."""
+    parameter = parameters.Parameter("lean", 1, "degree", "of the stack", low=0, high=10)
+    monkeypatch.setattr(scenes.module("stack"), "PARAMETERS", (parameter,))
+    return parameter
+
+
+def test_a_scene_s_own_parameter_counts_in_its_rows_alone(own):
+    name = lambda **row: parameters.result_name(complete(row))
+    assert complete({"scene": "stack"})["lean"] == 1 and complete({"scene": "stack", "lean": 3})["lean"] == 3
+    assert name(scene="stack") == name(scene="stack", lean=1) != name(scene="stack", lean=2)
+    assert "lean" not in complete({}) and "lean" in parameters.listing()
+    assert parameters.from_arguments(["scene=stack", "lean=2"]) == {"scene": "stack", "lean": 2}
+    with pytest.raises(ParameterError, match="lean = 11: must be an integer in .0, 10. .degree. .of the stack"):
+        complete({"scene": "stack", "lean": 11})
+    with pytest.raises(ParameterError, match="unknown parameter 'lean' .value 2.; scene biaxial has none of that name, stack has"):
+        complete({"lean": 2})
+
+
+def test_names_of_rows_of_other_scenes_do_not_change(own, monkeypatch):
+    before = {scene: parameters.result_name(complete({"scene": scene})) for scene in scenes.names()}
+    monkeypatch.setattr(scenes.module("stack"), "PARAMETERS", ())
+    after = {scene: parameters.result_name(complete({"scene": scene})) for scene in scenes.names()}
+    assert {scene for scene in before if before[scene] != after[scene]} == {"stack"}
+
+
+def test_a_method_without_meaning_in_a_scene_is_refused_with_the_reason():
+    with pytest.raises(ParameterError, match="method = 'MD': the scene chain runs by CD only; .*sweeps of CD"):
+        complete({"scene": "chain", "method": "MD"})
 
 
 def test_row_overrides_scene_overrides_registry():

@@ -1,33 +1,49 @@
-"""What can be simulated: one scene a file, each with
+"""What can be simulated: one scene a file, by MD and by CD where both make sense. Needs no YADE until a scene is built.
 
-    build(full, folder) -> Scene
-
-which fills YADE's O (bodies, engines, dt) from a full row of parameters; `folder` holds the results and, in states/, the prepared packings.
+A scene's file declares
+    TITLE       what is simulated
+    METHODS     which of MD and CD can run it
+    HORIZON     one sentence: over which time the errors of its known quantities mean something
+    LEFT_OUT    what the model leaves out, and why that is safe; of a method that it does not have, why
+    DEFAULTS    the general parameters' defaults that it changes
+    PARAMETERS  the parameters that only it has
+    check(full)             if values have to fit each other: ParameterError where they do not
+    build(full, folder)     -> Scene; fills YADE's O (bodies, engines, dt) from a full row of parameters; `folder` holds the results and,
+                            in states/, the prepared packings
+and imports what needs YADE inside `build`, so that lists of parameters and charts can read the rest.
 """
 import importlib
-import math
+import pathlib
 from dataclasses import dataclass, field
 from typing import Callable
-
-from yade import O
-
-from yade_scripts import bodies, parameters, walls
 
 
 @dataclass
 class Known:
-    """A quantity whose exact value is known: `measure()` after the last step against `exact`, both in `unit`."""
+    """A quantity whose value is known: `measure()` after the last step against `exact`, both in `unit`.
+
+    scale: the size [unit] its error is held against, |exact| unless given, 1 where that is 0. source: where the knowledge comes from,
+    a formula, a paper, or 'converged: ' with settings and values. The error of a scene is the largest of its quantities'.
+    """
     name: str
     unit: str
     exact: float
     measure: Callable[[], float]
+    scale: float | None = None
+    source: str = ""
+
+    def __post_init__(self):
+        if self.scale is None:
+            self.scale = abs(self.exact) or 1.0
+        if not self.scale > 0:
+            raise ValueError(f"{self.name}: scale = {self.scale!r}, must be above 0")
 
 
 @dataclass
 class Scene:
     """A scene that stands in O, ready to run.
 
-    every: steps between samples, samples: intervals between them; the scene is over after every * samples steps.
+    every: steps between samples, samples: intervals between them; the scene is over after every * samples steps (MD makes one more).
     load: walls.Load, or None where no wall is loaded. law: the functor of MD that sums what its slips dissipate, else None. snapshots: numbers of the samples at which the whole sample is kept.
     extra: arrays that only this scene has, {name: (unit, meaning, array)}; instead of the array a function that gives it after the last
     step. observer: called at every sample.
@@ -46,32 +62,14 @@ class Scene:
         self.snapshots |= {0, self.samples}
 
 
-def set_step(full, largest):
-    """Set O.dt <= largest [s] such that samples fall on whole steps; the number of steps between two."""
-    interval = full["period"] / full["records_per_cycle"]
-    every = math.ceil(interval / largest * (1 - 1e-12))
-    O.dt = interval / every
-    return every
+def names():
+    """The scenes: the names of the files in this folder."""
+    return tuple(sorted(path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if path.stem != "__init__"))
 
 
-def largest_step(full):
-    """The largest step [s] of the row's method for the bodies in O."""
-    if full["method"] == "CD":
-        return full["cd_dt"]
-    lightest = min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
-    return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
-
-
-def set_engines(full, scene, goals=None):
-    """O.engines of the row's method, walls loaded by goals(t) -> (sigma1, sigma2) [Pa] if given."""
-    method(full).set_engines(full, scene, goals)
-
-
-def load_walls(full, scene, goals):
-    """The same for a scene in the biaxial box; its walls x+ and y+ are freed unless a servo moves them."""
-    if full["method"] == "CD" or full["md_walls"] == "force":
-        walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
-    set_engines(full, scene, goals)
+def module(name):
+    """The file of a scene."""
+    return importlib.import_module(f"{__name__}.{name}")
 
 
 def method(full):
@@ -79,14 +77,8 @@ def method(full):
     return importlib.import_module(f"yade_scripts.{full['method'].lower()}")
 
 
-def small(full, known):
-    """The scene around bodies just placed, for scenes without loaded walls: step, engines, and what is known of its end."""
-    scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], known=known)
-    set_engines(full, scene)
-    return scene
-
-
 def build(full, folder):
     """Build the scene that a full row names."""
+    from yade import O
     O.reset()
-    return importlib.import_module(f"yade_scripts.scenes.{full['scene']}").build(full, folder)
+    return module(full["scene"]).build(full, folder)

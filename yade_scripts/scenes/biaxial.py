@@ -1,8 +1,11 @@
 """The paper's experiment: a packing prepared under P0, then sigma2 changed while sigma1 = P0 (eqs. 1 and 7, Figs. 3 to 5)."""
-from yade import O
 
-from yade_scripts import force_network, loading, parameters, prepare
-from yade_scripts.scenes import Scene, largest_step, load_walls, set_step
+TITLE = "Biaxial test of a dense packing"
+METHODS = ("MD", "CD")
+HORIZON = "Nothing is known exactly; runs of different methods are compared sample by sample, by statistics once grains rearrange."
+LEFT_OUT = "the third dimension, gravity and the elasticity of the walls, as in the paper"
+DEFAULTS = {}
+PARAMETERS = ()
 
 # Of a ramp, which has no load maximum to look at before it ends: enough to follow single forces.
 RAMP_SNAPSHOTS = 40
@@ -10,9 +13,13 @@ RAMP_SNAPSHOTS = 40
 
 def build(full, folder):
     """Load the prepared packing (made if it is missing) and set up the row's method on it, with the forces it was prepared with or others."""
+    from yade import O
+
+    from yade_scripts import force_network, loading, parameters, prepare, stage
+    from yade_scripts.scenes import Scene
     path, checksum = prepare.ensure(full, folder)
     O.load(str(path))
-    every = set_step(full, largest_step(full))
+    every = stage.set_step(full, stage.largest_step(full))
     per_cycle, samples = full["records_per_cycle"], full["records_per_cycle"] * full["cycles"]
     snapshots = {per_cycle // 2, samples - per_cycle // 2}
     if full["loading"] == "ramp":
@@ -20,7 +27,7 @@ def build(full, folder):
     scene = Scene(every=every, samples=samples, state_sha256=checksum, snapshots=snapshots)
     goals = loading.goals(full, parameters.pressure(full))
     if full["method"] == "CD" and full["network_seed"]:
-        load_walls(full, scene, goals)
+        stage.load_walls(full, scene, goals)
         force_network.replace(full["network_seed"], full["network_perturbation"])
-    load_walls(full, scene, goals)
+    stage.load_walls(full, scene, goals)
     return scene

@@ -1,19 +1,24 @@
 """A disk hits a floor without gravity and leaves it with a known share of its speed."""
-import math
+from yade_scripts.scenes import Known
 
-from yade import O, utils
-
-from yade_scripts import bodies
-from yade_scripts.scenes import Known, small
+TITLE = "Bounce of a disk off a floor"
+METHODS = ("MD", "CD")
+HORIZON = "Any time after the bounce: nothing acts on the disk any more."
+LEFT_OUT = "gravity and rotation: the impact is central, neither has a part in the speed after it"
+DEFAULTS = dict(method="CD", restitution=0.5, gravity=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+PARAMETERS = ()
 
 
 def build(full, folder):
     """CD: Newton's restitution. MD: the damped oscillator of eq. 5 over the half period of a contact."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
     radius = full["radius_mean"]
     bodies.append_material("disk", full["friction"], full)
-    O.bodies.append(utils.box((0, -radius, 0), (10 * radius, radius, full["depth"] / 2), fixed=True, material="disk"))
+    bodies.append_floor(full)
     height = radius + full["speed"] * full["period"] * full["cycles"] / 4
     disk = bodies.append_disk((0, height), radius, bodies.disk_mass(radius, full), "disk", (0, -full["speed"]))
-    state, beta = O.bodies[disk].state, full["beta_n"]
-    exact = full["restitution"] if full["method"] == "CD" else math.exp(-math.pi * beta / math.sqrt(1 - beta**2))
-    return small(full, [Known("restitution", "1", exact, lambda: state.vel[1] / full["speed"])])
+    state = O.bodies[disk].state
+    return stage.small(full, [Known("restitution", "1", stage.restitution(full), lambda: state.vel[1] / full["speed"], scale=1.0,
+                                    source="CD: Newton's law; MD: exp(-pi beta/sqrt(1 - beta^2)), eq. 5 over half a period")])

@@ -8,24 +8,32 @@ the way `overlap` only, that the forces near the ends have not spread in a step 
 import math
 
 import numpy as np
-from scipy.optimize import OptimizeWarning, curve_fit
-from yade import O, utils
 
-from yade_scripts import bodies, effective_medium, hooks
-from yade_scripts.parameters import ParameterError
-from yade_scripts.scenes import Known, small
+from yade_scripts import effective_medium
+from yade_scripts.scenes import Known
 
+TITLE = "Row of disks under few sweeps a step, an elastic rod"
+METHODS = ("CD",)
+HORIZON = "From half a period to a few decay times of the swing, beyond which nothing swings."
+LEFT_OUT = "motion across the row; the scene is about the sweeps of CD, of which springs make none"
+# 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
+DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
+                records_per_cycle=200)
+PARAMETERS = ()
+
+SOURCE = "damped elastic rod of effective_medium.py (Unger et al. 2002), a theory of long waves, good to a few per cent"
 STRAIN = 1e-5  # of the row at rest under the force, so small that lengths do not change; the theory is linear
 
 
 def build(full, folder):
     """`disks` touching disks that can only move along x; /extra holds the way of the last one after every step."""
-    if full["method"] != "CD":
-        raise ParameterError("method = 'MD': the scene chain is about the sweeps of CD")
+    from yade import O
+
+    from yade_scripts import bodies, hooks, stage
     bodies.append_material("disk", full["friction"], full)
     radius = full["radius_mean"]
     mass = bodies.disk_mass(radius, full)
-    O.bodies.append(utils.box((-radius, 0, 0), (radius, 10 * radius, full["depth"] / 2), fixed=True, material="disk"))
+    bodies.append_box((-radius, 0), (radius, 10 * radius), full)
     for k in range(full["disks"]):
         last = bodies.append_disk(((2 * k + 1) * radius, 0), radius, mass, "disk", blocked="yzXYZ")
     medium = effective_medium.stiffness(full)
@@ -34,7 +42,7 @@ def build(full, folder):
     O.forces.setPermF(last, (-force, 0, 0))
 
     state, start, way = O.bodies[last].state, O.bodies[last].state.pos[0], [0.0]
-    scene = small(full, _known(full, way))
+    scene = stage.small(full, _known(full, way))
     scene.extra["end_displacement"] = ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way))
     scene.extra["end_at_rest"] = ("m", "where the force holds it in the end, if the row is elastic", -STRAIN * 2 * radius * full["disks"])
     O.engines = O.engines + [hooks.runner(lambda: way.append(state.pos[0] - start), iterPeriod=1, initRun=True)]
@@ -50,8 +58,8 @@ def _known(full, way):
     period, decay = effective_medium.chain_period(full) / dt, effective_medium.chain_decay(full) / dt
     if full["period"] * full["cycles"] < 2 * period * dt:
         return []
-    return [Known("swing_period", "steps", period, lambda: swing(way, period, decay)[0]),
-            Known("swing_decay", "steps", decay, lambda: swing(way, period, decay)[1])]
+    return [Known("swing_period", "steps", period, lambda: swing(way, period, decay)[0], source=SOURCE),
+            Known("swing_decay", "steps", decay, lambda: swing(way, period, decay)[1], source=SOURCE)]
 
 
 def swing(way, period, decay):
@@ -60,6 +68,7 @@ def swing(way, period, decay):
     period, decay: a first guess. Left out is the first half period, in which the overtones of the sudden push die: the third harmonic
     decays nine times as fast.
     """
+    from scipy.optimize import OptimizeWarning, curve_fit
     way = np.asarray(way)
     steps = np.arange(len(way))[math.ceil(period / 2):]
     part = way[steps]

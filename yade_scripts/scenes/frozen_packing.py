@@ -5,24 +5,36 @@ back after each. The step is so short that no gap closes within it: what holds i
 pair some 1e-12 m apart that a longer step would bring to bear.
 """
 import numpy as np
-from yade import O
 
-from yade_scripts import force_network, parameters, prepare
 from yade_scripts.parameters import ParameterError
-from yade_scripts.scenes import Scene, load_walls
+from yade_scripts.scenes import Scene
+
+TITLE = "Walk over the force networks of a packing at rest"
+METHODS = ("CD",)
+HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly but the balance that every network has to keep."
+LEFT_OUT = "motion; and springs, whose forces follow from where the grains are, so that there is nothing to walk over"
+DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200)
+PARAMETERS = ()
+
+
+def check(full):
+    """The perturbed forces are the solver's first guess."""
+    if not full["warm_start"] or not full["network_seed"]:
+        raise ParameterError("scene = frozen_packing: needs warm_start = True and a network_seed above 0, for its perturbed forces are the "
+                             "solver's first guess")
 
 
 def build(full, folder):
     """Load the packing (made if it is missing) under P0; one step from no forces, then a walk of records_per_cycle times cycles steps."""
-    if full["method"] != "CD" or not full["warm_start"] or not full["network_seed"]:
-        raise ParameterError("scene = frozen_packing: needs method = CD, warm_start = True and a network_seed above 0, for its perturbed "
-                             "forces are the solver's first guess")
+    from yade import O
+
+    from yade_scripts import force_network, parameters, prepare, stage
     path, checksum = prepare.ensure(full, folder)
     O.load(str(path))
     O.dt = full["cd_dt"]
     scene = Scene(every=1, samples=full["records_per_cycle"] * full["cycles"] + 1, state_sha256=checksum)
     p0 = parameters.pressure(full)
-    load_walls(full, scene, lambda t: (p0, p0))
+    stage.load_walls(full, scene, lambda t: (p0, p0))
     walk = force_network.Walk(full["network_seed"], full["network_perturbation"], cold_first=True)
     walk.surround()
     scene.extra = {

@@ -1,18 +1,25 @@
 """A block (a disk that may not turn) on a slope: it slides at g (sin t - mu cos t), or rests where tan t <= mu."""
 import math
 
-from yade import O, Quaternion, utils
+from yade_scripts.scenes import Known
 
-from yade_scripts import bodies
-from yade_scripts.scenes import Known, small
+TITLE = "Block on a slope"
+METHODS = ("MD", "CD")
+HORIZON = "Any time: the acceleration is constant. MD's block swings on its tangential spring, which it loads at the start and nothing damps."
+LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+PARAMETERS = ()
 
 
 def build(full, folder):
     """Block of radius_mean on a slope that falls towards +x."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
     t, radius = math.radians(full["slope"]), full["radius_mean"]
     bodies.append_material("disk", full["friction"], full)
     length, thickness = 20 * full["gravity"] * (full["period"] * full["cycles"])**2 + 10 * radius, radius
-    O.bodies.append(utils.box((0, 0, 0), (length, thickness, full["depth"] / 2), Quaternion((0, 0, 1), -t), fixed=True, material="disk"))
+    bodies.append_box((0, 0), (length, thickness), full, angle=-t)
     mass = bodies.disk_mass(radius, full)
     height = thickness + radius - bodies.sag(mass * full["gravity"] * math.cos(t), full)
     block = bodies.append_disk((height * math.sin(t), height * math.cos(t)), radius, mass, "disk", blocked="zXYZ")
@@ -23,4 +30,5 @@ def build(full, folder):
 
     driving, holding = math.sin(t), full["friction"] * math.cos(t)
     exact = full["gravity"] * math.copysign(max(abs(driving) - holding, 0), driving)
-    return small(full, [Known("acceleration", "m/s^2", exact, acceleration)])
+    return stage.small(full, [Known("acceleration", "m/s^2", exact, acceleration, scale=full["gravity"] * abs(driving) or 1.0,
+                                    source="Coulomb: g (sin t - mu cos t), 0 where tan t <= mu; against g sin t")])

@@ -1,12 +1,20 @@
 """Equal disks on a square grid in the biaxial box, its walls loaded by P0: every wall carries P0 L."""
 import math
 
-from yade_scripts import bodies, parameters, walls
-from yade_scripts.scenes import Known, Scene, largest_step, load_walls, set_step
+from yade_scripts.scenes import Known, Scene
+
+TITLE = "Square lattice in a loaded box"
+METHODS = ("MD", "CD")
+HORIZON = "Any time: nothing moves."
+LEFT_OUT = "gravity, which the balance of the walls does not need; MD starts with its springs compressed by P0"
+DEFAULTS = dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
+                max_iterations=1000000)
+PARAMETERS = ()
 
 
 def build(full, folder):
     """As many disks as fill a square, at most `disks`; the springs of MD compressed by P0 from the start."""
+    from yade_scripts import bodies, parameters, stage, walls
     radius, rows, p0 = full["radius_mean"], math.isqrt(full["disks"]), parameters.pressure(full)
     bodies.append_material("wall", 0.0, full)
     bodies.append_material("disk", full["friction"], full)
@@ -19,11 +27,11 @@ def build(full, folder):
     for x in places:
         for y in places:
             bodies.append_disk((x, y), radius, mass, "disk")
-    scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"])
-    load_walls(full, scene, lambda t: (p0, p0))
+    scene = Scene(every=stage.set_step(full, stage.largest_step(full)), samples=full["records_per_cycle"] * full["cycles"])
+    stage.load_walls(full, scene, lambda t: (p0, p0))
 
     def worst():
         return max(abs(stress / p0 - 1) for pair in walls.stresses() for stress in pair)
 
-    scene.known.append(Known("worst_stress_error", "1", 0.0, worst))
+    scene.known.append(Known("worst_stress_error", "1", 0.0, worst, source="balance: each wall carries P0 on its length"))
     return scene

@@ -1,20 +1,26 @@
 """A disk thrown flat on a floor slides, then rolls at 2/3 of its speed: its angular momentum about the contact point stays."""
-from yade import O, utils
+from yade_scripts.scenes import Known
 
-from yade_scripts import bodies
-from yade_scripts.scenes import Known, small
+TITLE = "Disk that slides, then rolls"
+METHODS = ("MD", "CD")
+HORIZON = "From speed/(3 mu g) on, when it rolls, for any time: nothing slows it then."
+LEFT_OUT = "rolling friction, which rigid round contacts do not have"
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+PARAMETERS = ()
 
 
 def build(full, folder):
     """Disk of radius_mean at `speed` along +x; it rolls after speed/(3 mu g)."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
     radius, time = full["radius_mean"], full["period"] * full["cycles"]
     bodies.append_material("disk", full["friction"], full)
-    length = 2 * full["speed"] * time + 10 * radius
-    O.bodies.append(utils.box((0, -radius, 0), (length, radius, full["depth"] / 2), fixed=True, material="disk"))
+    bodies.append_floor(full, length=2 * full["speed"] * time + 10 * radius)
     mass = bodies.disk_mass(radius, full)
     disk = bodies.append_disk((0, radius - bodies.sag(mass * full["gravity"], full)), radius, mass, "disk", (full["speed"], 0))
     state = O.bodies[disk].state
-    return small(full, [
-        Known("final_speed", "m/s", 2 / 3 * full["speed"], lambda: state.vel[0]),
-        Known("slip", "m/s", 0.0, lambda: state.vel[0] + radius * state.angVel[2]),
+    return stage.small(full, [
+        Known("final_speed", "m/s", 2 / 3 * full["speed"], lambda: state.vel[0], scale=full["speed"], source="angular momentum about the contact point, I = m R^2/2"),
+        Known("slip", "m/s", 0.0, lambda: state.vel[0] + radius * state.angVel[2], scale=full["speed"], source="rolling: v = -omega R"),
     ])

@@ -1,15 +1,23 @@
 """Disks on top of each other: every contact carries the weight above it."""
-from yade import O, utils
+from yade_scripts.scenes import Known
 
-from yade_scripts import bodies
-from yade_scripts.scenes import Known, small
+TITLE = "Stack of disks"
+METHODS = ("MD", "CD")
+HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of any origin grows about as exp(t sqrt(g/R)), tenfold in 0.07 s."
+LEFT_OUT = "how a real stack is built: MD starts with its springs compressed by the weights, CD without any forces"
+DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
+                max_iterations=1000000)
+PARAMETERS = ()
 
 
 def build(full, folder):
     """`disks` equal disks, the springs of MD compressed by the weights from the start."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
     radius, count = full["radius_mean"], full["disks"]
     bodies.append_material("disk", full["friction"], full)
-    O.bodies.append(utils.box((0, -radius, 0), (10 * radius, radius, full["depth"] / 2), fixed=True, material="disk"))
+    bodies.append_floor(full)
     mass = bodies.disk_mass(radius, full)
     weights = [(count - k) * mass * full["gravity"] for k in range(count)]
     height = 0.0
@@ -20,4 +28,4 @@ def build(full, folder):
     def worst():
         return max(abs(O.interactions[k, k + 1].phys.normalForce.norm() / weight - 1) for k, weight in enumerate(weights))
 
-    return small(full, [Known("worst_force_error", "1", 0.0, worst)])
+    return stage.small(full, [Known("worst_force_error", "1", 0.0, worst, source="balance: each contact carries the weight above it")])

@@ -15,33 +15,49 @@ lengthens it by dtheta^2/2 a step. It leaves -A^2/(2n) of the force at the far e
 """
 import math
 
-from yade import O
-
-from yade_scripts import bodies, hooks, md, parameters
+from yade_scripts import parameters
 from yade_scripts.parameters import ParameterError
-from yade_scripts.scenes import Known, Scene, set_step
+from yade_scripts.scenes import Known, Scene
+
+TITLE = "Closed path of two disks"
+METHODS = ("MD",)
+HORIZON = "Whole paths, any number of them while nothing slips."
+LEFT_OUT = "inertia and spins, since the disks are led; CD, since the scene is about springs and rigid contacts keep nothing of the way"
+DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
+PARAMETERS = ()
+
+SOURCE = "McNamara et al. 2008 and the step's first-order rotation, in the scene's own words"
 
 HOLD = 1.5  # by how much the shallow overlap holds the spring's largest force off the Coulomb limit
 MOST = 0.5  # of the mean radius: deeper, disks of unequal size have no line of contact left
 
 
+def check(full):
+    """That the path can be led without slip."""
+    Path(full)
+
+
 def build(full, folder):
     """Two disks of radius_mean (1 -+ radius_spread) that go as they are led, `cycles` times around."""
+    from yade import O
+
+    from yade_scripts import bodies, hooks, md, stage
     path = Path(full)
     bodies.append_material("disk", full["friction"], full)
     radii = [full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1)]
     masses = [bodies.disk_mass(radius, full) for radius in radii]
     for place, radius, mass in zip(((0, 0), path.place(0, 0)), radii, masses):
         bodies.append_disk(place, radius, mass, "disk", blocked="xyzXYZ")
-    every = set_step(full, full["md_dt_factor"] * math.sqrt(min(masses) / parameters.stiffness(full)))
+    every = stage.set_step(full, full["md_dt_factor"] * math.sqrt(min(masses) / parameters.stiffness(full)))
     scene = Scene(every=every, samples=full["records_per_cycle"] * full["cycles"])
     md.set_engines(full, scene)
-    lead = Lead(path, every * full["records_per_cycle"], full["cycles"])
+    lead = Lead(O, path, every * full["records_per_cycle"], full["cycles"])
     # Between the forces and the motion, so that the velocity at the next force is the one that has brought the disk there.
     O.engines = O.engines[:-1] + [hooks.runner(lead.step, iterPeriod=1, initRun=True)] + O.engines[-1:]
     force, work = path.left(lead.steps // 4)
-    scene.known = [Known("left_force", "k_t R path_depth path_angle", force, lambda: shear_force() / path.force_unit),
-                   Known("loop_work", "k_t (2 R path_angle)^2/2", work, lambda: lead.work / path.energy_unit)]
+    scene.known = [Known("left_force", "k_t R path_depth path_angle", force, lambda: shear_force(O.interactions[0, 1]) / path.force_unit,
+                         scale=path.force_scale, source=SOURCE),
+                   Known("loop_work", "k_t (2 R path_angle)^2/2", work, lambda: lead.work / path.energy_unit, scale=1.0, source=SOURCE)]
     return scene
 
 
@@ -49,8 +65,6 @@ class Path:
     """The path in the plane, and what theory says of it."""
 
     def __init__(self, full):
-        if full["method"] != "MD":
-            raise ParameterError("method = 'CD': the scene two_grain_path is about springs")
         if full["friction"] == 0:
             raise ParameterError("friction = 0: the tangential spring of two_grain_path needs friction to hold it")
         if full["records_per_cycle"] % 4:
@@ -60,6 +74,8 @@ class Path:
         self.depth = full["path_depth"] * full["radius_mean"]
         stiffness = full["kt_over_kn"] * parameters.stiffness(full)
         self.force_unit = stiffness * self.depth * self.angle
+        # The spring's largest force, in that unit: the force left is a small part of it.
+        self.force_scale = self.sum / self.depth
         self.energy_unit = stiffness * (self.sum * self.angle)**2 / 2
         longest = self.angle * (self.sum + self.cycles * self.depth)
         self.overlap = HOLD * full["kt_over_kn"] * longest / full["friction"]
@@ -95,15 +111,16 @@ class Lead:
     aimed at from where the disk is, so that round-off does not add up.
     """
 
-    def __init__(self, path, steps, cycles):
-        self.path, self.steps, self.total = path, steps, steps * cycles
+    def __init__(self, omega, path, steps, cycles):
+        """omega: YADE's O."""
+        self.omega, self.path, self.steps, self.total = omega, path, steps, steps * cycles
         self.count, self.work, self.before = 0, 0.0, None
 
     def step(self):
         """Before the motion of a step: the forces are those of the place reached."""
-        state, force = O.bodies[1].state, O.forces.f(1, True)
+        state, force, dt = self.omega.bodies[1].state, self.omega.forces.f(1, True), self.omega.dt
         if self.before is not None:
-            self.work -= 0.5 * (self.before + force).dot(state.vel) * O.dt
+            self.work -= 0.5 * (self.before + force).dot(state.vel) * dt
         self.before = force
         self.count += 1
         if self.count > self.total:
@@ -111,11 +128,10 @@ class Lead:
             return
         leg, part = divmod((self.count - 1) % self.steps + 1, self.steps // 4)
         target = self.path.place(leg % 4, part / (self.steps // 4))
-        state.vel = ((target[0] - state.pos[0]) / O.dt, (target[1] - state.pos[1]) / O.dt, 0)
+        state.vel = ((target[0] - state.pos[0]) / dt, (target[1] - state.pos[1]) / dt, 0)
 
 
-def shear_force():
+def shear_force(contact):
     """Of the spring on the second disk along the normal turned by +90 degrees [N]."""
-    contact = O.interactions[0, 1]
     n, force = contact.geom.normal, contact.phys.shearForce
     return n[0] * force[1] - n[1] * force[0]
