@@ -71,7 +71,7 @@ def test_names_of_rows_of_other_scenes_do_not_change(own, monkeypatch):
 
 
 def test_a_method_without_meaning_in_a_scene_is_refused_with_the_reason():
-    with pytest.raises(ParameterError, match="method = 'MD': the scene chain runs by CD only; .*sweeps of CD"):
+    with pytest.raises(ParameterError, match="method = 'MD': the scene chain runs by CD only, since it leaves out .*sweeps of CD"):
         complete({"scene": "chain", "method": "MD"})
 
 
