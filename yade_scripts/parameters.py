@@ -149,10 +149,10 @@ REGISTRY = {p.name: p for p in (
               **_positive(1e3), method="CD"),
     # Small scenes.
     Parameter("gravity", 0.0, "m/s^2", "acceleration of free fall, along -y", low=0, high=1e6),
-    Parameter("slope", 30.0, "degree", "of the incline", low=-89, high=89),
+    Parameter("slope", 30.0, "degree", "of the incline and of the walls of the groove", low=-89, high=89),
     Parameter("path_depth", 0.01, "1", "change of the overlap along the closed path of two_grain_path, over the mean radius", **_positive(0.1)),
     Parameter("path_angle", 0.1, "rad", "turn of the line of centres along that path", **_positive(1)),
-    Parameter("speed", 1.0, "m/s", "initial speed in slide_to_roll and bounce", **_positive(1e3)),
+    Parameter("speed", 1.0, "m/s", "initial speed of the disk that is thrown, in slide_to_roll, stopping_distance, bounce, cradle and thin_wall", **_positive(1e3)),
 )}
 
 
@@ -255,6 +255,14 @@ def stiffness(full):
 def pressure(full):
     """P0 [Pa]."""
     return full["pressure_ratio"] * full["kn"] / full["depth"]
+
+
+def restitution(full):
+    """Normal restitution of a contact: Newton's in CD; in MD that of eq. 5's oscillator over half its period, exp(-pi beta/sqrt(1 - beta^2))."""
+    if full["method"] == "CD":
+        return full["restitution"]
+    beta = full["beta_n"]
+    return math.exp(-math.pi * beta / math.sqrt(1 - beta**2))
 
 
 def _lines(parameter):

@@ -40,11 +40,3 @@ def small(full, known):
     scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], known=known)
     set_engines(full, scene)
     return scene
-
-
-def restitution(full):
-    """Normal restitution of a contact: Newton's in CD; in MD that of eq. 5's damped oscillator over half its period, exp(-pi beta/sqrt(1 - beta^2))."""
-    if full["method"] == "CD":
-        return full["restitution"]
-    beta = full["beta_n"]
-    return math.exp(-math.pi * beta / math.sqrt(1 - beta**2))

@@ -13,12 +13,12 @@ def build(full, folder):
     """CD: Newton's restitution. MD: the damped oscillator of eq. 5 over the half period of a contact."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts import bodies, parameters, stage
     radius = full["radius_mean"]
     bodies.append_material("disk", full["friction"], full)
     bodies.append_floor(full)
     height = radius + full["speed"] * full["period"] * full["cycles"] / 4
     disk = bodies.append_disk((0, height), radius, bodies.disk_mass(radius, full), "disk", (0, -full["speed"]))
     state = O.bodies[disk].state
-    return stage.small(full, [Known("restitution", "1", stage.restitution(full), lambda: state.vel[1] / full["speed"], scale=1.0,
+    return stage.small(full, [Known("restitution", "1", parameters.restitution(full), lambda: state.vel[1] / full["speed"], scale=1.0,
                                     source="CD: Newton's law; MD: exp(-pi beta/sqrt(1 - beta^2)), eq. 5 over half a period")])

@@ -1,0 +1,80 @@
+"""Three equal disks make an arch on a rough floor: one arch is just steep enough to stand, one just too flat.
+
+The key rests on two side disks that stand on the floor and do not touch each other; the line from a side disk to the key rises at phi.
+Forces on the right side disk: N and T of the key, F and the weight's reaction of the floor. No torque asks for F = T; no horizontal
+resultant for N cos phi - T sin phi = F. So T/N = cos phi/(1 + sin phi) = tan(45 degrees - phi/2): the arch stands if
+    mu >= mu_c = tan(45 degrees - phi/2),   phi(mu_c) = 90 degrees - 2 atan mu_c.
+All forces are determined (N sin phi + T cos phi = m g/2); the floor needs less, T over 3/2 m g.
+If mu < mu_c the key slides down between the side disks, which roll apart, T = mu N. With the side disk at x = 2R cos phi and the key
+2R sin phi above it,
+    3/2 m x'' = N [cos phi - mu (1 + sin phi)],   m y'' = -m g + 2 N (sin phi + mu cos phi),   x^2 + y^2 = 4 R^2,
+one equation for phi, integrated here to 1e-11.
+"""
+import math
+
+from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.scenes import Known
+
+TITLE = "Arch of three disks"
+METHODS = ("MD", "CD")
+HORIZON = "About ten times sqrt(R/g), 0.3 s: one arch rests, the other falls as computed, until a lateral error has grown or its key meets the floor."
+LEFT_OUT = "how the load comes on: the disks touch without force at time 0. Springs then swing, the tangential ones undamped"
+DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10,
+                tolerance=1e-12, max_iterations=1000000)
+PARAMETERS = (Parameter("arch_margin", 0.05, "1", "by how much one arch needs less than mu and the other more", low=1e-6, high=0.5),)
+
+
+def rise(mu):
+    """The angle phi [rad] at which an arch needs the friction mu."""
+    return math.pi / 2 - 2 * math.atan(mu)
+
+
+def check(full):
+    """The side disks must be apart, phi < 60 degrees, and the flat arch must be one."""
+    least, most = (full["friction"] * (1 + sign * full["arch_margin"]) for sign in (-1, 1))
+    if not math.tan(math.radians(15)) < least < most < 1:
+        raise ParameterError(f"friction = {full['friction']}: must be between 0.268/(1 - arch_margin) and 1/(1 + arch_margin) for an arch whose "
+                             "side disks are apart")
+
+
+def fall(full, phi):
+    """How far [m] the key of an arch that does not stand has fallen by the end."""
+    from scipy.integrate import solve_ivp
+    mu, g, span = full["friction"], full["gravity"], 2 * full["radius_mean"]
+
+    def motion(_, state):
+        """phi' and phi'': x = span cos phi and y = span sin phi give x'' and y'' by phi''; N/m is eliminated."""
+        phi, rate = state
+        c, s = math.cos(phi), math.sin(phi)
+        out, up = (c - mu * (1 + s)) / 1.5, 2 * (s + mu * c)  # x'' and y'' + g over N/m
+        # -span (s phi'' + c rate^2) = out N/m and span (c phi'' - s rate^2) = -g + up N/m.
+        return rate, (-g * out - span * rate**2 * (up * c - out * s)) / (span * (out * c + up * s))
+
+    end = full["period"] * full["cycles"]
+    found = solve_ivp(motion, (0, end), (phi, 0.0), "DOP853", rtol=1e-11, atol=1e-13)
+    return span * (math.sin(phi) - math.sin(found.y[0, -1]))
+
+
+def build(full, folder):
+    """The arch that stands around x = 0, the one that falls far from it."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
+    bodies.append_material("disk", full["friction"], full)
+    radius, mu, time = full["radius_mean"], full["friction"], full["period"] * full["cycles"]
+    mass, apart = bodies.disk_mass(radius, full), 20 * radius + full["gravity"] * time**2
+    bodies.append_floor(full, length=2 * apart)
+
+    def arch(x, phi):
+        """An arch about x; a function for how far its key has come down, at the end of the time and not MD's step later."""
+        for place, height in ((-math.cos(phi), 0), (math.cos(phi), 0), (0, math.sin(phi))):
+            disk = bodies.append_disk((x + 2 * radius * place, (1 + 2 * height) * radius), radius, mass, "disk")
+        state, start = O.bodies[disk].state, O.bodies[disk].state.pos[1]
+        return lambda: start - state.pos[1] + state.vel[1] * (O.time - time)
+
+    flat = rise(mu * (1 + full["arch_margin"]))
+    exact = fall(full, flat)
+    standing, falling = arch(0, rise(mu * (1 - full["arch_margin"]))), arch(apart, flat)
+    return stage.small(full, [
+        Known("standing", "m", 0.0, standing, scale=exact, source="statics, in the scene's own words; against the other arch's fall"),
+        Known("falling", "m", exact, falling, source="dynamics of the key sliding between rolling disks, in the scene's own words")])

@@ -1,0 +1,44 @@
+"""Two blocks (disks that may not turn) on two slopes, one just below and one just above the friction angle: one rests, one slides.
+
+tan t = mu (1 - margin) and mu (1 + margin). Along the slope the weight drives by m g sin t, friction holds up to mu m g cos t: the
+second block slides at g (sin t - mu cos t) = margin mu g cos t, a small difference of large forces, and the first one has to stay.
+MD begins with unloaded tangential springs. Until they hold, a quarter of their swing, the block gains g sin t/omega of speed,
+omega = sqrt(k_t/m), which nothing takes away again: an error of the order 1/(margin omega time), which stiffer springs make smaller.
+"""
+import math
+
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Known
+
+TITLE = "Blocks just below and just above the friction angle"
+METHODS = ("MD", "CD")
+HORIZON = "Any time: one block rests, the other's acceleration is constant."
+LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+PARAMETERS = (Parameter("margin", 0.01, "1", "by how much one body is below the limit of friction and the other above it", low=1e-6, high=0.5),)
+
+
+def build(full, folder):
+    """The resting block at x = 0, the sliding one far from it."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
+    bodies.append_material("disk", full["friction"], full)
+    time, radius, g = full["period"] * full["cycles"], full["radius_mean"], full["gravity"]
+    mass = bodies.disk_mass(radius, full)
+    steep = math.atan(full["friction"] * (1 + full["margin"]))
+    sliding = g * (math.sin(steep) - full["friction"] * math.cos(steep))
+    length = sliding * time**2 + 10 * radius
+
+    def block(x, t):
+        """On a slope through (x, 0) that falls towards +x at t [rad]; a function for its mean acceleration since time 0."""
+        bodies.append_box((x, 0), (length, radius), full, angle=-t)
+        height = 2 * radius - bodies.sag(mass * g * math.cos(t), full)
+        state = O.bodies[bodies.append_disk((x + height * math.sin(t), height * math.cos(t)), radius, mass, "disk", blocked="zXYZ")].state
+        start = state.pos
+        return lambda: 2 * ((state.pos - start)[0] * math.cos(t) - (state.pos - start)[1] * math.sin(t)) / O.time**2
+
+    below, above = block(0, math.atan(full["friction"] * (1 - full["margin"]))), block(4 * length, steep)
+    return stage.small(full, [
+        Known("below", "m/s^2", 0.0, below, scale=sliding, source="Coulomb: rest while tan t <= mu; against the other block's acceleration"),
+        Known("above", "m/s^2", sliding, above, source="Coulomb: g (sin t - mu cos t)")])

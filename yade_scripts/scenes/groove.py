@@ -1,0 +1,75 @@
+"""A disk in a symmetric V-groove, its walls at t to the horizontal, under a torque just below and just above the critical one.
+
+The forces on the disk are N (n + mu t') at each sliding contact, n = (+-sin t, cos t), t' = n turned by +90 degrees against the spin.
+  mu <= tan t  both contacts slide. Balance: N1 (sin t - mu cos t) = N2 (sin t + mu cos t), sum of the vertical parts = m g, hence
+               N1 + N2 = m g/((1 + mu^2) cos t), critical torque mu R (N1 + N2) (McNamara, Garcia-Rojo and Herrmann, PRE 72, 021304).
+               Above it the disk spins in its place: angular acceleration (torque - critical)/(m R^2/2).
+  mu > tan t   and mu tan t < 1: one contact does not slide, the disk rolls over it up the wall; the other opens. Critical torque
+               m g R sin t; above it the angular acceleration is (torque - critical)/(3/2 m R^2), for as long as the wall is.
+  mu tan t >= 1  the line between the contacts lies within both cones: the disk can wedge itself and hold any torque. From rest it stays at rest.
+Springs: while both contacts slide, a displacement u of the centre changes N by -k_n n.u and with it mu N t', an unsymmetric stiffness whose
+modes are complex. The disk flutters unless the dashpots outdo it, at 45 degrees beta_n > mu/2; then it loses contact again and again
+and spins too slowly, by 16 % at mu = 0.3 and beta_n = 0.1, however stiff the springs.
+"""
+import math
+
+from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.scenes import Known
+
+TITLE = "Disk in a groove under a torque"
+METHODS = ("MD", "CD")
+HORIZON = "Any time: the acceleration is constant. A jammed disk rests because one of the solutions is rest; a disk that already spins need not stop."
+LEFT_OUT = "how the torque comes on: at once. Springs then swing, the tangential ones undamped"
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12)
+PARAMETERS = (Parameter("torque_margin", 0.05, "1", "by how much one disk's torque is below the critical one and the other's above it", low=1e-6, high=0.5),)
+
+
+def regime(full):
+    """'slide', 'roll' or 'jam'."""
+    slope = math.tan(math.radians(full["slope"]))
+    if full["friction"] * slope >= 1:
+        return "jam"
+    return "slide" if full["friction"] <= slope else "roll"
+
+
+def critical(full):
+    """Critical torque over m g R; of a groove that jams, the one at which both contacts may slide."""
+    t, mu = math.radians(full["slope"]), full["friction"]
+    return math.sin(t) if regime(full) == "roll" else mu / ((1 + mu**2) * math.cos(t))
+
+
+def check(full):
+    """The groove must be one, and the disk that rolls out must not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
+    if not 0 < full["slope"] < 89:
+        raise ParameterError(f"slope = {full['slope']}: must be in (0, 89) degrees for a groove")
+    if regime(full) == "roll" and math.tan(math.radians(full["slope"])) * (1 + full["torque_margin"] * 2 / 3) > full["friction"]:
+        raise ParameterError(f"torque_margin = {full['torque_margin']}: too large, the disk would slip as it rolls out")
+
+
+def build(full, folder):
+    """The groove of the smaller torque at x = 0, that of the larger far from it; springs are compressed by the weight from the start."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
+    bodies.append_material("disk", full["friction"], full)
+    t, radius, time = math.radians(full["slope"]), full["radius_mean"], full["period"] * full["cycles"]
+    mass = bodies.disk_mass(radius, full)
+    torque = critical(full) * mass * full["gravity"] * radius
+    inertia = mass * radius**2 * (1.5 if regime(full) == "roll" else 0.5)
+    spinning = full["torque_margin"] * torque / inertia
+    length = 5 * radius + radius * spinning * time**2
+
+    def turning(x, share):
+        """A groove at x and its disk under `share` of the critical torque; a function for its mean angular acceleration since time 0."""
+        for side in (-1, 1):
+            bodies.append_box((x + side * 2 * radius * math.sin(t), -2 * radius * math.cos(t)), (length, radius), full, angle=side * t)
+        sag = bodies.sag(mass * full["gravity"] / (2 * math.cos(t)), full) / math.cos(t)
+        disk = bodies.append_disk((x, -sag), radius, mass, "disk")
+        O.forces.setPermT(disk, (0, 0, share * torque))
+        return lambda: O.bodies[disk].state.angVel[2] / O.time
+
+    below, above = turning(0, 1 - full["torque_margin"]), turning(6 * length, 1 + full["torque_margin"])
+    return stage.small(full, [
+        Known("below", "1/s^2", 0.0, below, scale=spinning, source="balance; against the other disk's angular acceleration"),
+        Known("above", "1/s^2", 0.0 if regime(full) == "jam" else spinning, above, scale=spinning,
+              source="balance with Coulomb's law at sliding contacts, in the scene's own words")])

@@ -1,0 +1,39 @@
+"""A heavy disk on a light one: the lower contact carries both weights, the upper one the heavy weight, and nothing sinks.
+
+Gauss-Seidel hands the load down by the share light/(light + heavy) a sweep, so that it needs about mass_ratio sweeps for each factor
+e of the error. Springs hold the two as a slow oscillator, omega = sqrt(k_n/(2M)); dashpots of the light mass damp it by only
+beta sqrt(m k_n)/(2 M): coming to rest takes M/(beta sqrt(m k_n)), also mass_ratio times as long as the light disk alone would.
+"""
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Known
+
+TITLE = "Heavy disk on a light one"
+METHODS = ("MD", "CD")
+HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after a few 2M/(beta sqrt(m k_n)) from touching without force."
+LEFT_OUT = "motion sideways and rotation, which are blocked: the column is unstable, and its fall is another question than its forces"
+DEFAULTS = dict(method="CD", disks=2, radius_spread=0.0, friction=0.0, beta_n=0.5, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10,
+                tolerance=1e-12, max_iterations=1000000)
+PARAMETERS = (Parameter("mass_ratio", 100.0, "1", "mass of the upper disk over that of the lower", low=1e-8, high=1e8),)
+
+
+def build(full, folder):
+    """Both disks of radius_mean, touching."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
+    radius, light = full["radius_mean"], bodies.disk_mass(full["radius_mean"], full)
+    heavy = full["mass_ratio"] * light
+    bodies.append_material("disk", full["friction"], full)
+    floor = bodies.append_floor(full)
+    lower, upper = (bodies.append_disk((0, height * radius), radius, mass, "disk", blocked="xzXYZ") for height, mass in ((1, light), (3, heavy)))
+    state = O.bodies[upper].state
+
+    def force(*pair):
+        contact = O.interactions[pair] if O.interactions.has(*pair) else None
+        return contact.phys.normalForce.norm() if contact and contact.isReal else 0.0
+
+    weight, source = full["gravity"] * heavy, "balance: the weight above"
+    return stage.small(full, [
+        Known("lower_force", "N", weight + full["gravity"] * light, lambda: force(floor, lower), source=source),
+        Known("upper_force", "N", weight, lambda: force(lower, upper), source=source),
+        Known("sinking", "m", 0.0, lambda: 3 * radius - state.pos[1], scale=radius, source="rigid disks do not give way")])

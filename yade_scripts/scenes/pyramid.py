@@ -1,0 +1,57 @@
+"""A pyramid of equal disks on a row of fixed ones: its contact forces are not determined, but their sums over a row are.
+
+`rows` disks at the bottom, one at the top, each in the gap of two; neighbours in a row touch. With friction there are more unknown
+forces than equations; every admissible set of them carries, across each row, the weight above it, with no horizontal resultant, and
+presses on the fixed row with its resultant under the centre. It stands at any friction, even without, since each disk is held by two
+below. (On a flat floor the corner disks would roll away: from five rows on at mu = 0.5.)
+"""
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Known
+
+TITLE = "Pyramid of disks"
+METHODS = ("MD", "CD")
+HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after its normal springs have come to rest from touching without force."
+LEFT_OUT = "the single forces, which rigid contacts leave open within bounds: any admissible set of them is right"
+DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, cd_dt=1e-3, records_per_cycle=10,
+                tolerance=1e-12, max_iterations=1000000)
+PARAMETERS = (Parameter("rows", 5, "1", "of the pyramid that are free, and disks in the lowest of them", low=1, high=100),)
+
+
+def build(full, folder):
+    """The pyramid, symmetric about x = 0."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
+    bodies.append_material("disk", full["friction"], full)
+    radius, count, mass = full["radius_mean"], full["rows"], bodies.disk_mass(full["radius_mean"], full)
+    row_of, start = {}, {}
+    for row in range(-1, count):
+        for k in range(count - row):
+            place = (2 * k - (count - row - 1)) * radius, row * 3**0.5 * radius
+            disk = bodies.append_disk(place, radius, mass, "disk", blocked="zXY" if row >= 0 else "xyzXYZ")
+            row_of[disk], start[disk] = row, place
+    weight = mass * full["gravity"]
+
+    def across(row):
+        """(horizontal, vertical) force and its moment about x = 0, per weight and radius, of everything under `row` on it."""
+        horizontal = vertical = moment = 0.0
+        for contact in O.interactions:
+            if contact.isReal and {row_of[contact.id1], row_of[contact.id2]} == {row - 1, row}:
+                # YADE's force acts on the second body.
+                force = (contact.phys.normalForce + contact.phys.shearForce) / (weight if row_of[contact.id2] == row else -weight)
+                horizontal, vertical = horizontal + force[0], vertical + force[1]
+                moment += force[1] * contact.geom.contactPoint[0] / radius
+        return horizontal, vertical, moment
+
+    def worst_row():
+        """Largest deviation of a row's resultant from the weight above, per that weight."""
+        above = [(count - row) * (count - row + 1) / 2 for row in range(count)]
+        return max(max(abs(across(row)[0]), abs(across(row)[1] - carried)) / carried for row, carried in enumerate(above))
+
+    def moved():
+        return max((O.bodies[disk].state.pos[0] - x)**2 + (O.bodies[disk].state.pos[1] - y)**2 for disk, (x, y) in start.items())**0.5
+
+    return stage.small(full, [
+        Known("worst_row_error", "1", 0.0, worst_row, source="balance of everything above a row: its weight, no horizontal force"),
+        Known("centre_of_pressure", "m", 0.0, lambda: across(0)[2] / across(0)[1] * radius, scale=radius, source="moment of the weights, which are symmetric"),
+        Known("motion", "m", 0.0, moved, scale=radius, source="rigid disks do not give way")])

@@ -1,0 +1,32 @@
+"""A fast disk flies at a wall that is thin beside its way in a step: it must bounce, and be where the bounce leaves it."""
+import math
+
+from yade_scripts import parameters
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Known
+
+TITLE = "Fast disk against a thin wall"
+METHODS = ("MD", "CD")
+HORIZON = "Any time after the impact: nothing acts on the disk any more."
+LEFT_OUT = "gravity and rotation: the impact is central"
+DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), gravity=0.0, speed=10.0, period=0.03,
+                cd_dt=1e-4, records_per_cycle=10, tolerance=1e-13)
+PARAMETERS = (Parameter("wall_thickness", 0.1, "1", "of the wall, over the mean radius", low=1e-6, high=100),)
+
+
+def build(full, folder):
+    """The wall's face at x = 0; the disk comes along +x and reaches it after a third of the time."""
+    from yade import O
+
+    from yade_scripts import bodies, stage
+    radius, speed, time = full["radius_mean"], full["speed"], full["period"] * full["cycles"]
+    bodies.append_material("disk", full["friction"], full)
+    half = full["wall_thickness"] * radius / 2
+    bodies.append_box((half, 0), (half, 10 * radius), full)
+    state = O.bodies[bodies.append_disk((-radius - speed * time / 3, 0), radius, bodies.disk_mass(radius, full), "disk", (speed, 0))].state
+    e = parameters.restitution(full)
+    return stage.small(full, [
+        Known("speed", "m/s", -e * speed, lambda: state.vel[0], scale=speed, source="restitution of the law, see scene bounce"),
+        # MD ends a step later, in free flight.
+        Known("place", "m", -radius - 2 / 3 * e * speed * time, lambda: state.pos[0] - state.vel[0] * (O.time - time), scale=speed * time,
+              source="free flight before and after an impact that takes no time")])
