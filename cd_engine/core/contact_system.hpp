@@ -40,10 +40,10 @@ struct ContactRow {
 	// Fills wnn, wnt, wtt from the arms and the bodies' inverse masses; W = 0 between two immobile bodies.
 	void assembleBlock(const BodyVelocity& A, const BodyVelocity& B)
 	{
-		// A blocked rotation makes its arms irrelevant; zeroing them keeps the contact on the diagonal kernel.
-		if (A.w[2] == 0)
+		// A body that neither turns nor can be turned makes its arms irrelevant; zeroing them keeps the contact on the diagonal kernel.
+		if (A.w[2] == 0 && A.v[2] == 0)
 			an = at = 0;
-		if (B.w[2] == 0)
+		if (B.w[2] == 0 && B.v[2] == 0)
 			bn = bt = 0;
 		const double wx = A.w[0] + B.w[0], wy = A.w[1] + B.w[1];
 		wnn = nx * nx * wx + ny * ny * wy + an * an * A.w[2] + bn * bn * B.w[2];

@@ -178,6 +178,19 @@ def test_wall_at_prescribed_velocity_pushes_what_it_meets(O):
     assert O.bodies[ball].state.pos[0] == pytest.approx(O.bodies[wall].state.pos[0] + 0.06, abs=1e-9)
 
 
+def test_roller_at_prescribed_spin_turns_what_lies_on_it(O):
+    """A fixed disk that turns at w: friction mu m g spins the one on top up at 2 mu g/r until the rims go together."""
+    w, mu, big, small = 3.0, 0.2, 0.2, 0.1
+    mat = plane.material(mu)
+    plane.disk((0, 0), big, blocked="xyzXYZ", spin=w, mat=mat)
+    ball = plane.disk((0, big + small), small, blocked="xzXY", mat=mat)
+    plane.run(100, 1e-3, gravity=(0, -G, 0), tolerance=1e-12)
+    # 1e-9: the tolerance, times a hundred steps.
+    assert O.bodies[ball].state.angVel[2] == pytest.approx(-2 * mu * G / small * 0.1, rel=1e-9)
+    O.run(100, True)
+    assert O.bodies[ball].state.angVel[2] == pytest.approx(-w * big / small, rel=1e-9)
+
+
 @pytest.mark.parametrize("degrees, mu", [(45, 0.3), (30, 0.2), (20, 0.6), (30, 0.8)])
 def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
     """Symmetric groove, walls at t to the horizontal (PRE 72, 021304): m g R mu/((1 + mu^2) cos t) where mu <= tan t, both contacts
