@@ -1,5 +1,6 @@
-// The Python module `cd_engine.core._core`: the solvers for problems given by their matrix, without YADE.
+// The Python module `cd_engine.core._core`: the solvers without YADE, for problems given by their matrix or by their bodies.
 // Arrays come in through Python's buffer protocol, so that NumPy is needed by the callers only; cd_engine/core/solve.py is what users see.
+#include "../core/group_kernel.hpp"
 #include "../core/residual.hpp"
 #include "../core/solver.hpp"
 
@@ -87,6 +88,62 @@ cd::DelassusSystem build(
 	return s;
 }
 
+// A problem in the velocities of the bodies, given as a tuple of arrays: three inverse masses and three free velocities a body; two bodies, a
+// normal, four arms (a_n, a_t, b_n, b_t), a bias and a friction coefficient a contact. Checked as above; body_problem.py finds the rest.
+struct Bodies {
+	explicit Bodies(const py::tuple& arrays)
+	    : w(arrays[0], "inverse_masses")
+	    , v(arrays[1], "free_velocities")
+	    , pair(arrays[2], "pairs")
+	    , normal(arrays[3], "normals")
+	    , arm(arrays[4], "arms")
+	    , gap(arrays[5], "bias")
+	    , friction(arrays[6], "mu")
+	{
+	}
+	cd::ContactSystem build(const Lent<double>& p) const;
+
+	const Lent<double> w, v;
+	const Lent<int32_t> pair;
+	const Lent<double> normal, arm, gap, friction;
+};
+
+cd::ContactSystem Bodies::build(const Lent<double>& p) const
+{
+	const std::size_t n = friction.size(), bodies = w.size() / 3;
+	require(n < std::numeric_limits<int32_t>::max() && bodies < std::numeric_limits<int32_t>::max(), "too many contacts or bodies");
+	require(w.size() == 3 * bodies && v.size() == 3 * bodies, "inverse_masses and free_velocities do not fit together");
+	require(pair.size() == 2 * n && normal.size() == 2 * n && arm.size() == 4 * n && gap.size() == n && p.size() == 2 * n,
+	    "pairs, normals, arms, bias, mu and the impulses do not fit together");
+	cd::ContactSystem s;
+	s.bodies.resize(bodies);
+	for (std::size_t i = 0; i < bodies; i++) {
+		std::copy_n(w.begin() + 3 * i, 3, s.bodies[i].w);
+		std::copy_n(v.begin() + 3 * i, 3, s.bodies[i].v);
+	}
+	s.contacts.resize(n);
+	for (std::size_t i = 0; i < n; i++) {
+		cd::ContactRow& c = s.contacts[i];
+		c.a = pair.begin()[2 * i];
+		c.b = pair.begin()[2 * i + 1];
+		for (const int32_t body : { c.a, c.b })
+			require(body >= 0 && static_cast<std::size_t>(body) < bodies, "a contact has a body that is not there");
+		require(c.a != c.b, "a body touches itself");
+		c.nx = normal.begin()[2 * i];
+		c.ny = normal.begin()[2 * i + 1];
+		c.an = arm.begin()[4 * i];
+		c.at = arm.begin()[4 * i + 1];
+		c.bn = arm.begin()[4 * i + 2];
+		c.bt = arm.begin()[4 * i + 3];
+		c.bias = gap.begin()[i];
+		c.mu = friction.begin()[i];
+		c.pn = p.begin()[2 * i];
+		c.pt = p.begin()[2 * i + 1];
+	}
+	s.assembleBlocks();
+	return s;
+}
+
 // Other Python threads run while this one solves.
 class WithoutInterpreterLock {
     public:
@@ -100,7 +157,21 @@ class WithoutInterpreterLock {
 	PyThreadState* state;
 };
 
-// Improves `impulses` in place. Returns (iterations, residual, residual_max, status, seconds).
+// (iterations, residual, residual_max, status, seconds) of a solution.
+template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const cd::SolverSettings& settings)
+{
+	cd::SolverReport report;
+	double seconds = 0;
+	{
+		const WithoutInterpreterLock unlocked;
+		const auto begin = std::chrono::steady_clock::now();
+		report = solver(system, settings);
+		seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+	}
+	return py::make_tuple(report.iterations, report.residual, report.residualMax, cd::name(report.status), seconds);
+}
+
+// Improves `impulses` in place. Returns what `solved` does.
 py::tuple solve(const py::object& start, const py::object& column, const py::object& blocks, const py::object& q, const py::object& mu,
     const py::object& impulses, const std::string& method, double tolerance, int maxIterations, int fixedIterations, unsigned seed)
 {
@@ -108,16 +179,25 @@ py::tuple solve(const py::object& start, const py::object& column, const py::obj
 	require(solver != nullptr, "there is no such method");
 	const Lent<double> p(impulses, "impulses", true);
 	cd::DelassusSystem system = build(start, column, blocks, q, mu, p);
-	cd::SolverReport report;
-	double seconds = 0;
-	{
-		const WithoutInterpreterLock unlocked;
-		const auto begin = std::chrono::steady_clock::now();
-		report = solver(system, { tolerance, maxIterations, fixedIterations, seed });
-		seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-	}
+	const py::tuple report = solved(system, solver, { tolerance, maxIterations, fixedIterations, seed });
 	std::copy(system.p.begin(), system.p.end(), p.begin());
-	return py::make_tuple(report.iterations, report.residual, report.residualMax, cd::name(report.status), seconds);
+	return report;
+}
+
+// The same for bodies.
+py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const std::string& method, double tolerance, int maxIterations,
+    int fixedIterations, unsigned seed)
+{
+	const cd::Solver solver = cd::findSolver(method);
+	require(solver != nullptr, "there is no such method");
+	const Lent<double> p(impulses, "impulses", true);
+	cd::ContactSystem system = Bodies(arrays).build(p);
+	const py::tuple report = solved(system, solver, { tolerance, maxIterations, fixedIterations, seed });
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		p.begin()[2 * i] = system.contacts[i].pn;
+		p.begin()[2 * i + 1] = system.contacts[i].pt;
+	}
+	return report;
 }
 
 // Returns (residual, residual_max).
@@ -129,6 +209,14 @@ py::tuple residual(const py::object& start, const py::object& column, const py::
 	return py::make_tuple(e.norm, e.maximum);
 }
 
+py::tuple residualOfBodies(const py::tuple& arrays, const py::object& impulses)
+{
+	const Lent<double> p(impulses, "impulses");
+	const Bodies bodies(arrays);
+	const cd::Residual e = cd::residual(bodies.build(p), { bodies.v.begin(), bodies.v.end() });
+	return py::make_tuple(e.norm, e.maximum);
+}
+
 py::list methods()
 {
 	py::list all;
@@ -137,11 +225,31 @@ py::list methods()
 	return all;
 }
 
+py::list instructionSets()
+{
+	py::list all;
+	for (const cd::GroupKernel& kernel : cd::groupKernels())
+		all.append(kernel.name);
+	return all;
+}
+
+void useInstructionSet(const std::string& name)
+{
+	for (const cd::GroupKernel& kernel : cd::groupKernels())
+		if (name == kernel.name)
+			return cd::useGroupKernel(kernel);
+	throw std::invalid_argument("this processor has no instruction set '" + name + "' that the sweeps are written for");
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_core)
 {
 	py::def("solve", solve);
 	py::def("residual", residual);
+	py::def("solve_bodies", solveBodies);
+	py::def("residual_of_bodies", residualOfBodies);
 	py::def("methods", methods);
+	py::def("instruction_sets", instructionSets);
+	py::def("use_instruction_set", useInstructionSet);
 }

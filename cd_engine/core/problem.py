@@ -18,9 +18,7 @@ class Problem:
         self.W = _matrix(W)
         self.q = vector("q", q, self.W.shape[0])
         self.mu = vector("mu", mu, self.W.shape[0] // 2)
-        negative = np.flatnonzero(self.mu < 0)
-        if negative.size:
-            raise ValueError(f"mu[{negative[0]}] = {self.mu[negative[0]]:g} is negative")
+        refuse_negative("mu", self.mu)
 
     @property
     def contacts(self):
@@ -69,17 +67,34 @@ def _matrix(W):
     return rows
 
 
-def vector(name, values, length):
-    """`values` as an array of so many finite numbers."""
+def array(name, values, shape, expected=None):
+    """`values` as an array of finite numbers of that shape; `expected`: what to say of another shape."""
     try:
         if np.iscomplexobj(values):
             raise ValueError("complex")
-        array = np.ascontiguousarray(values, dtype=float)
+        numbers = np.ascontiguousarray(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name} is not an array of numbers") from None
-    if array.shape != (length,):
-        raise ValueError(f"{name} has the shape {array.shape}; a W of this size asks for {length} numbers in one row")
-    wrong = np.flatnonzero(~np.isfinite(array))
+    if numbers.shape != shape:
+        raise ValueError(f"{name} has the shape {numbers.shape}; {expected or f'{shape} is expected'}")
+    wrong = np.argwhere(~np.isfinite(numbers))
     if wrong.size:
-        raise ValueError(f"{name}[{wrong[0]}] is {array[wrong[0]]:g}, not a finite number")
-    return array
+        raise ValueError(f"{place(name, wrong[0])} is {numbers[tuple(wrong[0])]:g}, not a finite number")
+    return numbers
+
+
+def vector(name, values, length):
+    """`values` as an array of so many finite numbers."""
+    return array(name, values, (length,), f"a W of this size asks for {length} numbers in one row")
+
+
+def refuse_negative(name, numbers):
+    """ValueError with the first number below 0."""
+    wrong = np.argwhere(numbers < 0)
+    if wrong.size:
+        raise ValueError(f"{place(name, wrong[0])} = {numbers[tuple(wrong[0])]:g} is negative")
+
+
+def place(name, index):
+    """mu[3], normals[3, 1]"""
+    return f"{name}[{', '.join(map(str, index))}]"

@@ -2,10 +2,11 @@
 import math
 import numbers
 import operator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .body_problem import BodyProblem
 from .problem import Problem, vector
 
 
@@ -34,8 +35,22 @@ def methods():
     return list(_core().methods())
 
 
+def instruction_sets():
+    """Names of those that sweeps over bodies can use on this processor, the fastest first."""
+    return list(_core().instruction_sets())
+
+
+def use_instruction_set(name):
+    """Sweep with this one of `instruction_sets()` from now on: for comparisons, since the results are the same bits with all."""
+    _core().use_instruction_set(name)
+
+
 def _arrays(problem):
-    """The problem as the compiled core takes it: rows of 2 x 2 blocks, checked anew since its arrays may have been changed."""
+    """The problem as the compiled core takes it, checked anew since its arrays may have been changed: of bodies their arrays, else rows of
+    2 x 2 blocks."""
+    if isinstance(problem, BodyProblem):
+        problem = replace(problem)
+        return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
     problem = Problem(problem.W, problem.q, problem.mu)
     if problem.contacts == 0:
         empty = np.zeros(0)
@@ -65,7 +80,8 @@ def solve(problem, method="accelerated", tolerance=1e-8, max_iterations=100000, 
     seed              positive: every sweep in a new random order drawn from it
 
     A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. Input that makes no sense is a
-    ValueError. Costs about 7 n blocks of W a sweep for disks in a dense packing; matrix and impulses are copied once.
+    ValueError. A sweep reads about 7 n blocks of W for disks in a dense packing, or as a `BodyProblem` the n contacts alone; the arrays are copied
+    once.
     """
     core = _core()
     if method not in core.methods():
@@ -75,10 +91,12 @@ def solve(problem, method="accelerated", tolerance=1e-8, max_iterations=100000, 
     max_iterations = _count("max_iterations", max_iterations, 1)
     fixed_iterations = _count("fixed_iterations", fixed_iterations, 0)
     seed = _count("seed", seed, 0)
-    start, column, blocks, q, mu = _arrays(problem)
-    p = np.zeros(len(q)) if impulses is None else vector("impulses", impulses, len(q)).copy()
-    iterations, e, worst, status, seconds = core.solve(
-        start, column, blocks, q, mu, p, method, float(tolerance), max_iterations, fixed_iterations, seed)
+    arrays = _arrays(problem)
+    size = 2 * len(arrays[-1])
+    p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
+    settings = method, float(tolerance), max_iterations, fixed_iterations, seed
+    found = core.solve_bodies(arrays, p, *settings) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
+    iterations, e, worst, status, seconds = found
     return Report(p, iterations, e, worst, status == "converged" or (status == "fixed_iterations" and e <= tolerance), status, seconds)
 
 
@@ -90,5 +108,15 @@ def residual(problem, impulses):
     Bremond & Huber 2018, hal-01630836, section 2). Differences below the round-off of u count as none; without impulses e is 0 where no
     contact is violated, else infinite.
     """
+    return _residuals(problem, impulses)[0]
+
+
+def residual_max(problem, impulses):
+    """The same of the worst contact alone, over the root mean square of the impulses."""
+    return _residuals(problem, impulses)[1]
+
+
+def _residuals(problem, impulses):
     arrays = _arrays(problem)
-    return _core().residual(*arrays, vector("impulses", impulses, 2 * len(arrays[-1])))[0]
+    p = vector("impulses", impulses, 2 * len(arrays[-1]))
+    return _core().residual_of_bodies(arrays, p) if isinstance(problem, BodyProblem) else _core().residual(*arrays, p)

@@ -52,7 +52,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static void checkText(const char* attribute, const std::string& value);
 
 	void action() override;
-	void exportProblem(const std::string& path);
+	void exportProblem(const std::string& path, bool bodies);
 	template <class Class> static void methods(Class&);
 
     private:
@@ -143,8 +143,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 
 template <class Class> void ContactDynamics::methods(Class& cls)
 {
-	cls.def("exportProblem", &ContactDynamics::exportProblem, boost::python::args("self", "path"),
-	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5) for :py:func:`cd_engine.core.read_problem` and for "
+	cls.def("exportProblem", &ContactDynamics::exportProblem,
+	    (boost::python::arg("self"), boost::python::arg("path"), boost::python::arg("bodies") = false),
+	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5; with *bodies* a BodyProblem as .npz, in the order of "
+	    "the sweeps and with the first guess) for :py:func:`cd_engine.core.read_problem` and for "
 	    "other "
 	    "codes; the ids of the bodies of each contact are in its data set contact_ids. Nothing in the scene changes. External forces are gravity "
 	    "and "

@@ -14,9 +14,32 @@ namespace {
 		    py::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(v.data()), static_cast<Py_ssize_t>(v.size() * sizeof(T)))));
 	}
 
+	// The system as it stands, short of contacts between two immobile bodies.
+	void writeBodies(const std::string& path, const cd::ContactSystem& system)
+	{
+		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
+		std::vector<int32_t> pairs;
+		for (const cd::BodyVelocity& b : system.bodies) {
+			masses.insert(masses.end(), b.w, b.w + 3);
+			velocities.insert(velocities.end(), b.v, b.v + 3);
+		}
+		for (const int32_t row : cd::solvableRows(system)) {
+			const cd::ContactRow& c = system.contacts[row];
+			pairs.insert(pairs.end(), { c.a, c.b });
+			normals.insert(normals.end(), { c.nx, c.ny });
+			arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
+			bias.push_back(c.bias);
+			mu.push_back(c.mu);
+			impulses.insert(impulses.end(), { c.pn, c.pt });
+		}
+		py::import("cd_engine.core.export")
+		    .attr("write_bodies")(
+			path, bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
+	}
+
 } // namespace
 
-void ContactDynamics::exportProblem(const std::string& path)
+void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 {
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Everything that remembers is a copy: this engine and the scene stay as they are.
@@ -32,6 +55,8 @@ void ContactDynamics::exportProblem(const std::string& path)
 		    "ContactDynamics.exportProblem: the scene has no pairs of bodies, and no step has been made that would find them. Make one");
 	cd::TimeStep next;
 	const cd::ContactSystem& system = next.assemble(look.world, settings);
+	if (bodies)
+		return writeBodies(path, system);
 	const cd::DelassusSystem problem = cd::assembleDelassus(system);
 	std::vector<int> pairs;
 	for (const int32_t row : cd::solvableRows(system)) {

@@ -74,6 +74,23 @@ def test_it_is_the_problem_of_the_next_step(O, tmp_path, restitution):
     assert abs(problem.W - problem.W.T).max() == 0
 
 
+def test_bodies(O, tmp_path):
+    """The same problem by its bodies, with the impulses of the last step as its first guess."""
+    cd = heap(O)
+    cd.exportProblem(str(tmp_path / "matrix"))
+    cd.exportProblem(str(tmp_path / "bodies"), bodies=True)
+    matrix, bodies = (core.read_problem(tmp_path / name) for name in ("matrix", "bodies"))
+    assert np.array_equal(bodies.pairs, ids(tmp_path / "matrix"))
+    # 1e-12: the two are summed in different orders, from numbers of order 1 to 100.
+    assert abs(matrix.W - bodies.delassus().W).max() < 1e-12 * abs(matrix.W).max()
+    assert np.allclose(matrix.q, bodies.delassus().q, rtol=0, atol=1e-12) and np.array_equal(matrix.mu, bodies.mu)
+    assert np.allclose(bodies.impulses, impulses(O, tmp_path / "matrix"), rtol=1e-12, atol=1e-14)
+    O.run(1, True)
+    # The engine and plain Python go through the same sweeps.
+    report = core.solve(bodies, cd.method, cd.tolerance, impulses=bodies.impulses)
+    assert (report.iterations, report.residual) == (cd.iterations, cd.residual)
+
+
 def test_nothing_changes(O, tmp_path):
     cd = heap(O)
     before = state(O)

@@ -1,0 +1,51 @@
+"""Reads and writes a `BodyProblem` as NumPy's .npz: one array for each of its fields, under the field's name.
+
+FCLIB's global form (M, H, f, w, mu) knows degrees of freedom but not which belong to one body, nor bodies of prescribed velocity; what cannot
+come back from it as it went is not kept in it. For other codes write the local form, `problem.delassus()`.
+"""
+import os
+from dataclasses import fields
+
+import numpy as np
+
+from .body_problem import BodyProblem
+
+SIGNATURE = b"PK\x03\x04"  # how a .npz begins, which is a zip archive
+NAMES = tuple(field.name for field in fields(BodyProblem))
+
+
+def write(path, problem):
+    """Write `problem`; a file of that name is replaced only once the new one is complete."""
+    path = os.fspath(path)
+    problem = BodyProblem(**{name: getattr(problem, name) for name in NAMES})
+    aside = f"{path}.{os.getpid()}.part"
+    try:
+        with open(aside, "wb") as file:
+            np.savez(file, **{name: getattr(problem, name) for name in NAMES})
+        os.replace(aside, path)
+    finally:
+        if os.path.exists(aside):
+            os.remove(aside)
+
+
+def read(path):
+    """The `BodyProblem` in the file; ValueError with the array where it is damaged (zip's checksums tell) or of another kind."""
+    try:
+        archive = np.load(path, allow_pickle=False)
+    except Exception as error:  # many types, of zipfile and of NumPy
+        raise ValueError(f"{path}: not a complete .npz file ({error})") from None
+    with archive:
+        arrays = {name: _array(path, archive, name) for name in NAMES}
+    try:
+        return BodyProblem(**arrays)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _array(path, archive, name):
+    if name not in archive.files:
+        raise ValueError(f"{path}, {name}: is missing; a problem of bodies has {', '.join(NAMES)}")
+    try:
+        return archive[name]
+    except Exception as error:
+        raise ValueError(f"{path}, {name}: cannot be read ({error or type(error).__name__})") from None

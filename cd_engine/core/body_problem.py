@@ -1,0 +1,122 @@
+"""A contact problem given by its bodies: the form the sweeps are made for, without a matrix."""
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+
+from .problem import Problem, array, place, refuse_negative
+
+UNIT = 1e-9  # by how much the length of a normal may miss 1: far above round-off, far below what changes a problem
+
+
+@dataclass
+class BodyProblem:
+    """Contacts of one time step between N plane bodies, n contacts; impulses and velocities two numbers a contact, normal then tangential.
+
+    inverse_masses   (N, 3): 1/m along x and along y [1/kg], 1/I [1/(kg m^2)]; 0 where that freedom is blocked
+    free_velocities  (N, 3): v_x, v_y [m/s] and omega [rad/s] after the step's external forces and before any contact impulse
+    pairs            (n, 2): the bodies a and b of each contact; the normal points from a to b, the impulse acts on b, its opposite on a
+    normals          (n, 2): unit vectors n; t is n turned by +90 degrees
+    arms             (n, 4): lever arms [m] of n and t about the centre of a, then of b: cross(r, n), cross(r, t) with r from there to the contact
+    bias             (n,): added to the normal relative velocity [m/s]: gap/h, or Newton's restitution
+    mu               (n,): Coulomb's friction coefficient, at least 0
+    impulses         (2n,): a first guess [N s], such as the solution of the step before; default: zero. `solve` starts from it only if told to
+
+    The sweeps go through the contacts in the order given: what is near in the list should be near in space. Anything that cannot be taken as
+    these is a ValueError that says where. A contact between two bodies that cannot move along its normal is refused.
+    """
+
+    inverse_masses: np.ndarray
+    free_velocities: np.ndarray
+    pairs: np.ndarray
+    normals: np.ndarray
+    arms: np.ndarray
+    bias: np.ndarray
+    mu: np.ndarray
+    impulses: np.ndarray = field(default=None)
+
+    def __post_init__(self):
+        bodies, n = (_length(name, getattr(self, name)) for name in ("inverse_masses", "mu"))
+        self.inverse_masses = array("inverse_masses", self.inverse_masses, (bodies, 3))
+        self.free_velocities = array("free_velocities", self.free_velocities, (bodies, 3))
+        self.pairs = _pairs(self.pairs, n, bodies)
+        self.normals = array("normals", self.normals, (n, 2))
+        self.arms = array("arms", self.arms, (n, 4))
+        self.bias = array("bias", self.bias, (n,))
+        self.mu = array("mu", self.mu, (n,))
+        self.impulses = np.zeros(2 * n) if self.impulses is None else array("impulses", self.impulses, (2 * n,))
+        refuse_negative("inverse_masses", self.inverse_masses)
+        refuse_negative("mu", self.mu)
+        wrong = np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)
+        if wrong.size:
+            raise ValueError(f"normals[{wrong[0]}] has the length {np.hypot(*self.normals[wrong[0]]):.12g}, not 1")
+        wrong = np.flatnonzero(self._normals().power(2).T @ self.inverse_masses.ravel() <= 0)
+        if wrong.size:
+            a, b = self.pairs[wrong[0]]
+            raise ValueError(f"contact {wrong[0]}: neither of its bodies {a} and {b} can move along its normal, as inverse_masses has it")
+
+    @property
+    def contacts(self):
+        """How many there are."""
+        return len(self.mu)
+
+    def body_velocities(self, impulses):
+        """(N, 3) velocities of the bodies [m/s, rad/s] after the impulses [N s]."""
+        p = array("impulses", impulses, (2 * self.contacts,))
+        push = self._normals() @ p[::2] + self._tangents() @ p[1::2]
+        return self.free_velocities + self.inverse_masses * push.reshape(-1, 3)
+
+    def velocities(self, impulses):
+        """Relative velocities u [m/s] that belong to impulses p [N s], the bias included, 2n each."""
+        v = self.body_velocities(impulses).ravel()
+        return np.stack([self._normals().T @ v + self.bias, self._tangents().T @ v], axis=1).ravel()
+
+    def delassus(self):
+        """The same as a `Problem`: W = H^T M^-1 H, q = H^T v + bias. In a dense packing W takes four times the memory of the bodies' form."""
+        H = sparse.hstack([self._normals(), self._tangents()]).tocsc()[:, np.arange(2 * self.contacts).reshape(2, -1).T.ravel()]
+        # Half of each mass on either side, so that W is symmetric to the last bit.
+        H = sparse.diags(np.sqrt(self.inverse_masses.ravel())) @ H
+        return Problem(H.T @ H, self.velocities(np.zeros(2 * self.contacts)), self.mu)
+
+    def _normals(self):
+        """(3N, n): in column i the forces and torques on all bodies of a unit impulse along the normal of contact i."""
+        (nx, ny), (an, _, bn, _) = self.normals.T, self.arms.T
+        return self._columns(-nx, -ny, -an, nx, ny, bn)
+
+    def _tangents(self):
+        """The same along t = (-n_y, n_x)."""
+        (nx, ny), (_, at, _, bt) = self.normals.T, self.arms.T
+        return self._columns(ny, -nx, -at, -ny, nx, bt)
+
+    def _columns(self, *entries):
+        rows = (3 * self.pairs[:, :, None].astype(np.int64) + np.arange(3)).ravel()
+        return sparse.csc_matrix((np.stack(entries, axis=1).ravel(), rows, np.arange(0, len(rows) + 1, 6)),
+                                 shape=(self.inverse_masses.size, self.contacts))
+
+    def __repr__(self):
+        return f"<BodyProblem of {len(self.inverse_masses)} bodies, {self.contacts} contacts>"
+
+
+def _length(name, values):
+    try:
+        return len(values)
+    except TypeError:
+        raise ValueError(f"{name} is not an array of numbers") from None
+
+
+def _pairs(values, n, bodies):
+    """The pairs as 32-bit integers, each of two different bodies that are there."""
+    pairs = np.asarray(values)
+    if pairs.shape == (0,):
+        pairs = pairs.reshape(0, 2).astype(int)
+    if pairs.dtype.kind not in "iu":
+        raise ValueError("pairs is not an array of whole numbers")
+    if pairs.shape != (n, 2):
+        raise ValueError(f"pairs has the shape {pairs.shape}; {(n, 2)} is expected")
+    wrong = np.argwhere((pairs < 0) | (pairs >= bodies))
+    if wrong.size:
+        raise ValueError(f"{place('pairs', wrong[0])} = {pairs[tuple(wrong[0])]}; the bodies are 0 to {bodies - 1}")
+    wrong = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
+    if wrong.size:
+        raise ValueError(f"pairs[{wrong[0]}]: body {pairs[wrong[0], 0]} touches itself")
+    return np.ascontiguousarray(pairs, dtype=np.int32)
