@@ -11,8 +11,11 @@ PARAMETERS = ()
 RAMP_SNAPSHOTS = 40
 
 
-def build(full, folder):
-    """Load the prepared packing (made if it is missing) and set up the row's method on it, with the forces it was prepared with or others."""
+def build(full, folder, goals=None):
+    """Load the prepared packing (made if it is missing) and set up the row's method on it, with the forces it was prepared with or others.
+
+    goals: t -> (sigma1, sigma2) [Pa], where it is not the row's `loading` that is asked for.
+    """
     from yade import O
 
     from yade_scripts import force_network, loading, parameters, prepare, stage
@@ -25,7 +28,7 @@ def build(full, folder):
     if full["loading"] == "ramp":
         snapshots |= set(range(0, samples, max(1, samples // RAMP_SNAPSHOTS)))
     scene = Scene(every=every, samples=samples, state_sha256=checksum, snapshots=snapshots)
-    goals = loading.goals(full, parameters.pressure(full))
+    goals = goals or loading.goals(full, parameters.pressure(full))
     if full["method"] == "CD" and full["network_seed"]:
         stage.load_walls(full, scene, goals)
         force_network.replace(full["network_seed"], full["network_perturbation"])

@@ -1,0 +1,39 @@
+"""A small step of sigma2 on a packing, far from any slip: springs strain by linear elasticity, rigid contacts do not.
+
+The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs is that of the stiffness matrix of
+the contact network (yade_scripts/elastic.py), proportional to 1/k_n; the stiff limit, and CD's, is none.
+"""
+import math
+
+from yade_scripts import parameters
+from yade_scripts.scenes import Known, biaxial
+
+TITLE = "Small elastic load step on a packing"
+METHODS = ("MD", "CD")
+HORIZON = "The end of the step, MD if it takes many times the slowest swing of sample and walls."
+LEFT_OUT = "slip, and contacts that open or close, of which a step of a thousandth of P0 makes few; changes of geometry, of the order P0/k_n"
+DEFAULTS = dict(method="CD", disks=60, delta_sigma=1e-3, md_walls="force", period=0.5, records_per_cycle=10)
+PARAMETERS = ()
+
+
+def build(full, folder):
+    """The biaxial test's packing and walls."""
+    from yade_scripts import elastic, walls
+    p0, time = parameters.pressure(full), full["period"] * full["cycles"]
+
+    def goals(t):
+        return p0, p0 * (1 + full["delta_sigma"] * (1 - math.cos(math.pi * min(t / time, 1))) / 2)
+
+    scene = biaxial.build(full, folder, goals)
+    sides = walls.sides()
+    springs = elastic.strain(p0 * full["delta_sigma"])
+
+    def gamma():
+        x, y = (now / before for now, before in zip(walls.sides(), sides))
+        return y - x
+
+    scene.known = [
+        Known("gamma", "1", springs if full["method"] == "MD" else 0.0, gamma, scale=abs(springs),
+              source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; both against the former"),
+        Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"], source="the load asked for, against its step")]
+    return scene

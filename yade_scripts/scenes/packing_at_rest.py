@@ -1,0 +1,31 @@
+"""A prepared packing under the P0 it was prepared under: nothing happens."""
+from yade_scripts import parameters
+from yade_scripts.scenes import Known, biaxial
+
+TITLE = "Packing at rest under its load"
+METHODS = ("MD", "CD")
+HORIZON = "Any time: nothing moves."
+LEFT_OUT = "all loading: what shows is what a method moves where nothing should"
+DEFAULTS = dict(method="CD", disks=60, period=0.1, records_per_cycle=10)
+PARAMETERS = ()
+
+
+def build(full, folder):
+    """The biaxial test's packing and walls, sigma1 = sigma2 = P0."""
+    from yade_scripts import walls
+    p0 = parameters.pressure(full)
+    scene = biaxial.build(full, folder, lambda t: (p0, p0))
+    sides = walls.sides()
+
+    def worst():
+        return max(abs(stress / p0 - 1) for pair in walls.stresses() for stress in pair)
+
+    def gamma():
+        x, y = (now / before for now, before in zip(walls.sides(), sides))
+        return y - x
+
+    scene.known = [
+        Known("worst_stress_error", "1", 0.0, worst, source="balance: each wall carries P0 on its length"),
+        Known("gamma", "1", 0.0, gamma, scale=p0 * full["depth"] / parameters.stiffness(full),
+              source="the packing is in balance; against P0/k_n, what the springs have given under P0")]
+    return scene

@@ -1,0 +1,47 @@
+"""A ramp of sigma2 on a packing until it yields, against the largest load that its contacts can carry at all.
+
+The static theorem of limit analysis, a linear programme over the contact forces (analysis/statics.py) that knows no dynamics, gives the
+largest sigma2/P0 at which the contacts, as they stand at the start, admit forces within Coulomb's cones. Rigid contacts yield
+there, but for what contacts that close in the first motion can do. Springs strain before: |gamma| passes yield_strain earlier, unless
+they are so stiff that P0/k_n is far below it.
+"""
+from yade_scripts import parameters
+from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.scenes import Known, biaxial
+
+TITLE = "Yield under a ramp"
+METHODS = ("MD", "CD")
+HORIZON = "Until the packing gives way: what it carries afterwards belongs to new contacts."
+LEFT_OUT = "the way on after yield; how the walls' inertia delays it, some dt and the ramp's rate"
+DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
+                collapse_strain=1e-3)
+PARAMETERS = (Parameter("yield_strain", 1e-4, "1", "|gamma| that counts as yield", low=1e-8, high=1),)
+
+
+def check(full):
+    """A run ends at collapse_strain."""
+    if full["yield_strain"] > full["collapse_strain"] or full["loading"] != "ramp":
+        raise ParameterError(f"yield_strain = {full['yield_strain']}: must be at most collapse_strain, {full['collapse_strain']}, and loading = ramp")
+
+
+def build(full, folder):
+    """The biaxial test's packing and walls; gamma is looked at with every sample."""
+    from yade import O
+
+    from analysis import statics
+    from yade_scripts import hooks, loading, observe, walls
+    p0 = parameters.pressure(full)
+    scene = biaxial.build(full, folder)
+    limit = statics.limit_loads(observe.snapshot(True), p0, full["depth"])[1]
+    sides, goals, yielded = walls.sides(), loading.goals(full, p0), []
+
+    def watch():
+        """sigma2/P0 when |gamma| first passes yield_strain."""
+        x, y = (now / before for now, before in zip(walls.sides(), sides))
+        if not yielded and abs(y - x) > full["yield_strain"]:
+            yielded.append(goals(O.time)[1] / p0)
+
+    O.engines = O.engines + [hooks.runner(watch, iterPeriod=scene.every)]
+    scene.known = [Known("yield_load", "P0", limit, lambda: yielded[0] if yielded else float("nan"),
+                         source="linear programme over the contact forces of the geometry at the start")]
+    return scene
