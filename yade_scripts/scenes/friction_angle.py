@@ -3,7 +3,8 @@
 tan t = mu (1 - margin) and mu (1 + margin). Along the slope the weight drives by m g sin t, friction holds up to mu m g cos t: the
 second block slides at g (sin t - mu cos t) = margin mu g cos t, a small difference of large forces, and the first one has to stay.
 MD begins with unloaded tangential springs. Until they hold, a quarter of their swing, the block gains g sin t/omega of speed,
-omega = sqrt(k_t/m), which nothing takes away again: an error of the order 1/(margin omega time), which stiffer springs make smaller.
+omega = sqrt(k_t/m), which nothing takes away again: the way it then slides is too long by (2 (1 + margin)/margin - pi)/(omega time) of it,
+and only stiffer springs make that smaller.
 """
 import math
 

@@ -6,7 +6,9 @@ The forces on the disk are N (n + mu t') at each sliding contact, n = (+-sin t, 
                Above it the disk spins in its place: angular acceleration (torque - critical)/(m R^2/2).
   mu > tan t   and mu tan t < 1: one contact does not slide, the disk rolls over it up the wall; the other opens. Critical torque
                m g R sin t; above it the angular acceleration is (torque - critical)/(3/2 m R^2), for as long as the wall is.
-  mu tan t >= 1  the line between the contacts lies within both cones: the disk can wedge itself and hold any torque. From rest it stays at rest.
+  mu tan t >= 1  the line between the contacts lies within both cones: the disk can wedge itself and hold any torque, and rigid contacts at rest
+               stay at rest. The sliding state is a solution, too. Springs that begin with the weight's forces come to it, as found
+               by running them; how they could be wedged depends on their history, so that nothing is known of them here.
 Springs: while both contacts slide, a displacement u of the centre changes N by -k_n n.u and with it mu N t', an unsymmetric stiffness whose
 modes are complex. The disk flutters unless the dashpots outdo it, at 45 degrees beta_n > mu/2; then it loses contact again and again
 and spins too slowly, by 16 % at mu = 0.3 and beta_n = 0.1, however stiff the springs.
@@ -39,9 +41,11 @@ def critical(full):
 
 
 def check(full):
-    """The groove must be one, and the disk that rolls out must not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
+    """The groove must be one and have one answer, and the disk that rolls out must not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
     if not 0 < full["slope"] < 89:
         raise ParameterError(f"slope = {full['slope']}: must be in (0, 89) degrees for a groove")
+    if regime(full) == "jam" and full["method"] == "MD":
+        raise ParameterError(f"friction = {full['friction']}: must be below 1/tan(slope) for springs, whose history decides whether they jam")
     if regime(full) == "roll" and math.tan(math.radians(full["slope"])) * (1 + full["torque_margin"] * 2 / 3) > full["friction"]:
         raise ParameterError(f"torque_margin = {full['torque_margin']}: too large, the disk would slip as it rolls out")
 

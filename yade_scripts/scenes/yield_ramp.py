@@ -15,7 +15,7 @@ HORIZON = "Until the packing gives way: what it carries afterwards belongs to ne
 LEFT_OUT = "the way on after yield; how the walls' inertia delays it, some dt and the ramp's rate"
 DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
                 collapse_strain=1e-3)
-PARAMETERS = (Parameter("yield_strain", 1e-4, "1", "|gamma| that counts as yield", low=1e-8, high=1),)
+PARAMETERS = (Parameter("yield_strain", 2e-5, "1", "|gamma| that counts as yield", low=1e-8, high=1),)
 
 
 def check(full):
