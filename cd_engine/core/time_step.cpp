@@ -24,12 +24,18 @@ double fastestWay(const World& world, double dt)
 	return dt * std::sqrt(fastest);
 }
 
-double reach(const World& world, double dt)
+double smallestRadius(const World& world)
 {
 	double smallest = std::numeric_limits<double>::infinity();
 	for (const Body& b : world.bodies)
 		if (b.shape.kind == ShapeKind::disk && b.shape.radius > 0)
 			smallest = std::min(smallest, b.shape.radius);
+	return smallest;
+}
+
+double reach(const World& world, double dt)
+{
+	const double smallest = smallestRadius(world);
 	return 4 * fastestWay(world, dt) + (std::isfinite(smallest) ? 1e-3 * smallest : 0);
 }
 

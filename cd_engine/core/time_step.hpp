@@ -25,6 +25,9 @@ struct StepReport {
 	double solveSeconds = 0; // spent in the solver
 };
 
+// Of the disks [m]; infinite if there are none.
+double smallestRadius(const World&);
+
 // Gaps wider than this [m] are left out of the problem of a step at first: four times the way of the fastest body under its external
 // forces, and a thousandth of the smallest disk. A pair left out that the solution would close is taken back and the step solved again.
 double reach(const World&, double dt);

@@ -28,6 +28,9 @@ namespace {
 		return found;
 	}
 
+	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
+	constexpr double deep = 0.01;
+
 	// Another random order in every step, the same in every repeat of a run.
 	unsigned stepSeed(int seed, long iteration)
 	{
@@ -92,6 +95,8 @@ void ContactDynamics::advance()
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;
+	if (maxPenetration > deepestPenetration)
+		watchPenetration();
 	dissipatedEnergy += report.dissipated;
 	steps++;
 	totalIterations += iterations;
@@ -111,6 +116,22 @@ void ContactDynamics::warn(double error)
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " not solved: error " << error << " after " << iterations
 		  << " sweeps, tolerance " << tolerance << " (" << status
 		  << "). Further such steps are counted in unconvergedSteps; raise maxIterations or tolerance, or take a smaller O.dt.\n";
+}
+
+// One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,
+// fixedIterations ask for no error, and a step may be too long for the ways that bodies turn in it.
+void ContactDynamics::watchPenetration()
+{
+	const double before = deepestPenetration;
+	deepestPenetration = maxPenetration;
+	const double smallest = cd::smallestRadius(link.world);
+	if (deepestPenetration <= deep * smallest || before > deep * smallest)
+		return;
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": two bodies overlap by " << maxPenetration << " m, "
+		  << maxPenetration / smallest
+		  << " of the smallest radius, and more than when they were taken over. The forces that hold them apart are "
+		  << "too small: lower tolerance (heavy bodies on light ones need about the ratio of their masses less), raise maxIterations or "
+		  << "fixedIterations, or take a smaller O.dt. deepestPenetration tells how far it goes.\n";
 }
 
 void ContactDynamics::rememberOverlaps() { link.collectOverlaps({ referenceIds, referenceOverlaps }); }

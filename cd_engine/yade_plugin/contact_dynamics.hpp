@@ -36,6 +36,9 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double maxPenetration = 0;
 	double handoverOverlap = 0;
 
+	// Over all steps.
+	double deepestPenetration = 0;
+
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
 	long steps = 0;
@@ -62,6 +65,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void advance();
 	void rememberOverlaps();
 	void warn(double error);
+	void watchPenetration();
 
 	SceneLink link;
 	ColliderRest rest;
@@ -128,6 +132,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
 	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
 	visit("maxPenetration", &C::maxPenetration, Access::read, any, "Largest overlap beyond the reference one met in the last step [m].");
+	visit("deepestPenetration", &C::deepestPenetration, Access::read, any,
+	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: bodies pass into each "
+	    "other "
+	    "where forces are far too small, even if *converged* says that the error e is.");
 	visit("handoverOverlap", &C::handoverOverlap, Access::read, any, "Largest overlap taken as reference at the hand-over [m].");
 	visit("dissipatedEnergy", &C::dissipatedEnergy, Access::read, any, "Energy lost in friction and impacts since the engine was made [J].");
 	visit("steps", &C::steps, Access::read, any, "Steps made [1].");
