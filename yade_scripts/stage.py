@@ -3,7 +3,7 @@ import math
 
 from yade import O
 
-from yade_scripts import bodies, parameters, walls
+from yade_scripts import bodies, md_step, parameters, walls
 from yade_scripts.scenes import Scene, method
 
 
@@ -32,6 +32,8 @@ def load_walls(full, scene, goals):
     """The same for a scene in the biaxial box; its walls x+ and y+ are freed unless a servo moves them."""
     if full["method"] == "CD" or full["md_walls"] == "force":
         walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
+    if full["method"] == "MD":
+        md_step.check(full)
     set_engines(full, scene, goals)
 
 
