@@ -12,21 +12,9 @@ from yade import O, config, utils
 from analysis import schema
 from yade_scripts import observe, parameters, walls
 from yade_scripts.commits import git_commit
+from yade_scripts.load_check import Collapse, LoadCheck
 
-# A servo that works is off by 1e-4 to 4e-4 of P0 (rms, t0 = 4 to 1 s), one that is locked by 40-100 %; walls with mass lag during a collapse.
-# Longer than a few samples neither is the loading that was asked for.
-STRESS_TOLERANCE, STRESS_SAMPLES = 0.05, 5
-# Of gamma while the stress is off: a sample that is giving way, beyond what walls can shake (a locked servo 3e-4, see walls.servo).
-COLLAPSE_STEP = 2e-3
 ROWS_PER_WRITE = 50
-
-
-class StressError(RuntimeError):
-    """The walls do not carry the stress that the loading asks for, and not because the sample gives way."""
-
-
-class Collapse(Exception):
-    """The sample no longer carries its load: an end of the run, and a result."""
 
 
 class Recorder:
@@ -44,7 +32,7 @@ class Recorder:
             self.names = [n for n in self.names if n not in ("residual_max", "unconverged_steps")]
         if scene.law is None:
             self.names.remove("friction_dissipation")
-        self.rows, self.count, self.misses, self.gamma_before = [], 0, 0, 0.0
+        self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.started, self.reference = time.perf_counter(), None
         self._write_attributes()
         for name in self.names:
@@ -69,7 +57,8 @@ class Recorder:
             self._write_rows()
         self.progress((self.count - 1) / self.scene.samples)
         try:
-            self._check_load(row)
+            if self.scene.load is not None:
+                self.load_check.look(row)
         except Collapse:
             if self.count - 1 not in self.scene.snapshots:
                 self._snapshot(row)
@@ -118,30 +107,6 @@ class Recorder:
         group.attrs.update({"time": row["time"], "cycle": row["cycle"]})
         for name, array in observe.snapshot(self.scene.load is not None).items():
             group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
-
-    def _check_load(self, row):
-        """A collapse is strain beyond collapse_strain. Stress off its goal alone is none: a sample that gives way may stop, and carry its load
-        again. Where nothing strains meanwhile, it tells of walls that do not work."""
-        if self.scene.load is None:
-            return
-        if abs(row["gamma"]) > self.full["collapse_strain"]:
-            raise Collapse(f"|gamma| = {abs(row['gamma']):.3g} above collapse_strain at t = {row['time']:.4g} s, sigma2 = {self._load(row):.4g} P0")
-        off = max(abs(row[f"sigma{k}"] - row[f"sigma{k}_goal"]) for k in (1, 2)) / parameters.pressure(self.full)
-        if off <= STRESS_TOLERANCE:
-            self.misses, self.gamma_before = 0, row["gamma"]
-            return
-        if abs(row["gamma"] - self.gamma_before) > COLLAPSE_STEP:
-            self.misses, self.gamma_before = 0, row["gamma"]  # it is giving way: where to, the next samples tell
-            return
-        self.misses += 1
-        if self.misses == STRESS_SAMPLES:
-            raise StressError(f"wall stress off its goal by {100 * off:.0f} % of P0 at t = {row['time']:.4g} s, {STRESS_SAMPLES} samples in a row while "
-                              f"gamma stayed at {row['gamma']:.3g}: the walls have locked or the load moves faster than they can; lengthen period, or use "
-                              "md_walls=force")
-
-    def _load(self, row):
-        """sigma2 asked for, in P0."""
-        return row["sigma2_goal"] / parameters.pressure(self.full)
 
     def _write_rows(self):
         table = np.array(self.rows, float).reshape(-1, len(self.names))

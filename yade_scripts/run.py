@@ -44,7 +44,7 @@ def execute(row, folder=results.FOLDER):
 
 def _run(path, full, folder):
     """Build, run, record; None or the exception that ended the run, which the file names too."""
-    from yade_scripts import progress, record, scenes
+    from yade_scripts import load_check, progress, record, scenes
     scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.progress(path.stem)
     try:
         scene = scenes.build(full, folder)
@@ -57,7 +57,7 @@ def _run(path, full, folder):
         scene.observer = recorder.sample
         try:
             scenes.method(full).run(scene)
-        except record.Collapse as event:
+        except load_check.Collapse as event:
             collapse = event
         except Exception as error:
             failure = error

@@ -52,29 +52,6 @@ def test_a_collapse_is_a_result(yade60):
     assert not list((yade60.folder / "results").glob("*.partial.h5"))
 
 
-def test_a_sample_that_gives_way_and_stops_has_not_collapsed(yade60):
-    """Stress off its goal ends a run only where nothing strains meanwhile; strain beyond collapse_strain always does."""
-    gave_way, locked, gone = yade60.code("""
-from types import SimpleNamespace
-from yade_scripts import parameters, record
-full = parameters.complete({})
-P0 = parameters.pressure(full)
-def ends(samples):
-    recorder = SimpleNamespace(full=full, scene=SimpleNamespace(load=True), misses=0, gamma_before=0.0)
-    recorder._load = lambda row: row["sigma2_goal"] / P0
-    for number, (gamma, off) in enumerate(samples):
-        row = dict(time=0.1 * number, gamma=gamma, sigma1=P0, sigma1_goal=P0, sigma2=P0 * (1 - off), sigma2_goal=P0)
-        try:
-            record.Recorder._check_load(recorder, row)
-        except (record.Collapse, record.StressError) as event:
-            return [number, type(event).__name__]
-    return None
-moving = [(-0.004 * k, 0.3) for k in range(12)]
-print(json.dumps([ends(moving + [(-0.045, 0.0)] * 10), ends([(-1e-4, 0.3)] * 10), ends(moving + [(-0.21, 0.3)])]))
-""")
-    assert gave_way is None and locked == [4, "StressError"] and gone == [12, "Collapse"]
-
-
 def test_energy_balance_of_springs_closes(yade60):
     """Work of the walls - stored - kinetic = friction, which the law functor sums by itself, + dashpots, which take little when it is slow."""
     history = yade60.run(method="MD", loading="cosine", period=1)["history"]
@@ -127,7 +104,7 @@ def test_locked_walls_are_no_shakedown(yade60):
     the damping that walls.servo chooses keeps the same row sound."""
     locked, sound = yade60.code("""
 from yade import O
-from yade_scripts import parameters, record, scenes
+from yade_scripts import load_check, parameters, record, scenes
 said = []
 for damping in (0.25, None):
     full = parameters.complete({"method": "MD", "disks": 60, "beta_n": 0.5, "period": 0.4, "records_per_cycle": 40})
@@ -139,7 +116,7 @@ for damping in (0.25, None):
     try:
         scenes.method(full).run(scene)
         said.append("finished")
-    except record.StressError as error:
+    except load_check.StressError as error:
         said.append(str(error))
 print(json.dumps(said))
 """)

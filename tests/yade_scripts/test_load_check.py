@@ -1,0 +1,54 @@
+"""What counts as a collapse, what as walls that do not work: histories written down here."""
+import pytest
+
+from yade_scripts import parameters
+from yade_scripts.load_check import COLLAPSE_STEP, Collapse, LoadCheck, StressError
+
+FULL = parameters.complete({})
+P0 = parameters.pressure(FULL)
+
+
+def ends(samples, length=100):
+    """(number of the sample that ends a run of `length` intervals, how) or None; samples: (gamma, sigma2 below its goal in P0)."""
+    check = LoadCheck(FULL, length)
+    for number, (gamma, off) in enumerate(samples):
+        row = dict(time=0.1 * number, gamma=gamma, sigma1=P0, sigma1_goal=P0, sigma2=P0 * (1 - off), sigma2_goal=P0)
+        try:
+            check.look(row)
+        except (Collapse, StressError) as event:
+            return number, type(event)
+    return None
+
+
+MOVING = [(-0.004 * k, 0.3) for k in range(12)]
+
+
+def test_a_sample_that_gives_way_and_stops_has_not_collapsed():
+    """Stress off its goal ends a run only where nothing strains meanwhile; strain beyond collapse_strain always does."""
+    assert ends(MOVING + [(-0.045, 0.0)] * 10) is None
+    assert ends(MOVING + [(-0.21, 0.3)]) == (12, Collapse)
+
+
+def test_walls_that_stay_are_locked():
+    """The fifth sample off its goal in a row, whatever the sign; one on its goal begins the count again."""
+    for off in (0.3, -0.3):
+        assert ends([(-1e-4, off)] * 10) == (4, StressError)
+    assert ends(([(-1e-4, 0.3)] * 4 + [(-1e-4, 0.0)]) * 3) is None
+
+
+def test_walls_that_swing_widely_are_locked_too():
+    """Steps of gamma far above COLLAPSE_STEP, to and fro: only the first goes further than ever. Before, each counted as giving way."""
+    swing = [((-1)**k * 5 * COLLAPSE_STEP, 0.9) for k in range(20)]
+    assert ends(swing) == (6, StressError)
+
+
+@pytest.mark.parametrize("growth", [0.011, 0.05])
+def test_walls_that_fly_apart_are_no_collapse(growth):
+    """Every swing wider than the last, beyond collapse_strain in the end; too much stress every other sample gives it away."""
+    assert ends([((-1)**k * growth * (k + 1), 1.0 if k % 2 else -20.0) for k in range(40)])[1] is StressError
+
+
+def test_a_run_too_short_for_five_misses_is_not_spared():
+    """With two intervals there are three samples, the last two locked."""
+    assert ends([(0, 0), (1e-5, 0.5), (1e-5, 0.5)], length=2) == (2, StressError)
+    assert ends([(0, 0), (1e-5, 0.0), (1e-5, 0.5)], length=2) is None
