@@ -2,24 +2,30 @@
 
 Contacts stick here, which is stiffest. A run may make more of them: stay well below.
 """
+import math
+
 import numpy as np
 from scipy import sparse
 from yade import O
 
-from yade_scripts import bodies, spring_limits
+from yade_scripts import spring_limits
 from yade_scripts.parameters import ParameterError
 
 
+class StepError(ParameterError, RuntimeError):
+    """O.dt is too long for the springs; the row cannot be run, or its run has to end."""
+
+
 def check(full):
-    """ParameterError if O.dt is above the limit; without contacts nothing is known of it."""
+    """StepError if O.dt is above the limit; without contacts nothing is known of it."""
     mass, damping, stiffness = _matrices()
     if stiffness.nnz == 0:
         return
     largest = spring_limits.largest_eigenvalue(mass, O.dt**2 * stiffness + 2 * O.dt * damping)
     if largest >= 4:
         most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
-        raise ParameterError(f"md_dt_factor = {full['md_dt_factor']}: the springs of this packing swing up by themselves from {most:.3g} on "
-                             f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n']}); take at most half of that, better the default")
+        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the springs swing up by themselves from {most:.3g} on "
+                        f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n']}); take at most half of that, better the default")
 
 
 def limit():
@@ -31,19 +37,20 @@ def safe_bound():
     """A step [s] that is stable for every packing in which no disk is held more stiffly than here.
 
     A contact's energy is at most twice what it would be with the one and with the other body held. So w^2 <= 2 max w_i^2 with w_i the
-    largest frequency of disk i alone, all others held; dashpots likewise.
+    largest frequency of body i alone, all others held; dashpots likewise.
     """
     mass, damping, stiffness = _matrices()
     blocks = [slice(k, k + 3) for k in range(0, len(mass), 3)]
     return min(spring_limits.matrix_limit(mass[block], 2 * damping[block, block], 2 * stiffness[block, block])
-               for block in blocks if stiffness[block, block].nnz)
+               for block in blocks if stiffness[block, block].nnz and np.isfinite(mass[block]).any())
 
 
 def _matrices():
-    """Diagonal of M, then C and K (sparse) for the disks' (x, y, spin)."""
-    disks = bodies.disks()
-    number = {body.id: k for k, body in enumerate(disks)}
-    mass = np.array([value for body in disks for value in (body.state.mass, body.state.mass, body.state.inertia[2])])
+    """Diagonal of M (infinite where a freedom is blocked), then C and K (sparse) for (x, y, spin) of every body with a freedom."""
+    free = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)]
+    number = {body.id: k for k, body in enumerate(free)}
+    mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
+                     for letter, value in zip("xyZ", (body.state.mass, body.state.mass, body.state.inertia[2]))])
     normal, tangential, dashpots, springs, sticking = _Rows(), _Rows(), [], [], []
     for contact in O.interactions:
         if not contact.isReal:
@@ -57,7 +64,7 @@ def _matrices():
         normal.end()
         tangential.end()
         springs.append(phys.kn)
-        dashpots.append(getattr(phys, "cn", 0.0))
+        dashpots.append(phys.cn)
         sticking.append(phys.ks if phys.tangensOfFrictionAngle > 0 else 0.0)
     along, across = normal.matrix(len(mass)), tangential.matrix(len(mass))
     return mass, along.T @ sparse.diags(dashpots) @ along, along.T @ sparse.diags(springs) @ along + across.T @ sparse.diags(sticking) @ across

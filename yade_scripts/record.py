@@ -10,7 +10,7 @@ import numpy as np
 from yade import O, config, utils
 
 from analysis import schema
-from yade_scripts import observe, parameters, walls
+from yade_scripts import md_step, observe, parameters, walls
 from yade_scripts.commits import git_commit
 from yade_scripts.load_check import Collapse, LoadCheck
 
@@ -48,6 +48,8 @@ class Recorder:
 
     def sample(self):
         """One row of the history, at some samples a snapshot. Collapse or StressError where the run has to end."""
+        if self.count == 0 and self.full["method"] == "MD":
+            md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
         row = self._measure()
         self.rows.append([row[name] for name in self.names])
         if self.count in self.scene.snapshots:

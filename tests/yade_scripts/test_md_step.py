@@ -1,0 +1,53 @@
+"""The step that springs bear: the limit of their matrices against hand-made cases, and the refusal of what is above it."""
+import pytest
+
+from yade_scripts import spring_limits
+
+
+def test_limit_of_two_free_disks_and_of_a_held_one(yade_elsewhere):
+    """Two equal disks on each other: the pair swings along the normal with w^2 = 2 k_n/m and turns with w^2 = k_t (2/m + 2 R^2/I) = 6 k_t/m
+    (I = m R^2/2). With the lower one fixed and the upper one free to move along the normal and to turn: md_contact's limit."""
+    pair, held, law = yade_elsewhere.code("""
+import math
+from yade import O
+from yade_scripts import bodies, hooks, md, md_step, parameters, spring_limits
+found = []
+full = parameters.complete({"friction": 0.5, "beta_n": 0.3, "kt_over_kn": 0.25})
+R, k = full["radius_mean"], parameters.stiffness(full)
+m = bodies.disk_mass(R, full)
+for below, above in (("zXY", "zXY"), ("xyzXYZ", "xzXY")):
+    O.reset()
+    bodies.append_material("disk", full["friction"], full)
+    bodies.append_disk((0, 0), R, m, "disk", blocked=below)
+    bodies.append_disk((0, 2 * R * (1 - 1e-9)), R, m, "disk", blocked=above)
+    O.engines = md.contact_engines(full) + [md.integrator(full)]
+    O.dt = 1e-12
+    hooks.simulate(1)
+    found.append(md_step.limit() * math.sqrt(k / m))
+print(json.dumps(found + [spring_limits.contact_limit(0.3, 0.25)]))
+""")
+    # The dashpot of the pair has 2 beta sqrt(k m/2), so its mode has the damping ratio beta.
+    expected = min(spring_limits.oscillator_limit(0.3) / 2**0.5, 2 / (6 * 0.25)**0.5)
+    assert pair == pytest.approx(expected, rel=2e-4) and held == pytest.approx(law, rel=2e-4)  # what the search for the limit resolves
+
+
+def test_a_light_wall_counts(yade60):
+    """A wall of a tenth of a disk's mass on ten contacts asks for a shorter step than any disk."""
+    heavy, light = yade60.code("""
+from yade import O
+from yade_scripts import bodies, md_step, parameters, prepare, walls
+found = []
+for ratio in (20, 0.05):
+    O.load(str(prepare.ensure(parameters.complete({"disks": 60}), "results")[0]))
+    walls.set_free(ratio * bodies.mean_mass())
+    found.append(md_step.limit())
+print(json.dumps(found))
+""")
+    assert light < 0.5 * heavy
+
+
+@pytest.mark.parametrize("row, words", [({"disks": 60}, "springs swing up"), ({"scene": "stack", "method": "MD", "disks": 5, "beta_n": 0.5}, "springs swing up")])
+def test_a_step_above_the_limit_is_refused(yade60, row, words):
+    """From a packing before the first step; of a scene whose contacts the first step finds, at that step. No traceback."""
+    done = yade60.script("run.py", "md_dt_factor=1", "beta_n=0.5", *(f"{name}={value}" for name, value in row.items() if name != "beta_n"))
+    assert done.returncode != 0 and words in done.stderr and "md_dt_factor = 1.0" in done.stderr and "Traceback" not in done.stderr
