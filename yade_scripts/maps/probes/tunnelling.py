@@ -9,7 +9,8 @@ from yade_scripts.maps.probes import rigid
 
 DISTANCES = (2.13, 2.38, 2.63, 2.88)  # in ways of a step: the phases at which the step meets the wall
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
-SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD colliderMargin=0": {"colliderMargin": 0.0}}
+NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for a flight that begins in front of the wall, within half a step
+SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}, "CD colliderMargin=0": {"colliderMargin": 0.0}}
 DEPTH = 0.5
 
 
@@ -17,7 +18,7 @@ def probe(case):
     """See the map of this name."""
     throw = springs if case["kind"] == "MD" else rigidly
     flights = []
-    for distance in DISTANCES:
+    for distance in NEAR if case["kind"] == "CD from near" else DISTANCES:
         O.reset()
         rigid.material(0.0)
         rigid.box((0, 0), (1000 * rigid.RADIUS, case["thickness"] * rigid.RADIUS / 2))
