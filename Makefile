@@ -27,6 +27,10 @@ build: deps ## compile the engine
 study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
 	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
 
+charts: build ## speed against accuracy, where each method fails: a first version; FULL=1 the real one
+	$(PYTHON) yade_scripts/charts/run.py $(if $(FULL),--full,--quick) --jobs $(JOBS)
+	$(if $(wildcard yade_scripts/maps/run.py),$(PYTHON) yade_scripts/maps/run.py $(if $(FULL),--full,--quick) --jobs $(JOBS))
+
 report: deps ## one HTML page of the studies run so far; FULL=1 of the full tables, PUBLISHED=1 of the committed full run
 	@$(PYTHON) -m analysis report $(if $(FULL),--full) $(if $(PUBLISHED),--published analysis/published) -o $(REPORT)
 
@@ -60,4 +64,4 @@ uninstall: ## undo `make install`
 clean: ## remove what was compiled; results stay
 	$(MAKE) --no-print-directory -C cd_engine clean
 
-.PHONY: help deps build study report test console regression bench lint install uninstall clean
+.PHONY: help deps build study charts report test console regression bench lint install uninstall clean

@@ -1,6 +1,7 @@
 """Command line: figures and tables from result files alone. `python3 -m analysis --help`."""
 
 import argparse
+import math
 import sys
 from pathlib import Path
 
@@ -50,6 +51,19 @@ def _parser():
     report.add_argument("--results", default=str(load.RESULTS), help="folder of the result files")
     report.add_argument("--published", metavar="FOLDER", help="take figures and tables from here and draw nothing")
     report.set_defaults(run=_report)
+    charts = commands.add_parser("charts", help="charts of speed against accuracy and maps of stability",
+                                 description="Draw every chart from the records that `make charts` has left.")
+    charts.add_argument("--full", action="store_true", help="with the settings of the full run (default: the quick one's)")
+    charts.add_argument("-o", "--output", metavar="FOLDER", help="where to (default: figures/quick/charts or figures/full/charts)")
+    charts.add_argument("--results", default=str(load.RESULTS), help="folder of the results")
+    charts.set_defaults(run=_charts)
+    advice = commands.add_parser("recommend", help="method and settings for an accuracy",
+                                 description="The cheapest measured settings that reach an accuracy, their expected error and cost.")
+    advice.add_argument("--scene", help="for this scene (default: for each kind of scene)")
+    advice.add_argument("--accuracy", type=_accuracy, default=1e-3, help="relative error to be reached (default: %(default)g)")
+    advice.add_argument("--table", action="store_true", help="for each kind of scene as a table in Markdown")
+    advice.add_argument("--results", default=str(load.RESULTS), help="folder of the results; taken where newer than what is published")
+    advice.set_defaults(run=_recommend)
     for name, what, run in (("summary", "one line of numbers a run", _summary), ("check", "say which files can be used", _check)):
         command = commands.add_parser(name, help=what, description=what + ".")
         command.add_argument("files", nargs="+", metavar="FILE", help="result files")
@@ -117,10 +131,44 @@ def _publish_all(options, folder):
 
 def _report(options):
     """The page, of studies drawn just now or taken as they are."""
-    from analysis import report
+    from analysis import charts, report
     if not options.published:
         _publish_all(options, _folder(options))
+        charts.publish_all(options.results, _folder(options) / charts.FOLDER, options.full)
     print(report.build(options.published or _folder(options), options.output).resolve())
+    return 0
+
+
+def _charts(options):
+    """Draw all charts; those without records are named."""
+    from analysis import charts
+    folder = Path(options.output or _folder(options) / charts.FOLDER)
+    left = charts.publish_all(options.results, folder, options.full)
+    for name, reason in left.items():
+        print(f"analysis charts: {name}: {reason}", file=sys.stderr)
+    print("\n".join(str(path.resolve()) for path in sorted(folder.glob("*.png"))))
+    return EXIT_MISTAKE if len(left) == len(charts.names()) else 0
+
+
+def _accuracy(text):
+    """A positive number."""
+    value = float(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is no accuracy: it is a relative error above 0, such as 1e-3")
+    return value
+
+
+def _recommend(options):
+    """What to run for an accuracy."""
+    from analysis.charts import recommend
+    found, source = recommend.rows(options.scene, options.results)
+    if options.table:
+        lines = recommend.readme_table(found)
+    elif options.scene:
+        lines = recommend.of_scene(options.scene, options.accuracy, found, source)
+    else:
+        lines = recommend.by_kind(options.accuracy, found, source)
+    print("\n".join(lines))
     return 0
 
 

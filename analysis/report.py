@@ -9,7 +9,7 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup, escape
 
-from analysis import comparison, publish, studies, style
+from analysis import charts, comparison, publish, studies, style
 from analysis.definitions import DEFINITIONS
 from analysis.load import ResultError
 from analysis.overview import LEADS, TOPICS
@@ -34,6 +34,7 @@ def build(folder, path):
     page = environment.get_template("report.html").render(
         question=QUESTION, paper=PAPER, leads=[there[name]["lead"] for name in LEADS if name in there and there[name]["lead"]], topics=[(heading, [there[name] for name in names if name in there]) for heading, names in TOPICS],
         studies=list(there.values()), absent=[studies.module(name).TITLE for name, study in found.items() if not study],
+        charts=[chart for name in charts.names() if (chart := _chart(Path(folder) / charts.FOLDER / name))],
         points=_points(there.values()), definitions=DEFINITIONS, commits=commits,
         dirty=[commit for commit in commits if commit.endswith("-dirty")], extents=sorted({study["extent"] for study in there.values()}))
     path = Path(path)
@@ -50,12 +51,30 @@ def _study(stem):
     try:
         study = json.loads(files[0].read_text())
         headings, rows = publish.read_csv(files[1])
-        picture = base64.b64encode(files[2].read_bytes()).decode()
+        picture = _data_url(files[2])
     except (OSError, ValueError) as error:
         raise ResultError(stem, f"is incomplete or damaged ({error})", f"make it again: /usr/bin/python3 -m analysis study {stem.name}") from None
     failures = [row[publish.STATUS] for row in rows if row.get(publish.STATUS)]
-    return study | {"headings": headings, "rows": rows, "picture": f"data:image/png;base64,{picture}",
+    return study | {"headings": headings, "rows": rows, "picture": picture,
                     "failures": {reason: failures.count(reason) for reason in dict.fromkeys(failures)}}
+
+
+def _chart(stem):
+    """What was published of a chart of speed against accuracy or a map of stability; None where there is nothing."""
+    if not stem.with_suffix(".json").is_file():
+        return None
+    try:
+        chart = json.loads(stem.with_suffix(".json").read_text())
+        headings, rows = publish.read_csv(stem.with_suffix(".csv"))
+        pictures = [(figure["title"], _data_url(stem.with_name(figure["file"]))) for figure in chart["figures"]]
+    except (OSError, ValueError, KeyError) as error:
+        raise ResultError(stem, f"is incomplete or damaged ({error})", "make it again: /usr/bin/python3 -m analysis charts") from None
+    return chart | {"headings": headings, "rows": rows, "pictures": pictures}
+
+
+def _data_url(picture):
+    """A picture as it stands in the page."""
+    return f"data:image/png;base64,{base64.b64encode(picture.read_bytes()).decode()}"
 
 
 def _points(found):

@@ -39,11 +39,11 @@ def set_engines(full, scene, goals=None):
     reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
     engine.label = "contact_dynamics"  # its name at the console
     scene.watch = Watch(engine)
-    engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True), reset, collider]
+    engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
     if goals is not None:
         scene.load = walls.ForceLoad(goals, lead=O.dt / 2)
         engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
-    O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True)]
+    O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True, label=hooks.WATCHING)]
 
 
 def run(scene):

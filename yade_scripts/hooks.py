@@ -8,6 +8,9 @@ import sys
 from yade import O
 from yade.wrapper import PyRunner
 
+# Labels of the runners that only record: what is left without them is the simulation alone.
+SAMPLING, WATCHING = "sampling", "watching"
+
 _functions = []
 _failure = None
 _awaited = False  # whether `simulate` will raise the failure

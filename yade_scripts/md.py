@@ -65,7 +65,7 @@ def set_engines(full, scene, goals=None):
 
     Samples are taken between the forces, loads included, and the motion, where positions and forces are of one time.
     """
-    observer = hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True)
+    observer = hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING)
     if goals is None:
         loading = [observer]
     elif full["md_walls"] == "servo":

@@ -1,0 +1,109 @@
+"""Which method with which settings for an accuracy, its expected error and cost: from measured rows."""
+
+from pathlib import Path
+
+from analysis import load
+from analysis.charts import choice, table
+from yade_scripts.charts import records, settings
+
+PUBLISHED = Path(__file__).resolve().parent.parent / "published" / "charts" / "work_precision.csv"
+
+
+def rows(scene=None, results=load.RESULTS, published=PUBLISHED):
+    """(rows, where they come from): the published table, or the records of this machine if those are newer."""
+    local = [records.path(name, results) for name in ([scene] if scene else settings.scenes())]
+    local = [path for path in local if path.is_file()]
+    if local and (not published.is_file() or max(path.stat().st_mtime for path in local) > published.stat().st_mtime):
+        found, _ = table.from_records(results, True)
+        return found, str(local[0].parent)
+    if not published.is_file():
+        raise load.ResultError(published, "no such table", "measure the scenes: make charts")
+    return table.from_csv(published), str(published)
+
+
+def of_scene(scene, accuracy, found, source):
+    """The lines of an answer for one scene. ResultError for a scene without measurements, or an accuracy that no setting reaches."""
+    own = [row for row in table.one_size(found) if row["scene"] == scene]
+    if not own:
+        there = ", ".join(dict.fromkeys(row["scene"] for row in found))
+        raise load.ResultError(scene, "no setting of this scene was measured", f"there are {there}; or measure it: "
+                               f"/usr/bin/python3 yade_scripts/charts/run.py --full --only {scene}")
+    best = {method: choice.cheapest([row for row in own if row["method"] == method], accuracy) for method in dict.fromkeys(row["method"] for row in own)}
+    ordered = sorted((row for row in best.values() if row), key=lambda row: row["seconds"])
+    if not ordered:
+        error, row = choice.best_error(own)
+        raise load.ResultError(scene, f"no measured setting reaches an accuracy of {accuracy:g}", f"the best is {error:.2g}, by {row['arguments']} "
+                               f"in {row['seconds']:.2g} s" if row else "all settings failed")
+    lines = [f"{scene}, accuracy {accuracy:g}: {ordered[0]['method']}"]
+    lines += [_line(row, own) for row in ordered]
+    for method, row in best.items():
+        if row is None:
+            error, nearest = choice.best_error([other for other in own if other["method"] == method])
+            lines.append(f"  {method}: not reached; its best is " + (f"{error:.2g} in {nearest['seconds']:.2g} s ({nearest['setting']})" if nearest else "nothing: all failed"))
+    return lines + [f"Run it: yade -n -x yade_scripts/run.py {ordered[0]['arguments']}", f"Measured: {source}"]
+
+
+def _line(row, rows_of_scene):
+    confirmed = choice.finer(row, rows_of_scene)
+    sure = f"{confirmed} finer settings agree" if confirmed > 1 else "one finer setting agrees" if confirmed else "the finest tried, so nothing confirms it"
+    return f"  {row['method']}: {row['series']}, {row['setting']}: expected error {row['error']:.2g}, {row['seconds']:.2g} s for {row['steps']} steps of {row['disks']} disks ({sure})"
+
+
+def by_kind(accuracy, found, source):
+    """The lines of an answer for each kind of scene: one setting for all its scenes."""
+    lines = []
+    for kind, own in _kinds(found).items():
+        chosen = choice.of_kind(own, accuracy)
+        scenes = len({row["scene"] for row in own})
+        lines.append(f"{kind} ({scenes} scene{'s' * (scenes > 1)}), accuracy {accuracy:g}: " + (_first(chosen) or "no setting reaches it"))
+        for method, (series, solved, left) in chosen.items():
+            times = [row["seconds"] for row in solved]
+            lines.append(f"  {method}: {series}, {_common(solved)}: error up to {max(row['error'] for row in solved):.2g}, {_range(times)} s"
+                         + (f"; not {', '.join(left)}" if left else ""))
+    return lines + [f"Measured: {source}"]
+
+
+def _kinds(found):
+    kinds = {}
+    for row in table.one_size(found):
+        kinds.setdefault(row["kind"], []).append(row)
+    return kinds
+
+
+def _first(chosen):
+    """The method to take: the one that solves more scenes, then the faster."""
+    return min(chosen, key=lambda method: (len(chosen[method][2]), sum(row["seconds"] for row in chosen[method][1])), default="")
+
+
+def _common(solved):
+    """The setting, its value where that is the same in all scenes."""
+    values = list(dict.fromkeys(row["setting"] for row in solved))
+    return values[0] if len(values) == 1 else f"{values[0].split('=')[0]} " + " to ".join(
+        f"{value:g}" for value in sorted({float(pick(values, key=lambda v: float(v.split('=')[1])).split("=")[1]) for pick in (min, max)}))
+
+
+def _range(times):
+    low, high = (f"{pick(times):.2g}" for pick in (min, max))
+    return low if low == high else f"{low} to {high}"
+
+
+def readme_table(found, levels=table.LEVELS[:2]):
+    """Markdown: for each kind of scene and accuracy the method to take, its setting, and the times of both."""
+    lines = ["| scenes | accuracy | take | setting | MD [s] | CD [s] |", "| --- | --- | --- | --- | --- | --- |"]
+    for kind, own in _kinds(found).items():
+        for level in levels:
+            chosen = choice.of_kind(own, level)
+            method = _first(chosen)
+            cells = [_cell(chosen.get(name), any(row["method"] == name for row in own)) for name in ("MD", "CD")]
+            setting = f"{chosen[method][0]}, {_common(chosen[method][1])}" if method else ""
+            lines.append(f"| {kind} | {level:g} | {method or 'neither'} | {setting} | {cells[0]} | {cells[1]} |")
+    return lines
+
+
+def _cell(found, meant):
+    if not meant:
+        return ""
+    if found is None:
+        return "not reached"
+    _, solved, left = found
+    return _range([row["seconds"] for row in solved]) + (f" (not {', '.join(left)})" if left else "")

@@ -1,0 +1,96 @@
+"""Measures settings of one scene in one YADE: error and time of computing of each, appended to the scene's records.
+
+    yade -n -x yade_scripts/charts/measure.py --results=results --limit=10 --rows=rows.json
+
+rows.json holds a list of rows. The time is that between the first and the last step's end, without start-up, scene building, preparation and
+output; it is the median of at least three repeats, each of the scene built anew. A run that takes longer than the limit [s] is ended by
+SIGALRM, which ends the process: whoever started it reads in <rows>.begun which row that was, and starts the others in a new one.
+"""
+import json
+import math
+import pathlib
+import signal
+import sys
+import time
+import traceback
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))
+
+from yade import O, config
+
+from analysis.publish import processor
+from analysis.schema import STATUS_FAILED
+from yade_scripts import commits, hooks, parameters, scenes
+from yade_scripts.charts import records
+
+LEAST, MOST = 3, 9     # repeats
+ENOUGH = 0.1           # s: short runs are repeated more often, up to this in all
+PREPARATION = 600      # s a packing may take that is not there yet
+
+
+def measure(row, folder, limit, origin):
+    """The record of a row; `folder` holds results and prepared packings, origin: the record's keys that tell where it comes from."""
+    full = parameters.complete(row)
+    record = {"name": parameters.result_name(full), "scene": full["scene"], "method": full["method"], "row": row, "parameters": full, "limit": limit} | origin
+    seconds, known = [], {}
+    try:
+        while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < ENOUGH):
+            signal.alarm(PREPARATION)
+            scene = scenes.build(full, folder)
+            signal.alarm(limit)
+            seconds.append(run(scene, full))
+            known = {one.name: values(one) for one in scene.known}
+    except Exception as error:
+        if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
+            traceback.print_exception(error)
+        return record | {"status": f"{STATUS_FAILED}{str(error).splitlines()[0] if str(error) else type(error).__name__}", "seconds": seconds}
+    finally:
+        signal.alarm(0)
+    error = records.error(known)
+    return record | {"status": records.status(known), "known": known, "error": error if math.isfinite(error) else None, "seconds": seconds,
+                     "steps": O.iter, "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)} | solver(full)
+
+
+def values(known):
+    """What a record says of a Known."""
+    measured = float(known.measure())
+    return {"measured": measured if math.isfinite(measured) else None, "exact": known.exact, "unit": known.unit,
+            "scale": getattr(known, "scale", abs(known.exact) or 1.0), "source": getattr(known, "source", "")}
+
+
+def solver(full):
+    """What CD's solver did."""
+    if full["method"] != "CD":
+        return {}
+    engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+    return {"sweeps": engine.totalIterations, "unconverged_steps": engine.unconvergedSteps}
+
+
+def run(scene, full):
+    """Run a scene without recording; the time [s] from the start of its first step to the end of its last."""
+    steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
+    def clock(**when):
+        return hooks.runner(lambda: moments.append(time.perf_counter()), **when)
+    if scene.law is not None:
+        scene.law.traceEnergy = False
+    O.engines = ([clock(nDo=1, initRun=True, iterPeriod=1)] + [engine for engine in O.engines if engine.label not in (hooks.SAMPLING, hooks.WATCHING)]
+                 + [clock(iterPeriod=max(1, steps - 1), initRun=steps == 1)])
+    scenes.method(full).run(scene)
+    return moments[-1] - moments[0]
+
+
+def main(arguments):
+    """Measure all rows of the file."""
+    options = dict(argument.lstrip("-").split("=", 1) for argument in arguments)
+    rows, limit, folder = pathlib.Path(options["rows"]), int(options["limit"]), options["results"]
+    origin = {"git_commit": commits.git_commit(), "yade_version": config.version, "processor": processor()}
+    for row in json.loads(rows.read_text()):
+        rows.with_suffix(".begun").write_text(json.dumps(row))
+        record = measure(row, folder, limit, origin)
+        records.add(record, folder)
+        print(f"{record['name']}: {record['status']}", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

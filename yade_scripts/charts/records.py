@@ -1,0 +1,66 @@
+"""What is kept of every measured setting: one JSON object a line in results/charts/<scene>.jsonl. Needs no YADE.
+
+A record holds `name` (scene, method, hash of the parameters, as a result file's), `row` and full `parameters`, `status` ('finished' or
+'failed: reason'), `known` {name: {measured, exact, scale, unit, source}}, `error`, `seconds` (of every repeat, inside YADE's loop alone), `steps`,
+`sweeps`, `unconverged_steps`, `disks`, what the scene says of itself, `limit` [s] that each repeat had, and where it comes from: `git_commit`,
+`yade_version`, `processor`. Of several records of one name the last counts.
+"""
+import json
+import math
+import pathlib
+
+from analysis.schema import STATUS_FAILED, STATUS_FINISHED
+
+FOLDER = "charts"
+# Of an error, relative to the known's scale: beyond it nothing of the solution is left.
+DIVERGED = 100.0
+
+
+def path(scene, results):
+    """The file of a scene's records."""
+    return pathlib.Path(results) / FOLDER / f"{scene}.jsonl"
+
+
+def read(scene, results):
+    """{name: record} of a scene; a line cut short by a crash is left out."""
+    found = {}
+    try:
+        lines = path(scene, results).read_text().splitlines()
+    except FileNotFoundError:
+        return found
+    for line in lines:
+        try:
+            record = json.loads(line)
+        except ValueError:
+            continue
+        found[record["name"]] = record
+    return found
+
+
+def add(record, results):
+    """Append a record."""
+    target = path(record["scene"], results)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with open(target, "a") as file:
+        file.write(json.dumps(record, allow_nan=False) + "\n")
+
+
+def error(known):
+    """Largest relative error |measured - exact|/scale of a record's knowns; NaN where one was not measured."""
+    return max((math.nan if one["measured"] is None else abs(one["measured"] - one["exact"]) / one["scale"] for one in known.values()),
+               key=lambda value: math.inf if math.isnan(value) else value, default=math.nan)
+
+
+def status(known):
+    """'finished', or why the measured values are no solution."""
+    lost = [name for name, one in known.items() if one["measured"] is None]
+    if lost:
+        return f"{STATUS_FAILED}{lost[0]} is not a number"
+    if error(known) > DIVERGED:
+        return f"{STATUS_FAILED}diverged"
+    return STATUS_FINISHED
+
+
+def done(record, limit):
+    """Whether a setting needs no run: it has ended, and not for want of time that there would be now."""
+    return record is not None and (record["status"] == STATUS_FINISHED or record.get("out_of_time", False) is False or record["limit"] >= limit)

@@ -1,0 +1,116 @@
+"""Which settings the charts of speed against accuracy try: per scene, series of rows from coarse to fine. Needs no YADE.
+
+A series varies one thing about the scene's own defaults and keeps the rest. The time that an MD step may take shrinks with the root of the
+stiffness, so the series of stiffness costs more and more; damping costs nothing, and its series goes nowhere.
+"""
+from dataclasses import dataclass, field
+
+from yade_scripts import parameters
+
+# Scenes that have no chart: no exact value (biaxial, frozen_packing), or one that is about the number of sweeps itself (chain).
+WITHOUT = ("biaxial", "frozen_packing", "chain")
+# What is no setting in a scene, since the exact answer depends on it: in MD damping is the restitution.
+PHYSICS = {"bounce": ("beta_n",), "two_grain_path": ("stiffening", "beta_n")}
+# Scenes in which disks roll on or around each other under load, so that the tangential law can matter.
+ROLLING = ("two_grain_path",)
+# Where one method has no meaning.
+ONLY = {"two_grain_path": ("MD",)}
+# Scenes for the cost against the number of disks: numbers tried.
+SIZES = {"stack": (4, 16, 64, 256), "loaded_box": (25, 100, 400, 1600, 6400)}
+SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every size
+
+
+@dataclass(frozen=True)
+class Series:
+    """Rows of one method from coarse to fine; `every` second one in a quick chart.
+
+    costlier: a finer row takes longer, so none is tried behind one that ran out of time.
+    """
+    name: str
+    method: str
+    parameter: str
+    values: tuple
+    fixed: dict = field(default_factory=dict)
+    relative: bool = False  # values are multiples of the scene's own
+    costlier: bool = True
+
+    def rows(self, scene, quick):
+        """The rows for a scene, each {parameter: value} with its method."""
+        own = parameters.complete({"scene": scene} | self.fixed)[self.parameter] if self.relative else 1
+        values = self.values[::-1][::2][::-1] if quick else self.values
+        return [{"scene": scene, "method": self.method} | self.fixed | {self.parameter: value * own if self.relative else value}
+                for value in values]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One row of a series: rank 0 is the coarsest; size: number of disks where that is varied, else 0."""
+    series: str
+    rank: int
+    row: tuple
+    size: int = 0
+    costlier: bool = True
+
+    @property
+    def full(self):
+        """All parameters."""
+        return parameters.complete(dict(self.row))
+
+    @property
+    def name(self):
+        """That of the record: scene, method and hash, as for a result file."""
+        return parameters.result_name(self.full)
+
+
+STEPS = (0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01)
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+
+def _solvers():
+    """Names of the contact solvers; those known when the engine is not built."""
+    try:
+        from cd_engine import core
+        return core.methods()
+    except ImportError:
+        return ["nsgs", "accelerated"]
+
+
+def series(scene):
+    """The series of a scene."""
+    found = [
+        Series("MD step", "MD", "md_dt_factor", STEPS),
+        Series("MD stiffness", "MD", "stiffening", (1.0, 10.0, 100.0, 1000.0, 10000.0)),
+        Series("MD stiffness, fine step", "MD", "stiffening", (1.0, 10.0, 100.0, 1000.0), {"md_dt_factor": 0.05}),
+        Series("MD damping", "MD", "beta_n", (0.0, 0.05, 0.1, 0.3, 0.9), costlier=False),
+        *(Series(f"MD law {law}", "MD", "md_dt_factor", STEPS, {"tangential_law": law}) for law in ("avoid_ratcheting", "path_independent")
+          if scene in ROLLING),
+        Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True),
+        *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver}) for solver in _solvers()),
+        Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
+    ]
+    methods, physics = ONLY.get(scene, ("MD", "CD")), PHYSICS.get(scene, ())
+    return [one for one in found if one.method in methods and one.parameter not in physics]
+
+
+def scenes():
+    """The scenes that have a chart."""
+    return [name for name in parameters.SCENES if name not in WITHOUT]
+
+
+def of_scene(scene, quick):
+    """Its settings in the order in which they are run: the coarse ones of all series first."""
+    found = [Setting(one.name, rank, tuple(row.items()), 0, one.costlier)
+             for one in series(scene) for rank, row in enumerate(one.rows(scene, quick))]
+    return sorted(found, key=lambda setting: setting.rank)
+
+
+def of_sizes(scene, quick):
+    """Its settings at several numbers of disks, small ones first."""
+    sizes = SIZES.get(scene, ())
+    return [Setting(one.name, rank, tuple((row | {"disks": size}).items()), size, one.costlier)
+            for size in (sizes[:-1] if quick else sizes) for one in series(scene) if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
+
+
+def everything(scene, quick):
+    """All settings that a scene is run with."""
+    return of_scene(scene, quick) + of_sizes(scene, quick)
