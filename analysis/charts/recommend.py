@@ -9,9 +9,10 @@ from yade_scripts.charts import records, settings
 PUBLISHED = Path(__file__).resolve().parent.parent / "published" / "charts" / "work_precision.csv"
 
 
-def rows(scene=None, results=load.RESULTS, published=PUBLISHED):
+def rows(scene=None, results=load.RESULTS):
     """(rows, where they come from): the published table, or the records of this machine if those are newer."""
-    local = [records.path(name, results) for name in ([scene] if scene else settings.scenes())]
+    published = PUBLISHED
+    local = [records.path(name, results) for name in ([scene] if scene else settings.charted())]
     local = [path for path in local if path.is_file()]
     if local and (not published.is_file() or max(path.stat().st_mtime for path in local) > published.stat().st_mtime):
         found, _ = table.from_records(results, True)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from analysis import load, publish
 from analysis.charts import kinds
-from yade_scripts import parameters
+from yade_scripts import scenes
 from yade_scripts.charts import records, settings
 
 WHOLE, REAL = ("size", "rank", "repeats", "steps", "sweeps", "unconverged_steps", "disks"), ("error", "seconds", "fastest", "slowest")
@@ -21,7 +21,7 @@ FINISHED = "finished"
 def from_records(results, full):
     """(rows, records) of all scenes, in the order of the settings; ResultError where nothing was measured."""
     rows, used = [], {}
-    for scene in settings.scenes():
+    for scene in settings.charted():
         found = records.read(scene, results)
         for setting in settings.everything(scene, not full):
             if setting.name in found:
@@ -83,4 +83,4 @@ def by_series(rows):
 
 def title(scene):
     """What a scene is, in a few words."""
-    return parameters.SCENE_TITLES.get(scene, scene) if hasattr(parameters, "SCENE_TITLES") else scene
+    return scenes.module(scene).TITLE

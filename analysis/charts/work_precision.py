@@ -7,6 +7,7 @@ import numpy as np
 from analysis import publish as tables
 from analysis.charts import choice, look, origin, table
 from analysis.style import plt
+from yade_scripts import scenes
 
 TITLE = "Speed against accuracy, scene by scene"
 QUESTION = ("How long has each method to compute for a given accuracy? Every scene has an exact or converged answer; the error is the largest of all that is "
@@ -41,8 +42,7 @@ def draw(rows, records, path):
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="series, coarse to fine")
     scene, worst = rows[0]["scene"], ", ".join(sorted({row["worst"] for row in rows if row["worst"]}))
     axes.set_title(table.title(scene))
-    horizon = next((record["horizon"] for record in records if record.get("horizon")), "")
-    note = f"Error: the largest of {worst}. {horizon}\nHollow: steps missed their tolerance. Zero is drawn at {FLOOR:g}."
+    note = f"Error: the largest of {worst}. Horizon: {scenes.module(scene).HORIZON}\nHollow: steps missed their tolerance. Zero is drawn at {FLOOR:g}."
     origin.finish(fig, path, note, [record for record in records if record["parameters"]["disks"] == records[0]["parameters"]["disks"]], 0.1)
 
 

@@ -22,7 +22,7 @@ from yade import O, config
 from analysis.publish import processor
 from analysis.schema import STATUS_FAILED
 from yade_scripts import commits, hooks, parameters, scenes
-from yade_scripts.charts import records
+from yade_scripts.charts import records, settings
 
 LEAST, MOST = 3, 9     # repeats
 ENOUGH = 0.1           # s: short runs are repeated more often, up to this in all
@@ -40,7 +40,7 @@ def measure(row, folder, limit, origin):
             scene = scenes.build(full, folder)
             signal.alarm(limit)
             seconds.append(run(scene, full))
-            known = {one.name: values(one) for one in scene.known}
+            known = {one.name: values(one, full["scene"]) for one in scene.known}
     except Exception as error:
         if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
             traceback.print_exception(error)
@@ -52,11 +52,11 @@ def measure(row, folder, limit, origin):
                      "steps": O.iter, "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)} | solver(full)
 
 
-def values(known):
+def values(known, scene):
     """What a record says of a Known."""
     measured = float(known.measure())
-    return {"measured": measured if math.isfinite(measured) else None, "exact": known.exact, "unit": known.unit,
-            "scale": getattr(known, "scale", abs(known.exact) or 1.0), "source": getattr(known, "source", "")}
+    return {"measured": measured if math.isfinite(measured) else None, "exact": settings.EXACT.get(scene, {}).get(known.name, known.exact),
+            "unit": known.unit, "scale": known.scale, "source": known.source}
 
 
 def solver(full):

@@ -136,12 +136,12 @@ def _options(arguments):
 def main(arguments=None):
     """Command line."""
     options = _options(arguments)
-    unknown = [scene for scene in options.only or () if scene not in settings.scenes()]
+    unknown = [scene for scene in options.only or () if scene not in settings.charted()]
     if unknown:
-        print(f"charts: there is no chart of {', '.join(unknown)}; there are {', '.join(settings.scenes())}", file=sys.stderr)
+        print(f"charts: there is no chart of {', '.join(unknown)}; there are {', '.join(settings.charted())}", file=sys.stderr)
         return 2
     limit = LIMIT["full" if options.full else "quick"]
-    works = [Work(scene, settings.everything(scene, options.quick), options.results, limit) for scene in options.only or settings.scenes()]
+    works = [Work(scene, settings.everything(scene, options.quick), options.results, limit) for scene in options.only or settings.charted()]
     work_off(works, max(1, options.jobs))
     trouble = [f"{work.scene}: {work.trouble}" for work in works if work.trouble]
     for line in trouble:

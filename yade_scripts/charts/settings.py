@@ -5,7 +5,7 @@ stiffness, so the series of stiffness costs more and more; damping costs nothing
 """
 from dataclasses import dataclass, field
 
-from yade_scripts import parameters
+from yade_scripts import parameters, scenes
 
 # Scenes that have no chart: no exact value (biaxial, frozen_packing), or one that is about the number of sweeps itself (chain).
 WITHOUT = ("biaxial", "frozen_packing", "chain")
@@ -13,8 +13,8 @@ WITHOUT = ("biaxial", "frozen_packing", "chain")
 PHYSICS = {"bounce": ("beta_n",), "two_grain_path": ("stiffening", "beta_n")}
 # Scenes in which disks roll on or around each other under load, so that the tangential law can matter.
 ROLLING = ("two_grain_path",)
-# Where one method has no meaning.
-ONLY = {"two_grain_path": ("MD",)}
+# Of a scene that holds each law against its own theory: what springs without a memory leave.
+EXACT = {"two_grain_path": {"left_force": 0.0, "loop_work": 0.0}}
 # Scenes for the cost against the number of disks: numbers tried.
 SIZES = {"stack": (4, 16, 64, 256), "loaded_box": (25, 100, 400, 1600, 6400)}
 SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every size
@@ -88,13 +88,13 @@ def series(scene):
         *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver}) for solver in _solvers()),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
     ]
-    methods, physics = ONLY.get(scene, ("MD", "CD")), PHYSICS.get(scene, ())
-    return [one for one in found if one.method in methods and one.parameter not in physics]
+    physics = PHYSICS.get(scene, ())
+    return [one for one in found if one.method in scenes.module(scene).METHODS and one.parameter not in physics]
 
 
-def scenes():
+def charted():
     """The scenes that have a chart."""
-    return [name for name in parameters.SCENES if name not in WITHOUT]
+    return [name for name in scenes.names() if name not in WITHOUT]
 
 
 def of_scene(scene, quick):
