@@ -21,7 +21,7 @@ def publish(results, folder, full):
     if not rows:
         raise load.ResultError(results, "no scene was measured at several sizes", "measure them: make charts")
     found, scenes = costs(rows), {row["scene"] for row in rows}
-    used = [record for record in records if record["scene"] in scenes and "disks" in record["row"]]
+    used = [record for record in records.values() if record["scene"] in scenes and "disks" in record["row"]]
     Path(folder).mkdir(parents=True, exist_ok=True)
     tables.write_csv(Path(folder) / "cost_against_size.csv", found)
     draw(found, used, Path(folder) / "cost_against_size.png")
@@ -66,10 +66,11 @@ def draw(found, records, path):
             kind = look.of(series)
             axes.loglog([row["disks"] for row in solved], [row["seconds"] for row in solved], label=f"{series}, N^{power(own):.2g}" if len(solved) > 1 else series, **kind)
             missed = [row["disks"] for row in own if not row["seconds"]]
-            axes.plot(missed, [1 - 0.03 * number] * len(missed), "x", color=kind["color"], transform=axes.get_xaxis_transform(), clip_on=False)
+            if missed:
+                axes.plot(missed, [1 - 0.03 * number] * len(missed), "x", color=kind["color"], transform=axes.get_xaxis_transform(), clip_on=False)
         axes.set(xlabel="disks", title=table.title(scene))
         axes.grid(alpha=0.25, linewidth=0.5)
-        axes.legend(loc="upper left").set_in_layout(False)
+        axes.legend(loc="upper left")
     panels[0][0].set_ylabel("time of computing [s]")
     origin.finish(fig, path, f"Cheapest setting of each series within an error of {LEVEL:g}; crosses: none is.", records, 0.08)
 

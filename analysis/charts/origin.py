@@ -38,7 +38,7 @@ def finish(fig, path, note, records, foot):
     failed = sum(record["status"] != "finished" for record in records)
     line = (f"{len(records)} settings, {failed} of them failed, {sum(len(record.get('seconds') or ()) for record in records)} runs, {code}, "
             f"{', '.join(sorted({record['processor'] for record in records}))}")
-    fig.tight_layout(rect=(0, foot, 1, 1))
+    fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.012, f"{note}\n{line}", ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 2000 / fig.get_figwidth()),

@@ -26,7 +26,7 @@ def publish(results, folder, full):
     Path(folder).mkdir(parents=True, exist_ok=True)
     tables.write_csv(Path(folder) / "profile.csv", found)
     shared = {row["scene"] for row in found}
-    used = [record for record in records if record["scene"] in shared]
+    used = [record for record in records.values() if record["scene"] in shared]
     draw(found, used, Path(folder) / "profile.png")
     origin.write("profile", folder, {"title": TITLE, "question": QUESTION, "answer": answer(found), "figures": [{"file": "profile.png", "title": TITLE}]}, used, full)
 

@@ -1,6 +1,6 @@
 """The measured settings as rows: of the records of this machine, or of a published table.
 
-A row: status (empty if finished), scene, kind, size (disks where that is varied, else 0), method, series, rank in it (0 the coarsest), setting,
+A row: name (of its record), status (empty if finished), scene, kind, size (disks where that is varied, else 0), method, series, rank in it (0 the coarsest), setting,
 arguments (of yade_scripts/run.py), error, worst (the known that has it), seconds (median of the repeats), fastest, slowest, repeats, steps, sweeps,
 unconverged_steps, disks. Numbers that a failed setting lacks are None.
 """
@@ -19,7 +19,7 @@ FINISHED = "finished"
 
 
 def from_records(results, full):
-    """(rows, records) of all scenes, in the order of the settings; ResultError where nothing was measured."""
+    """(rows, {name: record}) of all scenes, in the order of the settings; ResultError where nothing was measured."""
     rows, used = [], {}
     for scene in settings.charted():
         found = records.read(scene, results)
@@ -29,14 +29,14 @@ def from_records(results, full):
                 rows.append(_row(setting, found[setting.name]))
     if not rows:
         raise load.ResultError(Path(results) / records.FOLDER, "holds no measured setting", "measure some: make charts")
-    return rows, list(used.values())
+    return rows, used
 
 
 def _row(setting, record):
     row = dict(setting.row)
     known = record.get("known") or {}
     seconds = record["seconds"] if record["status"] == FINISHED else []
-    return {"status": "" if record["status"] == FINISHED else record["status"], "scene": row["scene"], "kind": kinds.of(row["scene"]), "size": setting.size,
+    return {"name": setting.name, "status": "" if record["status"] == FINISHED else record["status"], "scene": row["scene"], "kind": kinds.of(row["scene"]), "size": setting.size,
             "method": row["method"], "series": setting.series, "rank": setting.rank, "setting": _setting(setting), "arguments": _arguments(row),
             "error": record.get("error"), "worst": _worst(known), "seconds": statistics.median(seconds) if seconds else None,
             "fastest": min(seconds, default=None), "slowest": max(seconds, default=None), "repeats": len(seconds), "steps": record.get("steps"),

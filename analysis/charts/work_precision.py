@@ -20,60 +20,69 @@ def publish(results, folder, full):
     rows, records = table.from_records(results, full)
     Path(folder).mkdir(parents=True, exist_ok=True)
     tables.write_csv(Path(folder) / "work_precision.csv", rows)
-    figures, by_name = [], {}
-    for record in records:
-        by_name.setdefault(record["scene"], []).append(record)
+    figures = []
     for scene in dict.fromkeys(row["scene"] for row in table.one_size(rows)):
         file = f"work_precision-{scene}.png"
         own = [row for row in table.one_size(rows) if row["scene"] == scene]
-        draw(own, by_name[scene], Path(folder) / file)
+        draw(own, list({row["name"]: records[row["name"]] for row in own}.values()), Path(folder) / file)
         figures.append({"file": file, "title": table.title(scene)})
-    origin.write("work_precision", folder, {"title": TITLE, "question": QUESTION, "answer": answer(table.one_size(rows)), "figures": figures}, records, full)
+    origin.write("work_precision", folder, {"title": TITLE, "question": QUESTION, "answer": answer(table.one_size(rows)), "figures": figures}, list(records.values()), full)
 
 
 def draw(rows, records, path):
-    """The chart of one scene."""
-    fig, axes = plt.subplots(figsize=(8.2, 5.2))
+    """The chart of one scene: failures in a strip of their own above the errors."""
+    failed = table.by_series([row for row in rows if row["status"]])
+    fig, (strip, axes) = plt.subplots(2, 1, figsize=(8.2, 5.2 + 0.16 * len(failed)), sharex=True,
+                                      gridspec_kw={"height_ratios": (0.16 * len(failed) + 0.01, 4)})
     axes.set(xscale="log", yscale="log", xlabel="time of computing [s], median of the repeats; bar: fastest to slowest", ylabel="relative error")
+    labels = []
     for series, own in table.by_series(rows).items():
-        _draw_series(axes, series, [row for row in own if not row["status"]])
-    _draw_failures(axes, rows)
+        _draw_series(axes, series, [row for row in own if not row["status"]], labels)
     axes.grid(alpha=0.25, linewidth=0.5)
+    _write_labels(axes, labels)
+    _draw_failures(strip, failed, max((row["seconds"] for row in rows if row["seconds"]), default=1.0))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="series, coarse to fine")
     scene, worst = rows[0]["scene"], ", ".join(sorted({row["worst"] for row in rows if row["worst"]}))
-    axes.set_title(table.title(scene))
+    strip.set_title(table.title(scene))
     note = f"Error: the largest of {worst}. Horizon: {scenes.module(scene).HORIZON}\nHollow: steps missed their tolerance. Zero is drawn at {FLOOR:g}."
-    origin.finish(fig, path, note, [record for record in records if record["parameters"]["disks"] == records[0]["parameters"]["disks"]], 0.1)
+    origin.finish(fig, path, note, records, 0.1)
 
 
-def _draw_series(axes, series, rows):
+def _draw_series(axes, series, rows, labels):
     """One line; the ends of it say their setting."""
     if not rows:
         return
     seconds, errors = [row["seconds"] for row in rows], [max(row["error"], FLOOR) for row in rows]
     kind = look.of(series)
-    joined = {} if series not in choice.NO_LADDER else {"linestyle": "none"}
-    axes.plot(seconds, errors, label=series, linewidth=1, alpha=0.9, fillstyle="full", **(kind | joined))
+    joined = {"linestyle": "none"} if series in choice.NO_LADDER else {}
+    axes.plot(seconds, errors, label=series, linewidth=1, alpha=0.9, **(kind | joined))
     for row, x, y in zip(rows, seconds, errors):
         axes.plot([row["fastest"], row["slowest"]], [y, y], color=kind["color"], linewidth=0.6, alpha=0.6)
         if row["unconverged_steps"]:
             axes.plot(x, y, marker=kind["marker"], color=kind["color"], markerfacecolor="white", markersize=5)
-    for k in sorted({0, len(rows) - 1}):
-        axes.annotate(rows[k]["setting"].split("=")[1], (seconds[k], errors[k]), textcoords="offset points", xytext=(4, 4), fontsize=6.5, color=kind["color"])
+    labels += [(rows[k]["setting"].split("=")[1], (seconds[k], errors[k]), kind["color"]) for k in sorted({0, len(rows) - 1})]
 
 
-def _draw_failures(axes, rows):
-    """A cross above the chart for each failed setting, where the series would go on."""
-    failed = [row for row in rows if row["status"]]
-    if not failed:
-        return
-    slowest = max((row["seconds"] for row in rows if row["seconds"]), default=1.0)
-    for number, (series, own) in enumerate(table.by_series(failed).items()):
-        places = slowest * 2 * np.geomspace(1, 2, len(own))
-        axes.plot(places, [1 - 0.035 * number] * len(own), "x", color=look.of(series)["color"], transform=axes.get_xaxis_transform(), clip_on=False)
-        reasons = sorted({row["status"].removeprefix("failed: ").split(":")[0] for row in own})
-        axes.annotate(f"{series}, {len(own)} failed: {'; '.join(reasons)}"[:70], (places[0], 1 - 0.035 * number), xycoords=axes.get_xaxis_transform(), fontsize=6,
-                      xytext=(-6, 0), textcoords="offset points", ha="right", va="center", color=look.of(series)["color"])
+def _write_labels(axes, labels):
+    """The labels that have room: none within a twentieth of the axes of one written before."""
+    written = []
+    for text, place, colour in labels:
+        spot = axes.transAxes.inverted().transform(axes.transData.transform(place))
+        if all(np.abs(spot - other).max() > 0.05 for other in written):
+            written.append(spot)
+            axes.annotate(text, place, textcoords="offset points", xytext=(4, 4), fontsize=6.5, color=colour)
+
+
+def _draw_failures(strip, failed, slowest):
+    """A line a series: its reasons, and a cross for each setting, where the series would go on."""
+    strip.set(ylim=(len(failed), -0.5))
+    strip.axis("off")
+    for number, (series, own) in enumerate(failed.items()):
+        colour, places = look.of(series)["color"], slowest * np.geomspace(1, 1.5, len(own))
+        strip.plot(places, [number] * len(own), "x", color=colour, markersize=5, clip_on=False)
+        reasons = "; ".join(sorted({row["status"].removeprefix("failed: ") for row in own}))
+        strip.annotate(f"{series}, {len(own)} failed: {reasons}"[:110], (places[0], number), fontsize=6.5, xytext=(-6, 0), textcoords="offset points",
+                       ha="right", va="center", color=colour)
 
 
 def answer(rows):

@@ -21,7 +21,7 @@ def rows(series, errors, seconds=None, scene="stack", size=0):
     made = []
     for rank, error in enumerate(errors):
         lost = isinstance(error, str)
-        made.append({"status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest", "size": size, "method": series[:2], "series": series,
+        made.append({"name": f"{scene}-{series}-{rank}", "status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest", "size": size, "method": series[:2], "series": series,
                      "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} rank={rank}", "error": None if lost else error,
                      "worst": "" if lost else "force", "seconds": None if lost else (seconds or [0.1 * 2**rank] * 99)[rank] if seconds else 0.1 * 2**rank,
                      "fastest": None if lost else 0.1, "slowest": None if lost else 0.2, "repeats": 3, "steps": 10, "sweeps": 5, "unconverged_steps": 0, "disks": 4})
