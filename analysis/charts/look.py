@@ -4,7 +4,7 @@
 STYLES = {
     "MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiffness, fine step": ("#009E73", "D"), "MD damping": ("#1A1A1A", "*"),
     "MD law avoid_ratcheting": ("#009E73", "<"), "MD law path_independent": ("#1A1A1A", ">"),
-    "CD step": ("#E69F00", "^"), "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"),
+    "CD step": ("#E69F00", "^"), "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#000000", "X"),
 }
 SPARE = (("#7F7F7F", "h"), ("#4B0082", "8"), ("#556B2F", "d"))  # series of solvers that came later
 ENVELOPE = {"MD": "#0072B2", "CD": "#D55E00"}

@@ -19,7 +19,7 @@ def test_settings_are_legal_rows_from_coarse_to_fine(scene):
     for series in settings.series(scene):
         assert len(set(series.values)) == len(series.values) > 1
         finer = series.values[0] > series.values[-1]  # steps and tolerances fall; sweeps, stiffness and damping rise
-        assert finer == (series.parameter in ("md_dt_factor", "cd_dt", "tolerance"))
+        assert finer == (series.parameter in ("md_dt_factor", "cd_dt", "tolerance", "accuracy"))
 
 
 def test_the_quick_chart_keeps_the_finest_setting_and_every_second_one():

@@ -11,7 +11,6 @@ import math
 import pathlib
 import signal
 import sys
-import time
 import traceback
 
 if __name__ == "__main__":
@@ -21,7 +20,7 @@ from yade import O, config
 
 from analysis.publish import processor
 from analysis.schema import STATUS_FAILED
-from yade_scripts import commits, hooks, parameters, scenes
+from yade_scripts import accuracy, bare_run, commits, parameters, scenes
 from yade_scripts.charts import records, settings
 
 LEAST, MOST = 3, 9     # repeats
@@ -31,15 +30,22 @@ PREPARATION = 600      # s a packing may take that is not there yet
 
 def measure(row, folder, limit, origin):
     """The record of a row; `folder` holds results and prepared packings, origin: the record's keys that tell where it comes from."""
-    full = parameters.complete(row)
-    record = {"name": parameters.result_name(full), "scene": full["scene"], "method": full["method"], "row": row, "parameters": full, "limit": limit} | origin
+    own, asked = settings.split(row)
+    full = parameters.complete(own)
+    record = {"name": settings.name(row), "scene": full["scene"], "method": full["method"], "row": row, "parameters": full, "limit": limit} | origin
     seconds, known = [], {}
     try:
         while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < ENOUGH):
             signal.alarm(PREPARATION)
             scene = scenes.build(full, folder)
             signal.alarm(limit)
-            seconds.append(run(scene, full))
+            if asked:
+                levels = accuracy.search(own, asked, accuracy.run_in_yade(folder))
+                scene = levels[-1][0].scene
+                record |= {"levels": len(levels), "estimate": levels[-1][1]}
+                seconds.append(sum(level.seconds for level, _ in levels))
+            else:
+                seconds.append(bare_run.run(scene, full))
             known = {one.name: values(one, full["scene"]) for one in scene.known}
     except Exception as error:
         if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
@@ -60,24 +66,11 @@ def values(known, scene):
 
 
 def solver(full):
-    """What CD's solver did."""
+    """What CD's solver did in the run, the last one of a search."""
     if full["method"] != "CD":
         return {}
-    engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+    engine = bare_run.contact_dynamics()
     return {"sweeps": engine.totalIterations, "unconverged_steps": engine.unconvergedSteps}
-
-
-def run(scene, full):
-    """Run a scene without recording; the time [s] from the start of its first step to the end of its last."""
-    steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
-    def clock(**when):
-        return hooks.runner(lambda: moments.append(time.perf_counter()), **when)
-    if scene.law is not None:
-        scene.law.traceEnergy = False
-    O.engines = ([clock(nDo=1, initRun=True, iterPeriod=1)] + [engine for engine in O.engines if engine.label not in (hooks.SAMPLING, hooks.WATCHING)]
-                 + [clock(iterPeriod=max(1, steps - 1), initRun=steps == 1)])
-    scenes.method(full).run(scene)
-    return moments[-1] - moments[0]
 
 
 def main(arguments):

@@ -20,6 +20,9 @@ SIZES = {"stack": (4, 16, 64, 256), "loaded_box": (25, 100, 400, 1600, 6400)}
 SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every size
 
 
+ACCURACY = "accuracy"  # yade_scripts/accuracy.py instead of run.py
+
+
 @dataclass(frozen=True)
 class Series:
     """Rows of one method from coarse to fine; `every` second one in a quick chart.
@@ -36,7 +39,7 @@ class Series:
 
     def rows(self, scene, quick):
         """The rows for a scene, each {parameter: value} with its method."""
-        own = parameters.complete({"scene": scene} | self.fixed)[self.parameter] if self.relative else 1
+        own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
         values = self.values[::-1][::2][::-1] if quick else self.values
         return [{"scene": scene, "method": self.method} | self.fixed | {self.parameter: value * own if self.relative else value}
                 for value in values]
@@ -54,12 +57,24 @@ class Setting:
     @property
     def full(self):
         """All parameters."""
-        return parameters.complete(dict(self.row))
+        return parameters.complete(split(dict(self.row))[0])
 
     @property
     def name(self):
-        """That of the record: scene, method and hash, as for a result file."""
-        return parameters.result_name(self.full)
+        """That of the record."""
+        return name(dict(self.row))
+
+
+def split(row):
+    """(the row of parameters, the accuracy asked for or None): rows of the series that asks for one have it as a value."""
+    own = {name: value for name, value in row.items() if name != ACCURACY}
+    return own, row.get(ACCURACY)
+
+
+def name(row):
+    """Of a record: scene, method and hash, as of a result file, and the accuracy where one is asked for."""
+    own, asked = split(row)
+    return parameters.result_name(parameters.complete(own)) + (f"-{ACCURACY}-{asked:g}" if asked else "")
 
 
 STEPS = (0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01)
@@ -86,6 +101,7 @@ def series(scene):
           if scene in ROLLING),
         Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True),
         *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver}) for solver in _solvers()),
+        Series("CD accuracy", "CD", ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
     ]
     physics = PHYSICS.get(scene, ())

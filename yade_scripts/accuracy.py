@@ -1,0 +1,146 @@
+"""CD to an accuracy that is asked for, instead of time step and tolerance: refines both until the answer stands still.
+
+    yade -n -x yade_scripts/accuracy.py accuracy=1e-3 scene=slide_to_roll [name=value ...]
+
+The row is run at its own cd_dt with a tolerance of a tenth of the accuracy, then with half the step and a tenth of the tolerance, and so on. The
+error of a level is estimated by the largest of
+    the change of what the scene measures since the level before, over its scale (for loaded walls without such numbers: of the strains); the
+    scheme is of first order, so what is left is about as much as the last change;
+    the largest overlap that rigid disks should not have, over the mean radius.
+A level does not count while steps miss their tolerance, or disks move by more than a radius in a step: two coarse levels can agree on an event
+that both have stepped over. The first level within the accuracy is accepted, and run once more to write its result file. All levels together cost
+about twice the last.
+
+For springs there is no such estimate: a smaller step does not show the error of their stiffness. `analysis recommend` tells what they reach.
+"""
+import math
+import pathlib
+import sys
+from dataclasses import dataclass
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+
+from yade_scripts import parameters
+
+SHARE = 0.1              # of the accuracy: tolerance of the first level
+STEP, TOLERANCE = 0.5, 0.1   # from level to level
+SMALLEST = 1e-10         # tolerance; some steps stagnate near 1e-9 to 1e-12
+LEVELS = 12
+MOTION = 1.0             # radii a step
+LOW = 1e-8
+
+
+class AccuracyError(RuntimeError):
+    """No level reaches the accuracy; the message says how far the last one came."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """One run. values: what was measured, {name: number over its scale}; penetration [mean radii], motion: largest way of a disk in a step [radii];
+    scene: as it stands in O, until the next one is built."""
+    row: dict
+    values: dict
+    penetration: float
+    motion: float
+    missed_steps: int
+    seconds: float
+    scene: object = None
+
+
+def refined(row, accuracy, level):
+    """The row of a level, 0 the coarsest."""
+    tolerance = max(SHARE * accuracy * TOLERANCE**level, SMALLEST)
+    return row | {"cd_dt": parameters.complete(row)["cd_dt"] * STEP**level, "tolerance": tolerance}
+
+
+def estimate(coarse, fine):
+    """The estimated error of `fine`, inf where it cannot be told."""
+    if coarse is None or _untold(fine):
+        return math.inf
+    changes = [abs(value - coarse.values[name]) for name, value in fine.values.items()]
+    error = max([fine.penetration, *changes], key=lambda value: math.inf if math.isnan(value) else value)
+    return error if math.isfinite(error) else math.inf
+
+
+def search(row, accuracy, run):
+    """[(Level, estimated error)] from coarse to the first that is within `accuracy`; run(row) -> Level. AccuracyError if none is."""
+    found = []
+    for level in range(LEVELS):
+        found.append((fine := run(refined(row, accuracy, level)), estimate(found[-1][0] if found else None, fine)))
+        if found[-1][1] <= accuracy:
+            return found
+    last, error = found[-1]
+    why = _untold(last) or f"its error is about {error:.2g}"
+    raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: {why}; ask for less, or "
+                        "for a number that does not hang on every detail of the motion")
+
+
+def _untold(level):
+    """Why the error of a level cannot be told, '' if it can."""
+    if level.missed_steps:
+        return f"{level.missed_steps} steps miss their tolerance"
+    return f"disks move {level.motion:.2g} radii a step" if level.motion > MOTION else ""
+
+
+def check(row, accuracy):
+    """ParameterError where the accuracy cannot be asked for."""
+    full = parameters.complete(row)
+    if full["method"] != "CD" or full["fixed_iterations"]:
+        raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; the error of springs is in their stiffness, which a smaller step does not show")
+    if not (isinstance(accuracy, float) and LOW <= accuracy < 1):
+        raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error")
+
+
+def run_in_yade(folder):
+    """A run(row) -> Level for `search`; `folder` holds the prepared packings."""
+    from yade import O
+
+    from yade_scripts import bare_run, bodies, hooks, scenes, walls
+
+    def run(row):
+        full, moved = parameters.complete(row), [0.0]
+        scene = scenes.build(full, folder)
+        sides = walls.sides() if scene.load else None
+        if not scene.known and not scene.load:
+            raise parameters.ParameterError(f"scene = {full['scene']}: measures nothing whose accuracy could be asked for")
+        disks = bodies.disks()
+
+        def look():
+            moved[0] = max(moved[0], max(b.state.vel.norm() * O.dt / b.shape.radius for b in disks))
+        seconds = bare_run.run(scene, full, hooks.runner(look, iterPeriod=max(1, scene.every * scene.samples // 20), initRun=True))
+        look()  # the last step, too
+        engine = bare_run.contact_dynamics()
+        values = {known.name: known.measure() / known.scale for known in scene.known}
+        if not values:
+            values = {f"strain{k}": now / before - 1 for k, (now, before) in enumerate(zip(walls.sides(), sides), 1)}
+        return Level(row, values, engine.maxPenetration / full["radius_mean"], moved[0], engine.unconvergedSteps, seconds, scene)
+    return run
+
+
+def main(arguments):
+    """Command line: accuracy=..., then name=value as for run.py."""
+    from yade_scripts import results, run
+    asked = [argument for argument in arguments if argument.startswith("accuracy=")]
+    try:
+        row = {"method": "CD"} | parameters.from_arguments([argument for argument in arguments if argument not in asked])
+        try:
+            accuracy = float(asked[-1].partition("=")[2])
+        except (IndexError, ValueError):
+            raise parameters.ParameterError("accuracy=...: a relative error such as accuracy=1e-3 has to be given") from None
+        check(row, accuracy)
+        levels = search(row, accuracy, run_in_yade(results.FOLDER))
+    except parameters.ParameterError as error:
+        print(f"accuracy: {error}", file=sys.stderr)
+        return 2
+    except RuntimeError as error:
+        print(f"accuracy: {error}", file=sys.stderr)
+        return 1
+    for level, error in levels:
+        print(f"cd_dt = {level.row['cd_dt']:.3g} s, tolerance = {level.row['tolerance']:.1g}: " + (
+            f"estimated error {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
+    return run.execute(levels[-1][0].row)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
