@@ -1,8 +1,8 @@
 """Kinds of scenes: what a user has at hand, so that what was measured on one tells of another."""
 
 KINDS = {
-    "sliding and rolling": ("incline", "stopping_distance", "slide_to_roll", "groove"),
-    "impacts": ("bounce", "bounce_to_rest", "cradle", "thin_wall"),
+    "sliding and rolling": ("incline", "friction_angle", "stopping_distance", "slide_to_roll", "groove"),
+    "impacts": ("bounce", "zeno", "cradle", "thin_wall"),
     "piles at rest": ("stack", "heavy_on_light", "pyramid", "arch", "loaded_box", "packing_at_rest"),
     "dense packings under load": ("load_step", "yield_ramp"),
     "flow": ("collapse",),
