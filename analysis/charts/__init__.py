@@ -15,7 +15,7 @@ import importlib.util
 from analysis import load
 
 # Of the report.
-ORDER = ("work_precision", "profile", "cost_against_size", "maps_md", "maps_cd", "maps_walls")
+ORDER = ("work_precision", "profile", "cost_against_size", "asked", "maps_md", "maps_cd", "maps_walls")
 FOLDER = "charts"  # below the folder of the studies' figures
 
 
