@@ -4,7 +4,7 @@ KINDS = {
     "sliding and rolling": ("incline", "friction_angle", "stopping_distance", "slide_to_roll", "groove"),
     "impacts": ("bounce", "zeno", "cradle", "thin_wall"),
     "piles at rest": ("stack", "heavy_on_light", "pyramid", "arch", "loaded_box", "packing_at_rest"),
-    "dense packings under load": ("load_step", "yield_ramp"),
+    "dense packings under load": ("elastic_step", "yield_ramp"),
     "flow": ("collapse",),
     "closed paths": ("two_grain_path",),
 }

@@ -22,7 +22,7 @@ from analysis.schema import STATUS_FAILED
 from yade_scripts import commits, results
 from yade_scripts.charts import records, settings
 
-LIMIT = {"quick": 3, "full": 20}  # s a run may take
+LIMIT = {"quick": 2, "full": 8}  # s a run may take
 
 
 class Work:

@@ -12,7 +12,7 @@ WITHOUT = ("biaxial", "frozen_packing", "chain")
 # What is no setting in a scene, since the exact answer depends on it: in MD damping is the restitution.
 PHYSICS = {"bounce": ("beta_n",), "zeno": ("beta_n",), "cradle": ("beta_n",), "thin_wall": ("beta_n",), "two_grain_path": ("stiffening", "beta_n")}
 # Scenes in which disks roll on or around each other under load, so that the tangential law can matter; against walls there is one law.
-ROLLING = ("two_grain_path", "arch", "pyramid", "load_step", "yield_ramp", "collapse")
+ROLLING = ("two_grain_path", "arch", "pyramid", "elastic_step", "yield_ramp", "collapse")
 # Of a scene that holds each law against its own theory: what springs without a memory leave.
 EXACT = {"two_grain_path": {"left_force": 0.0, "loop_work": 0.0}}
 # Scenes for the cost against the number of disks: numbers tried.
