@@ -3,22 +3,40 @@ import time
 
 from yade import O
 
-from yade_scripts import hooks, scenes
+from yade_scripts import hooks, scenes, walls
 
 
 def run(scene, full, *also):
-    """Run a scene that stands in O; the time [s] from the start of its first step to the end of its last. also: further engines, in front."""
+    """Run a scene that stands in O; the time [s] from the start of its first step to the end of its last. also: further engines, in front.
+
+    A loaded sample ends where it collapses, as a recorded one does.
+    """
     steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
 
-    def clock(**when):
-        return hooks.runner(lambda: moments.append(time.perf_counter()), **when)
+    def clock():
+        moments.append(time.perf_counter())
 
     if scene.law is not None:
         scene.law.traceEnergy = False
+    if scene.load is not None:
+        also += (hooks.runner(_stop_at(full["collapse_strain"], clock), iterPeriod=scene.every),)
     simulation = [engine for engine in O.engines if engine.label not in (hooks.SAMPLING, hooks.WATCHING)]
-    O.engines = [clock(nDo=1, initRun=True, iterPeriod=1), *also, *simulation, clock(iterPeriod=max(1, steps - 1), initRun=steps == 1)]
+    O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1), *also, *simulation,
+                 hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
     scenes.method(full).run(scene)
     return moments[-1] - moments[0]
+
+
+def _stop_at(strain, clock):
+    """A function that ends the run, and takes the time, once |gamma| of the loaded sample exceeds `strain`."""
+    first = walls.sides()
+
+    def look():
+        x, y = (now / before for now, before in zip(walls.sides(), first))
+        if abs(y - x) > strain:
+            clock()
+            O.pause()
+    return look
 
 
 def contact_dynamics():
