@@ -6,10 +6,18 @@ from yade import O
 from yade_scripts import hooks, scenes, walls
 
 
-def run(scene, full, *also):
+RECORDING = {hooks.SAMPLING, hooks.WATCHING}
+
+
+def measures():
+    """Whether the scene in O measures something in the course of its steps."""
+    return any(engine.label == hooks.MEASURING for engine in O.engines)
+
+
+def run(scene, full, *also, without=frozenset(RECORDING)):
     """Run a scene that stands in O; the time [s] from the start of its first step to the end of its last. also: further engines, in front.
 
-    A loaded sample ends where it collapses, as a recorded one does.
+    without: labels of runners to leave out. A loaded sample ends where it collapses, as a recorded one does.
     """
     steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
 
@@ -20,7 +28,7 @@ def run(scene, full, *also):
         scene.law.traceEnergy = False
     if scene.load is not None:
         also += (hooks.runner(_stop_at(full["collapse_strain"], clock), iterPeriod=scene.every),)
-    simulation = [engine for engine in O.engines if engine.label not in (hooks.SAMPLING, hooks.WATCHING)]
+    simulation = [engine for engine in O.engines if engine.label not in without]
     O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1), *also, *simulation,
                  hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
     scenes.method(full).run(scene)

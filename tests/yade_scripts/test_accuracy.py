@@ -30,13 +30,22 @@ def test_the_error_is_within_the_accuracy_and_the_search_costs_twice_its_last_ru
 
 def test_levels_that_agree_do_not_count_while_an_event_can_be_stepped_over():
     levels = accuracy.search(ROW, 0.5, made_up(motion=lambda row: row["cd_dt"] / OWN * 3.9))
-    assert [math.isinf(error) for _, error in levels] == [True, True, False]  # 3.9, 1.95 and 0.975 radii a step
+    assert [math.isinf(error) for _, error in levels] == [True, True, False, False]  # 3.9, 1.95, 0.975 and 0.49 radii a step
 
 
 def test_levels_with_missed_steps_do_not_count_and_the_search_gives_up_saying_why():
     assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["tolerance"] > 1e-4)))) == 4
     with pytest.raises(accuracy.AccuracyError, match="7 steps miss their tolerance"):
         accuracy.search(ROW, 0.5, made_up(missed=lambda row: 7))
+
+
+def test_one_agreement_is_luck():
+    """Two coarse levels that are wrong alike, as of a disk that jitters on under a loose tolerance and is never seen at rest."""
+    run = made_up()
+    wrong = [0.0, 0.0]
+    levels = accuracy.search(ROW, 0.01, lambda row: accuracy.Level(row, {"answer": wrong.pop()} if wrong else run(row).values, 0.0, 0.0, 0, 1.0))
+    assert [error <= 0.01 for _, error in levels[:3]] == [False, True, False]
+    assert abs(levels[-1][0].values["answer"] - 1) <= 0.01
 
 
 def test_overlap_counts_as_error():

@@ -53,6 +53,8 @@ def error(known):
 
 def status(known):
     """'finished', or why the measured values are no solution."""
+    if not known:
+        return f"{STATUS_FAILED}nothing is known of the scene"
     lost = [name for name, one in known.items() if one["measured"] is None]
     if lost:
         return f"{STATUS_FAILED}{lost[0]} is not a number"

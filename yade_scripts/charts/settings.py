@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from yade_scripts import parameters, scenes
 
 # Scenes that have no chart: no exact value (biaxial, frozen_packing), or one that is about the number of sweeps itself (chain).
-WITHOUT = ("biaxial", "frozen_packing", "chain")
+WITHOUT = ("biaxial", "frozen_packing", "chain", "collapse")
 # Scenes that start from a packing prepared with the row's own springs: it takes long to make them stiffer, and damping makes another packing.
 PREPARED = ("packing_at_rest", "elastic_step", "yield_ramp")
 # What is no setting in a scene, since the exact answer depends on it: in MD damping is the restitution.

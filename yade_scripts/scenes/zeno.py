@@ -52,5 +52,5 @@ def build(full, folder):
     scene = stage.small(full, [
         Known("rest_time", "s", rest_time(full), lambda: moved[0], source="sum of the flights: sqrt(2 drop/g) (1 + 2e/(1 - e))"),
         Known("height_at_rest", "m", 0.0, lambda: state.pos[1] - radius, scale=full["drop"], source="it lies on the floor")])
-    O.engines = O.engines + [hooks.runner(watch, iterPeriod=1, initRun=True)]
+    O.engines = O.engines + [hooks.runner(watch, iterPeriod=1, initRun=True, label=hooks.MEASURING)]
     return scene
