@@ -62,7 +62,7 @@ def draw(found, records, path):
     for axes in (left, right):
         axes.grid(alpha=0.25, linewidth=0.5)
     right.legend(*left.get_legend_handles_labels(), loc="center left", bbox_to_anchor=(1.0, 0.5))
-    origin.finish(fig, path, f"Below the line: more accurate than asked for. Zero is drawn at {FLOOR:g}.", records, 0.08)
+    origin.finish(fig, path, f"Below the line: more accurate than asked for. Zero is drawn at {FLOOR:g}.", records)
 
 
 def answer(found):

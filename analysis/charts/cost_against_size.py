@@ -72,7 +72,7 @@ def draw(found, records, path):
         axes.grid(alpha=0.25, linewidth=0.5)
         axes.legend(loc="upper left")
     panels[0][0].set_ylabel("time of computing [s]")
-    origin.finish(fig, path, f"Cheapest setting of each series within an error of {LEVEL:g}; crosses: none is.", records, 0.08)
+    origin.finish(fig, path, f"Cheapest setting of each series within an error of {LEVEL:g}; crosses: none is.", records)
 
 
 def answer(found):

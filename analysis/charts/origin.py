@@ -31,13 +31,17 @@ def write(name, folder, findings, records, full):
     (Path(folder) / f"{name}.json").write_text(text + "\n")
 
 
-def finish(fig, path, note, records, foot):
-    """Put the caption under a figure, `note` and what was run, and write it; foot: share of the height that the caption needs."""
+LINE = 0.155  # height of a line of the caption [inch]
+
+
+def finish(fig, path, note, records):
+    """Put the caption under a figure, `note` and what was run, and write it."""
     commits = {record["git_commit"] for record in records}
     code = f"commit {style.short(*commits)}" if len(commits) == 1 else f"{len(commits)} DIFFERENT COMMITS"
     failed = sum(record["status"] != "finished" for record in records)
     line = (f"{len(records)} settings, {failed} of them failed, {sum(len(record.get('seconds') or ()) for record in records)} runs, {code}, "
             f"{', '.join(sorted({record['processor'] for record in records}))}")
+    foot = LINE * (2.5 + note.count("\n")) / fig.get_figheight()
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.012, f"{note}\n{line}", ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
     Path(path).parent.mkdir(parents=True, exist_ok=True)

@@ -78,7 +78,7 @@ def draw(found, records, path):
     panels[-1].legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
     scenes = sorted({row["scene"] for row in found})
     half = len(scenes) // 2 + 1
-    origin.finish(fig, path, f"{len(scenes)} scenes: {', '.join(scenes[:half])},\n{', '.join(scenes[half:])}", records, 0.1)
+    origin.finish(fig, path, f"{len(scenes)} scenes: {', '.join(scenes[:half])},\n{', '.join(scenes[half:])}", records)
 
 
 def answer(found):

@@ -1,5 +1,6 @@
 """Error against time of computing, one chart a scene: a series a line, a setting a point, failures at the top."""
 
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +45,10 @@ def draw(rows, records, path):
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="series, coarse to fine")
     scene, worst = rows[0]["scene"], ", ".join(sorted({row["worst"] for row in rows if row["worst"]}))
     strip.set_title(table.title(scene))
-    note = f"Error: the largest of {worst}. Horizon: {scenes.module(scene).HORIZON}\nHollow: steps missed their tolerance. Zero is drawn at {FLOOR:g}."
-    origin.finish(fig, path, note, records, 0.1)
+    own = scenes.module(scene)
+    note = "\n".join(textwrap.fill(line, 150) for line in (f"Error: the largest of {worst}. {own.HORIZON}", f"Left out: {own.LEFT_OUT}.",
+                                                            f"Hollow: steps missed their tolerance. Zero is drawn at {FLOOR:g}."))
+    origin.finish(fig, path, note, records)
 
 
 def _draw_series(axes, series, rows, labels):
@@ -80,7 +83,8 @@ def _draw_failures(strip, failed, slowest):
     for number, (series, own) in enumerate(failed.items()):
         colour, places = look.of(series)["color"], slowest * np.geomspace(1, 1.5, len(own))
         strip.plot(places, [number] * len(own), "x", color=colour, markersize=5, clip_on=False)
-        reasons = "; ".join(sorted({row["status"].removeprefix("failed: ") for row in own}))
+        # A setting that was not tried since a coarser one was too slow would have been so, too.
+        reasons = "; ".join(sorted({row["status"].removeprefix("failed: ").removeprefix("not tried: a coarser setting ") for row in own}))
         strip.annotate(f"{series}, {len(own)} failed: {reasons}"[:110], (places[0], number), fontsize=6.5, xytext=(-6, 0), textcoords="offset points",
                        ha="right", va="center", color=colour)
 

@@ -37,7 +37,8 @@ def test_error_is_the_largest_over_its_scale_and_a_lost_number_is_no_solution():
     assert records.status({"a": known(3.0)}) == "finished"
     assert math.isnan(records.error({"a": known(3.0), "b": known(None)}))
     assert records.status({"a": known(3.0), "b": known(None)}) == "failed: b is not a number"
-    assert records.status({"a": known(1e9)}) == "failed: diverged"
+    assert records.status({"a": known(1e9)}) == "failed: wrong by more than 100 times its scale"
+    assert records.status({}) == "failed: nothing is known of the scene"
 
 
 def test_the_last_record_counts_and_a_cut_line_is_left_out(tmp_path):
@@ -50,7 +51,7 @@ def test_the_last_record_counts_and_a_cut_line_is_left_out(tmp_path):
 
 
 @pytest.mark.parametrize("record, limit, expected", [
-    (None, 3, False), ({"status": "finished", "limit": 3}, 20, True), ({"status": "failed: diverged", "limit": 3}, 20, True),
+    (None, 3, False), ({"status": "finished", "limit": 3}, 20, True), ({"status": "failed: wrong", "limit": 3}, 20, True),
     ({"status": "failed: took", "out_of_time": True, "limit": 3}, 3, True), ({"status": "failed: took", "out_of_time": True, "limit": 3}, 20, False)])
 def test_only_what_ran_out_of_a_shorter_time_is_run_again(record, limit, expected):
     assert records.done(record, limit) is expected

@@ -12,7 +12,7 @@ import pathlib
 from analysis.schema import STATUS_FAILED, STATUS_FINISHED
 
 FOLDER = "charts"
-# Of an error, relative to the known's scale: beyond it nothing of the solution is left.
+# Of an error, in scales of its known: beyond it nothing of the solution is left.
 DIVERGED = 100.0
 
 
@@ -59,7 +59,7 @@ def status(known):
     if lost:
         return f"{STATUS_FAILED}{lost[0]} is not a number"
     if error(known) > DIVERGED:
-        return f"{STATUS_FAILED}diverged"
+        return f"{STATUS_FAILED}wrong by more than {DIVERGED:g} times its scale"
     return STATUS_FINISHED
 
 
