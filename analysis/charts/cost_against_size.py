@@ -11,7 +11,7 @@ from analysis.style import plt
 
 TITLE = "Cost against the number of disks"
 QUESTION = "How does the time to a given accuracy grow with the number of disks, by each method?"
-LEVEL = 1e-3
+LEVEL = 1e-2
 
 
 def publish(results, folder, full):

@@ -19,7 +19,7 @@ ROLLING = ("two_grain_path", "arch", "pyramid", "elastic_step", "yield_ramp", "c
 # Of a scene that holds each law against its own theory: what springs without a memory leave.
 EXACT = {"two_grain_path": {"left_force": 0.0, "loop_work": 0.0}}
 # Scenes for the cost against the number of disks: numbers tried.
-SIZES = {"stack": (4, 16, 64, 256), "loaded_box": (25, 100, 400, 1600, 6400)}
+SIZES = {"stack": (4, 16, 64, 256), "loaded_box": (25, 100, 400, 1600, 6400), "elastic_step": (60, 240, 960)}
 SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every size
 
 
