@@ -43,7 +43,7 @@ def _stop_at(strain, clock):
         x, y = (now / before for now, before in zip(walls.sides(), first))
         if abs(y - x) > strain:
             clock()
-            O.pause()
+            hooks.stop()
     return look
 
 

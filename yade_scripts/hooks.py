@@ -31,7 +31,16 @@ def fire(number):
         _failure = error
         if not _awaited:  # O.run() at the console
             print(f"Stopped at step {O.iter}: {error}", file=sys.stderr, flush=True)
-        O.pause()
+        stop()
+
+
+def stop():
+    """End the loop from within a step, when this step is over.
+
+    O.pause() would let O.run(n, True) return while the step is still under way: what follows, O.reset() say, then waits for the step, which
+    waits for Python, for ever.
+    """
+    O.stopAtIter = O.iter + 1
 
 
 def simulate(steps):

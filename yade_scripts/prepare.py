@@ -143,7 +143,7 @@ class _Rest:
                   f"unbalanced force {force:.0e} (goal {self.unbalanced:g})", flush=True)
         self.passed = self.passed + 1 if stress < self.stress_error and force < self.unbalanced else 0
         if self.passed >= CHECKS:
-            O.pause()
+            hooks.stop()
         # Nothing slows a disk without contacts, and its next hit would disturb the others.
         for body in bodies.disks():
             if not bodies.loaded_contacts(body):

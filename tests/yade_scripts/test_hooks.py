@@ -1,0 +1,33 @@
+"""Functions called from inside YADE's loop."""
+import time
+
+import pytest
+
+
+def test_a_stopped_loop_has_ended_its_step(O):
+    """O.pause() lets O.run return within its 40 ms of waiting, while the rest of the step, here longer, is still under way."""
+    from yade_scripts import hooks
+    ended = []
+
+    def slow():
+        time.sleep(0.3)
+        ended.append(O.iter)
+    O.engines = [hooks.runner(hooks.stop, iterPeriod=1, initRun=True), hooks.runner(slow, iterPeriod=1, initRun=True)]
+    hooks.simulate(10)
+    assert ended == [0] and O.iter == 1
+
+
+def test_a_failure_ends_the_loop_with_its_step_and_is_raised(O):
+    from yade_scripts import hooks
+    ended = []
+
+    def fail():
+        raise ArithmeticError("as meant")
+
+    def slow():
+        time.sleep(0.3)
+        ended.append(O.iter)
+    O.engines = [hooks.runner(fail, iterPeriod=1, initRun=True), hooks.runner(slow, iterPeriod=1, initRun=True)]
+    with pytest.raises(ArithmeticError, match="as meant"):
+        hooks.simulate(10)
+    assert ended == [0]
