@@ -41,7 +41,8 @@ def of_scene(scene, accuracy, found, source):
         if row is None:
             error, nearest = choice.best_error([other for other in own if other["method"] == method])
             lines.append(f"  {method}: not reached; its best is " + (f"{error:.2g} in {nearest['seconds']:.2g} s ({nearest['setting']})" if nearest else "nothing: all failed"))
-    return lines + [f"Run it: yade -n -x yade_scripts/run.py {ordered[0]['arguments']}", f"Measured: {source}"]
+    script = "accuracy.py" if f"{settings.ACCURACY}=" in ordered[0]["arguments"] else "run.py"
+    return lines + [f"Run it: yade -n -x yade_scripts/{script} {ordered[0]['arguments']}", f"Measured: {source}"]
 
 
 def _line(row, rows_of_scene):

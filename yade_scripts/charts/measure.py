@@ -37,20 +37,9 @@ def measure(row, folder, limit, origin):
     seconds, known = [], {}
     try:
         while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < ENOUGH):
-            signal.alarm(PREPARATION)
-            scene = scenes.build(full, folder)
-            signal.alarm(limit * (MEASURING if bare_run.measures() else 1))
-            if asked:
-                levels = accuracy.search(own, asked, accuracy.run_in_yade(folder))
-                scene = levels[-1][0].scene
-                record |= {"levels": len(levels), "estimate": levels[-1][1]}
-                seconds.append(sum(level.seconds for level, _ in levels))
-            elif known and bare_run.measures():
-                seconds.append(bare_run.run(scene, full, without=bare_run.RECORDING | {hooks.MEASURING}))
-                continue  # the time is that of the simulation alone, the numbers are those of the run that measured
-            else:
-                seconds += [bare_run.run(scene, full)] * (not bare_run.measures())
-            known = {one.name: values(one, full["scene"]) for one in scene.known}
+            spent, known, more = run(own, asked, folder, limit, known)
+            seconds += [spent] if spent is not None else []
+            record |= more
     except Exception as error:
         if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
             traceback.print_exception(error)
@@ -60,6 +49,28 @@ def measure(row, folder, limit, origin):
     error = records.error(known)
     return record | {"status": records.status(known), "known": known, "error": error if math.isfinite(error) else None, "seconds": seconds,
                      "steps": O.iter, "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)} | solver(full)
+
+
+def run(row, asked, folder, limit, known):
+    """(seconds, {name: value of a Known}, what else the record says) of one run, or of a search for the accuracy `asked`.
+
+    A scene that measures in the course of its steps, which costs more than they do, has its numbers from a first run without a time (None), and
+    its times from runs that do not measure; known: the numbers so far.
+    """
+    signal.alarm(PREPARATION)
+    full = parameters.complete(row)
+    scene = scenes.build(full, folder)
+    measures, more = bare_run.measures(), {}
+    signal.alarm(limit * (MEASURING if measures else 1))
+    if measures and known and not asked:
+        return bare_run.run(scene, full, without=bare_run.RECORDING | {hooks.MEASURING}), known, more
+    if asked:
+        levels = accuracy.search(row, asked, accuracy.run_in_yade(folder))
+        scene, spent = levels[-1][0].scene, sum(level.seconds for level, _ in levels)
+        more = {"levels": len(levels), "estimate": levels[-1][1]}
+    else:
+        spent = bare_run.run(scene, full)
+    return None if measures and not asked else spent, {one.name: values(one, full["scene"]) for one in scene.known}, more
 
 
 def values(known, scene):
