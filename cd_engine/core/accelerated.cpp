@@ -15,69 +15,16 @@
 namespace cd {
 namespace {
 
-	// A sweep from y = p + beta (p - q); then q is p.
-	template <class S> class SweepAhead {
+	class Momentum {
 	    public:
-		explicit SweepAhead(S& s)
+		explicit Momentum(Sweep& s)
 		    : sweep(s)
-		    , before(2 * s.size())
-		    , ahead(2 * s.size())
-		{
-			sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
-				before[2 * i] = pn;
-				before[2 * i + 1] = pt;
-			});
-		}
-
-		AheadReport operator()(double beta)
-		{
-			sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
-				const double n = pn, t = pt;
-				pn += beta * (n - before[2 * i]);
-				pt += beta * (t - before[2 * i + 1]);
-				before[2 * i] = n;
-				before[2 * i + 1] = t;
-				ahead[2 * i] = pn;
-				ahead[2 * i + 1] = pt;
-			});
-			sweep();
-			AheadReport report;
-			sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
-				const double dn = ahead[2 * i] - pn, dt = ahead[2 * i + 1] - pt;
-				report.change += dn * dn + dt * dt;
-				report.against += dn * (pn - before[2 * i]) + dt * (pt - before[2 * i + 1]);
-			});
-			return report;
-		}
-
-	    private:
-		S& sweep;
-		std::vector<double> before, ahead; // q and y, two numbers a contact
-	};
-
-	// In one pass where the form has a kernel for it.
-	template <> class SweepAhead<Sweep> {
-	    public:
-		explicit SweepAhead(Sweep& s)
-		    : sweep(s)
-		{
-		}
-		AheadReport operator()(double beta) { return sweep.ahead(beta); }
-
-	    private:
-		Sweep& sweep;
-	};
-
-	template <class S> class Momentum {
-	    public:
-		explicit Momentum(S& s)
-		    : sweepAhead(s)
 		{
 		}
 
 		void operator()()
 		{
-			const AheadReport made = sweepAhead(std::min(cap, (t - 1) / next(t)));
+			const AheadReport made = sweep.ahead(std::min(cap, (t - 1) / next(t)));
 			t = made.against > 0 ? 1 : next(t);
 			watch(std::sqrt(made.change));
 		}
@@ -100,20 +47,22 @@ namespace {
 			sum = largest = 0;
 		}
 
-		SweepAhead<S> sweepAhead;
+		Sweep& sweep;
 		double t = 1, cap = 0.9;
 		double sum = 0, lastSum = 0, largest = 0;
 		int made = 0;
 	};
 
-	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
-	{
-		return iterate<S>(system, settings, [](S& sweep) { return [momentum = std::make_shared<Momentum<S>>(sweep)] { (*momentum)(); }; });
-	}
-
 } // namespace
 
-SolverReport accelerated(ContactSystem& system, const SolverSettings& settings) { return solve<Sweep>(system, settings); }
-SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return solve<DelassusSweep>(system, settings); }
+SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
+{
+	return iterate<Sweep>(system, settings, [](Sweep& sweep) { return [momentum = std::make_shared<Momentum>(sweep)] { (*momentum)(); }; });
+}
+
+SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
+{
+	return iterate<DelassusSweep>(system, settings, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
+}
 
 } // namespace cd

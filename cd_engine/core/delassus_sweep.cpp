@@ -1,36 +1,156 @@
 #include "delassus_sweep.hpp"
-#include "local_problem.hpp"
+#include "group_kernel.hpp"
+
+#include <algorithm>
+#include <utility>
 
 namespace cd {
 
-inline void DelassusSweep::solve(std::size_t i)
+std::unique_ptr<DelassusSweep::Packed>& DelassusSweep::spare()
 {
-	double qn = system.q[2 * i], qt = system.q[2 * i + 1];
-	const auto add = [&](std::size_t from, std::size_t to) {
-		for (std::size_t k = from; k < to; k++) {
-			const Block& w = system.blocks[k];
-			const double* p = &system.p[2 * system.column[k]];
-			qn += w.nn * p[0] + w.nt * p[1];
-			qt += w.tn * p[0] + w.tt * p[1];
+	static thread_local std::unique_ptr<Packed> one;
+	return one;
+}
+
+DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed)
+    : system(s)
+    , kept(spare() ? std::move(spare()) : std::make_unique<Packed>())
+    , packed(*kept)
+    , order(seed)
+{
+	packed.builder.build(system, packed.grouping);
+	const std::size_t count = packed.grouping.groups();
+	packed.place.resize(system.contacts());
+	for (std::size_t place = 0; place < packed.grouping.members.size(); place++)
+		if (packed.grouping.members[place] >= 0)
+			packed.place[packed.grouping.members[place]] = static_cast<int32_t>(place);
+	packed.groups.resize(count);
+	packed.impulses.resize(count + 1);
+	packed.impulses[count] = {};
+	countSlices();
+	for (std::size_t g = 0; g < count; g++) {
+		fillGroup(g);
+		fillSlices(g);
+	}
+}
+
+DelassusSweep::~DelassusSweep() { spare() = std::move(kept); }
+
+void DelassusSweep::fillGroup(std::size_t group)
+{
+	RowGroup& g = packed.groups[group];
+	for (int lane = 0; lane < RowGroup::lanes; lane++) {
+		const int32_t row = packed.grouping.members[group * RowGroup::lanes + lane];
+		double* const p = &packed.impulses[group].p[2 * lane];
+		if (row < 0) {
+			g.qn[lane] = g.qt[lane] = g.mu[lane] = g.nt[lane] = g.tn[lane] = p[0] = p[1] = 0;
+			g.nn[lane] = g.tt[lane] = 1;
+			continue;
 		}
+		const Block& own = system.blocks[system.diagonal[row]];
+		g.qn[lane] = system.q[2 * row];
+		g.qt[lane] = system.q[2 * row + 1];
+		g.mu[lane] = system.mu[row];
+		g.nn[lane] = own.nn;
+		g.nt[lane] = own.nt;
+		g.tn[lane] = own.tn;
+		g.tt[lane] = own.tt;
+		p[0] = system.p[2 * row];
+		p[1] = system.p[2 * row + 1];
+	}
+}
+
+void DelassusSweep::countSlices()
+{
+	const auto others = [&](int32_t row) { return row < 0 ? 0 : system.start[row + 1] - system.start[row] - 1; };
+	packed.start.resize(packed.groups.size() + 1);
+	packed.start[0] = 0;
+	for (std::size_t g = 0; g < packed.groups.size(); g++) {
+		const int32_t* const member = &packed.grouping.members[g * RowGroup::lanes];
+		std::size_t slices = (others(member[0]) + RowGroup::lanes - 1) / RowGroup::lanes;
+		if (g < packed.grouping.firstSpread) {
+			slices = 0;
+			for (int lane = 0; lane < RowGroup::lanes; lane++)
+				slices = std::max(slices, others(member[lane]));
+		}
+		packed.start[g + 1] = packed.start[g] + slices;
+	}
+	packed.slices.resize(packed.start.back());
+	packed.columns.resize(packed.start.back());
+}
+
+void DelassusSweep::fillSlices(std::size_t group)
+{
+	const auto nobody = static_cast<int32_t>(2 * RowGroup::lanes * packed.groups.size());
+	const bool spread = group >= packed.grouping.firstSpread;
+	const std::size_t first = packed.start[group], end = packed.start[group + 1];
+	const auto put = [&](std::size_t slice, int lane, const Block& w, int32_t pair) {
+		BlockSlice& s = packed.slices[slice];
+		s.nn[lane] = w.nn;
+		s.nt[lane] = w.nt;
+		s.tn[lane] = w.tn;
+		s.tt[lane] = w.tt;
+		packed.columns[slice].pair[lane] = pair;
 	};
-	// What the others make of the velocity; subtracting the own share from the whole would cost digits.
-	const std::size_t own = system.diagonal[i];
-	add(system.start[i], own);
-	add(own + 1, system.start[i + 1]);
-	const Block& w = system.blocks[own];
-	solveLocal(w.nn, w.nt, w.tn, w.tt, system.mu[i], qn, qt, system.p[2 * i], system.p[2 * i + 1]);
+	for (int lane = 0; lane < RowGroup::lanes; lane++) {
+		const int32_t row = packed.grouping.members[group * RowGroup::lanes + (spread ? 0 : lane)];
+		// Of a row alone in its lane every block, of one that is spread every eighth.
+		std::size_t slice = first, seen = 0;
+		if (row >= 0)
+			for (std::size_t k = system.start[row]; k < system.start[row + 1]; k++)
+				if (k != system.diagonal[row] && (!spread || static_cast<int>(seen++ % RowGroup::lanes) == lane))
+					put(slice++, lane, system.blocks[k], 2 * packed.place[system.column[k]]);
+		for (; slice < end; slice++)
+			put(slice, lane, { 0, 0, 0, 0 }, nobody);
+	}
+}
+
+RowGroups DelassusSweep::rows()
+{
+	return { packed.groups.data(), packed.start.data(), packed.slices.data(), packed.columns.data(), packed.grouping.firstSpread,
+		packed.impulses.data() };
 }
 
 void DelassusSweep::operator()()
 {
+	const GroupKernel& kernel = groupKernel();
+	if (!order)
+		return kernel.sweepRows(rows(), 0, packed.groups.size());
+	for (const int32_t g : order.next(packed.groups.size()))
+		kernel.sweepRows(rows(), g, g + 1);
+}
+
+void DelassusSweep::ahead()
+{
+	const GroupKernel& kernel = groupKernel();
+	const std::size_t count = packed.groups.size();
+	if (!remembered)
+		remember();
+	kernel.extrapolateRows(packed.impulses.data(), packed.before.data(), packed.beta.data(), count);
 	if (order) {
-		for (const int32_t i : order.next(system.contacts()))
-			solve(static_cast<std::size_t>(i));
-		return;
-	}
-	for (std::size_t i = 0; i < system.contacts(); i++)
-		solve(i);
+		for (const int32_t g : order.next(count))
+			kernel.sweepRowsAhead(rows(), packed.before.data(), packed.against.data(), g, g + 1);
+	} else
+		kernel.sweepRowsAhead(rows(), packed.before.data(), packed.against.data(), 0, count);
+	for (std::size_t g = 0; g < count; g++)
+		packed.beta[g] = packed.momentum[g].next(packed.against[g]);
+}
+
+void DelassusSweep::remember()
+{
+	const std::size_t count = packed.groups.size();
+	packed.before = packed.impulses;
+	packed.momentum.assign(count, {});
+	packed.beta.assign(count, 0);
+	packed.against.resize(count);
+	remembered = true;
+}
+
+void DelassusSweep::storeImpulses()
+{
+	for (std::size_t place = 0; place < packed.grouping.members.size(); place++)
+		if (packed.grouping.members[place] >= 0)
+			std::copy_n(pairAt(place), 2, &system.p[2 * packed.grouping.members[place]]);
 }
 
 } // namespace cd

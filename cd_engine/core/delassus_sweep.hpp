@@ -4,6 +4,10 @@
 #include "delassus_system.hpp"
 #include "random_order.hpp"
 #include "residual.hpp"
+#include "row_grouping.hpp"
+#include "row_momentum.hpp"
+
+#include <memory>
 
 namespace cd {
 
@@ -11,34 +15,64 @@ class DelassusSweep {
     public:
 	using System = DelassusSystem;
 
-	DelassusSweep(DelassusSystem& s, unsigned seed)
-	    : system(s)
-	    , order(seed)
-	{
-	}
+	// Packs the rows and the first-guess impulses; costs about as much as a dozen sweeps.
+	// seed > 0: each sweep visits the groups of rows in a new random order.
+	DelassusSweep(DelassusSystem& system, unsigned seed);
+	~DelassusSweep();
+	DelassusSweep(const DelassusSweep&) = delete;
+	DelassusSweep& operator=(const DelassusSweep&) = delete;
 
 	// Solves every contact once, exactly, the others held. A block of W is 36 bytes and 8 operations; disks in a dense packing have seven a
 	// contact.
 	void operator()();
+	// The same from a point ahead of the last two iterates, each group of rows with momentum of its own.
+	void ahead();
 
-	// The impulses stay in the system all the time, and no velocity is kept: each is the product of a row with the impulses, made when needed.
-	void storeImpulses() { }
-	void restoreVelocities() { }
+	// Copies the impulses back to `system.p`. No velocity is kept: each is the product of a row with the impulses, made when needed.
+	void storeImpulses();
+	void restoreVelocities() { storeImpulses(); }
+	// The error of the impulses last stored.
 	Residual error() const { return residual(system); }
 
+	// Calls f(p_n, p_t, i) with the impulses of every contact, i counting them in a fixed order.
 	template <class F> void forEachImpulse(F&& f)
 	{
-		for (std::size_t i = 0; i < system.contacts(); i++)
-			f(system.p[2 * i], system.p[2 * i + 1], i);
+		std::size_t i = 0;
+		for (std::size_t place = 0; place < packed.grouping.members.size(); place++)
+			if (packed.grouping.members[place] >= 0) {
+				double* const p = pairAt(place);
+				f(p[0], p[1], i++);
+			}
 	}
 	std::size_t size() const { return system.contacts(); }
-	template <class F> void forEachVelocity(F&&) { }
-	std::size_t velocities() const { return 0; }
 
     private:
-	void solve(std::size_t contact);
+	// The packed problem. Its memory is kept from one sweep of a thread to the next.
+	struct Packed {
+		RowGrouping grouping;
+		RowGroupBuilder builder;
+		std::vector<int32_t> place; // of each row: its lane among those of all groups
+		std::vector<RowGroup> groups;
+		std::vector<std::size_t> start; // as in RowGroups
+		std::vector<BlockSlice> slices;
+		std::vector<SliceColumns> columns;
+		std::vector<ImpulsePairs> impulses, before; // of each group, now and a sweep ago
+		std::vector<RowMomentum> momentum; // of each group
+		std::vector<double> beta, against; // of each group, as in GroupKernel
+	};
+	static std::unique_ptr<Packed>& spare();
+
+	double* pairAt(std::size_t place) { return packed.impulses[place / RowGroup::lanes].p + 2 * (place % RowGroup::lanes); }
+	void fillGroup(std::size_t group);
+	void countSlices();
+	void fillSlices(std::size_t group);
+	RowGroups rows();
+	void remember();
 
 	DelassusSystem& system;
+	std::unique_ptr<Packed> kept;
+	Packed& packed;
+	bool remembered = false; // whether `before` and `momentum` are filled
 	RandomOrder order;
 };
 

@@ -8,6 +8,7 @@ namespace cd {
 #define LANES 2
 namespace any_processor {
 #include "group_kernel.inl"
+#include "row_kernel.inl"
 }
 #undef LANES
 
@@ -17,6 +18,7 @@ namespace any_processor {
 #define LANES 4
 namespace avx2 {
 #include "group_kernel.inl"
+#include "row_kernel.inl"
 }
 #undef LANES
 #pragma GCC pop_options
@@ -26,6 +28,7 @@ namespace avx2 {
 #define LANES 8
 namespace avx512 {
 #include "group_kernel.inl"
+#include "row_kernel.inl"
 }
 #undef LANES
 #pragma GCC pop_options
@@ -35,10 +38,12 @@ namespace {
 
 	const GroupKernel all[] = {
 #ifdef __x86_64__
-		{ "avx512", 8, avx512::sweep, avx512::sweepAhead, avx512::extrapolate },
-		{ "avx2", 4, avx2::sweep, avx2::sweepAhead, avx2::extrapolate },
+		{ "avx512", 8, avx512::sweep, avx512::sweepAhead, avx512::extrapolate, avx512::sweepRows, avx512::sweepRowsAhead,
+		    avx512::extrapolateRows },
+		{ "avx2", 4, avx2::sweep, avx2::sweepAhead, avx2::extrapolate, avx2::sweepRows, avx2::sweepRowsAhead, avx2::extrapolateRows },
 #endif
-		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate },
+		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate, any_processor::sweepRows,
+		    any_processor::sweepRowsAhead, any_processor::extrapolateRows },
 	};
 	constexpr std::size_t known = sizeof all / sizeof *all;
 

@@ -1,0 +1,177 @@
+// Included by group_kernel.cpp after group_kernel.inl, whose vectors it uses and whose rules hold here, too.
+
+typedef double Pair __attribute__((vector_size(16), aligned(16), may_alias)); // one contact's impulses
+
+INLINE Pair pairAt(const double* p, int32_t i) { return *reinterpret_cast<const Pair*>(p + i); }
+INLINE Vector absolute(const Vector& x) { return larger(x, -x); }
+
+#if LANES == 8
+
+INLINE Vector four(const Pair& a, const Pair& b, const Pair& c, const Pair& d)
+{
+	return two(__builtin_shufflevector(a, b, 0, 1, 2, 3), __builtin_shufflevector(c, d, 0, 1, 2, 3));
+}
+INLINE void gather(const double* p, const int32_t* i, Vector& n, Vector& t)
+{
+	const Vector even = four(pairAt(p, i[0]), pairAt(p, i[2]), pairAt(p, i[4]), pairAt(p, i[6])),
+		     odd = four(pairAt(p, i[1]), pairAt(p, i[3]), pairAt(p, i[5]), pairAt(p, i[7]));
+	n = __builtin_shufflevector(even, odd, 0, 8, 2, 10, 4, 12, 6, 14);
+	t = __builtin_shufflevector(even, odd, 1, 9, 3, 11, 5, 13, 7, 15);
+}
+INLINE void storePairs(double* p, const Vector& n, const Vector& t)
+{
+	store(p, __builtin_shufflevector(n, t, 0, 8, 1, 9, 2, 10, 3, 11));
+	store(p + LANES, __builtin_shufflevector(n, t, 4, 12, 5, 13, 6, 14, 7, 15));
+}
+INLINE void loadPairs(const double* p, Vector& n, Vector& t)
+{
+	n = __builtin_shufflevector(load(p), load(p + LANES), 0, 2, 4, 6, 8, 10, 12, 14);
+	t = __builtin_shufflevector(load(p), load(p + LANES), 1, 3, 5, 7, 9, 11, 13, 15);
+}
+
+#elif LANES == 4
+
+INLINE void gather(const double* p, const int32_t* i, Vector& n, Vector& t)
+{
+	const Vector even = __builtin_shufflevector(pairAt(p, i[0]), pairAt(p, i[2]), 0, 1, 2, 3),
+		     odd = __builtin_shufflevector(pairAt(p, i[1]), pairAt(p, i[3]), 0, 1, 2, 3);
+	n = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
+	t = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
+}
+INLINE void storePairs(double* p, const Vector& n, const Vector& t)
+{
+	store(p, __builtin_shufflevector(n, t, 0, 4, 1, 5));
+	store(p + LANES, __builtin_shufflevector(n, t, 2, 6, 3, 7));
+}
+INLINE void loadPairs(const double* p, Vector& n, Vector& t)
+{
+	n = __builtin_shufflevector(load(p), load(p + LANES), 0, 2, 4, 6);
+	t = __builtin_shufflevector(load(p), load(p + LANES), 1, 3, 5, 7);
+}
+
+#else
+
+INLINE void gather(const double* p, const int32_t* i, Vector& n, Vector& t)
+{
+	const Vector a = pairAt(p, i[0]), b = pairAt(p, i[1]);
+	n = __builtin_shufflevector(a, b, 0, 2);
+	t = __builtin_shufflevector(a, b, 1, 3);
+}
+INLINE void storePairs(double* p, const Vector& n, const Vector& t)
+{
+	store(p, __builtin_shufflevector(n, t, 0, 2));
+	store(p + LANES, __builtin_shufflevector(n, t, 1, 3));
+}
+INLINE void loadPairs(const double* p, Vector& n, Vector& t)
+{
+	n = __builtin_shufflevector(load(p), load(p + LANES), 0, 2);
+	t = __builtin_shufflevector(load(p), load(p + LANES), 1, 3);
+}
+
+#endif
+
+// solveLocal of local_problem.hpp for LANES contacts: the cases are told apart by products instead of quotients, which leaves one division.
+INLINE void solveRows(const RowGroup& g, int lane, const Vector& qn, const Vector& qt, Vector& pn, Vector& pt)
+{
+	const Vector none = {};
+	const Vector nn = load(g.nn + lane), nt = load(g.nt + lane), tn = load(g.tn + lane), tt = load(g.tt + lane), mu = load(g.mu + lane);
+	const Vector determinant = nn * tt - nt * tn;
+	const auto regular = determinant > 1e-14 * nn * tt, stiff = tt <= 1e-14 * nn;
+	const Vector stickN = qt * nt - qn * tt, stickT = qn * tn - qt * nn;
+	const auto sticks = regular & (stickN >= none) & (absolute(stickT) <= mu * stickN);
+	const Vector wBack = nn - mu * nt, wForth = nn + mu * nt;
+	const auto canSlide = regular | ~stiff;
+	const auto slidesBack = canSlide & (wBack > none) & (qt * wBack >= (tn - mu * tt) * qn);
+	const auto slidesForth = canSlide & (wForth > none) & (qt * wForth <= (tn + mu * tt) * qn);
+	const Vector ratio = slidesBack ? -mu : slidesForth ? mu : none;
+	const Vector inverse = 1 / (sticks ? determinant : slidesBack ? wBack : slidesForth ? wForth : nn);
+	const Vector n = (sticks ? stickN : -qn) * inverse, t = sticks ? stickT * inverse : ratio * n;
+	pn = qn < none ? n : none;
+	pt = qn < none ? t : none;
+}
+
+// A fixed order of additions, the same for every width.
+INLINE double sumOf(const double* x) { return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7])); }
+
+// New impulses of LANES rows of group k: what the others make of the velocity, then the contacts' own problems.
+INLINE void solveGroup(const RowGroups& rows, std::size_t k, int lane, Vector& pn, Vector& pt)
+{
+	const RowGroup& g = rows.groups[k];
+	const double* const p = rows.impulses->p;
+	const std::size_t end = rows.start[k + 1];
+	Vector qn = load(g.qn + lane), qt = load(g.qt + lane);
+	for (std::size_t s = rows.start[k]; s < end; s++) {
+		const BlockSlice& w = rows.slices[s];
+		Vector n, t;
+		gather(p, rows.columns[s].pair + lane, n, t);
+		qn += load(w.nn + lane) * n + load(w.nt + lane) * t;
+		qt += load(w.tn + lane) * n + load(w.tt + lane) * t;
+	}
+	if (k < rows.firstSpread) {
+		solveRows(g, lane, qn, qt, pn, pt);
+		return;
+	}
+	pn = qn;
+	pt = qt;
+}
+
+// The row that is spread is solved in the first lane, from the sums of all.
+INLINE void solveSpread(const RowGroup& g, Vector* pn, Vector* pt)
+{
+	alignas(64) double sum[RowGroup::lanes], total[2][LANES] = {};
+	for (int part = 0; part < RowGroup::lanes / LANES; part++)
+		store(sum + part * LANES, pn[part]);
+	total[0][0] = sumOf(sum);
+	for (int part = 0; part < RowGroup::lanes / LANES; part++)
+		store(sum + part * LANES, pt[part]);
+	total[1][0] = sumOf(sum);
+	for (int part = 1; part < RowGroup::lanes / LANES; part++)
+		pn[part] = pt[part] = Vector {};
+	solveRows(g, 0, load(total[0]), load(total[1]), pn[0], pt[0]);
+}
+
+INLINE void solveOne(const RowGroups& rows, std::size_t k, Vector* pn, Vector* pt)
+{
+	for (int part = 0; part < RowGroup::lanes / LANES; part++)
+		solveGroup(rows, k, part * LANES, pn[part], pt[part]);
+	if (k >= rows.firstSpread)
+		solveSpread(rows.groups[k], pn, pt);
+}
+
+static void sweepRows(const RowGroups& rows, std::size_t from, std::size_t to)
+{
+	for (std::size_t k = from; k < to; k++) {
+		Vector pn[RowGroup::lanes / LANES], pt[RowGroup::lanes / LANES];
+		solveOne(rows, k, pn, pt);
+		for (int part = 0; part < RowGroup::lanes / LANES; part++)
+			storePairs(rows.impulses[k].p + 2 * part * LANES, pn[part], pt[part]);
+	}
+}
+
+static void sweepRowsAhead(const RowGroups& rows, const ImpulsePairs* before, double* against, std::size_t from, std::size_t to)
+{
+	for (std::size_t k = from; k < to; k++) {
+		Vector pn[RowGroup::lanes / LANES], pt[RowGroup::lanes / LANES];
+		solveOne(rows, k, pn, pt);
+		alignas(64) double turned[RowGroup::lanes];
+		for (int part = 0; part < RowGroup::lanes / LANES; part++) {
+			double* const p = rows.impulses[k].p + 2 * part * LANES;
+			Vector yn, yt, n, t;
+			loadPairs(p, yn, yt);
+			loadPairs(before[k].p + 2 * part * LANES, n, t);
+			storePairs(p, pn[part], pt[part]);
+			store(turned + part * LANES, (yn - pn[part]) * (pn[part] - n) + (yt - pt[part]) * (pt[part] - t));
+		}
+		against[k] = sumOf(turned);
+	}
+}
+
+static void extrapolateRows(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count)
+{
+	for (std::size_t k = 0; k < count; k++)
+		for (int i = 0; i < 2 * RowGroup::lanes; i += LANES) {
+			const Vector now = load(impulses[k].p + i);
+			store(impulses[k].p + i, now + beta[k] * (now - load(before[k].p + i)));
+			store(before[k].p + i, now);
+		}
+}
