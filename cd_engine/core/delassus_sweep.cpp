@@ -126,23 +126,55 @@ void DelassusSweep::ahead()
 	const std::size_t count = packed.groups.size();
 	if (!remembered)
 		remember();
-	kernel.extrapolateRows(packed.impulses.data(), packed.before.data(), packed.beta.data(), count);
+	if (!packed.focus.empty())
+		return aheadInFocus();
+	kernel.extrapolateRows(packed.impulses.data(), packed.before.data(), packed.momentum.betas().data(), count);
 	if (order) {
 		for (const int32_t g : order.next(count))
-			kernel.sweepRowsAhead(rows(), packed.before.data(), packed.against.data(), g, g + 1);
+			kernel.sweepRowsAhead(rows(), packed.before.data(), packed.steps.data(), g, g + 1);
 	} else
-		kernel.sweepRowsAhead(rows(), packed.before.data(), packed.against.data(), 0, count);
+		kernel.sweepRowsAhead(rows(), packed.before.data(), packed.steps.data(), 0, count);
 	for (std::size_t g = 0; g < count; g++)
-		packed.beta[g] = packed.momentum[g].next(packed.against[g]);
+		packed.momentum.add(g, packed.steps[g]);
+	packed.momentum.watch(packed.steps);
+	chooseFocus();
+}
+
+void DelassusSweep::aheadInFocus()
+{
+	const GroupKernel& kernel = groupKernel();
+	for (std::size_t round = packed.groups.size() / packed.focus.size(); round > 0; round--) {
+		for (const int32_t g : packed.focus)
+			kernel.extrapolateRows(&packed.impulses[g], &packed.before[g], &packed.momentum.betas()[g], 1);
+		for (const int32_t g : packed.focus) {
+			kernel.sweepRowsAhead(rows(), packed.before.data(), packed.steps.data(), g, g + 1);
+			packed.momentum.add(g, packed.steps[g]);
+		}
+	}
+	packed.focus.clear();
+}
+
+void DelassusSweep::chooseFocus()
+{
+	double total = 0, inFocus = 0;
+	for (const GroupStep& s : packed.steps)
+		total += s.change;
+	for (std::size_t g = 0; g < packed.steps.size(); g++)
+		if (packed.steps[g].change > 1e-3 * total) {
+			packed.focus.push_back(static_cast<int32_t>(g));
+			inFocus += packed.steps[g].change;
+		}
+	// An eighth of the groups at most, and a tenth of the change left to the others.
+	if (8 * packed.focus.size() > packed.groups.size() || !(inFocus > 0.99 * total))
+		packed.focus.clear();
 }
 
 void DelassusSweep::remember()
 {
-	const std::size_t count = packed.groups.size();
 	packed.before = packed.impulses;
-	packed.momentum.assign(count, {});
-	packed.beta.assign(count, 0);
-	packed.against.resize(count);
+	packed.momentum.begin(packed.groups.size());
+	packed.steps.resize(packed.groups.size());
+	packed.focus.clear();
 	remembered = true;
 }
 

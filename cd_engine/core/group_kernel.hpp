@@ -25,8 +25,8 @@ struct GroupKernel {
 	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
 	// The same for rows of W. Solves the contacts of the groups from .. to - 1 in turn, the others held.
 	void (*sweepRows)(const RowGroups& rows, std::size_t from, std::size_t to);
-	// The same from y, to which the impulses have been moved already; of every group (y - p+) . (p+ - before), p+ after the sweep [N^2 s^2].
-	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, double* against, std::size_t from, std::size_t to);
+	// The same from y, to which the impulses have been moved already.
+	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
 	// y = p + beta (p - before) for every group, which has a beta of its own; `before` becomes p.
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
 };

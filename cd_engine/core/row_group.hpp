@@ -31,6 +31,12 @@ struct alignas(64) ImpulsePairs {
 	double p[2 * RowGroup::lanes];
 };
 
+// What a sweep from an extrapolated point did to a group [N^2 s^2]: y the point, p before, p+ after the sweep.
+struct GroupStep {
+	double change; // |y - p+|^2
+	double against; // (y - p+) . (p+ - p)
+};
+
 struct RowGroups {
 	const RowGroup* groups;
 	const std::size_t* start; // group g has the slices start[g] .. start[g + 1] - 1

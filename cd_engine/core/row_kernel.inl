@@ -148,21 +148,23 @@ static void sweepRows(const RowGroups& rows, std::size_t from, std::size_t to)
 	}
 }
 
-static void sweepRowsAhead(const RowGroups& rows, const ImpulsePairs* before, double* against, std::size_t from, std::size_t to)
+static void sweepRowsAhead(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to)
 {
 	for (std::size_t k = from; k < to; k++) {
 		Vector pn[RowGroup::lanes / LANES], pt[RowGroup::lanes / LANES];
 		solveOne(rows, k, pn, pt);
-		alignas(64) double turned[RowGroup::lanes];
+		alignas(64) double change[RowGroup::lanes], against[RowGroup::lanes];
 		for (int part = 0; part < RowGroup::lanes / LANES; part++) {
 			double* const p = rows.impulses[k].p + 2 * part * LANES;
 			Vector yn, yt, n, t;
 			loadPairs(p, yn, yt);
 			loadPairs(before[k].p + 2 * part * LANES, n, t);
 			storePairs(p, pn[part], pt[part]);
-			store(turned + part * LANES, (yn - pn[part]) * (pn[part] - n) + (yt - pt[part]) * (pt[part] - t));
+			const Vector dn = yn - pn[part], dt = yt - pt[part];
+			store(change + part * LANES, dn * dn + dt * dt);
+			store(against + part * LANES, dn * (pn[part] - n) + dt * (pt[part] - t));
 		}
-		against[k] = sumOf(turned);
+		steps[k] = { sumOf(change), sumOf(against) };
 	}
 }
 
