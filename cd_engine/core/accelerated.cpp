@@ -3,7 +3,7 @@
 // beta follows Nesterov's sequence (Nesterov 1983; O'Donoghue & Candes 2015, "Adaptive restart for accelerated gradient schemes",
 // eqs. 6-8), with their restart when the sweep turns back against the momentum. Friction makes the problem non-monotone, where
 // momentum can blow up: beta is capped, and the cap lowered whenever the changes made by the sweeps do not decrease over a window.
-// An iteration costs a sweep, 32 bytes a contact more, and a pass over the velocities.
+// An iteration costs a sweep, 32 bytes a contact more, and a pass over the velocities. In the matrix form momentum is local (row_momentum.hpp).
 #include "delassus_sweep.hpp"
 #include "iterate.hpp"
 #include "sweep.hpp"

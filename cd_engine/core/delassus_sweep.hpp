@@ -15,7 +15,7 @@ class DelassusSweep {
     public:
 	using System = DelassusSystem;
 
-	// Packs the rows and the first-guess impulses; costs about as much as a dozen sweeps.
+	// Packs the rows and the first-guess impulses; costs about as much as fifteen sweeps.
 	// seed > 0: each sweep visits the groups of rows in a new random order.
 	DelassusSweep(DelassusSystem& system, unsigned seed);
 	~DelassusSweep();

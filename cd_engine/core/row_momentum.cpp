@@ -7,7 +7,6 @@ namespace cd {
 namespace {
 
 	constexpr double largest = 0.995; // beta
-	constexpr double worse = 0.95; // a mean change above this share of the last window's: no better
 	// Windows grow with the sweeps made: slow convergence, which goes as a power of the sweeps, decreases from each to the next, swinging does
 	// not.
 	int window(int made) { return std::max(20, made / 4); }
@@ -51,12 +50,12 @@ void RowMomentum::watch(const std::vector<GroupStep>& steps)
 void RowMomentum::judge(int sweeps)
 {
 	const double mean = sum / sweeps;
-	const bool swings = lastMean > 0 && mean > worse * lastMean;
+	const bool swings = lastMean > 0 && mean > lastMean;
 	lastMean = mean;
 	sum = 0;
 	for (Group& g : groups) {
 		const double own = g.sum / sweeps;
-		g.cap = swings && own > worse * g.lastMean ? std::max(0., 1 - 3 * (1 - g.cap)) : std::min(largest, 1 - 0.8 * (1 - g.cap));
+		g.cap = swings && own > g.lastMean ? std::max(0., 1 - 3 * (1 - g.cap)) : std::min(largest, 1 - 0.8 * (1 - g.cap));
 		g.lastMean = own;
 		g.sum = 0;
 	}
