@@ -139,13 +139,27 @@ INLINE void solve(Group& g, int lane, PackedBody* bodies, Vector& pn, Vector& pt
 	scatter(bodies, g.b + lane, B);
 }
 
+// Asks for what will be read so many groups later. The processor itself runs ahead of a stream only to the end of its page: of 1.5 million
+// contacts a sweep takes 4.0 ns a contact instead of 7.4, where what it moves takes 2.9 (104 bytes at the speed of a triad); in cache nothing
+// changes.
+constexpr std::size_t early = 12; // groups; 4 to 24 do as well
+
+template <class T> INLINE void fetch(const T* item)
+{
+	for (std::size_t line = 0; line < sizeof(T); line += 64)
+		__builtin_prefetch(reinterpret_cast<const char*>(item) + line);
+}
+
 static void sweep(Group* groups, std::size_t count, PackedBody* bodies)
 {
-	for (Group* g = groups; g != groups + count; g++)
+	for (std::size_t k = 0; k < count; k++) {
+		if (k + early < count)
+			fetch(groups + k + early);
 		for (int lane = 0; lane < Group::lanes; lane += LANES) {
-			Vector pn = load(g->pn + lane), pt = load(g->pt + lane);
-			solve(*g, lane, bodies, pn, pt);
+			Vector pn = load(groups[k].pn + lane), pt = load(groups[k].pt + lane);
+			solve(groups[k], lane, bodies, pn, pt);
 		}
+	}
 }
 
 static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums)
@@ -155,7 +169,11 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 		change[half] = load(sums.change + half * LANES);
 		against[half] = load(sums.against + half * LANES);
 	}
-	for (std::size_t k = 0; k < count; k++)
+	for (std::size_t k = 0; k < count; k++) {
+		if (k + early < count) {
+			fetch(groups + k + early);
+			fetch(before + k + early);
+		}
 		for (int half = 0; half < Group::lanes / LANES; half++) {
 			Group& g = groups[k];
 			const int lane = half * LANES;
@@ -169,6 +187,7 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 			change[half] += dn * dn + dt * dt;
 			against[half] += dn * (pn - n) + dt * (pt - t);
 		}
+	}
 	for (int half = 0; half < Group::lanes / LANES; half++) {
 		store(sums.change + half * LANES, change[half]);
 		store(sums.against + half * LANES, against[half]);

@@ -1,11 +1,11 @@
 // The loop around sweeps that every sweeping method shares: when to ask for the error, when to stop, what to report.
 #pragma once
 
+#include "handed_on.hpp"
 #include "solver.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <vector>
 
@@ -21,7 +21,7 @@ template <class S> class Iteration {
 	}
 
 	// improve() makes one sweep of the method.
-	SolverReport run(const std::function<void()>& improve)
+	template <class Improve> SolverReport run(Improve& improve)
 	{
 		if (settings.fixedIterations > 0) {
 			for (; report.iterations < settings.fixedIterations; report.iterations++)
@@ -37,17 +37,18 @@ template <class S> class Iteration {
 	}
 
     private:
-	Status untilSolved(const std::function<void()>& improve)
+	template <class Improve> Status untilSolved(Improve& improve)
 	{
 		evaluate();
-		double best = error, smallest = error;
-		int bestAt = 0;
+		double reached = error, smallest = error;
+		int reachedAt = 0;
 		keep();
 		while (error > settings.tolerance) {
 			if (report.iterations >= settings.maxIterations)
 				return giveBest(Status::max_iterations);
-			// No gain of a hundredth while the number of sweeps doubled, and at least a thousand: waiting on is in vain.
-			const int inVain = 1000 + 2 * bestAt;
+			// No gain of a hundredth while the number of sweeps doubled and three thousand more were made, which outlasts most drifts
+			// (see accelerated.cpp): waiting on is in vain.
+			const int inVain = 3000 + 2 * reachedAt;
 			if (report.iterations >= inVain)
 				return giveBest(Status::stagnated);
 			const int more = std::min({ settings.maxIterations - report.iterations, inVain - report.iterations, untilNext() });
@@ -60,31 +61,33 @@ template <class S> class Iteration {
 				smallest = error;
 				keep();
 			}
-			if (error < 0.99 * best) {
-				best = error;
-				bestAt = report.iterations;
+			if (error < 0.99 * reached) {
+				reached = error;
+				reachedAt = report.iterations;
 			}
 		}
 		return std::isnan(error) ? giveBest(Status::diverged) : Status::converged;
 	}
 
 	// Sweeps before the error is asked for again, which costs five: as many as the fall since it was last asked for would need to reach the
-	// tolerance, at least four and at most a quarter of those already made.
+	// tolerance, at least four, at most a quarter of those already made, and of many made the number at which asking costs half of what is made
+	// in vain on average, sqrt(2 x 5 x made): with momentum the error rises and falls on its way.
 	int untilNext()
 	{
 		const double fall = std::log(lastError / error) / std::max(1, report.iterations - lastIterations);
 		const double needed = fall > 0 ? std::log(error / settings.tolerance) / fall : std::numeric_limits<double>::infinity();
 		lastError = error;
 		lastIterations = report.iterations;
-		return 4 + static_cast<int>(std::min(needed, 0.25 * report.iterations));
+		// needed last: from an infinite error to a tolerance of 0 it is not a number, and is passed over.
+		return 4 + static_cast<int>(std::min({ 0.25 * report.iterations, std::sqrt(10. * report.iterations), needed }));
 	}
 
 	void keep()
 	{
-		bestImpulses.resize(2 * sweep.size());
+		best.values.resize(2 * sweep.size());
 		sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
-			bestImpulses[2 * i] = pn;
-			bestImpulses[2 * i + 1] = pt;
+			best.values[2 * i] = pn;
+			best.values[2 * i + 1] = pt;
 		});
 	}
 
@@ -92,8 +95,8 @@ template <class S> class Iteration {
 	Status giveBest(Status status)
 	{
 		sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
-			pn = bestImpulses[2 * i];
-			pt = bestImpulses[2 * i + 1];
+			pn = best.values[2 * i];
+			pt = best.values[2 * i + 1];
 		});
 		return status;
 	}
@@ -112,10 +115,10 @@ template <class S> class Iteration {
 	double error = 0; // what is held against the tolerance
 	double lastError = 0; // when it was asked for before, after so many sweeps
 	int lastIterations = 0;
-	std::vector<double> bestImpulses; // of the iterate with the smallest error
+	HandedOn<double, Iteration> best; // impulses of the iterate with the smallest error
 };
 
-// `method(sweep)` gives a function that makes one sweep; after each call the sweep's impulses are the iterate.
+// `method(sweep)` gives an object whose () makes one sweep; after each call the sweep's impulses are the iterate.
 // Stops when the error e, and the same weighted by W_nn, are at most settings.tolerance, at settings.maxIterations sweeps, or when nothing is gained
 // any more; what has not been solved returns the best iterate met. With settings.fixedIterations it makes exactly so many plain sweeps, whatever
 // the method, and asks for the error at the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain
@@ -123,7 +126,8 @@ template <class S> class Iteration {
 template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)
 {
 	S sweep(system, settings.seed);
-	return Iteration<S>(sweep, settings).run(method(sweep));
+	auto improve = method(sweep);
+	return Iteration<S>(sweep, settings).run(improve);
 }
 
 } // namespace cd

@@ -1,6 +1,8 @@
 // A new random order of the contacts for every sweep, the same for the same seed.
 #pragma once
 
+#include "handed_on.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -16,6 +18,7 @@ class RandomOrder {
 	    : random(seed)
 	    , asked(seed > 0)
 	{
+		order.clear();
 	}
 
 	explicit operator bool() const { return asked; }
@@ -31,7 +34,8 @@ class RandomOrder {
 	}
 
     private:
-	std::vector<int32_t> order;
+	HandedOn<int32_t, RandomOrder> memory;
+	std::vector<int32_t>& order = memory.values;
 	std::mt19937_64 random;
 	bool asked;
 };

@@ -1,4 +1,5 @@
 // The packed sweep: what may be in a group, and that neither the processor nor the packing shows in the result.
+#include "allocations.hpp"
 #include "grouping.hpp"
 #include "residual.hpp"
 #include "solver.hpp"
@@ -185,6 +186,59 @@ TEST_CASE("both methods and both forms of order solve a heap to the tolerance, b
 				CHECK(findSolver(method)(s, settings).status == Status::converged);
 				CHECK(residual(s, free).norm <= 1e-9);
 			}
+}
+
+TEST_CASE("a solver asks for no memory where the thread has solved a problem of that size")
+{
+	for (const auto method : { "nsgs", "accelerated" })
+		for (const unsigned seed : { 0u, 3u })
+			for (const double tolerance : { 1e-6, 0. }) { // 0: to the limit, returning the best iterate
+				CAPTURE(method);
+				CAPTURE(seed);
+				SolverSettings settings;
+				settings.seed = seed;
+				settings.tolerance = tolerance;
+				settings.maxIterations = 50;
+				ContactSystem s = heap(8, 300, 0.5, true);
+				DelassusSystem d = assembleDelassus(s);
+				findSolver(method)(s, settings);
+				findDelassusSolver(method)(d, settings);
+				for (ContactRow& c : s.contacts)
+					c.bias *= 0.5;
+				const std::size_t before = allocations();
+				findSolver(method)(s, settings);
+				findDelassusSolver(method)(d, settings);
+				CHECK(allocations() == before);
+			}
+}
+
+// A disk held between two walls by a self-stress of 1, pushed on one of them by an impulse of 1/2, and both walls a little further apart than the
+// disk is wide. Each plain sweep lets 2 gap of the self-stress go, its velocities and its error unchanged, so 1/(2 gap) are needed.
+TEST_CASE("momentum brings a drift along a self-stress to its end")
+{
+	const double gap = 1e-5; // over h, of velocities of order 1
+	ContactSystem s;
+	s.bodies.resize(2);
+	s.bodies[1].w[0] = s.bodies[1].w[1] = 1;
+	s.bodies[1].v[0] = -0.5;
+	for (const double side : { 1., -1. }) {
+		ContactRow c;
+		c.b = 1;
+		c.nx = side;
+		c.bias = gap;
+		c.pn = side > 0 ? 1.5 : 1;
+		s.contacts.push_back(c);
+	}
+	s.assembleBlocks();
+	SolverSettings settings;
+	settings.tolerance = 1e-9;
+	ContactSystem plain = s;
+	const SolverReport slow = nsgs(plain, settings), report = accelerated(s, settings);
+	CHECK(slow.status == Status::stagnated);
+	CHECK(report.status == Status::converged);
+	CHECK(report.iterations < 0.02 / (2 * gap)); // Nesterov's sequence without a cap: 2 sqrt(1/(2 gap)), 450
+	CHECK(s.contacts[0].pn == doctest::Approx(0.5 - gap).epsilon(1e-8)); // the tolerance on e, ten times
+	CHECK(s.contacts[1].pn == 0);
 }
 
 // In groups, as leftovers and beside walls alike: contacts without a common body are solved by one sweep.
