@@ -157,8 +157,8 @@ class WithoutInterpreterLock {
 	PyThreadState* state;
 };
 
-// (iterations, residual, residual_max, status, seconds) of a solution.
-template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const cd::SolverSettings& settings)
+// (iterations, factorizations, residual, residual_max, status, solved_by, seconds) of a solution.
+template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const std::string& method, const cd::SolverSettings& settings)
 {
 	cd::SolverReport report;
 	double seconds = 0;
@@ -168,7 +168,8 @@ template <class System, class Solver> py::tuple solved(System& system, Solver* s
 		report = solver(system, settings);
 		seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 	}
-	return py::make_tuple(report.iterations, report.residual, report.residualMax, cd::name(report.status), seconds);
+	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status),
+	    cd::solvedBy(method, report), seconds);
 }
 
 // Improves `impulses` in place. Returns what `solved` does.
@@ -179,7 +180,7 @@ py::tuple solve(const py::object& start, const py::object& column, const py::obj
 	require(solver != nullptr, "there is no such method");
 	const Lent<double> p(impulses, "impulses", true);
 	cd::DelassusSystem system = build(start, column, blocks, q, mu, p);
-	const py::tuple report = solved(system, solver, { tolerance, maxIterations, fixedIterations, seed });
+	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed });
 	std::copy(system.p.begin(), system.p.end(), p.begin());
 	return report;
 }
@@ -192,7 +193,7 @@ py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const
 	require(solver != nullptr, "there is no such method");
 	const Lent<double> p(impulses, "impulses", true);
 	cd::ContactSystem system = Bodies(arrays).build(p);
-	const py::tuple report = solved(system, solver, { tolerance, maxIterations, fixedIterations, seed });
+	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed });
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		p.begin()[2 * i] = system.contacts[i].pn;
 		p.begin()[2 * i + 1] = system.contacts[i].pt;

@@ -14,11 +14,13 @@ from .problem import Problem, vector
 class Report:
     """What came of a solution."""
     impulses: np.ndarray      # [N s], 2n, normal then tangential: the best that were met if it did not converge
-    iterations: int           # sweeps
+    iterations: int           # sweeps and factorizations
+    factorizations: int       # of these; any: Newton's method ended the search
     residual: float           # the error e of `residual`
     residual_max: float       # that of the worst contact over the root mean square of the impulses
     converged: bool
     status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged
+    solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # spent in the solver
 
 
@@ -70,11 +72,12 @@ def _count(name, value, least):
     return count
 
 
-def solve(problem, method="accelerated", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0):
+def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0):
     """Impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
-    method            one of `methods()`
-    max_iterations    sweeps; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
+    method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
+                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more)
+    max_iterations    sweeps and factorizations together; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
     impulses          first guess [N s]; none: zero
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
@@ -96,8 +99,9 @@ def solve(problem, method="accelerated", tolerance=1e-8, max_iterations=100000, 
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
     settings = method, float(tolerance), max_iterations, fixed_iterations, seed
     found = core.solve_bodies(arrays, p, *settings) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
-    iterations, e, worst, status, seconds = found
-    return Report(p, iterations, e, worst, status == "converged" or (status == "fixed_iterations" and e <= tolerance), status, seconds)
+    iterations, factorizations, e, worst, status, solved_by, seconds = found
+    converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
+    return Report(p, iterations, factorizations, e, worst, converged, status, solved_by, seconds)
 
 
 def residual(problem, impulses):

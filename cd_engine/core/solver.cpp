@@ -10,6 +10,8 @@ namespace {
 	const Entry entries[] = {
 		{ "nsgs", nsgs, nsgs },
 		{ "accelerated", accelerated, accelerated },
+		{ "newton", newton, newton },
+		{ "auto", automatic, automatic },
 	};
 
 	const Entry* find(const std::string& method)
@@ -39,6 +41,15 @@ std::vector<std::string> solverNames()
 	for (const Entry& e : entries)
 		names.emplace_back(e.name);
 	return names;
+}
+
+std::string solvedBy(const std::string& method, const SolverReport& report)
+{
+	if (report.status != Status::converged)
+		return "none";
+	if (report.factorizations > 0)
+		return "newton";
+	return method == "newton" || method == "auto" ? "accelerated" : method; // both begin with these sweeps
 }
 
 const char* name(Status s)

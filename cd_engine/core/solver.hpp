@@ -4,6 +4,7 @@
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,16 +12,18 @@ namespace cd {
 
 struct SolverSettings {
 	double tolerance = 1e-6; // on the error e of residual.hpp
-	int maxIterations = 10000; // sweeps
+	int maxIterations = 10000; // sweeps and factorizations
 	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, no test on the way
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
+	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
 };
 
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged };
 const char* name(Status);
 
 struct SolverReport {
-	int iterations = 0; // sweeps made
+	int iterations = 0; // sweeps made, and factorizations
+	int factorizations = 0; // of these; any: it was Newton's method that ended the search
 	double residual = 0; // e of the impulses returned
 	double error = 0; // the larger of e and e weighted by W_nn: what the tolerance is held against
 	double residualMax = 0; // its maximum over the contacts
@@ -32,6 +35,9 @@ using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
 // The same method for a problem given by its matrix; improves the impulses in `system.p`.
 using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 
+// Which method brought a problem given to `method` to its tolerance; "none" if none did.
+std::string solvedBy(const std::string& method, const SolverReport&);
+
 // Null if there is no such method.
 Solver findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
@@ -41,5 +47,9 @@ SolverReport nsgs(ContactSystem&, const SolverSettings&);
 SolverReport nsgs(DelassusSystem&, const SolverSettings&);
 SolverReport accelerated(ContactSystem&, const SolverSettings&);
 SolverReport accelerated(DelassusSystem&, const SolverSettings&);
+SolverReport newton(ContactSystem&, const SolverSettings&);
+SolverReport newton(DelassusSystem&, const SolverSettings&);
+SolverReport automatic(ContactSystem&, const SolverSettings&);
+SolverReport automatic(DelassusSystem&, const SolverSettings&);
 
 } // namespace cd

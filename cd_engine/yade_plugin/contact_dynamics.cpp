@@ -91,6 +91,7 @@ void ContactDynamics::advance()
 	residualMax = report.solver.residualMax;
 	converged = report.solver.status == cd::Status::converged || (fixedIterations > 0 && residual <= tolerance);
 	status = cd::name(report.solver.status);
+	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
@@ -114,7 +115,7 @@ void ContactDynamics::warn(double error)
 		return;
 	warned = true;
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " not solved: error " << error << " after " << iterations
-		  << " sweeps, tolerance " << tolerance << " (" << status
+		  << " iterations, tolerance " << tolerance << " (" << status
 		  << "). Further such steps are counted in unconvergedSteps; raise maxIterations or tolerance, or take a smaller O.dt.\n";
 }
 

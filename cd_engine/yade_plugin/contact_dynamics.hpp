@@ -16,7 +16,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double tolerance = 1e-6;
 	int maxIterations = 20000;
 	int fixedIterations = 0;
-	std::string method = "accelerated";
+	std::string method = "auto";
 	bool warmStart = true;
 	double restitution = 0;
 	double gapCorrection = 0;
@@ -30,6 +30,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double residualMax = 0;
 	bool converged = false;
 	std::string status = "no step yet";
+	std::string solvedBy = "none";
 	int contacts = 0;
 	int loadedContacts = 0;
 	int slidingContacts = 0;
@@ -94,11 +95,16 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access::set, positive,
 	    "The step is solved when the error e (see *residual*), and the same weighted by W_nn, are at most this [1].");
-	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. }, "Sweeps after which a step is left unconverged [1].");
+	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. },
+	    "Sweeps and factorizations after which a step is left unconverged [1].");
 	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
 	    "If positive: make exactly this many plain Gauss-Seidel sweeps in every step, whatever *method*, and test nothing, for studies of "
 	    "under-converged contact dynamics [1].");
-	visit("method", &C::method, Access::set, any, "Name of the solver: one of :py:func:`cd_engine.methods`.");
+	visit("method", &C::method, Access::set, any,
+	    "Name of the solver: one of :py:func:`cd_engine.methods`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: "
+	    "proximal-point semismooth Newton, for small problems; auto: accelerated, and newton where that stagnates, which can take half a second "
+	    "a "
+	    "step and more.");
 	visit("warmStart", &C::warmStart, Access::set, any,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
 	visit(
@@ -119,7 +125,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "displacements "
 	    "stay within the margin, and runs it when they do not. 0: the collider is left alone and runs in every step; its bounds must then be "
 	    "wide enough.");
-	visit("iterations", &C::iterations, Access::read, any, "Sweeps made in the last step [1].");
+	visit("iterations", &C::iterations, Access::read, any, "Sweeps, and factorizations of Newton's method, made in the last step [1].");
 	visit("residual", &C::residual, Access::read, any,
 	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
 	    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
@@ -127,6 +133,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("converged", &C::converged, Access::read, any, "Whether the last step's *residual* is at most *tolerance*.");
 	visit("status", &C::status, Access::read, any,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated or diverged.");
+	visit("solvedBy", &C::solvedBy, Access::read, any, "The method that brought the last step to its tolerance, or none.");
 	visit("contacts", &C::contacts, Access::read, any, "Contacts the solver was given in the last step [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
@@ -141,7 +148,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("steps", &C::steps, Access::read, any, "Steps made [1].");
 	visit("unconvergedSteps", &C::unconvergedSteps, Access::read, any,
 	    "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");
-	visit("totalIterations", &C::totalIterations, Access::read, any, "Sweeps made in all steps [1].");
+	visit("totalIterations", &C::totalIterations, Access::read, any, "Sweeps and factorizations made in all steps [1].");
 	visit("solveTime", &C::solveTime, Access::read, any,
 	    "Time spent in the solver [s]; what O.timingEnabled shows beyond it went into geometry, reading and writing the scene.");
 	visit("referenceIds", &C::referenceIds, Access::read, any, "Ids of the pairs that keep a reference overlap, two a pair.");

@@ -179,3 +179,12 @@ def test_no_yade_is_needed(root):
     import subprocess
     code = "import sys; sys.path.insert(0, sys.argv[1]); from cd_engine import core; core.methods(); assert 'yade' not in sys.modules"
     subprocess.run(["/usr/bin/python3", "-I", "-c", code, str(root)], check=True)
+
+
+def test_who_solved_it():
+    """Sweeps keep what they can solve; Newton's factorizations are counted among the iterations."""
+    problem = packed(60, 5)
+    a, b, c = (core.solve(problem, method=method) for method in ("accelerated", "auto", "newton"))
+    assert np.array_equal(a.impulses, b.impulses) and b.solved_by == a.solved_by == "accelerated" and b.factorizations == 0
+    assert c.solved_by == "newton" and 0 < c.factorizations <= c.iterations and core.residual(problem, c.impulses) == c.residual
+    assert core.solve(problem, max_iterations=2, tolerance=1e-12).solved_by == "none"

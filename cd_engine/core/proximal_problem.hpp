@@ -1,0 +1,265 @@
+// One problem of the proximal-point method: the contact law between p and u + sigma D (p - pk), D the diagonal of W, pk the centre.
+//
+// Eliminating p leaves one equation for the velocities,
+//   u = W P(z) + q,   z = pk - u/(sigma D),   P(z) = (max(z_n, 0), z_t cut at +-mu max(z_n, 0)),
+// which is piecewise linear; the states of the contacts tell which piece u is on (Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92, 353).
+// Two ways lead to its solution, each step of either is the solution of one piece's linear system:
+//   Newton's steps change all states at once, and cycle among pieces as soon as sigma is small. Without friction the equation is the
+//   stationarity of a convex function: the kinetic energy of v - v_free and that of springs of compliance sigma D. Going along the step only to
+//   where the slope of that function vanishes converges from anywhere. With friction there is no such function, but its slope still serves; a
+//   step that does not descend is replaced by the one with the bounds of friction held, which always does.
+//   The path along which what is missing of the equation shrinks in proportion is followed from piece to piece, one state changing at a time
+//   (Katzenelson 1965, Bell Syst. Tech. J. 44, 1605). Where friction turns the orientation of a piece the path turns back before it goes on
+//   (Chien & Kuh 1977, IEEE Trans. Circuits Syst. 24, 305). It gets through where Newton's steps cycle, but is long from far away.
+#pragma once
+
+#include "newton_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cd {
+
+struct Impulse {
+	double n, t;
+};
+
+// P of the formula above.
+inline Impulse onCone(Impulse z, double mu)
+{
+	const double n = std::max(z.n, 0.);
+	return { n, std::clamp(z.t, -mu * n, mu * n) };
+}
+
+template <class Form> class ProximalProblem {
+    public:
+	// most: factorizations in all; work: their floating-point operations
+	ProximalProblem(Form& f, int most, double work)
+	    : form(f)
+	    , mostSteps(most)
+	    , mostWork(work)
+	    , d(f.diagonal())
+	{
+	}
+
+	// A new pk: two numbers a contact.
+	void centre(const std::vector<double>& p)
+	{
+		at.pk = p;
+		form.velocities(p, at.u);
+		at.bounds.resize(form.size());
+	}
+
+	// Solves from the centre. False if that takes too many steps.
+	bool solve(double sigma)
+	{
+		at.sigma = sigma;
+		x = at.pk;
+		u = uNew = at.u;
+		at.states.assign(form.size(), ContactState::open);
+		return newtonSteps(20, false) && remember();
+	}
+
+	// Solves for a smaller sigma, from the last solution about this centre.
+	bool resume(double sigma)
+	{
+		at.sigma = sigma;
+		at.states = solvedStates;
+		if (exhausted() || !propose(true))
+			return false;
+		x = xNew;
+		u = uNew;
+		const std::vector<double> xStart = x, uStart = u;
+		if (newtonSteps(12, true))
+			return remember();
+		x = xStart;
+		u = uStart;
+		return followPath(30) && remember();
+	}
+
+	const std::vector<double>& impulses() const { return x; } // of the last attempt, in the cone only if it was solved
+	int steps() const { return made; } // factorizations
+	bool exhausted() const { return made >= mostSteps || work >= mostWork; }
+
+    private:
+	// Where a contact leaves its state: n z_n + t z_t, positive inside, vanishes.
+	struct Edge {
+		double n, t;
+		ContactState beyond;
+	};
+
+	bool remember()
+	{
+		solvedStates = at.states;
+		return true;
+	}
+
+	// z of a contact at the share a of the step.
+	Impulse point(std::size_t i, double a) const
+	{
+		const double un = u[2 * i] + a * (uNew[2 * i] - u[2 * i]), ut = u[2 * i + 1] + a * (uNew[2 * i + 1] - u[2 * i + 1]);
+		return { at.pk[2 * i] - un / (at.sigma * d[2 * i]), at.pk[2 * i + 1] - ut / (at.sigma * d[2 * i + 1]) };
+	}
+
+	// Sets states and bounds to those of u. Whether any state changed.
+	bool findStates()
+	{
+		bool changed = false;
+		for (std::size_t i = 0; i < form.size(); i++) {
+			const Impulse z = point(i, 0);
+			const double bound = at.bounds[i] = form.friction(i) * std::max(z.n, 0.);
+			ContactState state = z.t > 0 ? ContactState::slidePlus : ContactState::slideMinus;
+			if (!(z.n > 0))
+				state = ContactState::open;
+			else if (std::abs(z.t) < bound)
+				state = ContactState::stick;
+			changed = changed || state != at.states[i];
+			at.states[i] = state;
+		}
+		return changed;
+	}
+
+	// (uNew - u) . (x - P) at the share a of the step: the slope of the convex function where there is no friction.
+	double slope(double a) const
+	{
+		double sum = 0;
+		for (std::size_t i = 0; i < form.size(); i++) {
+			const Impulse p = onCone(point(i, a), form.friction(i));
+			sum += (uNew[2 * i] - u[2 * i]) * (x[2 * i] + a * (xNew[2 * i] - x[2 * i]) - p.n);
+			sum += (uNew[2 * i + 1] - u[2 * i + 1]) * (x[2 * i + 1] + a * (xNew[2 * i + 1] - x[2 * i + 1]) - p.t);
+		}
+		return sum;
+	}
+
+	// The solution of the present piece's system, to xNew and uNew. coupled: see Proximal.
+	bool propose(bool coupled)
+	{
+		made++;
+		at.coupled = coupled;
+		const bool regular = form.solve(at, xNew);
+		work += form.work();
+		if (!regular)
+			return false;
+		form.velocities(xNew, uNew);
+		return true;
+	}
+
+	void advance(double a)
+	{
+		for (std::size_t i = 0; i < x.size(); i++) {
+			x[i] += a * (xNew[i] - x[i]);
+			u[i] += a * (uNew[i] - u[i]);
+		}
+	}
+
+	// Share of the step at which the slope, negative at 0, vanishes to a hundredth; 1 if it is not positive there.
+	double share(double atStart) const
+	{
+		const double enough = -0.01 * atStart;
+		double low = 0, high = 1, slopeLow = atStart, slopeHigh = slope(1), a = 1;
+		if (slopeHigh <= enough)
+			return 1;
+		for (int k = 1; k <= 12; k++) {
+			// Regula falsi, which alone can crawl along a kink: every third time the middle.
+			a = k % 3 == 0 ? 0.5 * (low + high) : low - slopeLow * (high - low) / (slopeHigh - slopeLow);
+			const double s = slope(a);
+			if (std::abs(s) < enough)
+				break;
+			(s < 0 ? low : high) = a;
+			(s < 0 ? slopeLow : slopeHigh) = s;
+		}
+		return a;
+	}
+
+	// whole: x and u solve the system of the present states, which are those of the solution if they do not change.
+	bool newtonSteps(int most, bool whole)
+	{
+		for (int k = 0; k < most && !exhausted(); k++) {
+			if (!findStates() && whole)
+				return true;
+			if (!propose(true))
+				return false;
+			if (slope(0) >= 0 && (exhausted() || !propose(false)))
+				return false;
+			const double start = slope(0), a = start < 0 ? share(start) : 1;
+			whole = a == 1 && at.coupled;
+			advance(a);
+		}
+		return !findStates() && whole;
+	}
+
+	// The edges of the state that a contact is in, two at most; how many there are.
+	int edges(std::size_t i, Edge* e) const
+	{
+		const double mu = form.friction(i), s = side(at.states[i]);
+		switch (at.states[i]) {
+		case ContactState::open:
+			e[0] = { -1, 0, point(i, 0).t > 0 ? ContactState::slidePlus : ContactState::slideMinus };
+			return 1;
+		case ContactState::stick:
+			e[0] = { mu, -1, ContactState::slidePlus };
+			e[1] = { mu, 1, ContactState::slideMinus };
+			return 2;
+		default:
+			e[0] = { 1, 0, ContactState::open };
+			e[1] = { -mu, s, ContactState::stick };
+			return mu > 0 ? 2 : 1;
+		}
+	}
+
+	bool followPath(int most)
+	{
+		findStates();
+		std::size_t crossing = 0;
+		Edge crossed { 0, 0, ContactState::open };
+		for (int k = 0; k < most && !exhausted(); k++) {
+			if (!propose(true))
+				return false;
+			// Away from the edge just crossed, on its new side. Backwards there is no end but the next edge.
+			const double outward = k > 0 ? rate(crossing, crossed) : 0, direction = outward > 0 ? -1 : 1;
+			double a = direction > 0 ? 1 : std::numeric_limits<double>::infinity();
+			bool found = false;
+			for (std::size_t i = 0; i < form.size(); i++) {
+				const Impulse z = point(i, 0);
+				Edge e[2];
+				for (int n = edges(i, e) - 1; n >= 0; n--) {
+					const double toward = -direction * rate(i, e[n]);
+					const double reach = toward > 0 ? std::max(0., e[n].n * z.n + e[n].t * z.t) / toward : a;
+					if (!(reach < a))
+						continue;
+					a = reach;
+					crossing = i;
+					crossed = e[n];
+					found = true;
+				}
+			}
+			if (!found && direction < 0)
+				return false; // to infinity
+			advance(direction * a);
+			if (!found)
+				return true;
+			at.states[crossing] = crossed.beyond;
+		}
+		return false;
+	}
+
+	// At which n z_n + t z_t of a contact grows along the step.
+	double rate(std::size_t i, const Edge& e) const
+	{
+		const Impulse from = point(i, 0), to = point(i, 1);
+		return e.n * (to.n - from.n) + e.t * (to.t - from.t);
+	}
+
+	Form& form;
+	const int mostSteps;
+	const double mostWork;
+	const std::vector<double>& d;
+	int made = 0;
+	double work = 0;
+	Proximal at;
+	std::vector<double> x, u, xNew, uNew; // the iterate, u = W x + q, and where a step leads
+	std::vector<ContactState> solvedStates;
+};
+
+} // namespace cd
