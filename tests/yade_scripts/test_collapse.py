@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from yade_scripts import parameters, scenes
 from yade_scripts.deposit import deposit
 
 
@@ -39,3 +38,21 @@ def test_same_seed_same_heap():
 def test_disk_wider_than_the_trough_is_refused():
     with pytest.raises(ValueError, match="does not fit between walls"):
         deposit([0.01, 0.1], 0.15, random.random)
+
+
+def test_column_collapses_to_where_many_did(yade60):
+    """Four standard deviations of one run, front and height; and it has come to rest: m g R for one disk in 400."""
+    with yade60.run(scene="collapse", disks=400, cd_dt=2e-3, tolerance=1e-2, period=1.2) as file:
+        for name, tolerance in (("front", 0.4), ("height", 0.12)):
+            known = file[f"known/{name}"]
+            assert abs(known[()] - known.attrs["exact"]) < tolerance and "standard deviation" in known.attrs["source"]
+        assert file["history/kinetic_energy"][:].max() > 100 > 0.5 > file["history/kinetic_energy"][-1]
+
+
+def test_columns_nobody_has_measured_have_no_known_answer(yade60):
+    """Of another shape; of grains that bounce; and the one that has."""
+    assert yade60.code("""
+from yade_scripts import parameters, scenes
+rows = (dict(column_aspect=1.0), dict(method="MD", beta_n=0.1), dict(restitution=0.5), {})
+print(json.dumps([[known.name for known in scenes.build(parameters.complete(dict(scene="collapse", disks=400) | row), "results").known] for row in rows]))
+""") == [[], [], [], ["front", "height"]]
