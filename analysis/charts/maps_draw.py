@@ -31,7 +31,8 @@ def draw(found, theory, path, commit):
         _boundaries(axis, found, panel, theory)
         for words, value in chart.marks.items():
             axis.axvline(value, color="k", lw=0.6, ls=":")
-            axis.text(value, 1.0, f" {words}", transform=axis.get_xaxis_transform(), fontsize=6, rotation=90, va="top", ha="right")
+            axis.text(value, 1.0, f" {words}", transform=axis.get_xaxis_transform(), fontsize=6, rotation=90, va="top", ha="right",
+                      bbox={"boxstyle": "square,pad=0", "fc": "w", "ec": "none", "alpha": 0.7})
         axis.set(xlabel=chart.x.label, title="" if panel is None else f"{_title(chart.panels)} = {panel if isinstance(panel, str) else f'{panel:g}'}")
         _scale(axis, found)
         axis.label_outer()
@@ -111,5 +112,8 @@ def _legend(aside, axes):
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels()):
             handles.setdefault(label, handle)
+    # Cells by verdict first, then the lines.
+    places = {label: next((k for k, verdict in enumerate(MARKERS) if label.split(":")[0] == verdict), len(MARKERS)) for label in handles}
+    handles = {label: handles[label] for label in sorted(handles, key=places.get)}
     aside.axis("off")
     aside.legend(handles.values(), handles.keys(), loc="upper left", borderaxespad=0, fontsize=7.5)

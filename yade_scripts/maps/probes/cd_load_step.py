@@ -3,6 +3,7 @@ from yade import O
 
 from yade_scripts import bodies, cd, hooks, parameters, prepare, results, scenes, walls
 from yade_scripts.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE, Outcome
+from yade_scripts.maps.probes import rigid
 
 DISKS, STEPS, RISE = 100, 50, 0.05
 STRAIN, LARGE_STRAIN = 1e-6, 1e-3
@@ -24,7 +25,7 @@ def probe(case):
     engine = scene.watch.engine
     strain = [now / length - 1 for now, length in zip(walls.sides(), before)]
     measures = {"gamma": strain[1] - strain[0], "unconverged": engine.unconvergedSteps / STEPS, "sweeps": engine.totalIterations / STEPS}
-    told = f"{engine.unconvergedSteps} unconverged steps ({engine.status})" if engine.unconvergedSteps else ""
+    told = rigid.told(engine, min(body.shape.radius for body in bodies.disks()))
     if abs(measures["gamma"]) > LARGE_STRAIN:
         return Outcome(UNSTABLE, "false motion", told, measures)
     if engine.unconvergedSteps:

@@ -38,14 +38,14 @@ def engine(dt, gravity=(0, -GRAVITY, 0), **settings):
     return O.engines[-1]
 
 
-def told(contact_dynamics):
-    """How the engine said that something is wrong, '' if it did not."""
+def told(contact_dynamics, smallest=RADIUS):
+    """How the engine said that something is wrong, '' if it did not; smallest: radius [m]."""
     said = []
     if contact_dynamics.unconvergedSteps:
         said.append(f"{contact_dynamics.unconvergedSteps} unconverged steps ({contact_dynamics.status})")
     elif not contact_dynamics.converged:  # fixedIterations
         said.append(f"converged is False (e = {contact_dynamics.residual:.0e})")
-    if contact_dynamics.deepestPenetration > DEEP * RADIUS:
+    if contact_dynamics.deepestPenetration > DEEP * smallest:
         said.append("warning of overlap")
     return ", ".join(said)
 
