@@ -126,3 +126,30 @@ print(json.dumps(found))
         if side == "bad" and name in ("servo", "md_packing", "cd_mass_ratio", "cd_sweeps"):
             assert told, (name, case, verdict)
     assert not wrong
+
+
+class Process:
+    """Stands in for a YADE: ends with the codes given, one a start, leaving the first case under way where it crashes."""
+    codes, case, path = [], {}, None
+
+    def __init__(self, *arguments, **more):
+        self.returncode = Process.codes.pop(0)
+        if self.returncode:
+            Process.path.write_text(json.dumps(Process.case))
+
+    def poll(self):
+        return self.returncode
+
+
+def test_a_crash_costs_one_case_and_a_mistake_ends_the_map(tmp_path, monkeypatch):
+    """Ended by a signal: the case under way is entered as crashed and the rest goes on; by an exception: the map is given up."""
+    from yade_scripts.maps import run
+    monkeypatch.setattr(run.subprocess, "Popen", Process)
+    monkeypatch.setattr(run.commits, "git_commit", lambda: "abc")
+    Process.case, Process.path = maps.get("tunnelling").grid(False)[0], tmp_path / "tunnelling.underway"
+    Process.codes = [-11, 0]
+    assert run.run(["tunnelling"], False, tmp_path, 1) == {}
+    row = store.Store("tunnelling", tmp_path).rows
+    assert [one["reason"] for one in row] == ["crashed"] and "-11" in row[0]["told"]
+    Process.codes = [1]
+    assert "exit status 1" in run.run(["tunnelling"], False, tmp_path, 1)["tunnelling"]
