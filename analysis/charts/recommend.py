@@ -60,7 +60,7 @@ def by_kind(accuracy, found, source):
         lines.append(f"{kind} ({scenes} scene{'s' * (scenes > 1)}), accuracy {accuracy:g}: " + (_first(chosen) or "no setting reaches it"))
         for method, (series, solved, left) in chosen.items():
             times = [row["seconds"] for row in solved]
-            lines.append(f"  {method}: {series}, {_common(solved)}: error up to {max(row['error'] for row in solved):.2g}, {_range(times)} s"
+            lines.append(f"  {method}: {series}, {' '.join([*_fixed(solved[0]), _common(solved)])}: error up to {max(row['error'] for row in solved):.2g}, {_range(times)} s"
                          + (f"; not {', '.join(left)}" if left else ""))
     return lines + [f"Measured: {source}"]
 
@@ -84,28 +84,39 @@ def _common(solved):
         f"{value:g}" for value in sorted({float(pick(values, key=lambda v: float(v.split('=')[1])).split("=")[1]) for pick in (min, max)}))
 
 
+def _fixed(row):
+    """What a setting has beside the value that its series varies: a law, a solver."""
+    varied = (row["setting"].split("=")[0], "scene", "method", "disks")
+    return [word for word in row["arguments"].split() if word.split("=")[0] not in varied]
+
+
 def _range(times):
     low, high = (f"{pick(times):.2g}" for pick in (min, max))
     return low if low == high else f"{low} to {high}"
 
 
-def readme_table(found, levels=table.LEVELS[:2]):
-    """Markdown: for each kind of scene and accuracy the method to take, its setting, and the times of both."""
-    lines = ["| scenes | accuracy | take | setting | MD [s] | CD [s] |", "| --- | --- | --- | --- | --- | --- |"]
+README_LEVELS = (1e-1, 1e-2, 1e-4)
+
+
+def readme_table(found):
+    """Markdown: for each kind of scene and accuracy the method to take, with which setting and time, and the other method's time."""
+    lines = ["| scenes | " + " | ".join(f"to {level:g}" for level in README_LEVELS) + " |", "| --- |" + " --- |" * len(README_LEVELS)]
     for kind, own in _kinds(found).items():
-        for level in levels:
-            chosen = choice.of_kind(own, level)
-            method = _first(chosen)
-            cells = [_cell(chosen.get(name), any(row["method"] == name for row in own)) for name in ("MD", "CD")]
-            setting = f"{chosen[method][0]}, {_common(chosen[method][1])}" if method else ""
-            lines.append(f"| {kind} | {level:g} | {method or 'neither'} | {setting} | {cells[0]} | {cells[1]} |")
+        methods = dict.fromkeys(row["method"] for row in own)
+        lines.append(f"| {kind} | " + " | ".join(_cell(choice.of_kind(own, level), methods) for level in README_LEVELS) + " |")
     return lines
 
 
-def _cell(found, meant):
-    if not meant:
-        return ""
-    if found is None:
+def _cell(chosen, methods):
+    """The method to take first."""
+    if not chosen:
         return "not reached"
-    _, solved, left = found
-    return _range([row["seconds"] for row in solved]) + (f" (not {', '.join(left)})" if left else "")
+    said = []
+    for method in sorted(methods, key=lambda name: name != _first(chosen)):
+        if method not in chosen:
+            said.append(f"{method}: not reached")
+            continue
+        _, solved, left = chosen[method]
+        setting = f" `{' '.join([*_fixed(solved[0]), _common(solved)])}`" if not said else ""
+        said.append(f"{method}{setting} {_range([row['seconds'] for row in solved])} s" + (f", not {', '.join(left)}" if left else ""))
+    return "; ".join(said)

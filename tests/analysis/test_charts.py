@@ -22,7 +22,7 @@ def rows(series, errors, seconds=None, scene="stack", size=0):
     for rank, error in enumerate(errors):
         lost = isinstance(error, str)
         made.append({"name": f"{scene}-{series}-{rank}", "status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest", "size": size, "method": series[:2], "series": series,
-                     "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} rank={rank}", "error": None if lost else error,
+                     "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}", "error": None if lost else error,
                      "worst": "" if lost else "force", "seconds": None if lost else (seconds or [0.1 * 2**rank] * 99)[rank] if seconds else 0.1 * 2**rank,
                      "fastest": None if lost else 0.1, "slowest": None if lost else 0.2, "repeats": 3, "steps": 10, "sweeps": 5, "unconverged_steps": 0, "disks": 4})
     return made
@@ -87,7 +87,7 @@ def test_recommend_names_the_cheapest_setting_and_what_the_other_method_can(publ
     assert main([*published, "--scene", "stack", "--accuracy", "1e-4"]) == 0
     said = capsys.readouterr().out
     assert "accuracy 0.0001: CD" in said and "expected error 1e-06, 0.2 s" in said and "MD: not reached; its best is 0.01 in 0.2 s" in said
-    assert "run.py scene=stack rank=1" in said
+    assert "run.py scene=stack tolerance=0.1" in said
 
 
 def test_recommend_says_what_is_missing(published, capsys):
@@ -104,7 +104,7 @@ def test_recommend_for_each_kind_of_scene(published, capsys):
     assert main([*published, "--accuracy", "1e-3"]) == 0
     assert "piles at rest (1 scene), accuracy 0.001: CD" in capsys.readouterr().out
     assert main([*published, "--table"]) == 0
-    assert "| piles at rest | 0.01 | CD | CD step, tolerance=1 | 0.2 | 0.1 |" in capsys.readouterr().out
+    assert "| piles at rest | MD `tolerance=1` 0.1 s; CD 0.1 s | CD `tolerance=1` 0.1 s; MD 0.2 s | CD `tolerance=0.1` 0.2 s; MD: not reached |" in capsys.readouterr().out
 
 
 def test_a_table_reads_back_as_it_was(published, tmp_path):

@@ -141,7 +141,8 @@ def main(arguments=None):
         print(f"charts: there is no chart of {', '.join(unknown)}; there are {', '.join(settings.charted())}", file=sys.stderr)
         return 2
     limit = LIMIT["full" if options.full else "quick"]
-    works = [Work(scene, settings.everything(scene, options.quick), options.results, limit) for scene in options.only or settings.charted()]
+    scenes = sorted(options.only or settings.charted(), key=lambda scene: -settings.PATIENCE.get(scene, 1))  # the longest first
+    works = [Work(scene, settings.everything(scene, options.quick), options.results, limit * settings.PATIENCE.get(scene, 1)) for scene in scenes]
     work_off(works, max(1, options.jobs))
     trouble = [f"{work.scene}: {work.trouble}" for work in works if work.trouble]
     for line in trouble:

@@ -8,12 +8,16 @@ from dataclasses import dataclass, field
 from yade_scripts import parameters, scenes
 
 # Scenes that have no chart: no exact value (biaxial, frozen_packing), or one that is about the number of sweeps itself (chain).
-WITHOUT = ("biaxial", "frozen_packing", "chain", "collapse")
+WITHOUT = ("biaxial", "frozen_packing", "chain")
+# What a chart changes in a scene: the collapse is known for 400 disks, and 4000 would take minutes a run.
+BASE = {"collapse": {"disks": 400}}
+# By how much longer than others a scene's runs may take.
+PATIENCE = {"collapse": 2}
 # Scenes that start from a packing prepared with the row's own springs: it takes long to make them stiffer, and damping makes another packing.
 PREPARED = ("packing_at_rest", "elastic_step", "yield_ramp")
 # What is no setting in a scene, since the exact answer depends on it: in MD damping is the restitution.
 PHYSICS = {"bounce": ("beta_n",), "zeno": ("beta_n",), "cradle": ("beta_n",), "thin_wall": ("beta_n",), "two_grain_path": ("stiffening", "beta_n"),
-           **dict.fromkeys(PREPARED, ("beta_n",))}
+           "collapse": ("beta_n",), **dict.fromkeys(PREPARED, ("beta_n",))}
 # Scenes in which disks roll on or around each other under load, so that the tangential law can matter; against walls there is one law.
 ROLLING = ("two_grain_path", "arch", "pyramid", "elastic_step", "yield_ramp", "collapse")
 # Of a scene that holds each law against its own theory: what springs without a memory leave.
@@ -44,7 +48,7 @@ class Series:
         """The rows for a scene, each {parameter: value} with its method."""
         own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
         values = self.values[::-1][::2][::-1] if quick else self.values
-        return [{"scene": scene, "method": self.method} | self.fixed | {self.parameter: value * own if self.relative else value}
+        return [{"scene": scene, "method": self.method} | BASE.get(scene, {}) | self.fixed | {self.parameter: value * own if self.relative else value}
                 for value in values]
 
 
