@@ -74,6 +74,6 @@ def answer(found):
     worse = [f"{row['scene']} asked for {row['asked']:g} ({row['reached']:.2g})" for row in ended if row not in kept]
     said += f"; not in {', '.join(worse)}." if worse else "."
     if len(found) > len(ended):
-        said += f" {len(found) - len(ended)} searches gave up and said so."
+        said += f" {len(found) - len(ended)} searches came to no end in their time or their steps, and said so."
     return said + (f" A search takes {statistics.median(factors):.2g} times as long as the cheapest setting known to do (median; {min(factors):.2g} to "
                    f"{max(factors):.2g})." if factors else "")

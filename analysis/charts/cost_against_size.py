@@ -70,7 +70,7 @@ def draw(found, records, path):
                 axes.plot(missed, [1 - 0.03 * number] * len(missed), "x", color=kind["color"], transform=axes.get_xaxis_transform(), clip_on=False)
         axes.set(xlabel="disks", title=table.title(scene))
         axes.grid(alpha=0.25, linewidth=0.5)
-        axes.legend(loc="upper left")
+        axes.legend(loc="lower right")
     panels[0][0].set_ylabel("time of computing [s]")
     origin.finish(fig, path, f"Cheapest setting of each series within an error of {LEVEL:g}; crosses: none is.", records)
 

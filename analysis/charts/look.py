@@ -10,8 +10,8 @@ SPARE = (("#7F7F7F", "h"), ("#4B0082", "8"), ("#556B2F", "d"))  # series of solv
 ENVELOPE = {"MD": "#0072B2", "CD": "#D55E00"}
 
 
-# Of scenes, which are more than a palette holds: each colour comes back with another marker.
-MARKERS = "ov^<>sPDX*hpd8"
+# Of scenes, which are more than a palette holds: as many markers as have no divisor in common with the colours, so that no pair comes twice.
+MARKERS = "ov^<>sPDX*hpd"
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1A1A1A")
 
 
