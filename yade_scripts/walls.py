@@ -11,11 +11,12 @@ X_LOW, X_HIGH, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH = range(6)
 DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
 
 
-def append(side, depth, material):
-    """Six fixed walls around (0, 0, -depth/2) .. (side, side, depth/2); they must be the first bodies."""
+def append(sides, depth, material):
+    """Six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2), sides (L_x, L_y) or one [m]; they must be the first bodies."""
     if len(O.bodies):
         raise ValueError("walls come first: their ids are 0 to 5")
-    O.bodies.append(utils.aabbWalls([(0, 0, -depth / 2), (side, side, depth / 2)], thickness=0, material=material, color=(0.4, 0.4, 0.4)))
+    length_x, length_y = sides if hasattr(sides, "__len__") else (sides, sides)
+    O.bodies.append(utils.aabbWalls([(0, 0, -depth / 2), (length_x, length_y, depth / 2)], thickness=0, material=material, color=(0.4, 0.4, 0.4)))
 
 
 def faces():
