@@ -45,8 +45,9 @@ console: build ## YADE's console with the engine and the prepared packing
 regression: build ## every scene, headless, against stored numbers
 	$(PYTHON) yade_scripts/regression.py
 
-bench: build ## what a sweep, its set-up and a step cost, to results/benchmark.csv
-	$(YADE) -n -x yade_scripts/benchmark.py
+bench: build ## the solvers beside Siconos's: time, sweeps, error, memory; QUICK=1 a minute, AGAIN=1 anew, FILES="..." more problems
+	@.ci/install-packages test
+	$(PYTHON) -m yade_scripts.benchmark $(if $(QUICK),--quick) $(if $(AGAIN),--again) $(if $(PUBLISH),--publish) $(FILES)
 
 lint: ## style and static checks
 	@.ci/install-packages lint

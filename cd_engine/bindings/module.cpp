@@ -7,11 +7,11 @@
 #include <boost/python.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <time.h>
 
 namespace {
 
@@ -157,6 +157,14 @@ class WithoutInterpreterLock {
 	PyThreadState* state;
 };
 
+// Of this thread [s]: what a solution costs, whatever else the machine does meanwhile.
+double processorTime()
+{
+	timespec t;
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+	return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 // (iterations, factorizations, residual, residual_max, status, solved_by, seconds) of a solution.
 template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const std::string& method, const cd::SolverSettings& settings)
 {
@@ -164,9 +172,9 @@ template <class System, class Solver> py::tuple solved(System& system, Solver* s
 	double seconds = 0;
 	{
 		const WithoutInterpreterLock unlocked;
-		const auto begin = std::chrono::steady_clock::now();
+		const double begin = processorTime();
 		report = solver(system, settings);
-		seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+		seconds = processorTime() - begin;
 	}
 	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status),
 	    cd::solvedBy(method, report), seconds);
@@ -242,6 +250,12 @@ void useInstructionSet(const std::string& name)
 	throw std::invalid_argument("this processor has no instruction set '" + name + "' that the sweeps are written for");
 }
 
+// (bytes of a contact, of its impulses a sweep before, of a body) as sweeps over bodies store them.
+py::tuple bytesOfASweep()
+{
+	return py::make_tuple(sizeof(cd::Group) / cd::Group::lanes, sizeof(cd::GroupBefore) / cd::Group::lanes, sizeof(cd::PackedBody));
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_core)
@@ -253,4 +267,5 @@ BOOST_PYTHON_MODULE(_core)
 	py::def("methods", methods);
 	py::def("instruction_sets", instructionSets);
 	py::def("use_instruction_set", useInstructionSet);
+	py::def("bytes_of_a_sweep", bytesOfASweep);
 }

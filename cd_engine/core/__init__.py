@@ -13,7 +13,7 @@ A problem is the one of Signorini's contact with Coulomb's friction in the plane
 from .body_problem import BodyProblem
 from .files import read_problem, write_problem
 from .problem import Problem
-from .solve import Report, instruction_sets, methods, residual, residual_max, solve, use_instruction_set
+from .solve import Report, bytes_of_a_sweep, instruction_sets, methods, residual, residual_max, solve, use_instruction_set
 
-__all__ = ["BodyProblem", "Problem", "Report", "instruction_sets", "methods", "read_problem", "residual", "residual_max", "solve",
-           "use_instruction_set", "write_problem"]
+__all__ = ["BodyProblem", "Problem", "Report", "bytes_of_a_sweep", "instruction_sets", "methods", "read_problem", "residual", "residual_max",
+           "solve", "use_instruction_set", "write_problem"]

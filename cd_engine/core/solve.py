@@ -21,7 +21,7 @@ class Report:
     converged: bool
     status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged
     solved_by: str            # the method that reached the tolerance, or none
-    seconds: float            # spent in the solver
+    seconds: float            # of processor time, spent in the solver
 
 
 def _core():
@@ -45,6 +45,11 @@ def instruction_sets():
 def use_instruction_set(name):
     """Sweep with this one of `instruction_sets()` from now on: for comparisons, since the results are the same bits with all."""
     _core().use_instruction_set(name)
+
+
+def bytes_of_a_sweep():
+    """Memory of sweeps over bodies: bytes of a contact, of its impulses one sweep before (with momentum), and of a body."""
+    return tuple(_core().bytes_of_a_sweep())
 
 
 def _arrays(problem):

@@ -1,11 +1,11 @@
 """A dense packing of disks at rest under the load of its walls, and problems of its next step.
 
-    yade -n -x yade_scripts/benchmark/packing.py '{"disks": 4000, "seed": 1, "friction": [0.1, 0.5]}' results/benchmark/problems
+    yade -n -x yade_scripts/benchmark/packing.py '{"disks": 4000, "seed": 1, "friction": [0.1, 0.5], "stem": "results/packing"}'
 
 Radii uniform in 0.30 .. 0.65 m, density 1 kg/m^2, two walls fixed and two loaded by P = 1 N/m, each of the mass of 2 sqrt(N) disks. Jammed
 without friction by springs (jammed.py), handed over to Contact Dynamics with its overlaps of 6e-4 m, brought to rest with friction on disks and
-walls alike in steps of h = 0.01 sqrt(m/P), solved to SETTLED. The problem is the step in which wall y+ is loaded by 0.2 % more, its first guess
-the impulses of the step before.
+walls alike in steps of h = 0.01 sqrt(m/P), solved to SETTLED. Then each step loads wall y+ by 0.2 % of P more; the problem is the tenth of these,
+its first guess the impulses of the ninth.
 """
 import json
 import math
@@ -23,26 +23,25 @@ import cd_engine
 from yade_scripts import bodies, hooks, walls
 from yade_scripts.benchmark.jammed import jammed
 
-RECIPE = 1          # part of the name of what is made here: raise it when the procedure changes
 PRESSURE = 1.0      # [N/m]
 RADII = 0.30, 0.65  # [m]
 DEPTH = 1.0         # [m]
-MORE = 1.002        # load of y+ in the problem over P
+MORE = 0.002        # of P by which the load of y+ rises in a step
+STEPS = 9           # so made before the one that is the problem
 SETTLED = 1e-6      # error to which the steps before the problem are solved
 REST = 1e-5         # largest displacement in a step [m] at rest
 MOST_STEPS = 60
 MOST_SWEEPS = 20000
 
 
-def build(disks, seed, mu):
-    """Walls 0 .. 5, x+ and y+ free, then the jammed disks; the unit of time sqrt(m/P) [s]."""
+def build(places, sides, radii, mu):
+    """Walls 0 .. 5, x+ and y+ free, then the disks; the unit of time sqrt(m/P) [s]."""
     O.reset()
-    positions, sides, radii = jammed(np.random.default_rng(seed).uniform(*RADII, disks), seed)
     O.materials.append(FrictMat(frictionAngle=math.atan(mu), density=1, label="disk"))
     walls.append(sides, DEPTH, "disk")
-    for place, radius in zip(positions, radii):
+    for place, radius in zip(places, radii):
         bodies.append_disk(place, radius, math.pi * radius**2, "disk")
-    walls.set_free(2 * math.sqrt(disks) * bodies.mean_mass())
+    walls.set_free(2 * math.sqrt(len(radii)) * bodies.mean_mass())
     return math.sqrt(bodies.mean_mass() / (PRESSURE * DEPTH))
 
 
@@ -80,30 +79,36 @@ def come_to_rest(unit):
     O.engines = cd_engine.engines(tolerance=SETTLED, maxIterations=MOST_SWEEPS) \
         + [hooks.runner(slow, iterPeriod=5), hooks.runner(watch, iterPeriod=5)]
     hooks.simulate(MOST_STEPS)
+    O.engines = O.engines[:3]
     engine = O.engines[2]
     return {"steps": engine.steps, "solid_fraction": bodies.solid_fraction(), "contacts_per_disk": bodies.contacts_per_disk(),
             "loaded_contacts": engine.loadedContacts, "sliding_contacts": engine.slidingContacts, "residual": engine.residual,
             "largest_displacement": largest_displacement(), "unconverged_steps": engine.unconvergedSteps}
 
 
-def stem(folder, disks, seed, mu):
-    """Path, without its ending, of the files of one packing: .npz the problem, .json its facts, .yade.gz the scene."""
-    return pathlib.Path(folder) / f"packing{RECIPE}-{disks}-{seed}-{mu:g}"
+def load_on():
+    """The steps before the problem, under rising load; what is known of them."""
+    for step in range(1, STEPS + 1):
+        load(1 + step * MORE)
+        hooks.simulate(1)
+    engine = O.engines[2]
+    return {"loaded_steps": STEPS, "loaded_residual": engine.residual, "loaded_sliding_contacts": engine.slidingContacts,
+            "loaded_unconverged_steps": engine.unconvergedSteps}
 
 
-def main(wish, folder):
-    """Make what `wish` asks for: disks, seed, friction coefficients."""
-    folder = pathlib.Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
+def main(wish):
+    """Make what `wish` asks for: disks, seed, friction coefficients; files named `stem`-friction."""
+    packed = jammed(np.random.default_rng(wish["seed"]).uniform(*RADII, wish["disks"]), wish["seed"])
     for mu in wish["friction"]:
-        facts = come_to_rest(build(wish["disks"], wish["seed"], mu))
-        target = stem(folder, wish["disks"], wish["seed"], mu)
+        facts = come_to_rest(build(*packed, mu)) | load_on()
+        target = f"{wish['stem']}-{mu:g}"
         O.save(f"{target}.yade.gz")
-        load(MORE)
+        load(1 + (STEPS + 1) * MORE)
         O.engines[2].exportProblem(f"{target}.npz", True)
         # Last: its presence says that all is there.
-        target.with_suffix(target.suffix + ".json").write_text(json.dumps(facts, indent=1) + "\n")
+        pathlib.Path(f"{target}.json").write_text(json.dumps(facts, indent=1) + "\n")
+    print(json.dumps(facts))
 
 
 if __name__ == "__main__":
-    main(json.loads(sys.argv[1]), sys.argv[2])
+    main(json.loads(sys.argv[1]))

@@ -1,0 +1,93 @@
+"""Siconos's 2D solvers on the same W, q and mu: fc2d_nsgs for packings, fc2d_lexicolemke as an oracle for a few contacts.
+
+Its Gauss-Seidel takes W in sparse blocks, the storage that is fastest here. It is memoryless, so that it can be stopped every few sweeps, asked
+for the error e by our code, and go on from the same impulses to the same bits: what is timed are sweeps alone, with its own test for
+stopping (another measure than e) switched off. That is the least time it can need for an error of e.
+"""
+import importlib
+import time
+import warnings
+
+import numpy as np
+from scipy import sparse
+
+from cd_engine import core
+
+GROWTH = 1.05  # sweeps between two looks at the error: the time to a target is interpolated in between
+FEWEST = 4
+
+
+def available():
+    """Why Siconos cannot be had, else None."""
+    try:
+        importlib.import_module("siconos.numerics")
+    except ImportError as error:
+        return f"python3-siconos is not installed ({error})"
+    return None
+
+
+class Peer:
+    """One problem as Siconos takes it."""
+
+    def __init__(self, problem):
+        import siconos.numerics as numerics
+        self.numerics, self.problem = numerics, problem
+        matrix = problem if isinstance(problem, core.Problem) else problem.delassus()
+        self.contacts, self.matrix = matrix.contacts, matrix
+        blocks = sparse.csc_matrix(matrix.W)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that it copies the matrix
+            status, self.blocks = numerics.SBM_from_csparse(2, blocks)
+        if status:
+            raise RuntimeError(f"Siconos could not take the matrix (status {status})")
+        self.storage = numerics.NM_create(numerics.NM_SPARSE_BLOCK, 2 * self.contacts, 2 * self.contacts)
+        self.storage.matrix1 = self.blocks
+        self.theirs = numerics.FrictionContactProblem()
+        self.theirs.dimension, self.theirs.numberOfContacts = 2, self.contacts
+        self.theirs.M, self.theirs.q, self.theirs.mu = self.storage, matrix.q, matrix.mu
+
+    def sweeps(self, impulses, count):
+        """Make so many from `impulses`, in place; the seconds of processor time they took."""
+        n = self.numerics
+        options = n.SolverOptions(n.SICONOS_FRICTION_2D_NSGS)
+        options.iparam[n.SICONOS_IPARAM_MAX_ITER] = count
+        options.iparam[n.SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION] = n.SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_ADAPTIVE
+        options.dparam[n.SICONOS_DPARAM_TOL] = 1e-300
+        velocities = np.zeros_like(impulses)
+        begin = time.process_time()
+        n.fc2d_driver(self.theirs, impulses, velocities, options)
+        return time.process_time() - begin
+
+    def history(self, impulses, target, most_seconds):
+        """[(sweeps, seconds, e, e_max)] from a first guess until e is at most `target` or the seconds are used up."""
+        p = impulses.copy()
+        made, seconds = 0, 0.0
+        points = [(0, 0.0, core.residual(self.problem, p), core.residual_max(self.problem, p))]
+        while points[-1][2] > target and seconds < most_seconds:
+            count = max(FEWEST, int(made * (GROWTH - 1)))
+            seconds += self.sweeps(p, count)
+            made += count
+            points.append((made, seconds, core.residual(self.problem, p), core.residual_max(self.problem, p)))
+        return points
+
+    def lemke(self):
+        """(impulses, status) of the pivoting solver; status 0 is its claim of success."""
+        n = self.numerics
+        dense = n.FrictionContactProblem(2, self.contacts, self.matrix.W.toarray(), self.matrix.q, self.matrix.mu)
+        options = n.SolverOptions(n.SICONOS_FRICTION_2D_LEMKE)
+        p, u = np.zeros(2 * self.contacts), np.zeros(2 * self.contacts)
+        return p, n.fc2d_driver(dense, p, u, options)
+
+
+def reached(points, target):
+    """(sweeps, seconds, e, e_max) at which a history first meets a target, at least one sweep; both interpolated in log e. None if it does not."""
+    if points[0][2] <= target:
+        return points[0]
+    for before, after in zip(points, points[1:]):
+        if after[2] <= target:
+            fall = np.log(before[2] / after[2])  # infinite from no impulses at all: then the whole stretch counts
+            share = np.log(before[2] / target) / fall if np.isfinite(fall) else 1.0
+            sweeps = max(1.0, before[0] + share * (after[0] - before[0]))
+            share = (sweeps - before[0]) / (after[0] - before[0])
+            return (sweeps, before[1] + share * (after[1] - before[1])) + after[2:]
+    return None
