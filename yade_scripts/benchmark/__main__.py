@@ -39,7 +39,7 @@ def main(arguments=None):
     busy = os.getloadavg()[0]
     if busy > 0.5:
         print(f"benchmark: {busy:.1f} processes are running already; the times will not mean much", file=sys.stderr)
-    tables, failed = run((pieces.quick if options.quick else pieces.full)(FOLDER / "problems", options.files), folder, options.again)
+    tables, failed = run((pieces.quick if options.quick else pieces.full)(folder / "problems", options.files), folder, options.again)
     tables["goals"] = goals.table(*(tables[name] for name in ("solutions", "sweeps", "engine")))
     write(tables, folder, busy)
     show(tables)

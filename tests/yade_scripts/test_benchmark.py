@@ -1,0 +1,182 @@
+"""The benchmark's parts: its problems are what they are said to be, its peer is treated fairly, and a figure without proof is never quoted."""
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+from analysis import publish
+from cd_engine import core
+from yade_scripts.benchmark import goals, problems, siconos, solutions, sweeps
+from yade_scripts.benchmark.jammed import STIFFNESS, hilbert, jammed
+
+PEERS = pytest.mark.skipif(siconos.available() is not None, reason="python3-siconos is not installed")
+
+
+def test_hilbert_s_curve_goes_from_neighbour_to_neighbour():
+    grid = np.stack(np.meshgrid(np.arange(16), np.arange(16)), axis=-1).reshape(-1, 2)
+    way = grid[np.argsort(hilbert((grid + 0.5) / 16, bits=4))]
+    assert np.all(np.abs(np.diff(way, axis=0)).sum(axis=1) == 1)
+
+
+def test_jammed_disks_balance_the_load():
+    """Forces summed anew, pair by pair: on each disk, and on each wall against P times its length."""
+    radii = np.random.default_rng(4).uniform(0.3, 0.65, 80)
+    x, sides, r = jammed(radii, 4)
+    assert np.array_equal(np.sort(r), np.sort(radii))
+    net, walls, contacts = np.zeros((80, 2)), np.zeros(4), 0
+    for i in range(80):
+        for j in range(i):
+            way = x[i] - x[j]
+            overlap = r[i] + r[j] - np.hypot(*way)
+            if overlap > 0:
+                push = STIFFNESS * overlap * way / np.hypot(*way)
+                net[i] += push
+                net[j] -= push
+                contacts += 1
+        for axis in (0, 1):
+            low, high = (STIFFNESS * max(0, r[i] - gap) for gap in (x[i, axis], sides[axis] - x[i, axis]))
+            net[i, axis] += low - high
+            walls[2 * axis:2 * axis + 2] += low, high
+    # The quench ends at 2e-2 of the mean contact force, here about 1; the walls' balance is a sum of such errors.
+    assert np.sqrt(np.mean(net**2)) < 0.03
+    assert walls == pytest.approx(np.repeat(sides[::-1], 2), rel=0.05)
+    # Isostatic without friction: two contacts a disk, less the rattlers' and with the walls' besides.
+    assert 1.4 < contacts / 80 < 2.1 and 0.76 < np.pi * r @ r / sides.prod() < 0.86
+    again = jammed(radii, 4)
+    assert all(np.array_equal(a, b) for a, b in zip((x, sides, r), again))
+
+
+@pytest.mark.parametrize("rows", [4, 5])
+def test_crystal(rows):
+    """Contacts counted by hand; without friction the floor carries the weight, and the walls' pushes cancel."""
+    case = problems.crystal(rows, 0.0, ratio=3.0)
+    pairs, n = case.problem.pairs, case.problem.normals
+    to_floor = (pairs[:, 0] == 0) & (n[:, 1] == 1)
+    even, odd = -(-rows // 2), rows // 2
+    # Each row its neighbours; between two rows 2 rows - 1; the floor's; even rows touch the left wall, odd ones the right.
+    assert case.problem.contacts == rows * (rows - 1) + (rows - 1) * (2 * rows - 1) + rows + even + odd
+    p = core.solve(case.problem, tolerance=1e-12).impulses
+    heavy = rows * (rows // 2)
+    weight = 9.81e-3 * (rows * rows - heavy + 3 * heavy)
+    assert p[::2][to_floor].sum() == pytest.approx(weight, rel=1e-10)  # the tolerance, times a hundred contacts
+    sideways = p[::2][pairs[:, 0] == 0] @ n[pairs[:, 0] == 0][:, 0]
+    assert abs(sideways) < 1e-10 * weight
+
+
+def test_copies_are_the_problem_again():
+    one = problems.crystal(4, 0.3).problem
+    three = problems.tiled(one, 3)
+    p = core.solve(one).impulses
+    assert three.contacts == 3 * one.contacts
+    # The same error of the same numbers, summed in another order.
+    assert core.residual(three, np.tile(p, 3)) == pytest.approx(core.residual(one, p), rel=1e-12)
+
+
+@PEERS
+def test_siconos_goes_on_where_it_stopped():
+    """What the peer is timed by: 60 sweeps at once and in pieces are the same bits, and it solves our problem by our error."""
+    peer = siconos.Peer(problems.crystal(6, 0.5).problem)
+    at_once, in_pieces = np.zeros(2 * peer.contacts), np.zeros(2 * peer.contacts)
+    assert peer.sweeps(at_once, 60) > 0
+    for count in (4, 16, 40):
+        peer.sweeps(in_pieces, count)
+    assert np.array_equal(at_once, in_pieces)
+    history = peer.history(np.zeros(2 * peer.contacts), 1e-6, 20)
+    assert history[-1][2] <= 1e-6 < history[-2][2]
+    assert core.residual(peer.matrix, at_once) < 0.1
+
+
+def test_time_to_a_target_is_interpolated():
+    points = [(0, 0.0, np.inf, np.inf), (4, 1.0, 1e-1, 1.0), (8, 3.0, 1e-3, 1e-2)]
+    assert siconos.reached(points, 1e-2) == pytest.approx((6, 2.0, 1e-3, 1e-2))
+    assert siconos.reached(points, 1e-1)[:2] == (4, 1.0) and siconos.reached(points, 1e-4) is None
+    # At least one sweep where one is needed, none where the first guess will do.
+    assert siconos.reached([(0, 0.0, 2e-3, 1), (4, 4.0, 1e-9, 1)], 1.999999e-3)[:2] == pytest.approx((1, 1.0))
+    assert siconos.reached([(0, 0.0, 2e-3, 1)], 1e-2)[:2] == (0, 0.0)
+
+
+@PEERS
+def test_rows_say_what_was_reached(monkeypatch):
+    case = problems.crystal(5, 0.5)
+    rows = solutions.measure(case, rounds=2, targets=(1e-2, 1e-5), most_seconds=5)
+    assert {row["method"] for row in rows} == {*core.methods(), solutions.PEER}
+    for row in rows:
+        assert row["status"] == solutions.SOLVED and row["residual"] <= row["target"] and row["seconds"] > 0 and row["sweeps"] >= 1
+        assert row["residual"] <= row["residual_max"]
+    # A solver that claims what is not so gets no time.
+    sound = core.solve
+
+    def boastful(problem, method="accelerated", *settings, **more):
+        report = sound(problem, method, *settings, **more)
+        report.impulses[0] += report.impulses.max()
+        return report
+
+    monkeypatch.setattr(core, "solve", boastful)
+    for row in solutions.measure(case, rounds=1, targets=(1e-2,), peer=False):
+        assert row["status"] != solutions.SOLVED and row["seconds"] is None and row["residual"] > 1e-2
+
+
+@PEERS
+def test_pivoting_agrees_on_a_few_contacts():
+    row, = solutions.oracle(problems.crystal(3, 0.5))
+    assert row["status"] == solutions.SOLVED and row["lemke_residual"] < 1e-10
+    # Velocities are determined, and both are at rest; 1e-9: our tolerance of 1e-12, times the number of contacts and the spread of W.
+    assert row["largest_velocity_difference"] < 1e-9
+
+
+def test_traffic_is_counted_once():
+    problem = problems.crystal(20, 0.5).problem
+    contact, before, body = core.bytes_of_a_sweep()
+    assert sweeps.traffic(problem, False) == pytest.approx(contact + 16 + 2 * body * 401 / problem.contacts)
+    assert sweeps.traffic(problem, True) > sweeps.traffic(problem, False) + 2 * before
+
+
+def solution(problem, method, target, seconds, sweeps=10, status=solutions.SOLVED, kind="packing", disks=4000, mu=0.1):
+    return {"problem": problem, "method": method, "target": target, "seconds": seconds, "sweeps": sweeps, "status": status, "kind": kind,
+            "disks": disks, "mu": mu, "start": "cold"}
+
+
+def verdict(rows, goal):
+    row, = (row for row in goals.table(rows, [], []) if row["goal"].startswith(goal))
+    return row["met"], row["measured"]
+
+
+def test_goals_are_computed():
+    ours = goals.default_method()
+    assert {row["met"] for row in goals.table([], [], [])} == {"not measured"}
+    rows = [solution("a", ours, 1e-4, 0.01, 100), solution("a", solutions.PEER, 1e-4, 2.6), solution("a", "nsgs", 1e-4, 0.05, 900)]
+    assert verdict(rows, "packing of 4000, mu 0.1, cold to 0.0001")[0] == "yes"
+    assert verdict(rows, "sweeps saved against plain ones, packings, to 0.0001") == ("yes", "9x (median of 1, 0 unsolved)")
+    # Stopped before it arrived: a bound from below.
+    rows[1] |= {"status": "not within 2 s", "seconds": None}
+    assert verdict(rows, "packing of 4000, mu 0.1, cold to 0.0001") == ("no", ">= 200x (1 problems)")
+    # Not solved by us: no factor at all.
+    rows[0] |= {"status": "stagnated", "seconds": None}
+    assert verdict(rows, "packing of 4000, mu 0.1, cold to 0.0001")[0] == "no"
+    assert verdict(rows, "sweeps saved against plain ones, packings, to 0.0001")[0] == "no"
+    worst = [solution("c", ours, t, s, kind="crystal") for t, s in ((1e-4, 1.0), (1e-6, 1.3))]
+    worst += [solution("c", "nsgs", t, 1.0, kind="crystal") for t in (1e-4, 1e-6)]
+    assert verdict(worst, "worst case") == ("no", "1.3x (c to 1e-06)")
+
+
+def test_quick_benchmark(root, tmp_path):
+    """From nothing to tables and figures, once; started again it has nothing left to do."""
+    def run(*more):
+        return subprocess.run(["/usr/bin/python3", "-m", "yade_scripts.benchmark", "--quick", "-o", str(tmp_path), *more], cwd=root,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
+
+    done = run()
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = {name: publish.read_csv(tmp_path / f"{name}.csv")[1] for name in ("solutions", "sweeps", "engine", "goals")}
+    packed = [row for row in rows["solutions"] if row["kind"] == "packing"]
+    assert {row["start"] for row in packed} == {"cold", "warm"} and all(float(row["residual"]) <= float(row["target"]) for row in packed)
+    assert float(rows["engine"][0]["steps_solved"]) == 5 and float(rows["engine"][0]["step_over_solver"]) > 1
+    assert all(float(row[name]) > 0 for row in rows["sweeps"] for name in ("plain_any_ns", "accelerated_ns", "bound_plain_ns"))
+    facts = json.loads(next((tmp_path / "problems").glob("*-0.1.json")).read_text())
+    assert facts["residual"] < 1e-6 and facts["solid_fraction"] > 0.78 and facts["contacts_per_disk"] > 3.2
+    assert {path.name for path in tmp_path.glob("*.png")} == {"error_against_time.png", "sweep_cost.png"}
+    again = run()
+    assert again.returncode == 0 and "[1/" not in again.stdout and again.stdout.splitlines()[-1].endswith(".png")
+    missing = run(str(tmp_path / "nowhere.hdf5"))
+    assert missing.returncode == 2 and "nowhere.hdf5" in missing.stderr and "Traceback" not in missing.stderr
