@@ -76,6 +76,7 @@ class BodyProblem:
         H = sparse.hstack([self._normals(), self._tangents()]).tocsc()[:, np.arange(2 * self.contacts).reshape(2, -1).T.ravel()]
         # Half of each mass on either side, so that W is symmetric to the last bit.
         H = sparse.diags(np.sqrt(self.inverse_masses.ravel())) @ H
+        H.eliminate_zeros()  # a body that does not move couples none of its contacts
         return Problem(H.T @ H, self.velocities(np.zeros(2 * self.contacts)), self.mu)
 
     def _normals(self):

@@ -31,7 +31,7 @@ STEPS = 9           # so made before the one that is the problem
 SETTLED = 1e-6      # error to which the steps before the problem are solved
 REST = 1e-5         # largest displacement in a step [m] at rest
 MOST_STEPS = 60
-MOST_SWEEPS = 20000
+MOST_SWEEPS = 5000
 
 
 def build(places, sides, radii, mu):

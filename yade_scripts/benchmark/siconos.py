@@ -5,11 +5,10 @@ for the error e by our code, and go on from the same impulses to the same bits: 
 stopping (another measure than e) switched off. That is the least time it can need for an error of e.
 """
 import importlib
+import tempfile
 import time
-import warnings
 
 import numpy as np
-from scipy import sparse
 
 from cd_engine import core
 
@@ -26,6 +25,24 @@ def available():
     return None
 
 
+def write_blocks(file, problem):
+    """The text in which Siconos reads a problem with W in sparse blocks; every digit of a number is written."""
+    def lines(values):
+        file.write("\n".join(map(repr, values)) + "\n")
+
+    n, W = problem.contacts, problem.W.tobsr((2, 2))
+    W.sort_indices()
+    ends = " ".join(map(str, range(2, 2 * n + 1, 2)))
+    file.write(f"2\n{n}\n1\n{2 * n}\n{2 * n}\n{len(W.indices)}\n{n}\n{n}\n{ends}\n{ends}\n{n + 1}\n{len(W.indices)}\n")
+    for pointers in (W.indptr, W.indices):
+        file.write(" ".join(map(str, pointers)) + "\n")
+    for number, (nn, tn, nt, tt) in enumerate(W.data.transpose(0, 2, 1).reshape(-1, 4).tolist()):  # a block by columns
+        file.write(f"{number}\n{nn!r}\n{tn!r}\n{nt!r}\n{tt!r}\n")
+    lines(problem.q.tolist())
+    lines(problem.mu.tolist())
+    file.flush()
+
+
 class Peer:
     """One problem as Siconos takes it."""
 
@@ -34,17 +51,10 @@ class Peer:
         self.numerics, self.problem = numerics, problem
         matrix = problem if isinstance(problem, core.Problem) else problem.delassus()
         self.contacts, self.matrix = matrix.contacts, matrix
-        blocks = sparse.csc_matrix(matrix.W)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # that it copies the matrix
-            status, self.blocks = numerics.SBM_from_csparse(2, blocks)
-        if status:
-            raise RuntimeError(f"Siconos could not take the matrix (status {status})")
-        self.storage = numerics.NM_create(numerics.NM_SPARSE_BLOCK, 2 * self.contacts, 2 * self.contacts)
-        self.storage.matrix1 = self.blocks
-        self.theirs = numerics.FrictionContactProblem()
-        self.theirs.dimension, self.theirs.numberOfContacts = 2, self.contacts
-        self.theirs.M, self.theirs.q, self.theirs.mu = self.storage, matrix.q, matrix.mu
+        # Through a file: what converts a sparse matrix in memory asks for the square of the number of contacts.
+        with tempfile.NamedTemporaryFile("w", suffix=".dat") as file:
+            write_blocks(file, matrix)
+            self.theirs = numerics.frictionContact_new_from_filename(file.name)
 
     def sweeps(self, impulses, count):
         """Make so many from `impulses`, in place; the seconds of processor time they took."""

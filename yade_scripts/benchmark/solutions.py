@@ -47,13 +47,14 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=30.0, peer=True, say=l
                 histories.append(theirs.history(case.impulses, wanted, most_seconds))
     rows = [_row(case, method, target, _median(runs, target)) for (method, target), runs in found.items() if runs]
     rows += [_row(case, PEER, target, _of_peer(histories, target, most_seconds)) for target in targets if histories]
-    return rows
+    first = core.residual(case.problem, case.impulses)
+    return [row | {"residual_at_start": first if np.isfinite(first) else None} for row in rows]
 
 
 def _seconds_a_sweep(case):
-    """Of plain sweeps, roughly."""
-    report = core.solve(case.problem, fixed_iterations=20)
-    return report.seconds / 20
+    """Of plain sweeps, roughly: the difference of two solutions, which both prepare the same."""
+    few, many = (core.solve(case.problem, fixed_iterations=count).seconds for count in (10, 50))
+    return max(1e-9, (many - few) / 40)
 
 
 def _quick(history, targets, seconds):
