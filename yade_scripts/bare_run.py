@@ -15,14 +15,14 @@ def measures():
 
 
 def run(scene, full, *also, without=frozenset(RECORDING)):
-    """Run a scene that stands in O; the time [s] from the start of its first step to the end of its last. also: further engines, in front.
+    """Run a scene that stands in O; the processor time [s] from the start of its first step to the end of its last. also: further engines, in front.
 
     without: labels of runners to leave out. A loaded sample ends where it collapses, as a recorded one does.
     """
     steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
 
     def clock():
-        moments.append(time.perf_counter())
+        moments.append(time.process_time())  # what other programs do meanwhile does not count
 
     if scene.law is not None:
         scene.law.traceEnergy = False
