@@ -28,8 +28,8 @@ MAP = Map(
     criterion="A disk pressed on a fixed one, free to move along the normal and to turn, is pushed by 1e-5 of its overlap. Unstable: its kinetic energy "
               "grows tenfold between the second and the last quarter of 1000 steps, or 1e6-fold in all. Inaccurate: decay or frequency of the normal "
               "motion off by more than a tenth.",
-    remedy="The default, md_dt_factor = 0.2, is far below; dashpots, evaluated half a step late, err in the decay by beta_n omega dt "
-           "long before that.",
+    remedy="The default, md_dt_factor = 0.2, is far below; dashpots, evaluated half a step late, err in the decay by a share of "
+           "beta_n omega dt long before that.",
     x=Axis("omega_dt", r"$\omega_n\,dt$, $\omega_n=\sqrt{k_n/m}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "decay_error": ("1", "of the decay a step of the normal motion, relative"),

@@ -25,8 +25,8 @@ MAP = Map(
     question="How long a step does a packing under pressure bear, and does the largest eigenvalue of its stiffness tell?",
     criterion="A packing of 100 disks at rest under P0 between fixed walls, its contacts sticking, is pushed by 1e-5 of an overlap. Unstable: its kinetic "
               "energy grows tenfold between the second and the last quarter of 2000 steps, or 1e6-fold in all.",
-    remedy="A run from a prepared packing is refused above the limit of that packing's own matrices; a scene whose springs only form "
-           "later is not, and needs md_dt_factor of at most 0.3.",
+    remedy="A run is refused above the limit of the springs it begins with: from a packing before the first step, of another scene in it. Springs that "
+           "only form later are not asked; md_dt_factor of at most 0.25 serves any beta_n and k_t/k_n.",
     x=Axis("md_dt_factor", r"md_dt_factor $= dt/\sqrt{m_{\min}/k_n}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "theory": ("1", "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices"),

@@ -7,6 +7,7 @@ Exit status: 0 all maps complete, 1 one of them is not, 2 they cannot be run or 
 """
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -40,7 +41,8 @@ class Worker:
         self.underway.unlink(missing_ok=True)
         with open(self.log, "a") as log:
             self.process = subprocess.Popen(["yade", "-n", "-x", "-j", "1", str(HERE / "worker.py"), self.name, *["--full"] * self.full,
-                                             f"--results={self.folder}"], stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
+                                             f"--results={self.folder}"], stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                                            env=os.environ | {"OMP_NUM_THREADS": "1"})  # eigenvalues on many threads are slower
 
     def ended(self):
         """Whether the map is complete, or given up (then `why` says the reason)."""
