@@ -48,7 +48,7 @@ def probe(case):
     measures = {"stress_error": statistics.median(watch.errors[half:]), "mean_stress_error": statistics.median(watch.means[half:]), "reversals": watch.reversals / watch.steps,
                 "largest_gamma": max(watch.gammas), "strain_error": abs(max(watch.gammas) / reference - 1), "samples": len(watch.errors),
                 "theory": watch.limit}
-    if measures["stress_error"] > STRESS_ERROR:
+    if measures["mean_stress_error"] > STRESS_ERROR:
         locked = measures["reversals"] > FLIPPING
         return Outcome(UNSTABLE if locked else INACCURATE, "locked walls" if locked else "load missed", error, measures)
     if measures["strain_error"] > STRAIN_ERROR:
