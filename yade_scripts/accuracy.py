@@ -2,7 +2,7 @@
 
     yade -n -x yade_scripts/accuracy.py accuracy=1e-3 scene=slide_to_roll [name=value ...]
 
-The row is run at its own cd_dt with a tolerance of a hundredth of the accuracy, then with half the step and a tenth of the tolerance, and so on. The
+The row is run at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8, then with half of both, and so on. The
 error of a level is estimated by the largest of
     the change of what the scene measures since the level before, over its scale (for loaded walls without such numbers: of the strains); the
     scheme is of first order, so what is left is about as much as the last change;
@@ -23,8 +23,10 @@ if __name__ == "__main__":
 
 from yade_scripts import parameters
 
-SHARE = 0.01             # of the accuracy: tolerance of the first level; sweeps cost little, and what moves on under a loose one looks like an answer
-STEP, TOLERANCE = 0.5, 0.1   # from level to level
+STEP = 0.5               # from level to level, cd_dt and tolerance alike
+SHARE = 0.01             # of the accuracy: tolerance of the first level
+# Its largest: a packing under a looser one creeps, and gives way far below its strength at 1e-3 and 1e-5 alike, which agrees and is wrong.
+LOOSEST = 1e-8
 SMALLEST = 1e-10         # tolerance; some steps stagnate near 1e-9 to 1e-12
 LEVELS = 12
 MOTION = 1.0             # radii a step
@@ -51,7 +53,7 @@ class Level:
 
 def refined(row, accuracy, level):
     """The row of a level, 0 the coarsest."""
-    tolerance = max(SHARE * accuracy * TOLERANCE**level, SMALLEST)
+    tolerance = max(min(SHARE * accuracy, LOOSEST) * STEP**level, SMALLEST)
     return row | {"cd_dt": parameters.complete(row)["cd_dt"] * STEP**level, "tolerance": tolerance}
 
 

@@ -42,7 +42,8 @@ def draw(rows, records, path):
     axes.grid(alpha=0.25, linewidth=0.5)
     _write_labels(axes, labels)
     _draw_failures(strip, failed, max((row["seconds"] for row in rows if row["seconds"]), default=1.0))
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="series, coarse to fine")
+    if axes.lines:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="series, coarse to fine")
     scene, worst = rows[0]["scene"], ", ".join(sorted({row["worst"] for row in rows if row["worst"]}))
     strip.set_title(table.title(scene))
     own = scenes.module(scene)

@@ -26,6 +26,7 @@ def test_the_error_is_within_the_accuracy_and_the_search_costs_twice_its_last_ru
     # Not more than the two levels that the next power of two and the estimate by the last change can cost.
     assert len(levels) <= 3 or abs(levels[-3][0].values["answer"] - 1) > asked
     assert [level.row["cd_dt"] for level, _ in levels] == [OWN / 2**k for k in range(len(levels))]
+    assert max(level.row["tolerance"] for level, _ in levels) <= accuracy.LOOSEST  # however little is asked for: looser, packings creep
 
 
 def test_levels_that_agree_do_not_count_while_an_event_can_be_stepped_over():
@@ -34,7 +35,7 @@ def test_levels_that_agree_do_not_count_while_an_event_can_be_stepped_over():
 
 
 def test_levels_with_missed_steps_do_not_count_and_the_search_gives_up_saying_why():
-    assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["tolerance"] > 1e-4)))) == 4
+    assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["cd_dt"] > OWN / 3)))) == 4
     with pytest.raises(accuracy.AccuracyError, match="7 steps miss their tolerance"):
         accuracy.search(ROW, 0.5, made_up(missed=lambda row: 7))
 
@@ -67,7 +68,7 @@ def test_what_cannot_be_asked_for_is_refused(row, asked, words):
 
 
 def test_the_stack_to_an_accuracy_by_one_command(yade60):
-    """Fifty disks: with the first tolerance the forces are wrong by much more than is asked for."""
+    """Fifty disks from no forces at all; the error that counts is that of the result file, against statics."""
     done = yade60.script("accuracy.py", "accuracy=1e-3", "scene=stack", "cd_dt=0.008")
     assert done.returncode == 0, done.stderr
     assert "estimated error" in done.stdout

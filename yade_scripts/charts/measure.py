@@ -60,6 +60,8 @@ def run(row, asked, folder, limit, known):
     signal.alarm(PREPARATION)
     full = parameters.complete(row)
     scene = scenes.build(full, folder)
+    if not scene.known:
+        raise parameters.ParameterError("nothing is known of the scene with these parameters")
     measures, more = bare_run.measures(), {}
     signal.alarm(limit * (MEASURING if measures else 1))
     if measures and known and not asked:
