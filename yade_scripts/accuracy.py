@@ -29,6 +29,7 @@ SHARE = 0.01             # of the accuracy: tolerance of the first level
 LOOSEST = 1e-8
 SMALLEST = 1e-10         # tolerance; some steps stagnate near 1e-9 to 1e-12
 LEVELS = 12
+TRIES = 3                # levels in a row with missed steps after which shorter steps are not seen to help
 MOTION = 1.0             # radii a step
 BEFORE = 4               # accuracies that the level before may be wrong by
 LOW = 1e-8
@@ -73,6 +74,8 @@ def search(row, accuracy, run):
         found.append((fine := run(refined(row, accuracy, level)), estimate(found[-1][0] if found else None, fine)))
         if found[-1][1] <= accuracy and found[-2][1] <= BEFORE * accuracy:
             return found
+        if len(found) >= TRIES and all(fine.missed_steps for fine, _ in found[-TRIES:]):
+            break
     last, error = found[-1]
     why = _untold(last) or f"its error is about {error:.2g}"
     raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: {why}; ask for less, or "
