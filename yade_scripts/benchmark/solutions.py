@@ -22,12 +22,16 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=30.0, peer=True, say=l
     methods = list(core.methods())
     found = {(method, target): [] for method in methods for target in targets}
     theirs = siconos.Peer(case.problem) if peer else None
-    histories, given_up, slow = [], set(), set()
+    histories, given_up, slow = [], {}, set()
     rate = _seconds_a_sweep(case)
     for turn in range(rounds):
         for method in methods:
             for target in sorted(targets, reverse=True):
-                if (method, target) in slow or any(m == method and target <= t for m, t in given_up):
+                if failed := given_up.get(method):
+                    # What did not reach a larger error has not reached this one.
+                    found[method, target] = found[method, target] or [failed]
+                    continue
+                if (method, target) in slow:
                     continue
                 say(f"{case.name}: {method} to {target:g}, round {turn + 1}")
                 most = int(min(MOST_SWEEPS, max(100, most_seconds / rate)))
@@ -36,7 +40,7 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=30.0, peer=True, say=l
                        core.residual_max(case.problem, report.impulses), report.status)
                 found[method, target].append(run)
                 if run[2] > target:
-                    given_up.add((method, target))
+                    given_up[method] = run
                 if report.seconds > most_seconds / 10:
                     slow.add((method, target))
         if theirs:
