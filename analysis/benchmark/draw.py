@@ -1,5 +1,6 @@
 """Error against time, cost of a sweep against size, sweeps against N."""
 import json
+import math
 import statistics
 from pathlib import Path
 
@@ -144,7 +145,7 @@ def sweeps_against_size(rows, origin):
         axis.set_xlabel("disks")
         axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
-    handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to {target:g}") for target, (colour, marker) in TARGET_LOOK.items()]
+    handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to 1e{round(math.log10(target))}") for target, (colour, marker) in TARGET_LOOK.items()]
     handles += [plt.Line2D([], [], color="#777777", linestyle="-", label=ours),
                 plt.Line2D([], [], color="#777777", linestyle="--", marker="o", markerfacecolor="none", label="plain Gauss-Seidel")]
     axes[0, -1].legend(handles=handles, fontsize=7)

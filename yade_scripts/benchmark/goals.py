@@ -15,6 +15,11 @@ def default_method():
     return inspect.signature(core.solve).parameters["method"].default
 
 
+def power(target):
+    """1e-4 for 0.0001."""
+    return f"1e{round(math.log10(target))}"
+
+
 class Solutions:
     """The rows of solutions.py by problem, method and target."""
 
@@ -88,7 +93,7 @@ def _beside_siconos(found):
         rows.append(_row(f"{problem} by its matrix to 1e-8, beside Siconos", ">= 250x for the largest granular ones", value, value and value >= 250, text))
     for mu, target, least in ((0.1, 1e-4, 250), (0.5, 1e-4, 130), (0.1, 1e-6, 450), (0.5, 1e-6, 350)):
         value, text = _factor(found, found.problems(kind="packing", disks=4000, mu=mu, start="cold"), target)
-        rows.append(_row(f"packing of 4000, mu {mu:g}, cold to {target:g}, beside Siconos", f">= {least}x", value, value and value >= least, text))
+        rows.append(_row(f"packing of 4000, mu {mu:g}, cold to {power(target)}, beside Siconos", f">= {least}x", value, value and value >= least, text))
     return rows
 
 
@@ -111,7 +116,7 @@ def _saved(found):
     for target, least in ((1e-4, 6), (1e-6, 12), (1e-8, 25)):
         factors = [saved for problem in found.problems(kind="packing", start="cold") if (saved := found.sweeps_saved(problem, target)) is not None]
         value = statistics.median(factors) if factors else None
-        rows.append(_row(f"sweeps saved against plain ones, packings, to {target:g}", f">= {least}x", value, value is not None and value >= least,
+        rows.append(_row(f"sweeps saved against plain ones, packings, to {power(target)}", f">= {least}x", value, value is not None and value >= least,
                          value is not None and f"{value:.3g}x (median of {len(factors)}, {sum(f == 0 for f in factors)} unsolved)"))
     return rows
 
@@ -125,7 +130,7 @@ def _worst(found):
             if plain is None or ours is None or not 0 < plain < math.inf:
                 continue
             if worst is None or ours / plain > worst:
-                worst, where = ours / plain, f"{problem} to {target:g}"
+                worst, where = ours / plain, f"{problem} to {power(target)}"
     return [_row("worst case beside plain sweeps", "<= 1.1x the time", worst, worst is not None and worst <= 1.1, f"{worst:.3g}x ({where})" if worst else None)]
 
 
