@@ -133,21 +133,24 @@ def sweeps_against_size(rows, origin):
     for axis, mu in zip(axes[0], frictions):
         for target, (colour, marker) in TARGET_LOOK.items():
             for method, line, face in ((REFERENCE, "--", "none"), (ours, "-", colour)):
-                solved = [row for row in rows if (row["mu"], row["target"], row["method"], row["status"]) == (mu, target, method, SOLVED)]
-                sizes = sorted({row["disks"] for row in solved})
-                made = [[max(1, row["sweeps"]) for row in solved if row["disks"] == size] for size in sizes]
+                of_method = [row for row in rows if (row["mu"], row["target"], row["method"]) == (mu, target, method)]
+                # A size where a seed was not solved has no median to show.
+                sizes = sorted({row["disks"] for row in of_method} - {row["disks"] for row in of_method if row["status"] != SOLVED})
+                made = [[max(1, row["sweeps"]) for row in of_method if row["disks"] == size] for size in sizes]
                 middle = [statistics.median(values) for values in made]
-                axis.errorbar(sizes, middle, [[m - min(v) for m, v in zip(middle, made)], [max(v) - m for m, v in zip(middle, made)]],
-                              color=colour, marker=marker, markerfacecolor=face, linestyle=line, linewidth=1, elinewidth=0.6, capsize=2)
+                below, above = zip(*((m - min(v), max(v) - m) for m, v in zip(middle, made))) if made else ((), ())
+                axis.errorbar(sizes, middle, [below, above], color=colour, marker=marker, markerfacecolor=face, linestyle=line, linewidth=1,
+                              elinewidth=0.6, capsize=2)
         axis.set_xscale("log")
         axis.set_yscale("log")
         axis.set_title(rf"$\mu$ = {mu:g}")
         axis.set_xlabel("disks")
         axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
-    handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to 1e{round(math.log10(target))}") for target, (colour, marker) in TARGET_LOOK.items()]
+    handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to 1e{round(math.log10(target))}")
+               for target, (colour, marker) in TARGET_LOOK.items()]
     handles += [plt.Line2D([], [], color="#777777", linestyle="-", label=ours),
                 plt.Line2D([], [], color="#777777", linestyle="--", marker="o", markerfacecolor="none", label="plain Gauss-Seidel")]
     axes[0, -1].legend(handles=handles, fontsize=7)
-    fig.suptitle("Sweeps against size, cold start; points that are missing were not reached", fontsize=10)
+    fig.suptitle("Sweeps against size, cold start; points that are missing were not reached from every seed", fontsize=10)
     return fig

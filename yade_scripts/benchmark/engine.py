@@ -54,7 +54,8 @@ def main(wish):
     whole, bare = statistics.median(total), statistics.median(solve)
     print(json.dumps({
         "status": "measured", "packing": pathlib.Path(wish["stem"]).name, "disks": disks, "contacts": engine.contacts, "tolerance": wish["tolerance"],
-        "steps": wish["steps"], "most_sweeps": wish["most_sweeps"], "steps_solved": wish["steps"] - missed, "median_sweeps": statistics.median(sweeps), "largest_sweeps": max(sweeps),
+        "steps": wish["steps"], "most_sweeps": wish["most_sweeps"], "steps_solved": wish["steps"] - missed,
+        "median_sweeps": statistics.median(sweeps), "largest_sweeps": max(sweeps),
         "seconds_a_step": whole, "seconds_of_the_solver": bare, "step_over_solver": statistics.median(t / s for t, s in zip(total, solve)),
         "outside_ns_per_contact": statistics.median(t - s for t, s in zip(total, solve)) * 1e9 / engine.contacts,
         "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": (resident() - loaded) / engine.contacts}))

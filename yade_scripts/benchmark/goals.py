@@ -90,10 +90,12 @@ def _beside_siconos(found):
     rows = []
     for problem in found.problems(kind="file"):
         value, text = _factor(found, [problem], 1e-8)
-        rows.append(_row(f"{problem} by its matrix to 1e-8, beside Siconos", ">= 250x for the largest granular ones", value, value and value >= 250, text))
+        rows.append(_row(f"{problem} by its matrix to 1e-8, beside Siconos", ">= 250x for the largest granular ones", value,
+                         value and value >= 250, text))
     for mu, target, least in ((0.1, 1e-4, 250), (0.5, 1e-4, 130), (0.1, 1e-6, 450), (0.5, 1e-6, 350)):
         value, text = _factor(found, found.problems(kind="packing", disks=4000, mu=mu, start="cold"), target)
-        rows.append(_row(f"packing of 4000, mu {mu:g}, cold to {power(target)}, beside Siconos", f">= {least}x", value, value and value >= least, text))
+        rows.append(_row(f"packing of 4000, mu {mu:g}, cold to {power(target)}, beside Siconos", f">= {least}x", value,
+                         value and value >= least, text))
     return rows
 
 
@@ -114,9 +116,11 @@ def _warm(found):
 def _saved(found):
     rows = []
     for target, least in ((1e-4, 6), (1e-6, 12), (1e-8, 25)):
-        factors = [saved for problem in found.problems(kind="packing", start="cold") if (saved := found.sweeps_saved(problem, target)) is not None]
+        factors = [saved for problem in found.problems(kind="packing", start="cold")
+                   if (saved := found.sweeps_saved(problem, target)) is not None]
         value = statistics.median(factors) if factors else None
-        rows.append(_row(f"sweeps saved against plain ones, packings, to {power(target)}", f">= {least}x", value, value is not None and value >= least,
+        rows.append(_row(f"sweeps saved against plain ones, packings, to {power(target)}", f">= {least}x", value,
+                         value is not None and value >= least,
                          value is not None and f"{value:.3g}x (median of {len(factors)}, {sum(f == 0 for f in factors)} unsolved)"))
     return rows
 
@@ -131,7 +135,8 @@ def _worst(found):
                 continue
             if worst is None or ours / plain > worst:
                 worst, where = ours / plain, f"{problem} to {power(target)}"
-    return [_row("worst case beside plain sweeps", "<= 1.1x the time", worst, worst is not None and worst <= 1.1, f"{worst:.3g}x ({where})" if worst else None)]
+    return [_row("worst case beside plain sweeps", "<= 1.1x the time", worst, worst is not None and worst <= 1.1,
+                 worst and f"{worst:.3g}x ({where})")]
 
 
 def _of_engine(rows):
@@ -146,5 +151,6 @@ def _of_engine(rows):
             found.append(_row(f"whole step in YADE, {row['packing']}", "< 1.3x the bare solution", value, value < 1.3,
                               f"{value:.3g}x ({row['outside_ns_per_contact']:.0f} ns a contact outside the solver)"))
             found.append(_row(f"memory, {row['packing']}", "stated", 1.0, True,
-                              f"{row['bytes_a_disk_in_yade']:.0f} bytes a disk in YADE, {row['bytes_a_contact_of_engine']:.0f} a contact of the engine"))
+                              f"{row['bytes_a_disk_in_yade']:.0f} bytes a disk in YADE, "
+                              f"{row['bytes_a_contact_of_engine']:.0f} a contact of the engine"))
     return found

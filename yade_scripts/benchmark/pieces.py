@@ -108,7 +108,8 @@ def full(folder, files=()):
              for seed in range(1, 6) for mu in problems.FRICTION for start in ("cold", "warm")]
     cases += [_packing(folder, 4000, seed, mu, start, peer)
               for seed in range(1, 4) for mu in problems.FRICTION for start in (("cold", "warm") if seed == 1 else ("cold",))]
-    cases += [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6)) for mu in problems.FRICTION for start in ("cold", "warm")]
+    cases += [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6))
+              for mu in problems.FRICTION for start in ("cold", "warm")]
     worst = {"most_seconds": 5.0}
     cases += [_solve(f"crystal {rows} mu {mu}", lambda rows=rows, mu=mu: problems.crystal(rows, mu), peer, **worst)
               for rows, mu in ((20, 0.5), (20, 0.8), (60, 0.8))]

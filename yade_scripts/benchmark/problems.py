@@ -4,7 +4,6 @@ import json
 import math
 import pathlib
 import subprocess
-import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,14 +44,10 @@ def state(folder, disks, seed, mu):
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / f"packing-{disks}-{seed}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not facts_path(stem).exists():
+        if not stem.with_name(stem.name + ".json").exists():
             wish = {"disks": disks, "seed": seed, "friction": FRICTION, "stem": str(folder / f"packing{PACKING_RECIPE}-{disks}-{seed}")}
             in_yade("packing.py", wish)
     return stem
-
-
-def facts_path(stem):
-    return stem.with_name(stem.name + ".json")
 
 
 def in_yade(script, wish):
@@ -63,7 +58,8 @@ def in_yade(script, wish):
     try:
         return json.loads(last)
     except ValueError:
-        raise PreparationError(f"{script} {json.dumps(wish)} ended with status {done.returncode}: {(done.stderr or done.stdout).strip()[-600:]}") from None
+        said = (done.stderr or done.stdout).strip()[-600:]
+        raise PreparationError(f"{script} {json.dumps(wish)} ended with status {done.returncode}: {said}") from None
 
 
 def packing(folder, disks, seed, mu, start="cold"):
@@ -131,8 +127,3 @@ def tiled(problem, copies):
     rest = {name: np.concatenate([getattr(problem, name)] * copies)
             for name in ("inverse_masses", "free_velocities", "normals", "arms", "bias", "mu", "impulses")}
     return core.BodyProblem(pairs=pairs, **rest)
-
-
-def complain(error):
-    """Where a problem could not be had: the reason, on one line."""
-    print(f"benchmark: {error}", file=sys.stderr)
