@@ -152,10 +152,10 @@ def test_goals_are_computed():
     assert verdict(rows, "sweeps saved against plain ones, packings, to 1e-4") == ("yes", "9x (median of 1, 0 unsolved)")
     # Stopped before it arrived: a bound from below.
     rows[1] |= {"status": "not within 2 s", "seconds": None}
-    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", ">= 200x (1 problems)")
+    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", ">= 200x (median of 1, 0 unsolved)")
     # Not solved by us: no factor at all.
     rows[0] |= {"status": "stagnated", "seconds": None}
-    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4")[0] == "no"
+    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", "0x (median of 1, 1 unsolved)")
     assert verdict(rows, "sweeps saved against plain ones, packings, to 1e-4")[0] == "no"
     worst = [solution("c", ours, t, s, kind="crystal") for t, s in ((1e-4, 1.0), (1e-6, 1.3))]
     worst += [solution("c", "nsgs", t, 1.0, kind="crystal") for t in (1e-4, 1e-6)]

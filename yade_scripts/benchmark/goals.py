@@ -83,7 +83,8 @@ def _factor(found, problems, target):
     if not factors:
         return None, ""
     value = statistics.median(factor for factor, _ in factors)
-    return value, f"{'>= ' if any(bound for _, bound in factors) else ''}{value:.3g}x ({len(factors)} problems)"
+    unsolved = sum(factor == 0 for factor, _ in factors)
+    return value, f"{'>= ' if value and any(bound for _, bound in factors) else ''}{value:.3g}x (median of {len(factors)}, {unsolved} unsolved)"
 
 
 def _beside_siconos(found):
