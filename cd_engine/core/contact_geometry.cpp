@@ -1,4 +1,4 @@
-// Where two bodies touch: disk on disk, disk on a box turned in the plane, disk on an axis-parallel wall.
+// Where a disk touches a boundary: a box turned in the plane, an axis-parallel wall.
 #include "world.hpp"
 
 #include <algorithm>
@@ -6,11 +6,6 @@
 
 namespace cd {
 namespace {
-
-	// Surface point of the boundary nearest to the disk, its outward normal, and the signed distance of the disk's centre from it.
-	struct Foot {
-		double nx, ny, distance;
-	};
 
 	// `turned`: rotation of the box beyond the orientation stored in its shape [rad].
 	Foot footOnBox(const Shape& box, double turned, double dx, double dy)
@@ -45,28 +40,9 @@ namespace {
 
 } // namespace
 
-void locateContact(Pair& pair, const Place& a, const Place& b, const Shape& shape)
+Foot footOnBoundary(const Shape& shape, double turned, double dx, double dy)
 {
-	const double dx = b.x - a.x, dy = b.y - a.y;
-	double distance; // of the disk b's centre from a's surface
-	if (a.radius > 0) {
-		const double centres = std::sqrt(dx * dx + dy * dy), inverse = 1 / centres;
-		pair.nx = dx * inverse;
-		pair.ny = dy * inverse;
-		distance = centres - a.radius;
-	} else {
-		const Foot foot = shape.kind == ShapeKind::box ? footOnBox(shape, a.turned, dx, dy) : footOnWall(shape, dx, dy);
-		pair.nx = foot.nx;
-		pair.ny = foot.ny;
-		distance = foot.distance;
-	}
-	const double gap = distance - b.radius;
-	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
-	const double arm = b.radius + 0.5 * gap;
-	pair.cx = b.x - arm * pair.nx;
-	pair.cy = b.y - arm * pair.ny;
-	pair.overlap = -gap;
-	pair.gap = gap + pair.reference;
+	return shape.kind == ShapeKind::box ? footOnBox(shape, turned, dx, dy) : footOnWall(shape, dx, dy);
 }
 
 } // namespace cd

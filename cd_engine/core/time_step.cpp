@@ -12,31 +12,20 @@ namespace {
 	// to round-off, and a sticking one lies this close by chance with negligible probability.
 	constexpr double onCone = 1e-9;
 
+	constexpr size_t ahead = 12; // pairs whose bodies are asked for before they are wanted
+
 } // namespace
 
-double fastestWay(const World& world, double dt)
+Reach reach(const World& world, double dt)
 {
-	double fastest = 0;
+	double fastest = 0, smallest = std::numeric_limits<double>::infinity();
 	for (const Body& b : world.bodies) {
 		const double vx = b.v[0] + dt * b.inverseMass[0] * b.force[0], vy = b.v[1] + dt * b.inverseMass[1] * b.force[1];
 		fastest = std::max({ fastest, vx * vx + vy * vy, b.v[0] * b.v[0] + b.v[1] * b.v[1] });
+		smallest = b.radius > 0 ? std::min(smallest, b.radius) : smallest;
 	}
-	return dt * std::sqrt(fastest);
-}
-
-double smallestRadius(const World& world)
-{
-	double smallest = std::numeric_limits<double>::infinity();
-	for (const Body& b : world.bodies)
-		if (b.shape.kind == ShapeKind::disk && b.shape.radius > 0)
-			smallest = std::min(smallest, b.shape.radius);
-	return smallest;
-}
-
-double reach(const World& world, double dt)
-{
-	const double smallest = smallestRadius(world);
-	return 4 * fastestWay(world, dt) + (std::isfinite(smallest) ? 1e-3 * smallest : 0);
+	const double way = dt * std::sqrt(fastest);
+	return { way, 4 * way + (std::isfinite(smallest) ? 1e-3 * smallest : 0), smallest };
 }
 
 void TimeStep::freeVelocities(const World& world, double dt)
@@ -52,101 +41,148 @@ void TimeStep::freeVelocities(const World& world, double dt)
 	}
 }
 
-inline void TimeStep::fillRow(ContactRow& c, const World& world, size_t index, const StepSettings& settings)
+void TimeStep::locateBodies(const World& world, double dt)
 {
-	const Pair& pair = world.pairs[index];
+	places.resize(world.bodies.size());
+	for (size_t i = 0; i < places.size(); i++)
+		places[i] = placeAhead(world.bodies[i], 0.5 * dt);
+}
+
+inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings) const
+{
 	const Place& place = places[pair.a];
 	c.a = pair.a;
 	c.b = pair.b;
-	c.nx = pair.nx;
-	c.ny = pair.ny;
+	c.nx = touch.nx;
+	c.ny = touch.ny;
 	c.an = 0;
-	c.at = place.radius - 0.5 * pair.overlap;
+	c.at = place.radius - 0.5 * touch.overlap;
 	c.bn = 0;
-	c.bt = -(places[pair.b].radius - 0.5 * pair.overlap); // the disk b: from its centre against the normal
+	c.bt = -(places[pair.b].radius - 0.5 * touch.overlap); // the disk b: from its centre against the normal
 	c.mu = pair.mu;
 	c.pn = pair.pn;
 	c.pt = pair.pt;
 	if (place.radius == 0) {
-		const double ax = pair.cx - place.x, ay = pair.cy - place.y;
-		c.an = ax * pair.ny - ay * pair.nx;
-		c.at = ax * pair.nx + ay * pair.ny;
+		const double ax = touch.cx - place.x, ay = touch.cy - place.y;
+		c.an = ax * touch.ny - ay * touch.nx;
+		c.at = ax * touch.nx + ay * touch.ny;
 	}
-	const double share = pair.gap > 0 ? 1 : settings.gapCorrection;
-	c.bias = share > 0 ? share * pair.gap / settings.dt : 0;
+	const double share = gap > 0 ? 1 : settings.gapCorrection;
+	c.bias = share > 0 ? share * gap / settings.dt : 0;
 	if (settings.restitution > 0) {
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
-		const double un = pair.nx * (b.v[0] - a.v[0]) + pair.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
-		if (un < 0 && pair.gap + settings.dt * un <= 0)
+		const double un = touch.nx * (b.v[0] - a.v[0]) + touch.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
+		if (un < 0 && gap + settings.dt * un <= 0)
 			c.bias = std::min(c.bias, settings.restitution * un);
 	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
 		c.pn = c.pt = 0; // two immobile bodies: whatever springs left between them means nothing here
+}
+
+// Rows are filled in place; those of the last step need no new construction.
+inline void TimeStep::addRow(World& world, size_t index, const Touch& touch, double gap, const StepSettings& settings)
+{
+	if (rows == system.contacts.size())
+		system.contacts.emplace_back();
+	fillRow(system.contacts[rows++], world, world.pairs[index], touch, gap, settings);
+	rowPair.push_back(static_cast<int32_t>(index));
+	rowTouch.push_back(touch);
 	solved[index] = 1;
+	deepest = std::max(deepest, -gap);
 }
 
 // Whether a pair is closed, or is closed within the step by the velocities before it or by the external forces.
-bool TimeStep::closes(const World& world, const Pair& pair, double dt) const
+bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, double gap, double dt) const
 {
-	if (pair.gap <= 0)
+	if (gap <= 0)
 		return true;
-	const double ax = pair.cx - places[pair.a].x, ay = pair.cy - places[pair.a].y;
+	const double ax = touch.cx - places[pair.a].x, ay = touch.cy - places[pair.a].y;
 	const auto approach
-	    = [&](const double* a, const double* b) { return pair.nx * (b[0] - a[0] + a[2] * ay) + pair.ny * (b[1] - a[1] - a[2] * ax); };
+	    = [&](const double* a, const double* b) { return touch.nx * (b[0] - a[0] + a[2] * ay) + touch.ny * (b[1] - a[1] - a[2] * ax); };
 	const double before = approach(world.bodies[pair.a].v, world.bodies[pair.b].v);
 	const double after = approach(system.bodies[pair.a].v, system.bodies[pair.b].v);
-	return pair.gap + dt * std::min(before, after) <= 0;
+	return gap + dt * std::min(before, after) <= 0;
+}
+
+// In a large scene the bodies of a pair are seldom in the nearest cache.
+inline void TimeStep::prefetchBodies(const Pair& pair) const
+{
+	__builtin_prefetch(&places[pair.a]);
+	__builtin_prefetch(&places[pair.b]);
+	__builtin_prefetch(&system.bodies[pair.a].w);
+	__builtin_prefetch(&system.bodies[pair.b].w);
 }
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
 	freeVelocities(world, settings.dt);
-	// Rows are filled in place; those of the last step need no new construction.
-	system.contacts.resize(world.pairs.size());
+	locateBodies(world, settings.dt);
+	limit = reach(world, settings.dt).gap;
+	rows = 0;
 	rowPair.clear();
+	rowTouch.clear();
 	solved.assign(world.pairs.size(), 0);
-
-	forgotten = 0;
-	places.resize(world.bodies.size());
-	for (size_t i = 0; i < places.size(); i++)
-		places[i] = placeAhead(world.bodies[i], 0.5 * settings.dt);
-	const double limit = reach(world, settings.dt);
+	forgotten.clear();
+	deepest = 0;
 	for (size_t i = 0; i < world.pairs.size(); i++) {
+		if (i + ahead < world.pairs.size())
+			prefetchBodies(world.pairs[i + ahead]);
 		Pair& pair = world.pairs[i];
-		locateContact(pair, places[pair.a], places[pair.b], world.bodies[pair.a].shape);
-		if (pair.reference > 0 && pair.overlap <= 0) { // truly apart
-			pair.gap -= pair.reference;
+		const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+		double gap = pair.reference - touch.overlap;
+		if (pair.reference > 0 && touch.overlap <= 0) { // truly apart
+			gap -= pair.reference;
 			pair.reference = 0;
-			forgotten++;
+			forgotten.push_back(static_cast<int32_t>(i));
 		}
-		if (pair.gap <= limit && (settings.restitution == 0 || closes(world, pair, settings.dt))) {
-			fillRow(system.contacts[rowPair.size()], world, i, settings);
-			rowPair.push_back(static_cast<int32_t>(i));
-		} else
+		if (gap <= limit && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
+			addRow(world, i, touch, gap, settings);
+		else
 			pair.pn = pair.pt = 0;
 	}
-	system.contacts.resize(rowPair.size());
+	system.contacts.resize(rows);
 	return system;
 }
 
-// Adds the pairs left out whose gap the solution would cross within the step; says whether there were any.
-bool TimeStep::addViolated(const World& world, const StepSettings& settings)
+void TimeStep::meanVelocities(const World& world)
 {
-	const size_t before = system.contacts.size();
+	means.resize(world.bodies.size());
+	double square = 0;
+	boundaryTurns = false;
+	for (size_t i = 0; i < means.size(); i++) {
+		const Body& b = world.bodies[i];
+		const double* v = system.bodies[i].v;
+		for (int k = 0; k < 3; k++)
+			means[i].v[k] = 0.5 * (b.v[k] + v[k]);
+		square = std::max(square, v[0] * v[0] + v[1] * v[1]);
+		boundaryTurns = boundaryTurns || (b.radius == 0 && v[2] != 0);
+	}
+	fastest = std::sqrt(square);
+}
+
+// Whether two bodies are too slow to cross any gap that was left out; a boundary's points may be faster than itself if it turns.
+bool TimeStep::leftOutStayApart(double dt) const { return !boundaryTurns && 2.001 * dt * fastest < limit; }
+
+// Adds the pairs left out whose gap the solution would cross within the step; says whether there were any.
+bool TimeStep::addViolated(World& world, const StepSettings& settings)
+{
+	if (leftOutStayApart(settings.dt))
+		return false;
+	const size_t before = rows;
 	for (size_t i = 0; i < world.pairs.size(); i++) {
 		if (solved[i])
 			continue;
 		const Pair& pair = world.pairs[i];
+		const Place &a = places[pair.a], &b = places[pair.b];
+		const Touch touch = locateContact(a, b, world.shapes[pair.a]);
+		const double gap = pair.reference - touch.overlap;
 		const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
-		const double ax = pair.cx - places[pair.a].x, ay = pair.cy - places[pair.a].y;
-		const double un = pair.nx * (vb[0] - va[0] + va[2] * ay) + pair.ny * (vb[1] - va[1] - va[2] * ax);
-		if (pair.gap + settings.dt * un < 0) {
-			fillRow(system.contacts.emplace_back(), world, i, settings);
-			rowPair.push_back(static_cast<int32_t>(i));
-		}
+		const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
+		if (gap + settings.dt * un < 0)
+			addRow(world, i, touch, gap, settings);
 	}
-	return system.contacts.size() > before;
+	return rows > before;
 }
 
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
@@ -159,6 +195,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 		report.solver = settings.solve(system, settings.solver);
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+		meanVelocities(world);
 		// With restitution a contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
 		if (settings.restitution > 0 || !addViolated(world, settings))
 			break;
@@ -171,30 +208,27 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 void TimeStep::finish(World& world, const StepSettings& settings, StepReport& report)
 {
 	const double h = settings.dt;
-	report.contacts = static_cast<int>(system.contacts.size());
-	report.overlapsForgotten = forgotten;
+	report.contacts = static_cast<int>(rows);
+	report.maxPenetration = deepest;
 	for (size_t i = 0; i < system.contacts.size(); i++) {
+		if (i + ahead < system.contacts.size()) {
+			__builtin_prefetch(&means[system.contacts[i + ahead].a]);
+			__builtin_prefetch(&means[system.contacts[i + ahead].b]);
+		}
 		const ContactRow& c = system.contacts[i];
 		Pair& pair = world.pairs[rowPair[i]];
 		pair.pn = c.pn;
 		pair.pt = c.pt;
-		report.maxPenetration = std::max(report.maxPenetration, -pair.gap);
 		if (c.pn <= 0)
 			continue;
 		report.loadedContacts++;
 		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone))
 			report.slidingContacts++;
 		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
-		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
-		const BodyVelocity &A = system.bodies[pair.a], &B = system.bodies[pair.b];
-		double mean[2][3];
-		for (int k = 0; k < 3; k++) {
-			mean[0][k] = 0.5 * (a.v[k] + A.v[k]);
-			mean[1][k] = 0.5 * (b.v[k] + B.v[k]);
-		}
-		const double dx = mean[1][0] - mean[0][0], dy = mean[1][1] - mean[0][1];
-		const double un = c.nx * dx + c.ny * dy + c.bn * mean[1][2] - c.an * mean[0][2];
-		const double ut = c.nx * dy - c.ny * dx + c.bt * mean[1][2] - c.at * mean[0][2];
+		const double *a = means[c.a].v, *b = means[c.b].v;
+		const double dx = b[0] - a[0], dy = b[1] - a[1];
+		const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
+		const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
 		report.dissipated -= c.pn * un + c.pt * ut;
 	}
 	for (size_t i = 0; i < world.bodies.size(); i++) {

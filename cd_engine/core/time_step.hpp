@@ -21,19 +21,18 @@ struct StepReport {
 	int loadedContacts = 0;
 	double maxPenetration = 0; // [m], beyond the reference overlaps, at the mid-configuration
 	double dissipated = 0; // [J] in this step
-	int overlapsForgotten = 0; // pairs whose reference overlap ended
 	double solveSeconds = 0; // spent in the solver
 };
 
-// Of the disks [m]; infinite if there are none.
-double smallestRadius(const World&);
-
-// Gaps wider than this [m] are left out of the problem of a step at first: four times the way of the fastest body under its external
-// forces, and a thousandth of the smallest disk. A pair left out that the solution would close is taken back and the step solved again.
-double reach(const World&, double dt);
-
-// The way [m] of the fastest body in a step, under its external forces.
-double fastestWay(const World&, double dt);
+// How far contacts reach in a step.
+struct Reach {
+	double way = 0; // of the fastest body, under its external forces [m]
+	// Gaps wider than this [m] are left out of the problem of a step at first: four times the way of the fastest body, and a thousandth of the
+	// smallest disk. A pair left out that the solution would close is taken back and the step solved again.
+	double gap = 0;
+	double smallestRadius = 0; // of a disk [m]; infinite if there is none
+};
+Reach reach(const World&, double dt);
 
 class TimeStep {
     public:
@@ -49,17 +48,39 @@ class TimeStep {
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
+	// Of the last step: the pairs that had a contact, and where.
+	const std::vector<int32_t>& pairs() const { return rowPair; }
+	const std::vector<Touch>& touches() const { return rowTouch; }
+	// The pairs whose reference overlap ended in the last step.
+	const std::vector<int32_t>& overlapsForgotten() const { return forgotten; }
+
     private:
 	void freeVelocities(const World&, double dt);
-	void fillRow(ContactRow&, const World&, size_t pair, const StepSettings&);
-	bool closes(const World&, const Pair&, double dt) const;
-	bool addViolated(const World&, const StepSettings&);
+	void locateBodies(const World&, double dt);
+	void meanVelocities(const World&);
+	bool leftOutStayApart(double dt) const;
+	void prefetchBodies(const Pair&) const;
+	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
+	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&) const;
+	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
+	bool addViolated(World&, const StepSettings&);
 	void finish(World&, const StepSettings&, StepReport&);
+
+	struct Mean {
+		double v[3]; // of the velocities before and after the step
+	};
 
 	ContactSystem system;
 	std::vector<Place> places; // of the bodies at the mid-configuration
-	int forgotten = 0;
+	std::vector<Mean> means; // of the bodies
+	double limit = 0; // gap up to which pairs are contacts [m]
+	double fastest = 0; // speed of a body after the step [m/s]
+	bool boundaryTurns = false; // after the step
+	std::vector<int32_t> forgotten;
+	double deepest = 0; // overlap beyond the reference one [m]
+	std::size_t rows = 0; // contacts of the system, while it is made
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
+	std::vector<Touch> rowTouch;
 	std::vector<char> solved; // whether a pair has a contact in the system
 };
 

@@ -1,6 +1,7 @@
 // The bodies of a plane scene and the pairs that may touch: what a time step reads and moves. Knows neither YADE nor Python.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,9 +10,9 @@ namespace cd {
 
 enum class ShapeKind : uint8_t { disk, box, wall };
 
+// Of a boundary; a disk has its radius and no more.
 struct Shape {
 	ShapeKind kind = ShapeKind::disk;
-	double radius = 0; // disk [m]
 	double ex = 0, ey = 0; // box: half lengths along its own axes [m]
 	double cosine = 1, sine = 0; // box: its orientation in the plane
 	int axis = 0; // wall: the axis it is perpendicular to, 0 = x, 1 = y
@@ -23,7 +24,7 @@ struct Body {
 	double v[3] = { 0, 0, 0 }; // v_x, v_y [m/s], angular velocity [rad/s]
 	double inverseMass[3] = { 0, 0, 0 }; // along x, y [1/kg] and about z [1/(kg m^2)]; 0: that freedom is blocked, its velocity prescribed
 	double force[3] = { 0, 0, 0 }; // external force [N] and torque [N m], gravity included
-	Shape shape;
+	double radius = 0; // of a disk [m]; 0: a boundary
 };
 
 // Two bodies near each other. `a` is the boundary where one is a boundary; two boundaries never touch.
@@ -32,15 +33,18 @@ struct Pair {
 	double mu = 0; // friction coefficient
 	double reference = 0; // overlap [m] that counts as touching (left behind by springs); forgotten once the bodies are apart
 	double pn = 0, pt = 0; // impulse on b [N s]: first guess before the step, solution after it
-	// Filled by the step, at its mid-configuration:
-	double gap = 0; // distance of the surfaces plus `reference` [m]
-	double nx = 0, ny = 0; // unit normal a -> b
-	double cx = 0, cy = 0; // contact point, midway between the surfaces [m]
-	double overlap = 0; // geometric overlap [m], negative: apart
+};
+
+// Where a pair is, or would be, in contact.
+struct Touch {
+	double nx, ny; // unit normal a -> b
+	double cx, cy; // contact point, midway between the surfaces [m]
+	double overlap; // geometric overlap [m], negative: apart
 };
 
 struct World {
 	std::vector<Body> bodies;
+	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
 	std::vector<Pair> pairs;
 };
 
@@ -52,12 +56,30 @@ struct Place {
 };
 
 // The place of a body after `ahead` [s] at its present velocities.
-inline Place placeAhead(const Body& b, double ahead)
-{
-	return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.shape.kind == ShapeKind::disk ? b.shape.radius : 0 };
-}
+inline Place placeAhead(const Body& b, double ahead) { return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.radius }; }
 
-// Fills gap, normal, contact point and overlap of a pair at the given places; `shape` is that of pair.a, read if it is a boundary.
-void locateContact(Pair&, const Place& a, const Place& b, const Shape& shape);
+// Surface point of a boundary nearest to a disk: its outward normal, and the signed distance of the disk's centre from it [m].
+struct Foot {
+	double nx, ny, distance;
+};
+
+// (dx, dy): the disk's centre from the boundary's [m].
+Foot footOnBoundary(const Shape&, double turned, double dx, double dy);
+
+// `shape` is that of `a`, read if it is a boundary.
+inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
+{
+	const double dx = b.x - a.x, dy = b.y - a.y;
+	Foot foot;
+	if (a.radius > 0) {
+		const double centres = std::sqrt(dx * dx + dy * dy), inverse = 1 / centres;
+		foot = { dx * inverse, dy * inverse, centres - a.radius };
+	} else
+		foot = footOnBoundary(shape, a.turned, dx, dy);
+	const double gap = foot.distance - b.radius;
+	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
+	const double arm = b.radius + 0.5 * gap;
+	return { foot.nx, foot.ny, b.x - arm * foot.nx, b.y - arm * foot.ny, -gap };
+}
 
 } // namespace cd

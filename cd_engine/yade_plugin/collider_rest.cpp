@@ -1,9 +1,7 @@
 #include "collider_rest.hpp"
-#include "../core/time_step.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace cd_engine {
 
@@ -23,26 +21,25 @@ void ColliderRest::wake()
 	resting = false;
 }
 
-bool ColliderRest::stillComplete(const cd::World& world, double reach) const
+bool ColliderRest::stillComplete(const cd::World& world, const cd::Reach& reach) const
 {
 	if (seen.size() != world.bodies.size())
 		return false;
-	// Half the margin of a disk is for its own way, half for its partner's; a boundary shares with the smallest disk.
-	double smallest = std::numeric_limits<double>::infinity();
-	for (const cd::Body& b : world.bodies)
-		if (b.shape.kind == cd::ShapeKind::disk && b.shape.radius > 0)
-			smallest = std::min(smallest, b.shape.radius);
 	for (std::size_t i = 0; i < seen.size(); i++) {
 		const cd::Body& b = world.bodies[i];
-		const cd::Shape &now = b.shape, &then = seen[i].shape;
-		if (now.kind != then.kind || now.radius != then.radius || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis
-		    || now.sense != then.sense)
+		if (b.radius != seen[i].radius)
 			return false;
 		double way = std::max(std::abs(b.x - seen[i].x), std::abs(b.y - seen[i].y));
-		if (now.kind == cd::ShapeKind::box)
-			way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
-		const double radius = now.kind == cd::ShapeKind::disk ? now.radius : smallest;
-		if (!(way <= 0.5 * (margin * radius - reach)))
+		if (b.radius == 0) {
+			const cd::Shape &now = world.shapes[i], &then = seenShapes[i];
+			if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
+				return false;
+			if (now.kind == cd::ShapeKind::box)
+				way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
+		}
+		// Half the margin of a disk is for its own way, half for its partner's; a boundary shares with the smallest disk.
+		const double radius = b.radius > 0 ? b.radius : reach.smallestRadius;
+		if (!(way <= 0.5 * (margin * radius - reach.gap)))
 			return false;
 	}
 	return true;
@@ -50,13 +47,9 @@ bool ColliderRest::stillComplete(const cd::World& world, double reach) const
 
 // Sets the bounds so wide that no two bodies can meet within the step unless they are a pair: contact is required half a step ahead
 // and kept for one more, so each of two bodies may go 1.5 ways. True if the bounds have changed.
-bool ColliderRest::widen(const cd::World& world, double dt, double leastMargin)
+bool ColliderRest::widen(const cd::Reach& reach, double leastMargin)
 {
-	double smallest = std::numeric_limits<double>::infinity();
-	for (const cd::Body& b : world.bodies)
-		if (b.shape.kind == cd::ShapeKind::disk && b.shape.radius > 0)
-			smallest = std::min(smallest, b.shape.radius);
-	const double needed = 3 * cd::fastestWay(world, dt) / smallest;
+	const double needed = 3 * reach.way / reach.smallestRadius;
 	if (margin >= std::max(needed, leastMargin) && margin <= std::max(4 * needed, leastMargin))
 		return false;
 	margin = std::max(1.5 * needed, leastMargin);
@@ -64,25 +57,28 @@ bool ColliderRest::widen(const cd::World& world, double dt, double leastMargin)
 	return true;
 }
 
-void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+bool ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
 {
 	if (!collider || !bounds || leastMargin <= 0) {
 		wake();
-		return;
+		return false;
 	}
-	const bool widened = widen(world, dt, leastMargin);
-	bool runs = !collider->dead;
-	if (widened || (!runs && (listChanged || !stillComplete(world, cd::reach(world, dt))))) {
+	const cd::Reach reach = cd::reach(world, dt);
+	const bool widened = widen(reach, leastMargin);
+	const bool awake = !collider->dead;
+	const bool runs = widened || (!awake && (listChanged || !stillComplete(world, reach)));
+	if (runs) {
 		collider->scene = scene;
 		collider->action();
-		runs = true;
 	}
-	if (runs) {
+	if (runs || awake) {
 		seen.clear();
 		for (const cd::Body& b : world.bodies)
-			seen.push_back({ b.x, b.y, b.shape });
+			seen.push_back({ b.x, b.y, b.radius });
+		seenShapes = world.shapes;
 	}
 	collider->dead = resting = at<long>(scene, layout.scene_stopAtIter) > at<long>(scene, layout.scene_iter) + 1;
+	return runs;
 }
 
 } // namespace cd_engine

@@ -1,7 +1,7 @@
 // Lets the collider rest while no body has moved far enough to matter.
 #pragma once
 
-#include "../core/world.hpp"
+#include "../core/time_step.hpp"
 #include "layout.hpp"
 
 #include <vector>
@@ -22,24 +22,25 @@ class ColliderRest {
 	// To be called with the bodies as they are now, before the pairs are read.
 	// listChanged: somebody has changed the list of pairs since the last step.
 	// leastMargin: as a fraction of the radius; bodies faster than that allows for get a wider one. dt [s]: of the step.
-	void refresh(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
+	// Whether it has run the collider.
+	bool refresh(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
 	const yade::Engine* engine() const { return collider.get(); }
 	// Gives the collider back to YADE's loop.
 	void wake();
 
     private:
 	struct Place {
-		double x, y;
-		cd::Shape shape;
+		double x, y, radius;
 	};
-	bool stillComplete(const cd::World&, double reach) const;
-	bool widen(const cd::World&, double dt, double leastMargin);
+	bool stillComplete(const cd::World&, const cd::Reach&) const;
+	bool widen(const cd::Reach&, double leastMargin);
 
 	boost::shared_ptr<yade::Engine> collider;
 	boost::shared_ptr<yade::Factorable> bounds;
 	double margin = 0;
 	bool resting = false;
 	std::vector<Place> seen; // the bodies when the collider ran last
+	std::vector<cd::Shape> seenShapes; // those of boundaries
 };
 
 } // namespace cd_engine

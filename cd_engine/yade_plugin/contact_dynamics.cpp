@@ -69,10 +69,10 @@ void ContactDynamics::advance()
 	if (enginesChanged())
 		checkEngines();
 	const cd::StepSettings settings = this->settings(scene);
-	link.gather(scene, gravity, settings.dt, warmStart, { referenceIds, referenceOverlaps }, rest, colliderMargin);
+	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), rest, colliderMargin);
 	if (handover) {
 		link.takeOverlaps();
-		rememberOverlaps();
+		link.collectOverlaps(memory().overlaps);
 		handoverOverlap = referenceOverlaps.empty() ? 0 : *std::max_element(referenceOverlaps.begin(), referenceOverlaps.end());
 		handover = false;
 	}
@@ -82,9 +82,9 @@ void ContactDynamics::advance()
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
-	link.scatter(scene, settings.dt);
-	if (report.overlapsForgotten > 0)
-		rememberOverlaps();
+	link.scatter(scene, step, settings.dt);
+	if (!step.overlapsForgotten().empty())
+		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
 	iterations = report.solver.iterations;
 	residual = report.solver.residual;
@@ -125,7 +125,7 @@ void ContactDynamics::watchPenetration()
 {
 	const double before = deepestPenetration;
 	deepestPenetration = maxPenetration;
-	const double smallest = cd::smallestRadius(link.world);
+	const double smallest = cd::reach(link.world, 0).smallestRadius;
 	if (deepestPenetration <= deep * smallest || before > deep * smallest)
 		return;
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": two bodies overlap by " << maxPenetration << " m, "
@@ -134,8 +134,6 @@ void ContactDynamics::watchPenetration()
 		  << "too small: lower tolerance (heavy bodies on light ones need about the ratio of their masses less), raise maxIterations or "
 		  << "fixedIterations, or take a smaller O.dt. deepestPenetration tells how far it goes.\n";
 }
-
-void ContactDynamics::rememberOverlaps() { link.collectOverlaps({ referenceIds, referenceOverlaps }); }
 
 // Whether the list of engines is another than at the last check; remembers it. The collider's own rest is no change.
 bool ContactDynamics::enginesChanged()

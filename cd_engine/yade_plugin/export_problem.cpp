@@ -46,8 +46,10 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 	const cd::StepSettings settings = this->settings(now);
 	std::vector<int> ids = referenceIds;
 	std::vector<double> overlaps = referenceOverlaps;
+	std::vector<int> order = bodyOrder;
+	double length = bodyOrderLength;
 	SceneLink look;
-	look.inspectScene(now, gravity, settings.dt, warmStart, { ids, overlaps });
+	look.inspectScene(now, gravity, settings.dt, warmStart, { { ids, overlaps }, { order, length } }, looksAtOrder());
 	if (handover)
 		look.takeOverlaps();
 	if (look.world.pairs.empty() && steps == 0)

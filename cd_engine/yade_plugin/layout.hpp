@@ -50,6 +50,9 @@ std::vector<std::pair<std::string, long>> layoutEntries();
 
 template <class T> T& at(void* object, long offset) { return *reinterpret_cast<T*>(static_cast<char*>(object) + offset); }
 
+// Asks for the line of memory of a member ahead of its use.
+inline void prefetch(void* object, long offset) { __builtin_prefetch(static_cast<char*>(object) + offset, 1); }
+
 // What a shared_ptr member points to.
 template <class T> void* pointer(char* object, long offset) { return at<boost::shared_ptr<T>>(object, offset).get(); }
 

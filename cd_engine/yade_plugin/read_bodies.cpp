@@ -78,6 +78,9 @@ void SceneLink::inspect(int id, void* body)
 	} else if (known.kind == cd::ShapeKind::wall)
 		known.inPlane = at<int>(known.shape, layout.wall_axis) != 2;
 	bodies[id] = known;
+	world.bodies[id] = {};
+	world.shapes[id] = {};
+	world.shapes[id].kind = known.kind;
 }
 
 // The plane of the disks is that of the first one; if that one is gone, everything is looked at anew.
@@ -169,10 +172,9 @@ void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Ve
 void SceneLink::readShape(int id, cd::Body& body)
 {
 	KnownBody& known = bodies[id];
-	cd::Shape& shape = body.shape;
-	shape.kind = known.kind;
+	cd::Shape& shape = world.shapes[id];
 	if (known.kind == cd::ShapeKind::disk)
-		shape.radius = at<double>(known.shape, layout.sphere_radius);
+		body.radius = at<double>(known.shape, layout.sphere_radius);
 	else if (known.kind == cd::ShapeKind::box) {
 		const Vector3r& extents = at<Vector3r>(known.shape, layout.box_extents);
 		const double* q = &at<double>(known.state, layout.state_orientation);
@@ -201,16 +203,33 @@ void SceneLink::readShape(int id, cd::Body& body)
 	}
 }
 
+// The lines of memory that a step reads of a body's objects, asked for before they are wanted.
+void SceneLink::prefetchBody(const KnownBody& known) const
+{
+	if (!known.exists)
+		return;
+	prefetch(known.body, layout.body_material);
+	prefetch(known.body, layout.body_shape);
+	prefetch(known.shape, layout.sphere_radius);
+	for (const long member : { layout.state_se3, layout.state_vel, layout.state_angVel, layout.state_inertia, layout.state_blockedDOFs })
+		prefetch(known.state, member);
+}
+
 void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 {
+	constexpr int ahead = 6;
 	auto& container = *at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies);
 	auto& forces = at<yade::ForceContainer>(scene, layout.scene_forces);
 	const int count = static_cast<int>(container.size());
 	findLayer(container);
 	bodies.resize(count);
+	surfaces.resize(count);
 	world.bodies.resize(count);
+	world.shapes.resize(count);
 	forces.sync();
 	for (int id = 0; id < count; id++) {
+		if (id + ahead < count)
+			prefetchBody(bodies[id + ahead]);
 		char* const body = reinterpret_cast<char*>(container[id].get());
 		KnownBody& known = bodies[id];
 		if (!body) {
@@ -225,6 +244,7 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 		inspectMotion(id);
 		readShape(id, world.bodies[id]);
 		readMotion(id, world.bodies[id], forces, g);
+		surfaces[id] = { known.friction, world.bodies[id].radius };
 	}
 }
 
@@ -237,18 +257,20 @@ void SceneLink::checkScene(yade::Scene* scene, double dt) const
 }
 
 void SceneLink::gather(
-    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest& rest, double margin)
+    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest, double margin)
 {
 	checkScene(scene, dt);
 	gravity = g;
 	gatherBodies(scene, g);
+	if (cd::renewOrder(world, memory.order, look))
+		listed.clear();
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
 	rest.refresh(
-	    world, scene, dt, margin, !pairsUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));
-	gatherPairs(scene, dt, impulses, known);
+	    world, scene, dt, margin, !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));
+	gatherPairs(scene, dt, impulses, memory);
 }
 
-void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const ReferenceOverlaps& known)
+void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)
 {
 	namespace py = boost::python;
 	inspecting = true;
@@ -268,7 +290,8 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 		}
 		setForce(id, body, force, torque, g);
 	}
-	gatherPairs(scene, dt, impulses, known);
+	cd::renewOrder(world, memory.order, look);
+	gatherPairs(scene, dt, impulses, memory);
 }
 
 } // namespace cd_engine

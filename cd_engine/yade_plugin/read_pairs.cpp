@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace cd_engine {
 namespace {
@@ -12,42 +11,34 @@ namespace {
 	// Of a disk's radius: overlaps above this are no springs' but a mistake in the scene (the paper's are 1e-3).
 	constexpr double mostOverlap = 0.2;
 
-	// Where a pair comes in the list of contacts, from which the sweeps take their order. A function of its ids alone, so that the result of a
-	// step depends neither on the order of the scene's list nor on which other pairs are in it. Pairs of 32 neighbouring ids stay together, for
-	// locality, and are scattered among themselves, so that near in the list are contacts without a common body: those are solved eight at a
-	// time (core/grouping.hpp).
-	uint64_t sweepKey(int id1, int id2)
+	// Where a pair comes in the list of contacts, from which the sweeps take their order. A function of its ids and ranks alone, so that the
+	// result of a step depends neither on the order of the scene's list nor on which other pairs are in it. Pairs of 32 disks that follow one
+	// another stay together, for locality, and are scattered among themselves, so that near in the list are contacts without a common body:
+	// those are solved eight at a time (core/grouping.hpp).
+	uint64_t sweepKey(int id1, int id2, const std::vector<int>& rank)
 	{
 		const uint64_t low = std::min(id1, id2), high = std::max(id1, id2);
 		uint64_t h = (low << 32 | high) * 0x9E3779B97F4A7C15ull; // Fibonacci hashing (Knuth, vol. 3, section 6.4)
 		h ^= h >> 32;
 		h *= 0xD6E8FEB86659FD93ull;
-		return low >> 5 << 40 | h >> 24;
+		const uint64_t first = rank.empty() ? low : std::min(rank[id1], rank[id2]);
+		return first >> 5 << 40 | h >> 24;
 	}
 
 } // namespace
 
-bool SceneLink::pairsUnchanged(yade::InteractionContainer* container) const
+// Whether the list holds the same interactions as before. They are held on to, so that none can be another one at the same address.
+bool SceneLink::listUnchanged(yade::InteractionContainer* container) const
 {
-	const auto& all = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
-	if (all.size() != listed.size())
-		return false;
-	for (std::size_t i = 0; i < all.size(); i++) {
-		yade::Interaction* const p = all[i].get();
-		if (p != listed[i].interaction || at<int>(p, layout.interaction_id1) != listed[i].id1
-		    || at<int>(p, layout.interaction_id2) != listed[i].id2)
-			return false;
-	}
-	return true;
+	return at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear) == listed;
 }
 
-void SceneLink::rebuildPairs(yade::InteractionContainer* container, const ReferenceOverlaps& known)
+void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory& memory)
 {
-	const auto& all = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
-	std::vector<cd::Pair> pairs;
-	std::vector<yade::Interaction*> of;
+	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
+	candidates.clear();
 	const int count = static_cast<int>(bodies.size());
-	for (const auto& shared : all) {
+	for (const auto& shared : listed) {
 		yade::Interaction* const interaction = shared.get();
 		int& id1 = at<int>(interaction, layout.interaction_id1);
 		int& id2 = at<int>(interaction, layout.interaction_id2);
@@ -61,55 +52,35 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Refere
 			at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys).reset();
 			interaction->swapOrder();
 		}
-		cd::Pair pair;
 		// id1 and id2 are references: swapOrder has exchanged them.
-		pair.a = turned && inspecting ? id2 : id1;
-		pair.b = turned && inspecting ? id1 : id2;
-		pair.reference = known.of(id1, id2);
-		pairs.push_back(pair);
-		of.push_back(interaction);
+		candidates.push_back(
+		    { sweepKey(id1, id2, memory.order.rank), interaction, turned && inspecting ? id2 : id1, turned && inspecting ? id1 : id2 });
 	}
-	std::vector<uint64_t> keys;
-	for (const cd::Pair& pair : pairs)
-		keys.push_back(sweepKey(pair.a, pair.b));
-	std::vector<int32_t> order(pairs.size());
-	std::iota(order.begin(), order.end(), 0);
-	std::sort(order.begin(), order.end(), [&](int32_t i, int32_t j) { return keys[i] < keys[j]; });
+	std::sort(candidates.begin(), candidates.end(), [](const Candidate& p, const Candidate& q) { return p.key < q.key; });
 	world.pairs.clear();
 	interactions.clear();
-	spare.assign(pairs.size(), {});
-	for (const int32_t i : order) {
-		world.pairs.push_back(pairs[i]);
-		interactions.push_back(of[i]);
+	spare.assign(candidates.size(), {});
+	forces.resize(candidates.size());
+	for (const Candidate& c : candidates) {
+		world.pairs.push_back({ c.a, c.b });
+		world.pairs.back().reference = memory.overlaps.of(c.a, c.b);
+		interactions.push_back(c.interaction);
 	}
-	listed.clear();
-	for (const auto& shared : all)
-		listed.push_back({ shared.get(), at<int>(shared.get(), layout.interaction_id1), at<int>(shared.get(), layout.interaction_id2) });
 }
 
-// Where each pair's geometry and forces lie. Three dependent look-ups a pair, all in different cache lines: asked for ahead.
-void SceneLink::findForces()
+void SceneLink::findForces(std::size_t index)
 {
-	constexpr std::size_t ahead = 8;
-	forces.resize(world.pairs.size());
-	for (std::size_t i = 0; i < interactions.size() + ahead; i++) {
-		if (i < interactions.size()) {
-			char* const interaction = reinterpret_cast<char*>(interactions[i]);
-			void* const geom = pointer<yade::IGeom>(interaction, layout.interaction_geom);
-			void* const phys = pointer<yade::IPhys>(interaction, layout.interaction_phys);
-			forces[i] = { geom, phys, geom || phys };
-			if (geom)
-				__builtin_prefetch(geom);
-			if (phys)
-				__builtin_prefetch(phys);
-			if (phys)
-				__builtin_prefetch(static_cast<char*>(phys) + 64);
-		}
-		if (i < ahead)
-			continue;
-		Forces& f = forces[i - ahead];
-		if (!f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
-			f.geom = f.phys = nullptr;
+	char* const interaction = reinterpret_cast<char*>(interactions[index]);
+	void* const geom = pointer<yade::IGeom>(interaction, layout.interaction_geom);
+	void* const phys = pointer<yade::IPhys>(interaction, layout.interaction_phys);
+	forces[index] = { geom, phys, geom || phys };
+	if (geom) {
+		prefetch(geom, 0);
+		prefetch(geom, layout.geom_normal + 16);
+	}
+	if (phys) {
+		prefetch(phys, 0);
+		prefetch(phys, layout.phys_shearForce + 16);
 	}
 }
 
@@ -130,32 +101,54 @@ void SceneLink::readImpulse(std::size_t index, double dt)
 	pair.pt = dt * tangential;
 }
 
-void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const ReferenceOverlaps& known)
+// Friction and first guess of every pair: three dependent look-ups in different lines of memory, each asked for ahead of the next.
+// False if the bodies of an interaction have been exchanged since the pairs were made.
+bool SceneLink::readPairs(double dt, bool impulses)
 {
-	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	if (!pairsUnchanged(container))
-		rebuildPairs(container, known);
-	findForces();
-	for (std::size_t i = 0; i < world.pairs.size(); i++) {
-		cd::Pair& pair = world.pairs[i];
-		if (inspecting && pair.a != at<int>(interactions[i], layout.interaction_id1))
-			forces[i] = {}; // the step itself would forget them with their order
-		pair.mu = std::min(bodies[pair.a].friction, bodies[pair.b].friction); // the smaller angle of the two, as YADE
+	constexpr std::size_t ahead = 12;
+	const std::size_t count = world.pairs.size();
+	for (std::size_t i = 0; i < count + 2 * ahead; i++) {
+		if (i < count) {
+			prefetch(interactions[i], layout.interaction_id1);
+			prefetch(interactions[i], layout.interaction_phys);
+		}
+		if (i >= ahead && i - ahead < count)
+			findForces(i - ahead);
+		if (i < 2 * ahead)
+			continue;
+		const std::size_t now = i - 2 * ahead;
+		cd::Pair& pair = world.pairs[now];
+		const bool turned = pair.a != at<int>(interactions[now], layout.interaction_id1);
+		if (turned && !inspecting)
+			return false;
+		Forces& f = forces[now];
+		// The step itself would forget the forces of a pair with its order.
+		if (turned || !f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
+			f.geom = f.phys = nullptr;
+		pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
 		if (impulses)
-			readImpulse(i, dt);
+			readImpulse(now, dt);
 		else
 			pair.pn = pair.pt = 0;
 	}
+	return true;
+}
+
+void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory)
+{
+	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
+	if (listUnchanged(container) && readPairs(dt, impulses))
+		return;
+	rebuildPairs(container, memory);
+	readPairs(dt, impulses);
 }
 
 void SceneLink::takeOverlaps()
 {
 	for (cd::Pair& pair : world.pairs) {
-		pair.reference = 0;
-		const cd::Body& a = world.bodies[pair.a];
-		cd::locateContact(pair, cd::placeAhead(a, 0), cd::placeAhead(world.bodies[pair.b], 0), a.shape);
-		pair.reference = std::max(0., pair.overlap);
-		const double radius = world.bodies[pair.b].shape.radius;
+		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
+		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
+		const double radius = world.bodies[pair.b].radius;
 		if (!(pair.reference <= mostOverlap * radius))
 			throw SceneError("ContactDynamics: bodies #" + std::to_string(pair.a) + " and #" + std::to_string(pair.b) + " overlap by "
 			    + std::to_string(pair.reference / radius)
@@ -180,9 +173,9 @@ void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 }
 
 // By bisection: the pairs are sorted by their ids.
-double ReferenceOverlaps::of(int id1, int id2) const
+std::size_t ReferenceOverlaps::find(int id1, int id2) const
 {
-	const std::pair<int, int> wanted(std::min(id1, id2), std::max(id1, id2));
+	const std::pair<int, int> wanted = std::minmax(id1, id2);
 	std::size_t low = 0, high = overlaps.size();
 	while (low < high) {
 		const std::size_t middle = (low + high) / 2;
@@ -191,7 +184,30 @@ double ReferenceOverlaps::of(int id1, int id2) const
 		else
 			high = middle;
 	}
-	return low < overlaps.size() && std::make_pair(ids[2 * low], ids[2 * low + 1]) == wanted ? overlaps[low] : 0;
+	return low < overlaps.size() && std::make_pair(ids[2 * low], ids[2 * low + 1]) == wanted ? low : overlaps.size();
+}
+
+double ReferenceOverlaps::of(int id1, int id2) const
+{
+	const std::size_t found = find(id1, id2);
+	return found < overlaps.size() ? overlaps[found] : 0;
+}
+
+void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which)
+{
+	for (const int32_t i : which)
+		if (const std::size_t found = find(pairs[i].a, pairs[i].b); found < overlaps.size())
+			overlaps[found] = 0;
+	std::size_t kept = 0;
+	for (std::size_t i = 0; i < overlaps.size(); i++) {
+		if (overlaps[i] == 0)
+			continue;
+		ids[2 * kept] = ids[2 * i];
+		ids[2 * kept + 1] = ids[2 * i + 1];
+		overlaps[kept++] = overlaps[i];
+	}
+	ids.resize(2 * kept);
+	overlaps.resize(kept);
 }
 
 } // namespace cd_engine

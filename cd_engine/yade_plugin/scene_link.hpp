@@ -1,6 +1,7 @@
 // Between YADE's scene graph and the core's world: reads bodies, forces and near pairs, writes motion and contact forces back.
 #pragma once
 
+#include "../core/space_order.hpp"
 #include "../core/time_step.hpp"
 #include "collider_rest.hpp"
 #include "layout.hpp"
@@ -21,22 +22,32 @@ struct ReferenceOverlaps {
 	std::vector<double>& overlaps;
 
 	double of(int id1, int id2) const; // 0 if the pair has none
+	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which);
+
+    private:
+	std::size_t find(int id1, int id2) const; // overlaps.size() if the pair has none
+};
+
+// What the engine keeps of the pairs from step to step, saved with it.
+struct Memory {
+	ReferenceOverlaps overlaps;
+	cd::SpaceOrder order;
 };
 
 class SceneLink {
     public:
 	cd::World world; // bodies: at their ids (erased ids stand as immobile bodies without pairs)
 
-	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `known`: overlaps of pairs that
-	// are new to the list. Runs the collider if it rests and the bodies have moved too far for that.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const ReferenceOverlaps& known, ColliderRest&, double margin);
+	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `look`: whether to look at this step if
+	// the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too far for that.
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin);
 	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.
-	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const ReferenceOverlaps& known);
+	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
-	// Writes positions, velocities, interactions and O.forces for impulses over dt. O.forces then holds the total on each body, gravity
+	// Writes positions, velocities, interactions and O.forces after a step of dt. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void scatter(yade::Scene*, double dt);
+	void scatter(yade::Scene*, const cd::TimeStep&, double dt);
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 
@@ -50,33 +61,18 @@ class SceneLink {
 		double frictionAngle = 0, friction = 0; // [rad] and its tangent
 		cd::ShapeKind kind = cd::ShapeKind::disk;
 	};
-	struct KnownPair {
+	// What every pair asks of its bodies, together in little memory.
+	struct Surface {
+		double friction; // coefficient
+		double radius; // of a disk [m]; 0: a boundary
+	};
+	// A pair on its way to its place in the order of the contacts.
+	struct Candidate {
+		uint64_t key;
 		yade::Interaction* interaction;
-		int id1, id2;
+		int32_t a, b;
 	};
 
-	void checkScene(yade::Scene*, double dt) const;
-	void gatherBodies(yade::Scene*, const Vector3r& gravity);
-	void findLayer(yade::BodyContainer&);
-	void inspect(int id, void* body);
-	void inspectMotion(int id) const;
-	void readShape(int id, cd::Body&);
-	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
-	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
-	void gatherPairs(yade::Scene*, double dt, bool impulses, const ReferenceOverlaps& known);
-	bool pairsUnchanged(yade::InteractionContainer*) const;
-	void rebuildPairs(yade::InteractionContainer*, const ReferenceOverlaps& known);
-	void findForces();
-	void readImpulse(std::size_t pair, double dt);
-	void makeReal(std::size_t pair, long iteration);
-	void makeUnreal(std::size_t pair);
-	void writeContact(std::size_t pair, double rate); // rate: 1/dt
-	void writeMotion(std::size_t id);
-
-	std::vector<KnownBody> bodies;
-	std::vector<KnownPair> listed; // the scene's interactions in its own order, to notice changes
-	std::vector<yade::Interaction*> interactions; // of world.pairs
-	bool inspecting = false; // the scene is only looked at
 	struct Spare {
 		boost::shared_ptr<yade::IGeom> geom;
 		boost::shared_ptr<yade::IPhys> phys;
@@ -85,6 +81,36 @@ class SceneLink {
 		void *geom, *phys; // null: none, or not of a class that can hold a contact's force
 		bool any; // whether there is any object at all
 	};
+
+	void checkScene(yade::Scene*, double dt) const;
+	void gatherBodies(yade::Scene*, const Vector3r& gravity);
+	void prefetchBody(const KnownBody&) const;
+	void findLayer(yade::BodyContainer&);
+	void inspect(int id, void* body);
+	void inspectMotion(int id) const;
+	void readShape(int id, cd::Body&);
+	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
+	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
+	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&);
+	bool listUnchanged(yade::InteractionContainer*) const;
+	void rebuildPairs(yade::InteractionContainer*, const Memory&);
+	bool readPairs(double dt, bool impulses);
+	void findForces(std::size_t pair);
+	void readImpulse(std::size_t pair, double dt);
+	void makeReal(std::size_t pair, long iteration);
+	void makeUnreal(std::size_t pair);
+	void scatterContacts(const cd::TimeStep&, long iteration, double dt);
+	void writeContact(std::size_t pair, const cd::Touch&, double rate); // rate: 1/dt
+	void addForces(const cd::Pair&, const cd::Touch&, double dt);
+	void prefetchContact(const Forces&) const;
+	void writeMotion(std::size_t id);
+
+	std::vector<KnownBody> bodies;
+	std::vector<Surface> surfaces; // of the bodies
+	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
+	std::vector<Candidate> candidates; // scratch
+	std::vector<yade::Interaction*> interactions; // of world.pairs
+	bool inspecting = false; // the scene is only looked at
 	std::vector<Forces> forces; // of world.pairs, as found by this step's gather
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
 	Vector3r gravity = Vector3r::Zero();

@@ -6,6 +6,8 @@
 namespace cd_engine {
 namespace {
 
+	constexpr std::size_t ahead = 10; // contacts or bodies whose memory is asked for before it is written
+
 	template <class T> boost::shared_ptr<T> create(const char* name)
 	{
 		const boost::shared_ptr<yade::Factorable> made = Singleton<yade::ClassFactory>::instance().createShared(name);
@@ -26,8 +28,8 @@ void SceneLink::makeReal(std::size_t index, long iteration)
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = iteration;
 	forces[index] = { geom.get(), phys.get(), true };
 	const cd::Pair& pair = world.pairs[index];
-	const double radiusB = world.bodies[pair.b].shape.radius;
-	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].shape.radius;
+	const double radiusB = surfaces[pair.b].radius;
+	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : surfaces[pair.a].radius;
 	at<double>(geom.get(), layout.geom_refR2) = radiusB;
 	at<Vector3r>(geom.get(), layout.geom_shearInc) = Vector3r::Zero();
 }
@@ -44,18 +46,51 @@ void SceneLink::makeUnreal(std::size_t index)
 }
 
 // The forces in YADE's signs: normalForce + shearForce act on the second body.
-void SceneLink::writeContact(std::size_t index, double rate)
+void SceneLink::writeContact(std::size_t index, const cd::Touch& touch, double rate)
 {
 	const cd::Pair& pair = world.pairs[index];
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;
-	at<Vector3r>(g, layout.geom_normal) = Vector3r(pair.nx, pair.ny, 0);
-	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(pair.cx, pair.cy, layer);
-	at<double>(g, layout.geom_penetrationDepth) = pair.overlap;
+	at<Vector3r>(g, layout.geom_normal) = Vector3r(touch.nx, touch.ny, 0);
+	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(touch.cx, touch.cy, layer);
+	at<double>(g, layout.geom_penetrationDepth) = touch.overlap;
 	at<double>(p, layout.phys_tangensOfFrictionAngle) = pair.mu;
 	const double fn = pair.pn * rate, ft = pair.pt * rate;
-	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * pair.nx, fn * pair.ny, 0);
-	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(-ft * pair.ny, ft * pair.nx, 0);
+	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * touch.nx, fn * touch.ny, 0);
+	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(-ft * touch.ny, ft * touch.nx, 0);
+}
+
+// Adds the contact's force to both of its bodies.
+inline void SceneLink::addForces(const cd::Pair& pair, const cd::Touch& touch, double dt)
+{
+	const double rate = 1 / dt;
+	const double fx = (touch.nx * pair.pn - touch.ny * pair.pt) * rate, fy = (touch.ny * pair.pn + touch.nx * pair.pt) * rate;
+	// A disk takes the force on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
+	const double ft = pair.pt * rate, radiusA = surfaces[pair.a].radius;
+	std::array<double, 3>&onA = total[pair.a], &onB = total[pair.b];
+	onA[0] -= fx;
+	onA[1] -= fy;
+	onB[0] += fx;
+	onB[1] += fy;
+	onB[2] -= (surfaces[pair.b].radius - 0.5 * touch.overlap) * ft;
+	if (radiusA > 0)
+		onA[2] -= (radiusA - 0.5 * touch.overlap) * ft;
+	else {
+		// At the mid-configuration, where the solver had it.
+		const cd::Body& a = world.bodies[pair.a];
+		onA[2] -= (touch.cx - a.x + 0.5 * dt * a.v[0]) * fy - (touch.cy - a.y + 0.5 * dt * a.v[1]) * fx;
+	}
+}
+
+// The lines of memory that writeContact writes.
+void SceneLink::prefetchContact(const Forces& f) const
+{
+	if (!f.geom)
+		return;
+	for (const long member : { layout.geom_normal, layout.geom_contactPoint + 16, layout.geom_penetrationDepth })
+		prefetch(f.geom, member);
+	prefetch(f.phys, layout.phys_normalForce);
+	prefetch(f.phys, layout.phys_tangensOfFrictionAngle);
 }
 
 void SceneLink::writeMotion(std::size_t id)
@@ -85,45 +120,35 @@ void SceneLink::writeMotion(std::size_t id)
 	q[3] = w * inverse;
 }
 
-void SceneLink::scatter(yade::Scene* scene, double dt)
+void SceneLink::scatterContacts(const cd::TimeStep& step, long iteration, double dt)
 {
-	const long iteration = at<long>(scene, layout.scene_iter);
 	const double rate = 1 / dt;
+	const std::vector<int32_t>& solved = step.pairs();
 	total.assign(world.bodies.size(), { 0, 0, 0 });
-	for (std::size_t i = 0; i < world.pairs.size(); i++) {
-		if (i + 8 < world.pairs.size() && forces[i + 8].geom) { // written next: their cache lines are asked for ahead
-			__builtin_prefetch(static_cast<char*>(forces[i + 8].geom) + 64, 1);
-			__builtin_prefetch(static_cast<char*>(forces[i + 8].geom) + 128, 1);
-			__builtin_prefetch(static_cast<char*>(forces[i + 8].phys) + 64, 1);
-		}
-		const cd::Pair& pair = world.pairs[i];
-		if (!(pair.pn > 0)) {
-			if (forces[i].any)
-				makeUnreal(i);
+	for (std::size_t i = 0; i < solved.size(); i++) {
+		if (i + ahead < solved.size())
+			prefetchContact(forces[solved[i + ahead]]);
+		const cd::Pair& pair = world.pairs[solved[i]];
+		if (!(pair.pn > 0))
 			continue;
-		}
-		if (!forces[i].geom)
-			makeReal(i, iteration);
-		writeContact(i, rate);
-		const double fx = (pair.nx * pair.pn - pair.ny * pair.pt) * rate, fy = (pair.ny * pair.pn + pair.nx * pair.pt) * rate;
-		// A disk takes the force on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
-		const double ft = pair.pt * rate, radiusA = bodies[pair.a].boundary ? 0 : world.bodies[pair.a].shape.radius;
-		std::array<double, 3>&onA = total[pair.a], &onB = total[pair.b];
-		onA[0] -= fx;
-		onA[1] -= fy;
-		onB[0] += fx;
-		onB[1] += fy;
-		onB[2] -= (world.bodies[pair.b].shape.radius - 0.5 * pair.overlap) * ft;
-		if (radiusA > 0)
-			onA[2] -= (radiusA - 0.5 * pair.overlap) * ft;
-		else {
-			// At the mid-configuration, where the solver had it.
-			const cd::Body& a = world.bodies[pair.a];
-			onA[2] -= (pair.cx - a.x + 0.5 * dt * a.v[0]) * fy - (pair.cy - a.y + 0.5 * dt * a.v[1]) * fx;
-		}
+		const cd::Touch& touch = step.touches()[i];
+		if (!forces[solved[i]].geom)
+			makeReal(solved[i], iteration);
+		writeContact(solved[i], touch, rate);
+		addForces(pair, touch, dt);
 	}
+	for (std::size_t i = 0; i < world.pairs.size(); i++)
+		if (forces[i].any && !(world.pairs[i].pn > 0))
+			makeUnreal(i);
+}
+
+void SceneLink::scatter(yade::Scene* scene, const cd::TimeStep& step, double dt)
+{
+	scatterContacts(step, at<long>(scene, layout.scene_iter), dt);
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
+		if (id + ahead < world.bodies.size())
+			prefetchBody(bodies[id + ahead]);
 		if (!bodies[id].exists)
 			continue;
 		writeMotion(id);

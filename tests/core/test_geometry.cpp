@@ -9,18 +9,22 @@ using namespace cd;
 
 namespace {
 
-Body disk(double x, double y, double r)
+struct Item : Body {
+	Shape shape;
+};
+
+Item disk(double x, double y, double r)
 {
-	Body b;
+	Item b;
 	b.x = x;
 	b.y = y;
-	b.shape.radius = r;
+	b.radius = r;
 	return b;
 }
 
-Body box(double x, double y, double ex, double ey, double angle)
+Item box(double x, double y, double ex, double ey, double angle)
 {
-	Body b;
+	Item b;
 	b.x = x;
 	b.y = y;
 	b.shape.kind = ShapeKind::box;
@@ -31,7 +35,7 @@ Body box(double x, double y, double ex, double ey, double angle)
 	return b;
 }
 
-void locate(Pair& p, const Body& a, const Body& b, double ahead) { locateContact(p, placeAhead(a, ahead), placeAhead(b, ahead), a.shape); }
+Touch locate(const Item& a, const Item& b, double ahead = 0) { return locateContact(placeAhead(a, ahead), placeAhead(b, ahead), a.shape); }
 
 } // namespace
 
@@ -41,10 +45,9 @@ TEST_CASE("disk on box: the nearest of many points of the outline, over faces an
 	std::uniform_real_distribution<double> unit(-1, 1);
 	for (int trial = 0; trial < 200; trial++) {
 		const double angle = 3 * unit(random), ex = 0.3, ey = 0.1;
-		Body a = box(unit(random), unit(random), ex, ey, angle);
-		Body b = disk(a.x + unit(random), a.y + unit(random), 0.05);
-		Pair p { 0, 1 };
-		locate(p, a, b, 0);
+		Item a = box(unit(random), unit(random), ex, ey, angle);
+		Item b = disk(a.x + unit(random), a.y + unit(random), 0.05);
+		const Touch p = locate(a, b);
 		const double c = std::cos(angle), s = std::sin(angle);
 		double nearest = 1e9, nx = 0, ny = 0;
 		for (int i = 0; i < 40000; i++) {
@@ -61,7 +64,7 @@ TEST_CASE("disk on box: the nearest of many points of the outline, over faces an
 		const double lx = c * (b.x - a.x) + s * (b.y - a.y), ly = -s * (b.x - a.x) + c * (b.y - a.y);
 		const double sign = std::abs(lx) < ex && std::abs(ly) < ey ? -1 : 1;
 		// The outline is sampled every 6e-5 m; a tangential miss of d costs d^2/(2 distance) in distance.
-		CHECK(p.gap == doctest::Approx(sign * nearest - 0.05).epsilon(1e-4));
+		CHECK(-p.overlap == doctest::Approx(sign * nearest - 0.05).epsilon(1e-4));
 		CHECK(std::hypot(p.nx, p.ny) == doctest::Approx(1));
 		if (nearest > 0.05)
 			CHECK(p.nx * nx / nearest + p.ny * ny / nearest == doctest::Approx(sign).epsilon(1e-3));
@@ -70,52 +73,44 @@ TEST_CASE("disk on box: the nearest of many points of the outline, over faces an
 
 TEST_CASE("both bodies see the contact point midway between the surfaces")
 {
-	Body a = disk(0, 0, 0.2), b = disk(0.35, 0, 0.1);
-	Pair p { 0, 1 };
-	locate(p, a, b, 0);
-	CHECK(p.gap == doctest::Approx(0.05));
-	CHECK(p.cx == doctest::Approx(0.225));
-	p.reference = 0.01;
-	locate(p, a, b, 0);
-	CHECK(p.gap == doctest::Approx(0.06));
+	Item a = disk(0, 0, 0.2), b = disk(0.35, 0, 0.1);
+	const Touch p = locate(a, b);
 	CHECK(p.overlap == doctest::Approx(-0.05));
+	CHECK(p.cx == doctest::Approx(0.225));
 }
 
 TEST_CASE("bodies are placed ahead by their velocities, a box also turned")
 {
-	Body a = box(0, 0, 1, 0.1, 0), b = disk(0, 1, 0.05);
+	Item a = box(0, 0, 1, 0.1, 0), b = disk(0, 1, 0.05);
 	a.v[2] = 2;
 	b.v[1] = -1;
-	Pair p { 0, 1 };
-	locate(p, a, b, 0.25);
+	const Touch p = locate(a, b, 0.25);
 	CHECK(p.nx == doctest::Approx(-std::sin(0.5)));
-	CHECK(p.gap == doctest::Approx(0.75 * std::cos(0.5) - 0.1 - 0.05));
+	CHECK(-p.overlap == doctest::Approx(0.75 * std::cos(0.5) - 0.1 - 0.05));
 }
 
 TEST_CASE("a wall acts on its side only")
 {
-	Body wall;
+	Item wall;
 	wall.shape.kind = ShapeKind::wall;
 	wall.shape.axis = 0;
-	Body d = disk(-0.3, 5, 0.1);
-	Pair p { 0, 1 };
-	locate(p, wall, d, 0);
-	CHECK(p.gap == doctest::Approx(0.2));
-	CHECK(p.nx == -1);
-	wall.shape.sense = 1; // the disk is behind it: overlapping
-	locate(p, wall, d, 0);
-	CHECK(p.gap == doctest::Approx(-0.4));
-	CHECK(p.nx == 1);
+	Item d = disk(-0.3, 5, 0.1);
+	const Touch before = locate(wall, d);
+	CHECK(before.overlap == doctest::Approx(-0.2));
+	CHECK(before.nx == -1);
+	wall.shape.sense = 1;
+	const Touch behind = locate(wall, d);
+	CHECK(behind.overlap == doctest::Approx(0.4));
+	CHECK(behind.nx == 1);
 }
 
 TEST_CASE("a disk on a wall of no thickness is pushed back to its own side")
 {
-	Body plate = box(0, 0, 0, 1, 0);
+	Item plate = box(0, 0, 0, 1, 0);
 	for (const double side : { -1., 1. }) {
-		Body d = disk(side * 0.02, 0.3, 0.1);
-		Pair p { 0, 1 };
-		locate(p, plate, d, 0);
+		Item d = disk(side * 0.02, 0.3, 0.1);
+		const Touch p = locate(plate, d);
 		CHECK(p.nx == side);
-		CHECK(p.gap == doctest::Approx(-0.08));
+		CHECK(p.overlap == doctest::Approx(0.08));
 	}
 }

@@ -20,9 +20,10 @@ World twoDisks(double overlap, double speed)
 		b.v[0] = -0.5 * side * speed;
 		b.inverseMass[0] = b.inverseMass[1] = 1;
 		b.inverseMass[2] = 2 / (radius * radius);
-		b.shape.radius = radius;
+		b.radius = radius;
 		w.bodies.push_back(b);
 	}
+	w.shapes.resize(2);
 	w.pairs.push_back({ 0, 1 });
 	return w;
 }

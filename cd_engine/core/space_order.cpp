@@ -1,0 +1,111 @@
+#include "space_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cd {
+namespace {
+
+	constexpr int none = std::numeric_limits<int>::max();
+
+	// All that a sweep reads of so many disks fits the second-level cache, in whatever order.
+	constexpr int fewDisks = 2048;
+
+	// Where the cell (x, y) of 2^16 x 2^16 comes on Hilbert's curve (Hilbert 1891): quadrant by quadrant, the axes turned as the curve turns.
+	uint32_t alongCurve(uint32_t x, uint32_t y)
+	{
+		uint32_t along = 0;
+		for (uint32_t half = 1u << 15; half > 0; half /= 2) {
+			const bool right = x & half, upper = y & half;
+			along += half * half * ((3 * right) ^ upper);
+			if (!upper) {
+				if (right) {
+					x = ~x;
+					y = ~y;
+				}
+				std::swap(x, y);
+			}
+		}
+		return along;
+	}
+
+	struct Box {
+		double x = std::numeric_limits<double>::infinity(), y = x, size = 0;
+	};
+
+	Box aroundDisks(const std::vector<Body>& bodies)
+	{
+		Box box;
+		double right = -box.x, top = -box.y;
+		for (const Body& b : bodies)
+			if (b.radius > 0) {
+				box.x = std::min(box.x, b.x);
+				box.y = std::min(box.y, b.y);
+				right = std::max(right, b.x);
+				top = std::max(top, b.y);
+			}
+		box.size = std::max(right - box.x, top - box.y);
+		return box;
+	}
+
+	// The disks in the order of the curve.
+	std::vector<int> disksAlongCurve(const std::vector<Body>& bodies)
+	{
+		const Box box = aroundDisks(bodies);
+		const double scale = box.size > 0 ? 65535 / box.size : 0;
+		std::vector<std::pair<uint32_t, int>> places;
+		for (std::size_t i = 0; i < bodies.size(); i++)
+			if (bodies[i].radius > 0)
+				places.emplace_back(alongCurve(static_cast<uint32_t>(scale * (bodies[i].x - box.x)),
+							static_cast<uint32_t>(scale * (bodies[i].y - box.y))),
+				    static_cast<int>(i));
+		std::sort(places.begin(), places.end());
+		std::vector<int> disks;
+		for (const auto& place : places)
+			disks.push_back(place.second);
+		return disks;
+	}
+
+	double lengthOf(const std::vector<int>& way, const std::vector<Body>& bodies)
+	{
+		double length = 0;
+		for (std::size_t i = 1; i < way.size(); i++)
+			length += std::hypot(bodies[way[i]].x - bodies[way[i - 1]].x, bodies[way[i]].y - bodies[way[i - 1]].y);
+		return length;
+	}
+
+	// Length of the way through the disks in the order of their ranks; those that have become boundaries or were erased are left out.
+	double lengthByRank(const std::vector<Body>& bodies, const std::vector<int>& rank)
+	{
+		static thread_local std::vector<int> disks; // kept: a step asks for no memory
+		disks.assign(bodies.size(), none);
+		for (std::size_t i = 0; i < bodies.size(); i++)
+			if (bodies[i].radius > 0 && rank[i] != none)
+				disks[rank[i]] = static_cast<int>(i);
+		disks.erase(std::remove(disks.begin(), disks.end(), none), disks.end());
+		return lengthOf(disks, bodies);
+	}
+
+} // namespace
+
+bool renewOrder(const World& world, const SpaceOrder& order, bool look)
+{
+	const std::vector<Body>& bodies = world.bodies;
+	if (bodies.size() <= fewDisks) {
+		const bool had = !order.rank.empty();
+		order.rank.clear();
+		order.path = 0;
+		return had;
+	}
+	if (order.rank.size() == bodies.size() && !(look && lengthByRank(bodies, order.rank) > 2 * order.path))
+		return false;
+	const std::vector<int> disks = disksAlongCurve(bodies);
+	order.rank.assign(bodies.size(), none);
+	for (std::size_t i = 0; i < disks.size(); i++)
+		order.rank[disks[i]] = static_cast<int>(i);
+	order.path = lengthOf(disks, bodies);
+	return true;
+}
+
+} // namespace cd
