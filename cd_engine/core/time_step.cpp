@@ -192,7 +192,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
-		report.solver = settings.solve(system, settings.solver);
+		report.solver = settings.reduce ? solveIslands(system, settings.solve, settings.solver, report.effort)
+						: solveWhole(system, settings.solve, settings.solver, report.effort);
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		meanVelocities(world);

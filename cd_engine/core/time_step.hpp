@@ -1,7 +1,7 @@
 // One step of the Moreau-Jean scheme.
 #pragma once
 
-#include "solver.hpp"
+#include "island_solver.hpp"
 #include "world.hpp"
 
 namespace cd {
@@ -10,12 +10,14 @@ struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
+	bool reduce = true; // solve islands of contacts apart (island_solver.hpp)
 	Solver solve = nullptr;
 	SolverSettings solver;
 };
 
 struct StepReport {
 	SolverReport solver;
+	Effort effort;
 	int contacts = 0; // that the solver was given
 	int slidingContacts = 0; // loaded, mu > 0, |p_t| at mu p_n
 	int loadedContacts = 0;
@@ -70,6 +72,7 @@ class TimeStep {
 		double v[3]; // of the velocities before and after the step
 	};
 
+	IslandSolver solveIslands;
 	ContactSystem system;
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies

@@ -55,6 +55,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.dt = at<double>(of, layout.scene_dt);
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
+	s.reduce = reduce;
 	s.solve = cd::findSolver(method);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
@@ -93,6 +94,9 @@ void ContactDynamics::advance()
 	status = cd::name(report.solver.status);
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
+	unknowns = report.effort.unknowns;
+	islands = report.effort.islands;
+	resting = report.effort.resting;
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;

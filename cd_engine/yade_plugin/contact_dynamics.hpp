@@ -21,6 +21,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double restitution = 0;
 	double gapCorrection = 0;
 	int seed = 0;
+	bool reduce = true;
 	bool handover = true;
 	double colliderMargin = 0;
 
@@ -32,6 +33,9 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::string status = "no step yet";
 	std::string solvedBy = "none";
 	int contacts = 0;
+	int unknowns = 0;
+	int islands = 0;
+	int resting = 0;
 	int loadedContacts = 0;
 	int slidingContacts = 0;
 	double maxPenetration = 0;
@@ -120,6 +124,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "*warmStart* False: impulses that add up from step to step overshoot.");
 	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. },
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
+	visit("reduce", &C::reduce, Access::set, any,
+	    "Solve apart what cannot feel each other: islands of contacts that no movable body connects, each to the tolerance by itself, which is "
+	    "never less than the tolerance for the whole; bodies that touch nothing take no part. A step of one island is the same to the last bit. "
+	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
 	visit("handover", &C::handover, Access::set, any,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
 	    "Reset to False by that step; set it again after an interlude with springs.");
@@ -130,7 +138,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "displacements "
 	    "stay within the margin, and runs it when they do not. 0: the collider is left alone and runs in every step; its bounds must then be "
 	    "wide enough.");
-	visit("iterations", &C::iterations, Access::read, any, "Sweeps, and factorizations of Newton's method, made in the last step [1].");
+	visit("iterations", &C::iterations, Access::read, any,
+	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,
 	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
 	    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
@@ -140,6 +149,11 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated or diverged.");
 	visit("solvedBy", &C::solvedBy, Access::read, any, "The method that brought the last step to its tolerance, or none.");
 	visit("contacts", &C::contacts, Access::read, any, "Contacts the solver was given in the last step [1].");
+	visit("unknowns", &C::unknowns, Access::read, any,
+	    "Velocities it had to find: three for a free disk, none for a fixed body, nor with *reduce* for a body without contacts [1].");
+	visit("islands", &C::islands, Access::read, any, "Islands of contacts solved apart; 1 for all contacts if they were not parted [1].");
+	visit("resting", &C::resting, Access::read, any,
+	    "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
 	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");

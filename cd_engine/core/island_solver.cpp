@@ -1,0 +1,308 @@
+#include "island_solver.hpp"
+#include "local_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	// Islands at their tolerance to the last digit are above it together by the round-off of their sums.
+	constexpr double onTheEdge = 1e-9;
+
+	int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
+
+	void copyVelocities(const ContactSystem& system, std::vector<double>& to)
+	{
+		to.resize(3 * system.bodies.size());
+		for (std::size_t i = 0; i < system.bodies.size(); i++)
+			std::copy_n(system.bodies[i].v, 3, &to[3 * i]);
+	}
+
+	void addImpulses(ContactSystem& system)
+	{
+		for (const ContactRow& c : system.contacts)
+			if (c.pn != 0 || c.pt != 0)
+				applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+	}
+
+	SolverReport reportOf(const Residual& e)
+	{
+		SolverReport report;
+		report.residual = e.norm;
+		report.residualMax = e.maximum;
+		report.error = std::max(e.norm, e.energy);
+		return report;
+	}
+
+	// The impulses of a contact that no other contact influences.
+	void solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B, double& pn, double& pt)
+	{
+		double un, ut;
+		relativeVelocity(c, A, B, un, ut);
+		un += c.bias;
+		if (c.wnt == 0 && c.wtt > 0) {
+			pn = std::max(0., -un / c.wnn);
+			pt = std::max(-c.mu * pn, std::min(c.mu * pn, -ut / c.wtt));
+		} else
+			solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, un, ut, pn, pt);
+	}
+
+} // namespace
+
+SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort)
+{
+	const SolverReport report = method(system, settings);
+	effort = {};
+	for (const BodyVelocity& b : system.bodies)
+		effort.unknowns += freedoms(b);
+	effort.islands = !system.contacts.empty();
+	effort.resting = effort.islands && report.iterations == 0;
+	return report;
+}
+
+int32_t IslandSolver::nameOf(int32_t body)
+{
+	while (parent[body] != body)
+		body = parent[body] = parent[parent[body]];
+	return body;
+}
+
+void IslandSolver::findIslands(const ContactSystem& system)
+{
+	const std::size_t bodies = system.bodies.size(), contacts = system.contacts.size();
+	parent.resize(bodies);
+	freedom.resize(bodies);
+	links.resize(contacts);
+	for (std::size_t i = 0; i < bodies; i++) {
+		parent[i] = static_cast<int32_t>(i);
+		freedom[i] = static_cast<uint8_t>(freedoms(system.bodies[i]));
+	}
+	for (std::size_t i = 0; i < contacts; i++) {
+		const ContactRow& c = system.contacts[i];
+		const bool movesA = freedom[c.a] > 0, movesB = freedom[c.b] > 0;
+		links[i] = c.wnn > 0 ? movesA ? c.a : c.b : -1;
+		if (!movesA || !movesB)
+			continue;
+		const int32_t a = nameOf(c.a), b = nameOf(c.b);
+		parent[std::max(a, b)] = std::min(a, b);
+	}
+	numberIslands();
+}
+
+// In the order of their first contacts.
+void IslandSolver::numberIslands()
+{
+	numberOf.assign(parent.size(), -1);
+	islandOf.resize(links.size());
+	islands.clear();
+	for (std::size_t i = 0; i < links.size(); i++) {
+		islandOf[i] = -1;
+		if (links[i] < 0)
+			continue;
+		int32_t& number = numberOf[nameOf(links[i])];
+		if (number < 0) {
+			number = static_cast<int32_t>(islands.size());
+			islands.emplace_back();
+			islands.back().first = static_cast<int32_t>(i);
+		}
+		islandOf[i] = number;
+		islands[number].contacts++;
+	}
+	larger = largest = 0;
+	for (const Island& island : islands) {
+		larger += island.contacts > 1;
+		largest = std::max(largest, island.contacts);
+	}
+}
+
+void IslandSolver::countUnknowns(Effort& effort)
+{
+	touching = 0;
+	effort = {};
+	for (std::size_t i = 0; i < freedom.size(); i++) {
+		if (freedom[i] == 0 || numberOf[nameOf(static_cast<int32_t>(i))] < 0)
+			continue;
+		touching++;
+		effort.unknowns += freedom[i];
+	}
+	effort.islands = static_cast<int>(islands.size());
+}
+
+// Only impulses: the bodies keep their free velocities. One rests if its first guess differs from the solution by no more than the tolerance.
+void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
+{
+	lone = {};
+	for (Island& island : islands) {
+		if (island.contacts > 1)
+			continue;
+		ContactRow& c = system.contacts[island.first];
+		double pn, pt;
+		solveAlone(c, system.bodies[c.a], system.bodies[c.b], pn, pt);
+		island.sweeps = std::hypot(pn - c.pn, pt - c.pt) > tolerance * std::hypot(pn, pt);
+		island.solved = true;
+		c.pn = pn;
+		c.pt = pt;
+		lone.square += pn * pn + pt * pt;
+		lone.squareEnergy += c.wnn * (pn * pn + pt * pt);
+	}
+}
+
+// Whether the error of the whole says that the island beside the lone contacts, which add to |p| and not to the difference, is within its own.
+bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, double tolerance) const
+{
+	if (lone.square == 0)
+		return true;
+	ResidualSum all;
+	for (const ContactRow& c : system.contacts) {
+		const double square = c.pn * c.pn + c.pt * c.pt;
+		all.square += square;
+		all.squareEnergy += c.wnn * square;
+	}
+	const double share = std::max(lone.square / all.square, lone.squareEnergy / all.squareEnergy);
+	return error <= tolerance * std::sqrt(1 - share);
+}
+
+// Where an island has nine contacts of ten and most of the bodies, the others being lone contacts, to take it out would cost more than it saves.
+bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
+{
+	return larger == 1 && 10 * static_cast<std::size_t>(largest) >= 9 * system.contacts.size()
+	    && 2 * static_cast<std::size_t>(touching) > system.bodies.size();
+}
+
+// The system as it is; sweeps do not change the lone contacts, being solved. After a step without sweeps asks first whether the guess is the
+// solution again, without packing anything.
+SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
+{
+	SolverReport report;
+	if (rested) {
+		report = reportOf(residual(system, freeVelocity));
+		if (report.error <= settings.tolerance) {
+			addImpulses(system);
+			return report;
+		}
+	}
+	report = method(system, settings);
+	rested = report.iterations == 0;
+	for (Island& island : islands)
+		if (!island.solved)
+			island.sweeps = report.iterations;
+	return report;
+}
+
+// Marks the islands that are solved now, by their sums; how many they are.
+int IslandSolver::judge(double tolerance)
+{
+	int solved = 0;
+	for (std::size_t k = 0; k < islands.size(); k++) {
+		if (islands[k].solved)
+			continue;
+		islands[k].solved = reportOf(sums[k].of(islands[k].contacts)).error <= tolerance;
+		solved += islands[k].solved;
+	}
+	return solved;
+}
+
+int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
+{
+	if (place[body] < 0) {
+		place[body] = static_cast<int32_t>(partBodies.size());
+		partBodies.push_back(body);
+		part.bodies.push_back(system.bodies[body]);
+	}
+	return place[body];
+}
+
+// The islands not solved yet, their contacts in the order of the system.
+void IslandSolver::takePart(const ContactSystem& system)
+{
+	part.bodies.clear();
+	part.contacts.clear();
+	partBodies.clear();
+	partContacts.clear();
+	partIsland.clear();
+	place.assign(system.bodies.size(), -1);
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		if (islandOf[i] < 0 || islands[islandOf[i]].solved)
+			continue;
+		part.contacts.push_back(system.contacts[i]);
+		ContactRow& c = part.contacts.back();
+		c.a = placeOf(system, c.a);
+		c.b = placeOf(system, c.b);
+		partContacts.push_back(static_cast<int32_t>(i));
+		partIsland.push_back(islandOf[i]);
+	}
+	copyVelocities(part, partFree);
+}
+
+// Together until they are solved together, then on with those that are not solved by themselves. The bodies of the system keep their free velocities.
+Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
+{
+	sums.assign(islands.size(), {});
+	addResiduals(system, freeVelocity, islandOf, sums);
+	judge(settings.tolerance);
+	Status status = Status::converged;
+	for (;;) {
+		takePart(system);
+		if (part.contacts.empty())
+			return Status::converged;
+		const SolverReport report = method(part, settings);
+		for (std::size_t i = 0; i < partContacts.size(); i++) {
+			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
+			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
+		}
+		for (std::size_t k = 0; k < islands.size(); k++)
+			if (!islands[k].solved) {
+				islands[k].sweeps += report.iterations;
+				sums[k] = {};
+			}
+		addResiduals(part, partFree, partIsland, sums);
+		if (report.status != Status::converged)
+			status = report.status;
+		if (judge(settings.tolerance) == 0)
+			return status == Status::converged ? Status::stagnated : status;
+	}
+}
+
+// Velocities and error of the whole.
+SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance)
+{
+	ResidualSum sum;
+	int sweeps = 0;
+	for (std::size_t k = 0; k < islands.size(); k++) {
+		sum += sums[k];
+		sweeps = std::max(sweeps, islands[k].sweeps);
+	}
+	addImpulses(system);
+	SolverReport report = reportOf(sum.of(system.contacts.size()));
+	report.iterations = sweeps;
+	if (std::isnan(report.error))
+		report.status = Status::diverged;
+	else if (report.error > (1 + onTheEdge) * tolerance)
+		report.status = status == Status::converged ? Status::stagnated : status;
+	return report;
+}
+
+SolverReport IslandSolver::operator()(ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort)
+{
+	if (settings.fixedIterations > 0 || settings.seed > 0)
+		return solveWhole(system, method, settings, effort);
+	findIslands(system);
+	countUnknowns(effort);
+	copyVelocities(system, freeVelocity);
+	solveLoneContacts(system, settings.tolerance);
+	const bool inPlace = isNearlyOneIsland(system);
+	SolverReport report;
+	if (inPlace)
+		report = solveInPlace(system, method, settings);
+	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
+		for (std::size_t i = 0; i < system.bodies.size(); i++)
+			std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
+		report = conclude(system, solveInParts(system, method, settings), settings.tolerance);
+	}
+	for (const Island& island : islands)
+		effort.resting += island.sweeps == 0;
+	return report;
+}
+
+} // namespace cd

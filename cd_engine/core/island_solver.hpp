@@ -1,0 +1,75 @@
+// Solves no more of a step's problem than there is to solve: nothing for bodies that touch nothing, a lone contact in closed form, an
+// island at rest not at all, and every other island of contacts until it has reached the tolerance by itself.
+//
+// An island are contacts that feel each other, through bodies that can move: impulses do not pass through a body that nothing can move, so
+// two heaps on one fixed floor are two islands, and a loaded wall joins all that touch it. The error e is a 2-norm over a 2-norm, so if every
+// island has |difference_k| <= tolerance |p_k|,
+//   sum |difference_k|^2 <= tolerance^2 sum |p_k|^2,
+// and the whole is within the tolerance, too. The reverse is not true: solved at once, sand beside rocks may keep any error that is small
+// beside the impulses of the rocks. Islands are therefore swept together, which fills the groups of eight, but those that miss their own
+// tolerance then go on without the others. A step whose whole error is within the tolerance counts as solved even if some island missed its
+// own: nothing less is promised than for the whole.
+#pragma once
+
+#include "residual.hpp"
+#include "solver.hpp"
+
+namespace cd {
+
+// What a step's problem amounted to.
+struct Effort {
+	int unknowns = 0; // velocities: three for a free disk, none for what cannot move or, in islands, touches nothing
+	int islands = 0;
+	int resting = 0; // islands whose first guess was within the tolerance already: no sweep was made
+};
+
+// All the contacts at once.
+SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
+
+// Island by island. A system of one island gets the bits that solveWhole gives it. Settings that ask for so many sweeps or for a random order
+// mean the whole system; it is not parted. iterations: the most made on any island.
+class IslandSolver {
+    public:
+	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&);
+
+    private:
+	struct Island {
+		int32_t first = 0; // contact
+		int32_t contacts = 0; // how many
+		int sweeps = 0;
+		bool solved = false;
+	};
+
+	void findIslands(const ContactSystem&);
+	int32_t nameOf(int32_t body);
+	void numberIslands();
+	void countUnknowns(Effort&);
+	void solveLoneContacts(ContactSystem&, double tolerance);
+	bool isNearlyOneIsland(const ContactSystem&) const;
+	SolverReport solveInPlace(ContactSystem&, Solver, const SolverSettings&);
+	bool withinItsOwn(const ContactSystem&, double error, double tolerance) const;
+	Status solveInParts(ContactSystem&, Solver, const SolverSettings&);
+	int judge(double tolerance);
+	void takePart(const ContactSystem&);
+	int32_t placeOf(const ContactSystem&, int32_t body);
+	SolverReport conclude(ContactSystem&, Status, double tolerance);
+
+	std::vector<uint8_t> freedom; // how many velocities of a body can change
+	std::vector<int32_t> links; // a body of every contact that can move; -1: there is none
+	std::vector<int32_t> parent; // of every body that can move, towards the one that names its island
+	std::vector<int32_t> numberOf; // of the island that a body names; -1: none
+	std::vector<int32_t> islandOf; // of every contact; -1: between immobile bodies
+	std::vector<Island> islands;
+	std::vector<ResidualSum> sums; // of the islands
+	ResidualSum lone; // of the islands of one contact
+	std::vector<double> freeVelocity; // velocities without impulses
+	ContactSystem part; // the islands not solved yet, with bodies of its own numbers
+	std::vector<double> partFree;
+	std::vector<int32_t> place; // of a body in `part`; -1: not in it
+	std::vector<int32_t> partBodies, partContacts, partIsland; // what they are in the system
+	int larger = 0, largest = 0; // islands of more than one contact; contacts of the largest
+	int touching = 0; // bodies that can move and have a contact
+	bool rested = false; // whether the last system was solved in place without a sweep: decides on costs, not on results
+};
+
+} // namespace cd
