@@ -241,6 +241,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 	sums.assign(islands.size(), {});
 	addResiduals(system, freeVelocity, islandOf, sums);
 	judge(settings.tolerance);
+	factorizations = 0;
 	Status status = Status::converged;
 	for (;;) {
 		takePart(system);
@@ -251,6 +252,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
 			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
 		}
+		factorizations += report.factorizations;
 		for (std::size_t k = 0; k < islands.size(); k++)
 			if (!islands[k].solved) {
 				islands[k].sweeps += report.iterations;
@@ -276,6 +278,7 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 	addImpulses(system);
 	SolverReport report = reportOf(sum.of(system.contacts.size()));
 	report.iterations = sweeps;
+	report.factorizations = factorizations;
 	if (std::isnan(report.error))
 		report.status = Status::diverged;
 	else if (report.error > (1 + onTheEdge) * tolerance)

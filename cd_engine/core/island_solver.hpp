@@ -69,6 +69,7 @@ class IslandSolver {
 	std::vector<int32_t> partBodies, partContacts, partIsland; // what they are in the system
 	int larger = 0, largest = 0; // islands of more than one contact; contacts of the largest
 	int touching = 0; // bodies that can move and have a contact
+	int factorizations = 0; // made for the parts
 	bool rested = false; // whether the last system was solved in place without a sweep: decides on costs, not on results
 };
 
