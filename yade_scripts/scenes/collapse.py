@@ -23,11 +23,9 @@ DEFAULTS = dict(method="CD", disks=4000, friction=0.5, kn=2e7, beta_n=0.9, gravi
 PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over its width, about: at a solid fraction of 0.8", low=0.1, high=20),)
 
 SHARE = 0.98  # of the disks behind the front, and below the height
-
-
 # {disks: (front, standard deviation of a run), (height, the same), how} in column widths, of columns as SAME.
 CONVERGED = {400: ((3.99, 0.13), (0.817, 0.033), "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
-             4000: ((4.63, 0.04), (0.729, 0.006), "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 and 3")}
+             4000: ((4.67, 0.05), (0.733, 0.006), "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
 
 
