@@ -40,7 +40,7 @@ template <class S> class Iteration {
 	template <class Improve> Status untilSolved(Improve& improve)
 	{
 		evaluate();
-		double reached = error, smallest = error;
+		double reached = error, nearest = distance;
 		int reachedAt = 0;
 		keep();
 		while (error > settings.tolerance) {
@@ -57,10 +57,11 @@ template <class S> class Iteration {
 			report.iterations += more;
 			sweep.storeImpulses();
 			evaluate();
-			if (error < smallest) {
-				smallest = error;
+			if (distance < nearest) {
+				nearest = distance;
 				keep();
 			}
+			clearRoundOff();
 			if (error < 0.99 * reached) {
 				reached = error;
 				reachedAt = report.iterations;
@@ -80,6 +81,16 @@ template <class S> class Iteration {
 		lastIterations = report.iterations;
 		// needed last: from an infinite error to a tolerance of 0 it is not a number, and is passed over.
 		return 4 + static_cast<int>(std::min({ 0.25 * report.iterations, std::sqrt(10. * report.iterations), needed }));
+	}
+
+	// Bodies that were stopped and have nothing to carry any more: sweeps take the impulses of the step before back from the velocities, and their
+	// round-off may be all that is left to solve.
+	void clearRoundOff()
+	{
+		if (impulse < 1e-3 * largest) {
+			sweep.restoreVelocities();
+			largest = impulse;
+		}
 	}
 
 	void keep()
@@ -107,15 +118,20 @@ template <class S> class Iteration {
 		report.residual = e.norm;
 		report.residualMax = e.maximum;
 		report.error = error = std::max(e.norm, e.energy);
+		impulse = e.impulse;
+		largest = std::max(largest, impulse);
+		distance = impulse > 0 ? error * impulse : e.difference;
 	}
 
 	S& sweep;
 	const SolverSettings& settings;
 	SolverReport report;
 	double error = 0; // what is held against the tolerance
+	double distance = 0; // the same without being relative [N s]: of two iterates the nearer to a solution, where impulses change by much
+	double impulse = 0, largest = 0; // |p| now, and the largest since velocities were last made from impulses [N s]
 	double lastError = 0; // when it was asked for before, after so many sweeps
 	int lastIterations = 0;
-	HandedOn<double, Iteration> best; // impulses of the iterate with the smallest error
+	HandedOn<double, Iteration> best; // impulses of the nearest iterate
 };
 
 // `method(sweep)` gives an object whose () makes one sweep; after each call the sweep's impulses are the iterate.

@@ -92,10 +92,11 @@ Residual ResidualSum::of(std::size_t contacts) const
 {
 	if (square == 0) {
 		const double e = difference == 0 ? 0 : std::numeric_limits<double>::infinity();
-		return { e, e, e };
+		return { e, e, e, std::sqrt(difference), 0 };
 	}
 	const double meanSquare = square / static_cast<double>(contacts);
-	return { std::sqrt(difference / square), std::sqrt(differenceEnergy / squareEnergy), std::sqrt(worst / meanSquare) };
+	return { std::sqrt(difference / square), std::sqrt(differenceEnergy / squareEnergy), std::sqrt(worst / meanSquare), std::sqrt(difference),
+		std::sqrt(square) };
 }
 
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity)

@@ -174,6 +174,7 @@ void Sweep::restoreVelocities()
 {
 	storeImpulses();
 	computeVelocities();
+	remembered = false; // what was before has the round-off that is gone now
 }
 
 void Sweep::storeImpulses()

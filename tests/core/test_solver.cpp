@@ -131,3 +131,35 @@ TEST_CASE("velocities returned belong to the impulses returned")
 		for (int k = 0; k < 3; k++)
 			CHECK(s.bodies[i].v[k] == doctest::Approx(expected[i].v[k]).epsilon(1e-13));
 }
+
+TEST_CASE("impulses that stopped bodies in the step before do not throw them back when there is nothing left to carry")
+{
+	for (const char* method : { "nsgs", "accelerated", "auto" })
+		for (const double guess : { 8.33, 1e6 }) {
+			ContactSystem s;
+			s.bodies.resize(3);
+			for (int i = 1; i < 3; i++) {
+				s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
+				s.bodies[i].w[2] = 2;
+				s.bodies[i].v[1] = -1.8e-15 * i; // what the stop left of 8 m/s
+			}
+			for (int i = 0; i < 2; i++) {
+				ContactRow c {};
+				c.a = i;
+				c.b = i + 1;
+				c.ny = 1;
+				c.at = 1;
+				c.bt = -1;
+				c.mu = 0.3;
+				c.pn = guess * (2 - i);
+				c.pt = 0.1 * guess;
+				s.contacts.push_back(c);
+			}
+			s.assembleBlocks();
+			const SolverReport report = findSolver(method)(s, {});
+			CAPTURE(method);
+			CHECK(report.status == Status::converged);
+			for (const BodyVelocity& b : s.bodies)
+				CHECK(std::abs(b.v[1]) <= 4e-15); // of the order of the velocities given, not of the guess
+		}
+}
