@@ -83,8 +83,8 @@ template <class S> class Iteration {
 		return 4 + static_cast<int>(std::min({ 0.25 * report.iterations, std::sqrt(10. * report.iterations), needed }));
 	}
 
-	// Bodies that were stopped and have nothing to carry any more: sweeps take the impulses of the step before back from the velocities, and their
-	// round-off may be all that is left to solve.
+	// Bodies that were stopped and have nothing to carry any more: sweeps take the impulses of the step before back from the velocities, and
+	// their round-off may be all that is left to solve.
 	void clearRoundOff()
 	{
 		if (impulse < 1e-3 * largest) {
