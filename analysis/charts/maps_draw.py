@@ -12,7 +12,8 @@ MARKERS = {STABLE: ".", INACCURATE: "^", UNSTABLE: "X", NOT_SOLVED: "s"}
 COLOURS = {"": "#9A9A9A", "energy growth": "#D55E00", "penetration": "#CC79A7", "wrong motion": "#56B4E9", "false motion": "#E69F00", "false rest": "#6A3D9A",
            "wrong forces": "#0072B2", "tunnelled": "#8B0000", "locked walls": "#D55E00", "load missed": "#009E73", "non-convergence": "#555555",
            "refused": "#B8A200", "crashed": "#000000", "timed out": "#000000"}
-HEIGHT = 4.7  # in
+HEIGHT = 4.7  # in, of one line of panels
+MOST_COLUMNS = 3
 LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
 
 
@@ -20,12 +21,14 @@ def draw(found, theory, path, commit):
     """Write the figure; theory(found, search, row) gives the boundary expected of a search."""
     chart = found.map
     panels = list(dict.fromkeys(row[chart.panels] for row in found.rows)) if chart.panels else [None]
-    width = 3.0 + 3.3 * len(panels)
-    fig = plt.figure(figsize=(width, HEIGHT))
-    *places, aside = fig.add_gridspec(1, len(panels) + 1, width_ratios=[3.3] * len(panels) + [1.9])
+    columns = min(len(panels), MOST_COLUMNS)
+    lines = -(-len(panels) // columns)
+    width, height = 3.0 + 3.3 * columns, HEIGHT + 3.3 * (lines - 1)
+    fig = plt.figure(figsize=(width, height))
+    grid = fig.add_gridspec(lines, columns + 1, width_ratios=[3.3] * columns + [1.9])
     axes = []
-    for place in places:
-        axes.append(fig.add_subplot(place, sharex=axes[0] if axes else None, sharey=axes[0] if axes else None))
+    for number in range(len(panels)):
+        axes.append(fig.add_subplot(grid[divmod(number, columns)], sharex=axes[0] if axes else None, sharey=axes[0] if axes else None))
     for axis, panel in zip(axes, panels):
         _cells(axis, found, panel)
         _boundaries(axis, found, panel, theory)
@@ -35,13 +38,13 @@ def draw(found, theory, path, commit):
                       bbox={"boxstyle": "square,pad=0", "fc": "w", "ec": "none", "alpha": 0.7})
         axis.set(xlabel=chart.x.label, title="" if panel is None else f"{_title(chart.panels)} = {panel if isinstance(panel, str) else f'{panel:g}'}")
         _scale(axis, found)
-        axis.label_outer()
-    axes[0].set_ylabel(chart.y.label)
-    _legend(fig.add_subplot(aside), axes)
+        axis.tick_params(labelleft=len(axes) == 1 or axis in axes[::columns])
+    for axis in axes[::columns]:
+        axis.set_ylabel(chart.y.label)
+    _legend(fig.add_subplot(grid[0, columns]), axes)
     note = textwrap.fill(chart.criterion, int(15.5 * width))
     line = f"{len(found.rows)} cells, {len(found.boundaries)} searches" + (f", {len(found.missing)} not run" if found.missing else "") + f", commit {commit}"
-    lines = note.count("\n") + 2
-    foot = (0.2 + 0.145 * lines) / HEIGHT
+    foot = (0.2 + 0.145 * (note.count("\n") + 2)) / height
     fig.suptitle(chart.title, fontsize=11)
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.012, f"{note}\n{line}", ha="center", va="bottom", fontsize=7.5, linespacing=1.4)

@@ -20,10 +20,10 @@ MAP = Map(
     title="Rigid contacts: the step of a fall",
     question="How long a step do falling and settling disks bear?",
     criterion="30 disks fall into a trough and settle, 20 sqrt(R/g), tolerance 1e-5. Unstable: kinetic and potential energy with what was dissipated "
-              "grow by more than 1e-6 of the fall's, or a disk leaves the trough. Inaccurate: bodies overlap by more than 1 % of the radius. "
+              "grow by more than 1e-5 of the fall's, or a disk leaves the trough. Inaccurate: bodies overlap by more than 1 % of the radius. "
               "Not solved: more than 1 % of the steps missed the tolerance.",
     remedy="Without restitution no step is too long for contacts to hold. With it, contacts that only others close overlap by up to "
-           "a step's way, of which the engine warns; beyond dt sqrt(g/R) = 0.2 they may make energy.",
+           "a step's way, of which the engine warns; beyond dt sqrt(g/R) = 0.1 they may make energy.",
     x=Axis("dt", r"$dt\,\sqrt{g/R}$"), y=Axis("restitution", "restitution e"), panels="friction",
     measures={"penetration": ("1", "largest overlap over the radius"), "energy_balance": ("1", "kinetic, potential and dissipated energy less the first, over the fall's"),
               "energy_gain": ("1", "largest kinetic and potential energy less the first, over the fall's"),

@@ -9,7 +9,7 @@ from yade_scripts.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE, Outcome
 from yade_scripts.maps.probes import rigid
 
 COLUMNS, ROWS, DURATION = 6, 5, 20
-GROWTH = 1e-6
+GROWTH = 1e-5  # what the tolerance leaves
 TOLERANCE = 1e-5
 UNSOLVED = 0.01  # share of the steps
 
