@@ -4,7 +4,7 @@
 
 rows.json holds a list of rows. The time is that between the first and the last step's end, without start-up, scene building, preparation and
 output; it is the median of at least three repeats, each of the scene built anew. A run that takes longer than the limit [s] is ended by
-SIGALRM, which ends the process: whoever started it reads in <rows>.begun which row that was, and starts the others in a new one.
+SIGPROF (processor time), which ends the process: whoever started it reads in <rows>.begun which row that was, and starts the others in a new one.
 """
 import json
 import math
@@ -45,7 +45,7 @@ def measure(row, folder, limit, origin):
             traceback.print_exception(error)
         return record | {"status": f"{STATUS_FAILED}{str(error).splitlines()[0] if str(error) else type(error).__name__}", "seconds": seconds}
     finally:
-        signal.alarm(0)
+        _allow(0)
     error = records.error(known)
     return record | {"status": records.status(known), "known": known, "error": error if math.isfinite(error) else None, "seconds": seconds,
                      "steps": O.iter, "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)} | solver(full)
@@ -57,13 +57,13 @@ def run(row, asked, folder, limit, known):
     A scene that measures in the course of its steps, which costs more than they do, has its numbers from a first run without a time (None), and
     its times from runs that do not measure; known: the numbers so far.
     """
-    signal.alarm(PREPARATION)
+    _allow(PREPARATION)
     full = parameters.complete(row)
     scene = scenes.build(full, folder)
     if not scene.known:
         raise parameters.ParameterError("nothing is known of the scene with these parameters")
     measures, more = bare_run.measures(), {}
-    signal.alarm(limit * (MEASURING if measures else 1))
+    _allow(limit * (MEASURING if measures else 1))
     if measures and known and not asked:
         return bare_run.run(scene, full, without=bare_run.RECORDING | {hooks.MEASURING}), known, more
     if asked:
@@ -73,6 +73,12 @@ def run(row, asked, folder, limit, known):
     else:
         spent = bare_run.run(scene, full)
     return None if measures and not asked else spent, {one.name: values(one, full["scene"]) for one in scene.known}, more
+
+
+def _allow(seconds):
+    """So much processor time from now on, 0: as much as it takes; one that waits in vain is ended after twenty times as long by the clock."""
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.alarm(20 * seconds)
 
 
 def values(known, scene):

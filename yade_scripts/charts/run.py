@@ -22,7 +22,7 @@ from analysis.schema import STATUS_FAILED
 from yade_scripts import commits, results
 from yade_scripts.charts import records, settings
 
-LIMIT = {"quick": 2, "full": 8}  # s a run may take
+LIMIT = {"quick": 2, "full": 8}  # s of processor time that a run may take
 
 
 class Work:
@@ -75,7 +75,7 @@ class Work:
 
     def _failed(self, culprit):
         code = self.process.returncode
-        late = code == -signal.SIGALRM
+        late = code in (-signal.SIGPROF, -signal.SIGALRM)
         reason = f"took more than {self.limit} s" if late else f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
         self._record(culprit, reason, late)
         if not late or not culprit.costlier:
