@@ -1,7 +1,7 @@
 """What the charts run: settings that are legal, records that survive crashes, and the same numbers as an ordinary run."""
 import json
-import signal
 import math
+import signal
 import types
 
 import pytest
