@@ -2,23 +2,13 @@
 #include "allocations.hpp"
 #include "time_step.hpp"
 
+#include <algorithm>
 #include <doctest/doctest.h>
 #include <random>
 
 using namespace cd;
 
 namespace {
-
-std::size_t bySolver = 0;
-
-// The solver's own share is its own matter.
-SolverReport countedApart(ContactSystem& system, const SolverSettings& settings)
-{
-	const std::size_t before = allocations();
-	const SolverReport report = nsgs(system, settings);
-	bySolver += allocations() - before;
-	return report;
-}
 
 // A loose heap of columns of disks over a floor; every disk is a pair with those around it.
 World heap(int columns, int rows)
@@ -49,21 +39,28 @@ World heap(int columns, int rows)
 
 } // namespace
 
-TEST_CASE("a time step asks for no memory once its sizes have settled")
+TEST_CASE("a time step asks for no memory once its sizes have settled, be it solved as a whole or by islands")
 {
-	World w = heap(20, 5);
-	TimeStep step;
-	StepSettings settings;
-	settings.dt = 1e-3;
-	settings.solve = countedApart;
-	settings.solver.maxIterations = 50;
-	int most = 0;
-	for (int i = 0; i < 400; i++) // fallen together
-		most = std::max(most, step(w, settings).contacts);
-	CHECK(most > 100);
-	bySolver = 0;
-	const std::size_t before = allocations();
-	for (int i = 0; i < 100; i++)
-		step(w, settings);
-	CHECK(allocations() - before == bySolver);
+	for (const Solver method : { Solver(nsgs), Solver(accelerated) })
+		for (const bool reduce : { false, true }) {
+			World w = heap(20, 5);
+			TimeStep step;
+			StepSettings settings;
+			settings.dt = 1e-3;
+			settings.solve = method;
+			settings.reduce = reduce;
+			settings.solver.maxIterations = 50;
+			int most = 0, islands = 0;
+			for (int i = 0; i < 400; i++) { // fallen together
+				const StepReport report = step(w, settings);
+				most = std::max(most, report.contacts);
+				islands = std::max(islands, report.effort.islands);
+			}
+			CHECK(most > 100);
+			CHECK((islands > 1) == reduce);
+			const std::size_t before = allocations();
+			for (int i = 0; i < 100; i++)
+				step(w, settings);
+			CHECK(allocations() == before);
+		}
 }
