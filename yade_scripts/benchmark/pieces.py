@@ -53,7 +53,7 @@ def build():
 
 def _solve(name, make, peer, **settings):
     """A piece of solutions.py; make() gives the case."""
-    settings = {"rounds": 3, "targets": solutions.TARGETS, "most_seconds": 30.0, "peer": peer} | settings
+    settings = {"rounds": 3, "targets": solutions.TARGETS, "most_seconds": 5.0, "peer": peer} | settings
     return Piece("solutions", name, settings, lambda say: solutions.measure(make(), say=say, **settings))
 
 
@@ -106,18 +106,19 @@ def full(folder, files=()):
     peer = siconos.available() is None
     cases = [_packing(folder, 400, seed, mu, start, peer, most_seconds=5.0)
              for seed in range(1, 6) for mu in problems.FRICTION for start in ("cold", "warm")]
-    cases += [_packing(folder, 4000, seed, mu, start, peer)
+    longer = {"peer_seconds": 30.0}
+    cases += [_packing(folder, 4000, seed, mu, start, peer, **longer)
               for seed in range(1, 4) for mu in problems.FRICTION for start in (("cold", "warm") if seed == 1 else ("cold",))]
-    cases += [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6))
-              for mu in problems.FRICTION for start in ("cold", "warm")]
     worst = {"most_seconds": 5.0}
     cases += [_solve(f"crystal {rows} mu {mu}", lambda rows=rows, mu=mu: problems.crystal(rows, mu), peer, **worst)
               for rows, mu in ((20, 0.5), (20, 0.8), (60, 0.8))]
     cases += [_solve(f"masses {disks} mu {mu}", lambda disks=disks, mu=mu: problems.masses(folder, disks, 1, mu), peer, **worst)
               for disks, mu in ((400, 0.5), (400, 0.1), (4000, 0.1))]
     cases += [_solve(f"pile {rows} mu {mu}", lambda rows=rows, mu=mu: problems.pile(rows, mu), peer, **worst) for rows, mu in ((20, 0.5), (20, 0.8))]
-    cases += [_file(path, peer, most_seconds=20.0) for path in files]
+    cases += [_file(path, peer, **longer) for path in files]
     return cases + ([_oracle(rows, mu) for rows, mu in ((3, 0.5), (4, 0.1), (4, 0.5), (4, 0.8))] if peer else []) \
-        + [_sweep(folder, disks, copies, rounds, peer) for disks, copies, rounds in ((400, 1, 5), (4000, 1, 5), (40000, 1, 5), (40000, 20, 3))] \
+        + [_sweep(folder, disks, copies, rounds, peer) for disks, copies, rounds in ((400, 1, 5), (4000, 1, 5), (4000, 10, 5), (4000, 200, 3))] \
+        + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
         + [_engine(folder, 40000, mu, tolerance=1e-4, steps=20, most_sweeps=10000) for mu in problems.FRICTION] \
-        + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION]
+        + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
+           for mu in problems.FRICTION for start in ("cold", "warm")]
