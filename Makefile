@@ -27,6 +27,9 @@ build: deps ## compile the engine
 study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
 	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
 
+sweep: build ## the rows of tables on a Slurm cluster: TABLE="yade_scripts/tables/fig3.txt ..." MINUTES=60 SBATCH="--partition=long"
+	$(PYTHON) yade_scripts/cluster/sweep.py $(TABLE) $(if $(MINUTES),--minutes $(MINUTES)) $(if $(SBATCH),--sbatch='$(SBATCH)')
+
 charts: build ## speed against accuracy, where each method fails: a first version; FULL=1 the real one
 	$(PYTHON) yade_scripts/charts/run.py $(if $(FULL),--full,--quick) --jobs $(JOBS)
 	$(if $(wildcard yade_scripts/maps/run.py),$(PYTHON) yade_scripts/maps/run.py $(if $(FULL),--full,--quick) --jobs $(JOBS))
@@ -65,4 +68,4 @@ uninstall: ## undo `make install`
 clean: ## remove what was compiled; results stay
 	$(MAKE) --no-print-directory -C cd_engine clean
 
-.PHONY: help deps build study charts report test console regression bench lint install uninstall clean
+.PHONY: help deps build study sweep charts report test console regression bench lint install uninstall clean

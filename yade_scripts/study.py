@@ -25,6 +25,7 @@ class Job:
     """One row: its full parameters, result file, log, and process once started."""
 
     def __init__(self, row, folder):
+        self.row = row
         self.full = parameters.complete(row)
         self.path = results.path_of(self.full, folder)
         self.log = self.path.with_suffix(".log")

@@ -1,0 +1,1 @@
+"""Tables on a cluster: rows as array jobs of Slurm."""

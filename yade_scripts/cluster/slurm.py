@@ -1,0 +1,45 @@
+"""What a sweep asks of Slurm, through its own commands. Needs no accounting database: only sbatch, squeue and scontrol."""
+import collections
+import re
+import shutil
+import subprocess
+
+
+class SlurmError(RuntimeError):
+    """A command of Slurm failed; the message says which and what it said."""
+
+
+def _ask(*command):
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    if done.returncode:
+        raise SlurmError(f"{command[0]}: {(done.stderr or done.stdout).strip()}")
+    return done.stdout
+
+
+def present():
+    """Whether jobs can be submitted from here."""
+    return shutil.which("sbatch") is not None
+
+
+def largest_array():
+    """The most tasks of one array job."""
+    found = re.search(r"^MaxArraySize\s*=\s*(\d+)", _ask("scontrol", "show", "config"), re.M)
+    return max(1, int(found.group(1)) - 1 if found else 1000)
+
+
+def submit(name, command, tasks, output, minutes=None, at_once=None, options=()):
+    """Submit an array job of `tasks` tasks, one core each; a task whose node dies goes back into the queue. The job's number."""
+    array = f"--array=0-{tasks - 1}" + (f"%{at_once}" if at_once else "")
+    limit = [f"--time={minutes}"] if minutes else []
+    return _ask("sbatch", "--parsable", f"--job-name={name}", array, "--ntasks=1", "--cpus-per-task=1", "--requeue", "--open-mode=append",
+                f"--output={output}", *limit, *options, f"--wrap={command}").strip().partition(";")[0]
+
+
+def states(name):
+    """{state: number of tasks} of what is in the queue under this name."""
+    return collections.Counter(_ask("squeue", "--me", "--noheader", "--array", f"--name={name}", "--format=%T").split())
+
+
+def reasons(name):
+    """Why what is in the queue does not run, as Slurm words it: a sorted list."""
+    return sorted(set(_ask("squeue", "--me", "--noheader", f"--name={name}", "--states=PENDING", "--format=%r").split("\n")) - {"", "None", "Resources", "Priority"})

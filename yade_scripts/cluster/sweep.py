@@ -1,0 +1,178 @@
+"""Runs every row of tables on a Slurm cluster; the result files are those of a local run, and finished rows are skipped.
+
+    /usr/bin/python3 yade_scripts/cluster/sweep.py yade_scripts/tables/fig3.txt [--minutes 60] [--sbatch "--partition=long --mem=500M"]
+
+The rows are submitted as an array job, one core a task. A task whose node dies is put back into the queue by Slurm. When the array has ended,
+rows without a result (time limit, memory, a node's disk) are submitted again, with twice the time limit, up to `--retries` times. A row that
+ran and says why it failed is not: runs are repeatable, so it would say the same again; the next call runs it once more, as study.py does.
+Ctrl-C ends the watching only; the same command takes it up again. Repository and results must be in a folder that all nodes share.
+Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 130 the watching was ended.
+"""
+import argparse
+import collections
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shlex
+import sys
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1]))
+
+from analysis.schema import STATUS_FAILED
+from yade_scripts import parameters, results, study, tables
+from yade_scripts.cluster import slurm
+
+SECONDS = 10  # between two looks at the queue
+
+
+class Rows:
+    """The rows of a sweep, and which of them have an answer."""
+
+    def __init__(self, jobs):
+        self.jobs = list(jobs)
+        self.open = [job for job in self.jobs if not results.finished(job.path)]
+        self.failed = []
+        self.stamps = {job: _stamp(job.path) for job in self.open}  # files that failed before this call are no answer
+
+    def collect(self):
+        """Move the rows that have ended since the last call out of `open`."""
+        there = {folder: set(os.listdir(folder)) if folder.is_dir() else set() for folder in {job.path.parent for job in self.open}}
+        ended = [job for job in self.open if job.path.name in there[job.path.parent] and _stamp(job.path) != self.stamps[job]]
+        said = {job: results.status(job.path) for job in ended}
+        self.failed += [job for job in ended if (said[job] or "").startswith(STATUS_FAILED)]
+        self.open = [job for job in self.open if not said.get(job)]
+
+
+def _stamp(path):
+    """What changes when a file is replaced; None without one."""
+    try:
+        facts = path.stat()
+    except OSError:
+        return None
+    return facts.st_ino, facts.st_mtime_ns, facts.st_size
+
+
+def _packings_first(jobs):
+    """One row of each packing, then the second ones, and so on: those that start together do not wait for the same packing."""
+    seen, turn = collections.Counter(), {}
+    for job in jobs:
+        packing = parameters.digest(parameters.preparation(job.full))
+        turn[job] = seen[packing]
+        seen[packing] += 1
+    return sorted(jobs, key=turn.get)
+
+
+class Sweep:
+    """Submits, watches and collects; `options` are those of the command line."""
+
+    def __init__(self, rows, options):
+        self.rows, self.options = rows, options
+        names = "\n".join(sorted(str(job.path) for job in rows.jobs))
+        self.name = "sweep-" + hashlib.sha256(names.encode()).hexdigest()[:12]  # the same rows in the same folder
+        self.folder = pathlib.Path(options.results) / "sweeps" / self.name
+
+    def run(self):
+        """Until every row has an answer or has been tried often enough."""
+        earlier = bool(slurm.states(self.name))
+        if earlier:
+            print(f"{self.name}: an earlier call's tasks are in the queue: watching them.", flush=True)
+            self.watch()
+        for attempt in range(1 + self.options.retries):
+            if not self.rows.open:
+                return
+            if attempt or earlier:
+                self._explain()
+            self.submit(attempt)
+            self.watch()
+
+    def submit(self, attempt):
+        """One array job for all open rows; with more of them than an array has tasks, each task gets several."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for old in self.folder.glob("task-*.out"):
+            old.unlink()
+        todo = _packings_first(self.rows.open)
+        plan = self.folder / f"rows-{attempt}.json"
+        plan.write_text(json.dumps({"results": self.options.results, "rows": [job.row for job in todo]}))
+        tasks = min(len(todo), slurm.largest_array())
+        minutes = self.options.minutes and self.options.minutes * 2**attempt
+        command = " ".join(shlex.quote(str(word)) for word in (sys.executable, HERE / "task.py", plan)) + f" $SLURM_ARRAY_TASK_ID {tasks}"
+        number = slurm.submit(self.name, "exec " + command, tasks, self.folder / "task-%A_%a.out", minutes, self.options.at_once, shlex.split(self.options.sbatch))
+        print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks" + (f" of at most {minutes} min" if minutes else ""), flush=True)
+
+    def watch(self):
+        """Say how far it is until nothing is left in the queue. A controller that does not answer is asked again: the tasks run without it."""
+        told = None
+        while True:
+            try:
+                states = slurm.states(self.name)
+                waits = slurm.reasons(self.name) if states["PENDING"] else []
+            except slurm.SlurmError as error:
+                states, waits = None, [str(error)]
+            self.rows.collect()
+            news = f"{len(self.rows.jobs) - len(self.rows.open)} of {len(self.rows.jobs)} rows ended, {len(self.rows.failed)} of them failed"
+            news += "".join(f" | {count} {state.lower()}" for state, count in sorted((states or {}).items())) + "".join(f" | {text}" for text in waits)
+            if news != told:
+                print(f"{self.name}: {news}", flush=True)
+            told = news
+            if states is not None and not states:
+                return
+            time.sleep(self.options.seconds)
+
+    def _explain(self):
+        """What Slurm said of the tasks that have left rows without a result."""
+        said = [re.sub(r"^slurmstepd\S*: error: ", "", line) for path in sorted(self.folder.glob("task-*.out"))
+                for line in path.read_text(errors="replace").splitlines() if re.match(r"slurmstepd\S*: error: ", line)]
+        print(f"{self.name}: {len(self.rows.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
+
+
+def _options(arguments):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
+    parser.add_argument("--results", default=results.FOLDER, help="folder of the result files, shared by all nodes (default %(default)s)")
+    parser.add_argument("--minutes", type=int, help="time limit of a task (default: the partition's)")
+    parser.add_argument("--retries", type=int, default=2, help="how often rows without a result are submitted again (default %(default)s)")
+    parser.add_argument("--at-once", type=int, metavar="N", help="most tasks that run at once")
+    parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, in one word")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="between two looks at the queue (default %(default)s)")
+    options = parser.parse_args(arguments)
+    for name, low in (("minutes", 1), ("at_once", 1), ("retries", 0), ("seconds", 0.1)):
+        if getattr(options, name) is not None and not getattr(options, name) >= low:
+            parser.error(f"--{name.replace('_', '-')} must be at least {low}")
+    options.results = str(pathlib.Path(options.results).resolve())
+    return options
+
+
+def main(arguments=None):
+    """Command line."""
+    options = _options(arguments)
+    try:
+        jobs = {job.path: job for path in options.tables for job in (study.Job(row, options.results) for row in tables.read(path).values())}
+    except (parameters.ParameterError, tables.TableError) as error:
+        print(f"sweep: {error}", file=sys.stderr)
+        return 2
+    if not slurm.present():
+        print("sweep: there is no Slurm here (no command sbatch). Call it where jobs are submitted from, or run the table on this machine: "
+              "yade_scripts/study.py", file=sys.stderr)
+        return 2
+    rows = Rows(jobs.values())
+    print(f"{', '.join(options.tables)}: {len(rows.jobs)} runs, {len(rows.jobs) - len(rows.open)} of them finished before", flush=True)
+    sweep = Sweep(rows, options)
+    try:
+        sweep.run()
+    except slurm.SlurmError as error:
+        print(f"sweep: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"\nThe tasks go on. The same command watches them again; scancel --name={sweep.name} ends them.", file=sys.stderr)
+        return 130
+    for job in rows.failed + rows.open:
+        print(f"sweep: {job.path}: {job.outcome() if job.log.exists() else 'never started'}", file=sys.stderr)
+    return 1 if rows.failed or rows.open else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
