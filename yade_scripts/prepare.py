@@ -23,7 +23,7 @@ if __name__ == "__main__":
 
 from yade import O, config, utils
 
-from yade_scripts import bodies, hooks, md, parameters, progress, results, walls
+from yade_scripts import bodies, hooks, md, parameters, precision, progress, results, walls
 
 # Part of the hash: raise it when the procedure below changes.
 RECIPE = 2
@@ -200,8 +200,9 @@ def _forget_circumstances():
 def main(arguments):
     """Command line: name=value arguments."""
     try:
+        precision.check()
         full = parameters.complete(parameters.from_arguments(arguments))
-    except parameters.ParameterError as error:
+    except (parameters.ParameterError, ImportError) as error:
         print(f"prepare: {error}", file=sys.stderr)
         return 2
     try:

@@ -62,7 +62,7 @@ def histories(table, folder):
     return found
 
 
-@pytest.mark.timeout(400)  # about 70 s on an idle machine, most of it Slurm's own delays
+@pytest.mark.timeout(400)  # 100 s on a busy machine, most of it Slurm's own delays
 def test_a_killed_node_a_time_limit_and_a_stopped_watch_change_no_result(cluster_here, root, tmp_path, capsys):
     """Three rows finish with the bits of a local run: one undisturbed, one whose node dies, one beyond its time limit; one never leaves a file."""
     table, program = tmp_path / "table.txt", tmp_path / "bin" / "yade"

@@ -80,5 +80,8 @@ def method(full):
 def build(full, folder):
     """Build the scene that a full row names."""
     from yade import O
+
+    from yade_scripts import precision
+    precision.check()
     O.reset()
     return module(full["scene"]).build(full, folder)

@@ -1,0 +1,9 @@
+"""Which YADE is running: Debian packages four precisions of one version, and a file made by one says nothing to the others."""
+
+
+def check():
+    """ImportError unless this YADE computes in double precision, as results, prepared states and the engine do."""
+    from yade import config
+    if "-double" not in config.libDir:
+        raise ImportError(f"scenes, states and results are of YADE in double precision; this one is {config.version} from {config.libDir}. "
+                          "Start `yade` or `yade-double`.")
