@@ -243,11 +243,15 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 	judge(settings.tolerance);
 	factorizations = 0;
 	Status status = Status::converged;
+	SolverSettings left = settings; // what all parts together may take
 	for (;;) {
 		takePart(system);
 		if (part.contacts.empty())
 			return Status::converged;
-		const SolverReport report = method(part, settings);
+		if (left.maxIterations <= 0)
+			return Status::max_iterations;
+		const SolverReport report = method(part, left);
+		left.maxIterations -= report.iterations;
 		for (std::size_t i = 0; i < partContacts.size(); i++) {
 			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
 			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
