@@ -27,12 +27,12 @@ class Store:
 
     def _read(self):
         with open(self.path, newline="") as file:
-            reader = csv.DictReader(file)
+            # A line cut short by a crash is probed again.
+            reader = csv.DictReader(line for line in file if line.endswith("\n"))
             if reader.fieldnames != self.headings:
                 raise StoreError(f"{self.path}: its columns are not those of this map ({', '.join(reader.fieldnames or ['none'])}); "
                                  "an older version wrote it: move it away")
-            # A line cut short by a crash is probed again.
-            self.rows = [self._typed(row) for row in reader if None not in row.values()]
+            self.rows = [self._typed(row) for row in reader]
 
     def _typed(self, row):
         words = {"commit", "yade", *FOUND, *(name for name, value in self.map.grid(False)[0].items() if isinstance(value, str))}
@@ -53,12 +53,21 @@ class Store:
             name: float(outcome.measures.get(name, math.nan)) for name in self.map.measures}
         self.path.parent.mkdir(parents=True, exist_ok=True)
         new = not self.path.is_file()
+        with open(self.path, "a+b") as file:
+            drop_torn_line(file)
         with open(self.path, "a", newline="") as file:
             writer = csv.DictWriter(file, self.headings, lineterminator="\n")
             if new:
                 writer.writeheader()
             writer.writerow(row)
         self.rows.append(row)
+
+
+def drop_torn_line(file):
+    """Cut a file, open for bytes, behind its last end of line, so that the next line does not continue one cut short by a crash."""
+    file.seek(0)
+    content = file.read()
+    file.truncate(content.rfind(b"\n") + 1)
 
 
 def number(text):
