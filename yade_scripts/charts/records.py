@@ -41,8 +41,10 @@ def add(record, results):
     """Append a record."""
     target = path(record["scene"], results)
     target.parent.mkdir(parents=True, exist_ok=True)
-    with open(target, "a") as file:
-        file.write(json.dumps(record, allow_nan=False) + "\n")
+    with open(target, "a+") as file:
+        # Behind a line cut short by a crash a new one begins.
+        whole = file.tell() == 0 or target.read_bytes().endswith(b"\n")
+        file.write("\n" * (not whole) + json.dumps(record, allow_nan=False) + "\n")
 
 
 def error(known):
