@@ -152,7 +152,10 @@ def _charts(options):
 
 def _accuracy(text):
     """A positive number."""
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is no accuracy: it is a relative error above 0, such as 1e-3")
     return value

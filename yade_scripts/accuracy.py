@@ -60,7 +60,7 @@ def refined(row, accuracy, level):
 
 def estimate(coarse, fine):
     """The estimated error of `fine`, inf where it cannot be told."""
-    if coarse is None or _untold(fine):
+    if coarse is None or _untold(coarse) or _untold(fine):
         return math.inf
     changes = [abs(value - coarse.values[name]) for name, value in fine.values.items()]
     error = max([fine.penetration, *changes], key=lambda value: math.inf if math.isnan(value) else value)

@@ -32,6 +32,8 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
     O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1), *also, *simulation,
                  hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
     scenes.method(full).run(scene)
+    if len(moments) < 2:
+        raise RuntimeError(f"the run ended after {O.iter} of {steps} steps, so that its time is not known")
     return moments[-1] - moments[0]
 
 

@@ -10,16 +10,19 @@ PUBLISHED = Path(__file__).resolve().parent.parent / "published" / "charts" / "w
 
 
 def rows(scene=None, results=load.RESULTS):
-    """(rows, where they come from): the published table, or the records of this machine if those are newer."""
-    published = PUBLISHED
-    local = [records.path(name, results) for name in ([scene] if scene else settings.charted())]
-    local = [path for path in local if path.is_file()]
-    if local and (not published.is_file() or max(path.stat().st_mtime for path in local) > published.stat().st_mtime):
-        found, _ = table.from_records(results, True)
-        return found, str(local[0].parent)
-    if not published.is_file():
-        raise load.ResultError(published, "no such table", "measure the scenes: make charts")
-    return table.from_csv(published), str(published)
+    """(rows, where they come from): of each scene the records of this machine if those are newer than the published table, else that."""
+    if scene and scene not in settings.charted():
+        raise load.ResultError(scene, "there is no such scene", f"there are {', '.join(settings.charted())}")
+    since = PUBLISHED.stat().st_mtime if PUBLISHED.is_file() else 0
+    newer = {name for name in settings.charted() if (path := records.path(name, results)).is_file() and path.stat().st_mtime > since}
+    found = table.from_csv(PUBLISHED) if since else []
+    sources = [str(PUBLISHED)] * bool(since)
+    if newer:
+        found = [row for row in found if row["scene"] not in newer] + [row for row in table.from_records(results, True)[0] if row["scene"] in newer]
+        sources.append(f"{records.path(min(newer), results).parent} ({', '.join(sorted(newer))})")
+    if not found:
+        raise load.ResultError(PUBLISHED, "no such table", "measure the scenes: make charts")
+    return found, " and ".join(sources)
 
 
 def of_scene(scene, accuracy, found, source):

@@ -136,9 +136,9 @@ template <class S> class Iteration {
 
 // `method(sweep)` gives an object whose () makes one sweep; after each call the sweep's impulses are the iterate.
 // Stops when the error e, and the same weighted by W_nn, are at most settings.tolerance, at settings.maxIterations sweeps, or when nothing is gained
-// any more; what has not been solved returns the best iterate met. With settings.fixedIterations it makes exactly so many plain sweeps, whatever
-// the method, and asks for the error at the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain
-// Gauss-Seidel.
+// any more; what has not been solved returns the best iterate met, that of the smallest error times |p|. With settings.fixedIterations it makes
+// exactly so many plain sweeps, whatever the method, and asks for the error at the end: what is known of under-converged contact dynamics (Unger &
+// Kertesz 2003) holds for plain Gauss-Seidel.
 template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)
 {
 	S sweep(system, settings.seed);

@@ -76,7 +76,7 @@ def test_a_killed_node_a_time_limit_and_a_stopped_watch_change_no_result(cluster
     first = start(cluster_here, root, table, tmp_path, tmp_path / "first")
     cluster.until(lambda: all((tmp_path / f"reached-{row}").exists() for row in "23"), 90, "start of both tasks that wait")
     first.send_signal(signal.SIGINT)
-    assert first.wait(30) == 130, (tmp_path / "first").read_text()
+    assert first.wait(150) == 130, (tmp_path / "first").read_text()
     assert "The tasks go on" in (tmp_path / "first").read_text()
 
     second = start(cluster_here, root, table, tmp_path, tmp_path / "second")

@@ -34,6 +34,11 @@ def main(arguments=None):
             print(f"benchmark: {error}", file=sys.stderr)
             return EXIT_MISTAKE
     folder = pathlib.Path(options.output or (FOLDER / "quick" if options.quick else FOLDER))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        print(f"benchmark: --output={folder} cannot be a folder: {error}", file=sys.stderr)
+        return EXIT_MISTAKE
     if reason := siconos.available():
         print(f"benchmark: without Siconos beside it: {reason}", file=sys.stderr)
     busy = os.getloadavg()[0]
@@ -88,7 +93,6 @@ def _say(what):
 
 def write(tables, folder, busy):
     """A CSV for each table, and what was measured where."""
-    folder.mkdir(parents=True, exist_ok=True)
     for name, rows in tables.items():
         publish.write_csv(folder / f"{name}.csv", [{key: "" if value is None else value for key, value in row.items()} for row in rows])
     from cd_engine import core

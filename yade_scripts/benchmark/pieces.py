@@ -1,7 +1,7 @@
 """What `make bench` consists of, piece by piece; a piece that was measured with this build is not measured again.
 
 A piece is the table its rows belong to, its name, the settings it is measured with, and a function that gives its rows. Its file bears the hash
-of all that the rows depend on: the settings and the compiled solvers themselves.
+of the settings and of the compiled solvers. After a change to how things are measured, or on another machine, measure --again.
 """
 import hashlib
 import json

@@ -12,6 +12,7 @@ from yade_scripts.benchmark import siconos
 
 TARGETS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
 SOLVED = "solved"
+STOPPED = "not within"  # so many seconds
 PEER = "siconos nsgs"
 MOST_SWEEPS = 200000
 NEWTON_DISKS = 1000  # above which a factorization takes so long that Newton's method alone is not tried
@@ -82,7 +83,9 @@ def _of_peer(histories, target):
     if met:
         return len(met), round(met[0][0]), statistics.median(point[1] for point in met), *met[0][2:], SOLVED
     last = histories[0][-1]
-    return 1, last[0], None, last[2], last[3], f"not within {last[1]:.3g} s"
+    if not np.isfinite(last[2]):
+        return 1, last[0], None, *last[2:], "not finite"
+    return 1, last[0], None, last[2], last[3], f"{STOPPED} {last[1]:.3g} s"
 
 
 def _row(case, method, target, found):

@@ -142,6 +142,11 @@ def main(arguments=None):
         return 2
     limit = LIMIT["full" if options.full else "quick"]
     scenes = sorted(options.only or settings.charted(), key=lambda scene: -settings.PATIENCE.get(scene, 1))  # the longest first
+    try:
+        (pathlib.Path(options.results) / records.FOLDER).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        print(f"charts: --results={options.results} cannot be a folder of results: {error}", file=sys.stderr)
+        return 2
     works = [Work(scene, settings.everything(scene, options.quick), options.results, limit * settings.PATIENCE.get(scene, 1)) for scene in scenes]
     work_off(works, max(1, options.jobs))
     trouble = [f"{work.scene}: {work.trouble}" for work in works if work.trouble]

@@ -121,7 +121,7 @@ def main(arguments=None):
     try:
         incomplete = run(options.only, options.full, pathlib.Path(options.results) / "maps", max(1, options.jobs))
         print("\n".join(draw(options.results, options.figures or HERE.parents[1] / "figures" / ("full" if options.full else "quick") / "charts", options.full)))
-    except (store.StoreError, load.ResultError) as error:
+    except (store.StoreError, load.ResultError, OSError) as error:
         print(f"maps: {error}", file=sys.stderr)
         return 2
     for name, why in incomplete.items():
