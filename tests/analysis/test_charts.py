@@ -94,7 +94,7 @@ def test_recommend_says_what_is_missing(published, capsys):
     assert main([*published, "--scene", "stack", "--accuracy", "1e-9"]) == 2
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
-    assert "nowhere: no setting of this scene was measured; there are stack" in capsys.readouterr().err
+    assert "nowhere: there is no such scene; there are arch" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
     assert "-1 is no accuracy" in capsys.readouterr().err

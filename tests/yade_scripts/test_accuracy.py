@@ -31,11 +31,11 @@ def test_the_error_is_within_the_accuracy_and_the_search_costs_twice_its_last_ru
 
 def test_levels_that_agree_do_not_count_while_an_event_can_be_stepped_over():
     levels = accuracy.search(ROW, 0.5, made_up(motion=lambda row: row["cd_dt"] / OWN * 3.9))
-    assert [math.isinf(error) for _, error in levels] == [True, True, False, False]  # 3.9, 1.95, 0.975 and 0.49 radii a step
+    assert [math.isinf(error) for _, error in levels] == [True, True, True, False, False]  # 3.9, 1.95, 0.975, 0.49 and 0.24 radii a step
 
 
 def test_levels_with_missed_steps_do_not_count_and_the_search_gives_up_saying_why():
-    assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["cd_dt"] > OWN / 3)))) == 4
+    assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["cd_dt"] > OWN / 3)))) == 5  # neither may have missed steps of two that agree
     with pytest.raises(accuracy.AccuracyError, match="7 steps miss their tolerance"):
         accuracy.search(ROW, 0.5, made_up(missed=lambda row: 7))
 

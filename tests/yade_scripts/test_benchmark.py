@@ -146,17 +146,24 @@ def verdict(rows, goal):
 
 def test_goals_are_computed():
     ours = goals.default_method()
-    assert {row["met"] for row in goals.table([], [], [])} == {"not measured"}
-    rows = [solution("a", ours, 1e-4, 0.01, 100), solution("a", solutions.PEER, 1e-4, 2.6), solution("a", "nsgs", 1e-4, 0.05, 900)]
+    nothing = goals.table([], [], [])
+    assert {row["met"] for row in nothing} == {"not measured"}
+    assert {"quasi-static steps to 1e-8", "whole step in YADE, 40000 disks"} <= {row["goal"] for row in nothing}
+    rows = [solution("a", ours, 1e-4, 0.01, 100), solution("a", solutions.PEER, 1e-4, 2.6), solution("a", "nsgs", 1e-4, 0.05, 900),
+            solution("a", "accelerated", 1e-4, 0.01, 100)]
     assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4")[0] == "yes"
     assert verdict(rows, "sweeps saved against plain ones, packings, to 1e-4") == ("yes", "9x (median of 1, 0 unsolved)")
     # Stopped before it arrived: a bound from below.
     rows[1] |= {"status": "not within 2 s", "seconds": None}
     assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", ">= 200x (median of 1, 0 unsolved)")
     # Not solved by us: no factor at all.
-    rows[0] |= {"status": "stagnated", "seconds": None}
+    for row in (rows[0], rows[3]):
+        row |= {"status": "stagnated", "seconds": None}
     assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", "0x (median of 1, 1 unsolved)")
     assert verdict(rows, "sweeps saved against plain ones, packings, to 1e-4")[0] == "no"
+    # A number that is none is no time of the peer's.
+    rows[1] |= {"status": "not finite"}
+    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4")[0] == "not measured"
     worst = [solution("c", ours, t, s, kind="crystal") for t, s in ((1e-4, 1.0), (1e-6, 1.3))]
     worst += [solution("c", "nsgs", t, 1.0, kind="crystal") for t in (1e-4, 1e-6)]
     assert verdict(worst, "worst case") == ("no", "1.3x (c to 1e-6)")
