@@ -22,7 +22,7 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
     steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
 
     def clock():
-        moments.append(time.process_time())  # what other programs do meanwhile does not count
+        moments.append(time.thread_time())  # of the thread that makes the steps: what other programs do meanwhile does not count
 
     if scene.law is not None:
         scene.law.traceEnergy = False
