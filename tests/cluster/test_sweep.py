@@ -48,7 +48,9 @@ def start(cluster_here, root, table, folder, said):
     environment = cluster_here.environment | {"PATH": f"{folder}/bin:{os.environ['PATH']}"}
     with open(said, "w") as log:
         return subprocess.Popen([sys.executable, root / "yade_scripts/cluster/sweep.py", table, "--results", folder / "results", "--minutes", "3", "--retries", "1",
-                                 "--seconds", "1"], env=environment, cwd=folder, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
+                                 "--seconds", "1"], env=environment, cwd=folder, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                                # A test run in the background has Ctrl-C ignored, which its children inherit.
+                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
 
 def histories(table, folder):
