@@ -30,7 +30,8 @@ template <class S> class Iteration {
 		} else
 			report.status = untilSolved(improve);
 		sweep.restoreVelocities();
-		evaluate();
+		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was asked for
+			evaluate();
 		if (std::isnan(report.residual))
 			report.status = Status::diverged;
 		return report;

@@ -8,7 +8,7 @@ import pytest
 from analysis import publish
 from cd_engine import core
 from yade_scripts.benchmark import goals, problems, siconos, solutions, sweeps
-from yade_scripts.benchmark.jammed import STIFFNESS, hilbert, jammed
+from yade_scripts.benchmark.jammed import BALANCED, STIFFNESS, hilbert, jammed
 
 PEERS = pytest.mark.skipif(siconos.available() is not None, reason="python3-siconos is not installed")
 
@@ -24,7 +24,7 @@ def test_jammed_disks_balance_the_load():
     radii = np.random.default_rng(4).uniform(0.3, 0.65, 80)
     x, sides, r = jammed(radii, 4)
     assert np.array_equal(np.sort(r), np.sort(radii))
-    net, walls, contacts = np.zeros((80, 2)), np.zeros(4), 0
+    net, walls, sizes = np.zeros((80, 2)), np.zeros(4), []
     for i in range(80):
         for j in range(i):
             way = x[i] - x[j]
@@ -33,16 +33,17 @@ def test_jammed_disks_balance_the_load():
                 push = STIFFNESS * overlap * way / np.hypot(*way)
                 net[i] += push
                 net[j] -= push
-                contacts += 1
+                sizes.append(STIFFNESS * overlap)
         for axis in (0, 1):
             low, high = (STIFFNESS * max(0, r[i] - gap) for gap in (x[i, axis], sides[axis] - x[i, axis]))
             net[i, axis] += low - high
             walls[2 * axis:2 * axis + 2] += low, high
-    # The quench ends at 2e-2 of the mean contact force, here about 1; the walls' balance is a sum of such errors.
-    assert np.sqrt(np.mean(net**2)) < 0.03
-    assert walls == pytest.approx(np.repeat(sides[::-1], 2), rel=0.05)
+    assert np.sqrt(np.mean(net**2)) < BALANCED * np.mean(sizes)
+    # Virial theorem: what the high walls carry is P times their length, to the same share, but for what is left of the disks' forces.
+    assert walls[1::2] * sides + np.sum(x * net, axis=0) == pytest.approx(np.repeat(sides.prod(), 2), rel=BALANCED)
+    assert walls[::2] - walls[1::2] == pytest.approx(net.sum(axis=0), abs=1e-10)  # pushes between disks cancel
     # Isostatic without friction: two contacts a disk, less the rattlers' and with the walls' besides.
-    assert 1.4 < contacts / 80 < 2.1 and 0.76 < np.pi * r @ r / sides.prod() < 0.86
+    assert 1.4 < len(sizes) / 80 < 2.1 and 0.76 < np.pi * r @ r / sides.prod() < 0.86
     again = jammed(radii, 4)
     assert all(np.array_equal(a, b) for a, b in zip((x, sides, r), again))
 

@@ -158,9 +158,9 @@ def _of_engine(rows):
                               f"{100 * share:.3g} % of {row['steps']} (median {row['median_sweeps']:.0f} sweeps)"))
         elif row["disks"] >= 40000:
             value = row["step_over_solver"]
-            found.append(_row(f"whole step in YADE, {row['packing']}", "< 1.3x the bare solution", value, value < 1.3,
-                              f"{value:.3g}x ({row['outside_ns_per_contact']:.0f} ns a contact outside the solver)"))
-            found.append(_row(f"memory, {row['packing']}", "stated", 1.0, True,
+            found.append(_row(f"whole step in YADE to {power(row['tolerance'])}, {row['packing']}", "< 1.3x the bare solution", value, value < 1.3,
+                              f"{value:.3g}x (median {row['median_sweeps']:.0f} sweeps; {row['outside_ns_per_contact']:.0f} ns a contact outside the solver)"))
+            found.append(_row(f"memory to {power(row['tolerance'])}, {row['packing']}", "stated", 1.0, True,
                               f"{row['bytes_a_disk_in_yade']:.0f} bytes a disk in YADE, "
                               f"{row['bytes_a_contact_of_engine']:.0f} a contact of the engine"))
     return found

@@ -119,6 +119,7 @@ def full(folder, files=()):
     return cases + ([_oracle(rows, mu) for rows, mu in ((3, 0.5), (4, 0.1), (4, 0.5), (4, 0.8))] if peer else []) \
         + [_sweep(folder, disks, copies, rounds, peer) for disks, copies, rounds in ((400, 1, 5), (4000, 1, 5), (4000, 10, 5), (4000, 200, 3))] \
         + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
-        + [_engine(folder, 40000, mu, tolerance=1e-4, steps=20, most_sweeps=10000) for mu in problems.FRICTION] \
+        + [_engine(folder, 40000, mu, tolerance=tolerance, steps=steps, most_sweeps=10000)
+           for tolerance, steps in ((1e-4, 20), (1e-6, 8)) for mu in problems.FRICTION] \
         + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
            for mu in problems.FRICTION for start in ("cold", "warm")]

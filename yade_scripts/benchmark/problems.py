@@ -11,7 +11,7 @@ import numpy as np
 from cd_engine import core
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PACKING_RECIPE = 1  # raised with the procedure of packing.py and jammed.py, so that older files are left alone
+PACKING_RECIPE = 2  # raised with the procedure of packing.py and jammed.py, so that older files are left alone
 FRICTION = 0.1, 0.5
 SIDE = 0.01         # radius of a lattice's disks [m]
 
