@@ -19,11 +19,10 @@ namespace {
 			std::copy_n(system.bodies[i].v, 3, &to[3 * i]);
 	}
 
-	void addImpulses(ContactSystem& system)
+	void addImpulse(ContactSystem& system, const ContactRow& c)
 	{
-		for (const ContactRow& c : system.contacts)
-			if (c.pn != 0 || c.pt != 0)
-				applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+		if (c.pn != 0 || c.pt != 0)
+			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
 	}
 
 	SolverReport reportOf(const Residual& e)
@@ -178,7 +177,8 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 	if (rested) {
 		report = reportOf(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
-			addImpulses(system);
+			for (const ContactRow& c : system.contacts)
+				addImpulse(system, c);
 			return report;
 		}
 	}
@@ -213,8 +213,8 @@ int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
 	return place[body];
 }
 
-// The islands not solved yet, their contacts in the order of the system.
-void IslandSolver::takePart(const ContactSystem& system)
+// The islands wanted, their contacts in the order of the system, their bodies with the velocities that those of the system have.
+void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Island&))
 {
 	part.bodies.clear();
 	part.contacts.clear();
@@ -223,7 +223,7 @@ void IslandSolver::takePart(const ContactSystem& system)
 	partIsland.clear();
 	place.assign(system.bodies.size(), -1);
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		if (islandOf[i] < 0 || islands[islandOf[i]].solved)
+		if (islandOf[i] < 0 || !wanted(islands[islandOf[i]]))
 			continue;
 		part.contacts.push_back(system.contacts[i]);
 		ContactRow& c = part.contacts.back();
@@ -238,14 +238,20 @@ void IslandSolver::takePart(const ContactSystem& system)
 // Together until they are solved together, then on with those that are not solved by themselves. The bodies of the system keep their free velocities.
 Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
-	sums.assign(islands.size(), {});
-	addResiduals(system, freeVelocity, islandOf, sums);
-	judge(settings.tolerance);
 	factorizations = 0;
+	if (sleeping == static_cast<int>(islands.size()))
+		return Status::converged;
+	if (sleeping == 0)
+		addResiduals(system, freeVelocity, islandOf, sums);
+	else {
+		takePart(system, [](const Island& island) { return !island.asleep; });
+		addResiduals(part, partFree, partIsland, sums);
+	}
+	judge(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // what all parts together may take
 	for (;;) {
-		takePart(system);
+		takePart(system, [](const Island& island) { return !island.solved; });
 		if (part.contacts.empty())
 			return Status::converged;
 		if (left.maxIterations <= 0)
@@ -279,7 +285,9 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 		sum += sums[k];
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
-	addImpulses(system);
+	for (std::size_t i = 0; i < system.contacts.size(); i++)
+		if (islandOf[i] >= 0 && !islands[islandOf[i]].asleep)
+			addImpulse(system, system.contacts[i]);
 	SolverReport report = reportOf(sum.of(system.contacts.size()));
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
@@ -290,15 +298,20 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 	return report;
 }
 
-SolverReport IslandSolver::operator()(ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort)
+SolverReport IslandSolver::operator()(
+    ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
 {
 	if (settings.fixedIterations > 0 || settings.seed > 0)
 		return solveWhole(system, method, settings, effort);
 	findIslands(system);
 	countUnknowns(effort);
 	copyVelocities(system, freeVelocity);
+	sums.assign(islands.size(), {});
+	sleeping = 0;
+	if (stillness)
+		recognise(system, *stillness, settings.tolerance);
 	solveLoneContacts(system, settings.tolerance);
-	const bool inPlace = isNearlyOneIsland(system);
+	const bool inPlace = sleeping == 0 && isNearlyOneIsland(system);
 	SolverReport report;
 	if (inPlace)
 		report = solveInPlace(system, method, settings);
@@ -309,6 +322,12 @@ SolverReport IslandSolver::operator()(ContactSystem& system, Solver method, cons
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;
+	effort.sleeping = sleeping;
+	if (stillness) {
+		if (stillness->trial && report.status == Status::converged)
+			prove(system, stillness->before, settings, effort);
+		stop(system);
+	}
 	return report;
 }
 

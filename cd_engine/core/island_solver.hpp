@@ -9,9 +9,12 @@
 // beside the impulses of the rocks. Islands are therefore swept together, which fills the groups of eight, but those that miss their own
 // tolerance then go on without the others. A step whose whole error is within the tolerance counts as solved even if some island missed its
 // own: nothing less is promised than for the whole.
+//
+// Islands proven to be at rest sleep until something changes (sleep.hpp).
 #pragma once
 
 #include "residual.hpp"
+#include "sleep.hpp"
 #include "solver.hpp"
 
 namespace cd {
@@ -21,6 +24,8 @@ struct Effort {
 	int unknowns = 0; // velocities: three for a free disk, none for what cannot move or, in islands, touches nothing
 	int islands = 0;
 	int resting = 0; // islands whose first guess was within the tolerance already: no sweep was made
+	int sleeping = 0; // of these, islands at rest in which nothing changes
+	int provenAtRest = 0, notAtRest = 0; // islands that were slow when their rest was tried
 };
 
 // All the contacts at once.
@@ -30,7 +35,7 @@ SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
 // mean the whole system; it is not parted. iterations: the most made on any island.
 class IslandSolver {
     public:
-	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&);
+	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
     private:
 	struct Island {
@@ -38,6 +43,9 @@ class IslandSolver {
 		int32_t contacts = 0; // how many
 		int sweeps = 0;
 		bool solved = false;
+		bool still = false; // nothing of it moved before the step
+		bool atRest = false; // by the last look at it
+		bool asleep = false;
 	};
 
 	void findIslands(const ContactSystem&);
@@ -50,9 +58,26 @@ class IslandSolver {
 	bool withinItsOwn(const ContactSystem&, double error, double tolerance) const;
 	Status solveInParts(ContactSystem&, Solver, const SolverSettings&);
 	int judge(double tolerance);
-	void takePart(const ContactSystem&);
+	void takePart(const ContactSystem&, bool (*wanted)(const Island&));
 	int32_t placeOf(const ContactSystem&, int32_t body);
 	SolverReport conclude(ContactSystem&, Status, double tolerance);
+
+	// What is remembered of an island that sleeps, by the body that names it.
+	struct Asleep {
+		uint64_t print = 0;
+		ResidualSum sum;
+	};
+
+	// island_sleep.cpp
+	int32_t islandWith(int32_t body);
+	Asleep& memoryOf(const ContactSystem&, const Island&);
+	bool findStill(const ContactSystem&, const std::vector<double>& before);
+	void recognise(const ContactSystem&, const Stillness&, double tolerance);
+	void fallAsleep(const ContactSystem&, double tolerance);
+	void judgeRest(double tolerance, double share);
+	bool anySlow(const ContactSystem&, double tolerance);
+	void prove(ContactSystem&, const std::vector<double>& before, const SolverSettings&, Effort&);
+	void stop(ContactSystem&);
 
 	std::vector<uint8_t> freedom; // how many velocities of a body can change
 	std::vector<int32_t> links; // a body of every contact that can move; -1: there is none
@@ -63,13 +88,18 @@ class IslandSolver {
 	std::vector<ResidualSum> sums; // of the islands
 	ResidualSum lone; // of the islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
-	ContactSystem part; // the islands not solved yet, with bodies of its own numbers
+	ContactSystem part; // some of the islands, with bodies of its own numbers
 	std::vector<double> partFree;
 	std::vector<int32_t> place; // of a body in `part`; -1: not in it
 	std::vector<int32_t> partBodies, partContacts, partIsland; // what they are in the system
 	int larger = 0, largest = 0; // islands of more than one contact; contacts of the largest
 	int touching = 0; // bodies that can move and have a contact
 	int factorizations = 0; // made for the parts
+	std::vector<Asleep> memory; // by body; spares to look at what sleeps, and decides nothing else
+	int sleeping = 0; // islands
+	std::vector<uint64_t> prints; // of the problems of still islands
+	std::vector<double> motions; // twice the kinetic energy of the islands [J]
+	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
 	bool rested = false; // whether the last system was solved in place without a sweep: decides on costs, not on results
 };
 

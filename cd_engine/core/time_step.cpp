@@ -31,11 +31,13 @@ Reach reach(const World& world, double dt)
 void TimeStep::freeVelocities(const World& world, double dt)
 {
 	system.bodies.resize(world.bodies.size());
+	before.resize(3 * world.bodies.size());
 	for (size_t i = 0; i < world.bodies.size(); i++) {
 		const Body& b = world.bodies[i];
 		BodyVelocity& s = system.bodies[i];
 		for (int k = 0; k < 3; k++) {
 			s.w[k] = b.inverseMass[k];
+			before[3 * i + k] = b.v[k];
 			s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
 		}
 	}
@@ -188,11 +190,12 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
 	StepReport report;
+	const Stillness stillness { before, settings.trial };
 	assemble(world, settings);
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
-		report.solver = settings.reduce ? solveIslands(system, settings.solve, settings.solver, report.effort)
+		report.solver = settings.reduce ? solveIslands(system, settings.solve, settings.solver, report.effort, &stillness)
 						: solveWhole(system, settings.solve, settings.solver, report.effort);
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

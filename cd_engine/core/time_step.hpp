@@ -11,6 +11,7 @@ struct StepSettings {
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
 	bool reduce = true; // solve islands of contacts apart (island_solver.hpp)
+	bool trial = false; // slow islands have to prove their rest (sleep.hpp)
 	Solver solve = nullptr;
 	SolverSettings solver;
 };
@@ -74,6 +75,7 @@ class TimeStep {
 
 	IslandSolver solveIslands;
 	ContactSystem system;
+	std::vector<double> before; // velocities of the bodies before the step
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies
 	double limit = 0; // gap up to which pairs are contacts [m]

@@ -56,6 +56,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
+	s.trial = at<long>(of, layout.scene_iter) >= restTrialAt;
 	s.solve = cd::findSolver(method);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
@@ -97,6 +98,9 @@ void ContactDynamics::advance()
 	unknowns = report.effort.unknowns;
 	islands = report.effort.islands;
 	resting = report.effort.resting;
+	sleeping = report.effort.sleeping;
+	if (settings.trial)
+		planRestTrial(report.effort);
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;
@@ -110,6 +114,17 @@ void ContactDynamics::advance()
 		unconvergedSteps++;
 		warn(report.solver.error);
 	}
+}
+
+// A trial costs hundreds of sweeps, so one that fails is not repeated soon.
+void ContactDynamics::planRestTrial(const cd::Effort& effort)
+{
+	constexpr int shortest = 16, longest = 4096;
+	if (effort.notAtRest > 0)
+		restTrialPause = std::min(longest, 2 * restTrialPause);
+	else if (effort.provenAtRest > 0)
+		restTrialPause = shortest;
+	restTrialAt = at<long>(scene, layout.scene_iter) + restTrialPause;
 }
 
 // One line a run; the count goes on in unconvergedSteps and is shown once more when YADE ends (cd_engine/__init__.py).

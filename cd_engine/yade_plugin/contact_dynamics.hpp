@@ -36,6 +36,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int unknowns = 0;
 	int islands = 0;
 	int resting = 0;
+	int sleeping = 0;
 	int loadedContacts = 0;
 	int slidingContacts = 0;
 	double maxPenetration = 0;
@@ -43,6 +44,10 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 
 	// Over all steps.
 	double deepestPenetration = 0;
+
+	// The step of the next look for islands at rest; saved, since what is found then is stopped.
+	long restTrialAt = 0;
+	int restTrialPause = 16;
 
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
@@ -72,6 +77,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkEngines();
 	bool enginesChanged();
 	void advance();
+	void planRestTrial(const cd::Effort&);
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength } }; }
 	bool looksAtOrder() const { return steps % 64 == 0; }
 	void warn(double error);
@@ -154,6 +160,15 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("islands", &C::islands, Access::read, any, "Islands of contacts solved apart; 1 for all contacts if they were not parted [1].");
 	visit("resting", &C::resting, Access::read, any,
 	    "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].");
+	visit("sleeping", &C::sleeping, Access::read, any,
+	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and not even "
+	    "their "
+	    "error is asked for [1].");
+	visit("restTrialAt", &C::restTrialAt, Access::read, any,
+	    "Step from which on slow islands have to prove their rest again, with velocities of zero before the step; where they do, they are "
+	    "stopped and "
+	    "sleep [1].");
+	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 4096: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
 	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
