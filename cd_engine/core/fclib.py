@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy import sparse
 
-from . import guarded
+from .. import guarded
 from .problem import Problem
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # how an HDF5 file begins

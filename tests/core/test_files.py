@@ -205,7 +205,7 @@ def test_a_crash_or_a_loop_below_is_a_refusal(tmp_path, monkeypatch):
     import os
     import signal
 
-    from cd_engine.core import guarded
+    from cd_engine import guarded
     monkeypatch.setattr(guarded, "SECONDS", 1)
     path = tmp_path / "file"
     path.write_bytes(b"")
