@@ -22,7 +22,7 @@ deps: ## install the Debian packages that are missing
 	@.ci/install-packages run
 
 build: deps ## compile the engine
-	@$(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
+	@flock cd_engine $(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
 
 study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
 	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
@@ -41,6 +41,10 @@ test: build ## all tests and the short regression run
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/regression.py --short
 	$(PYTHON) -m pytest tests -n 2
+
+soak: build ## what takes too long for `make test`: runs killed many times, damaged files by the thousand, long runs
+	@.ci/install-packages test
+	$(PYTHON) -m pytest tests/soak
 
 console: build ## YADE's console with the engine and the prepared packing
 	$(YADE) yade_scripts/console.py
@@ -68,4 +72,4 @@ uninstall: ## undo `make install`
 clean: ## remove what was compiled; results stay
 	$(MAKE) --no-print-directory -C cd_engine clean
 
-.PHONY: help deps build study sweep charts report test console regression bench lint install uninstall clean
+.PHONY: help deps build study sweep charts report test soak console regression bench lint install uninstall clean
