@@ -112,6 +112,12 @@ ROOT_ATTRIBUTES = _table(
     Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
 )
 
+# Of how a run was interrupted and gone on with; absent from older files.
+CHECKPOINT_ATTRIBUTES = _table(
+    Field("checkpoint_samples", "1", "samples between two passages through save and load; 0: none"),
+    Field("resumed", "1", "how often the run was interrupted and taken up at a checkpoint"),
+)
+
 # A Coulomb test in floating point: both methods set |T| = mu R exactly where a contact slides, so
 # any margin between rounding (1e-16) and the change of T/R in one step would do.
 SLIDING_MARGIN = 1e-6

@@ -46,7 +46,12 @@ def set_engines(full, scene, goals=None):
     O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True, label=hooks.WATCHING)]
 
 
-def run(scene):
-    """Run a scene to its end; the last sample follows the last step."""
-    hooks.simulate(scene.every * scene.samples)
+def bind(full, scene):
+    """Give the scene's functions the engine that is in O; after O.load it is another object."""
+    scene.watch.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+
+
+def run(scene, simulate=hooks.simulate):
+    """Run a scene to its end by simulate(steps); the last sample follows the last step."""
+    simulate(scene.every * scene.samples)
     scene.observer()

@@ -22,6 +22,17 @@ def runner(function, **period):
     return PyRunner(command=f"import yade_scripts.hooks; yade_scripts.hooks.fire({len(_functions) - 1})", updateGlobals=False, **period)
 
 
+def commands():
+    """What the PyRunners in O.engines call, in their order."""
+    return [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
+
+
+def set_commands(saved):
+    """The same back after O.load: a saved scene has the numbers that the functions had in the process that saved it."""
+    for engine, command in zip((engine for engine in O.engines if isinstance(engine, PyRunner)), saved, strict=True):
+        engine.command = command
+
+
 def fire(number):
     """What the PyRunner number `number` does."""
     global _failure

@@ -12,7 +12,7 @@ import math
 from yade import O
 from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom,
                           InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
-                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
+                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator, TriaxialStressController)
 
 from yade_scripts import bodies, hooks, parameters, walls
 
@@ -77,10 +77,17 @@ def set_engines(full, scene, goals=None):
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
     engines = contact_engines(full, full["tangential_law"])
-    if full["tangential_law"] != "path_independent":  # which slips at other forces than the functor's
-        scene.law = next(engine for engine in engines if isinstance(engine, InteractionLoop)).lawDispatcher.functors[0]
-        scene.law.traceEnergy = True
     O.engines = engines + loading + [integrator(full)]
+    bind(full, scene)
+
+
+def bind(full, scene):
+    """Give the scene the functor and the controller that are in O; after O.load they are other objects."""
+    if full["tangential_law"] != "path_independent":  # which slips at other forces than the functor's
+        scene.law = next(engine for engine in O.engines if isinstance(engine, InteractionLoop)).lawDispatcher.functors[0]
+        scene.law.traceEnergy = True
+    if isinstance(scene.load, walls.ServoLoad):
+        scene.load.controller = next(engine for engine in O.engines if isinstance(engine, TriaxialStressController))
 
 
 def _divisor(steps, most):
@@ -88,6 +95,6 @@ def _divisor(steps, most):
     return max(n for n in range(1, most + 1) if steps % n == 0)
 
 
-def run(scene):
-    """Run a scene to its end. One step more, since the last sample is taken inside it."""
-    hooks.simulate(scene.every * scene.samples + 1)
+def run(scene, simulate=hooks.simulate):
+    """Run a scene to its end by simulate(steps). One step more, since the last sample is taken inside it."""
+    simulate(scene.every * scene.samples + 1)

@@ -6,12 +6,10 @@ A gas of disks on a grid is compacted by YADE's TriaxialStressController in 2D w
 first stage is carried out with the MD algorithm"), first with `preparation_friction`, its contacts stiffened where `stiffening` asks for it, then settled with `friction` and
 `wall_friction`. MD and CD start from this file.
 """
-import fcntl
 import gzip
 import hashlib
 import json
 import math
-import os
 import pathlib
 import random
 import struct
@@ -23,7 +21,7 @@ if __name__ == "__main__":
 
 from yade import O, config, utils
 
-from yade_scripts import bodies, hooks, md, parameters, precision, progress, results, walls
+from yade_scripts import bodies, hooks, locks, md, parameters, precision, progress, results, saved_scene, walls
 
 # Part of the hash: raise it when the procedure below changes.
 RECIPE = 2
@@ -53,8 +51,7 @@ def ensure(full, folder):
     """(path, SHA-256) of the prepared state, made now unless it exists. Leaves whatever scene it made."""
     path = state_path(full, folder)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path.with_suffix(".lock"), "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)  # rows that run at once prepare once
+    with locks.held(path):  # rows that run at once prepare once
         checksum = _verified(path)
         if checksum is None:
             _make(full)
@@ -88,23 +85,21 @@ def _verified(path):
 def _save(full, path):
     """Write state and record, each aside and then renamed."""
     aside = path.with_name("new-" + path.name)
-    O.save(str(aside))
-    _forget_speed(aside)
+    aside.write_bytes(gzip.compress(_forget_speed(saved_scene.take()), mtime=0))
     checksum = _sha256(aside)
     facts = {"sha256": checksum, "inputs": inputs(full), "sigma": walls.mean_stresses(), "sides": walls.sides(),
              "solid_fraction": bodies.solid_fraction(), "contacts_per_disk": bodies.contacts_per_disk(),
              "unbalanced_force": utils.unbalancedForce()}
     record = _record(aside)
     record.write_text(json.dumps(facts, indent=1) + "\n")
-    os.replace(record, _record(path))
-    os.replace(aside, path)
+    results.settle(record, _record(path))
+    results.settle(aside, path)
     return checksum
 
 
-def _forget_speed(path):
-    """Zero the computing speed [steps/s] in a saved scene, where YADE offers no way to set it; the first number of that value is it."""
-    data = gzip.decompress(path.read_bytes())
-    path.write_bytes(gzip.compress(data.replace(struct.pack("<d", O.speed), bytes(8), 1), mtime=0))
+def _forget_speed(scene):
+    """A saved scene with the computing speed [steps/s] zero, which YADE offers no way to set; the first number of that value is it."""
+    return scene.replace(struct.pack("<d", O.speed), bytes(8), 1)
 
 
 def gas(full):

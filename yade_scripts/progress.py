@@ -30,12 +30,14 @@ class Lines:
 
     def __init__(self, title):
         self.title, self.started, self.said = title, time.monotonic(), time.monotonic()
+        self.first = None  # fraction that a resumed run begins with
 
     def __call__(self, fraction):
         now = time.monotonic()
-        if fraction > 0 and now - self.said >= SECONDS:
+        self.first = fraction if self.first is None else self.first
+        if fraction > self.first and now - self.said >= SECONDS:
             self.said = now
-            left = (now - self.started) * (1 - fraction) / fraction
+            left = (now - self.started) * (1 - fraction) / (fraction - self.first)
             print(f"{self.title}: {100 * fraction:.0f} %, {_clock(left)} left", flush=True)
 
     def close(self):

@@ -5,7 +5,9 @@
     from yade_scripts import run; run.start(method="CD")     at YADE's console: set up, ready for O.run()
 
 Results go to results/<scene>-<method>-<hash of the row>.h5; a finished run is not run again. `--results=FOLDER` puts them elsewhere.
-Exit status: 0 done, 1 the run failed (its file says why), 2 the row cannot be run.
+Long runs have checkpoints (checkpoint.py) and go on from the last one; `--checkpoints=N` sets them every N samples, 0 none, which is part of
+how a run came about: its result file says so. A run that another process has begun is waited for.
+Exit status: 0 done, 1 the run failed (its file says why) or could not be written, 2 the row cannot be run.
 """
 import os
 import pathlib
@@ -15,7 +17,7 @@ import traceback
 if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
 
-from yade_scripts import parameters, results, tables
+from yade_scripts import locks, parameters, results, tables
 
 
 def start(folder=results.FOLDER, **row):
@@ -24,27 +26,32 @@ def start(folder=results.FOLDER, **row):
     return scenes.build(parameters.complete(row), folder)
 
 
-def execute(row, folder=results.FOLDER):
-    """Run a row to its end and write its file; the exit status."""
+def execute(row, folder=results.FOLDER, checkpoint_samples=None):
+    """Run a row to its end and write its file; the exit status. checkpoint_samples: None for the default of checkpoint.py."""
     full = parameters.complete(row)
     path = results.path_of(full, folder)
-    if results.finished(path):
-        print(f"{path} is there already.")
-        return 0
     path.parent.mkdir(parents=True, exist_ok=True)
-    failure = _run(path, full, folder)
+    with locks.held(path, lambda: print(f"{path.stem}: another process runs this row: waiting for it", flush=True)):
+        if results.finished(path):
+            print(f"{path} is there already.")
+            return 0
+        try:
+            failure = _run(path, full, folder, checkpoint_samples)
+        except OSError as error:
+            print(f"{path.stem}: unfinished, its file cannot be written: {error}; make room and start it again.", file=sys.stderr)
+            return 1
     if failure is None:
         print(f"{path}: finished")
         return 0
     print(f"{path}: failed: {failure}", file=sys.stderr)
-    if not isinstance(failure, RuntimeError):  # which is what engines, preparation and stress check raise; all else is a bug
+    if not isinstance(failure, RuntimeError):  # which is what engines, preparation and checks raise; all else is a bug
         traceback.print_exception(failure)
     return 1
 
 
-def _run(path, full, folder):
+def _run(path, full, folder, checkpoint_samples):
     """Build, run, record; None or the exception that ended the run, which the file names too."""
-    from yade_scripts import load_check, progress, record, scenes
+    from yade_scripts import checkpoint, load_check, progress, record, scenes
     scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.progress(path.stem)
     try:
         scene = scenes.build(full, folder)
@@ -52,30 +59,57 @@ def _run(path, full, folder):
         raise
     except Exception as error:
         failure = error
-    recorder = record.Recorder(path, full, scene, show)
+    if checkpoint_samples is None or not checkpoint.resumable(full, scene):
+        checkpoint_samples = checkpoint.samples_between(full, scene)
+    checkpoints = checkpoint.Checkpoints(path, full, scene, checkpoint_samples)
+    found = checkpoints.found() if failure is None else None
+    recorder = record.Recorder(path, full, scene, show, found and found[checkpoint.RECORD], checkpoint_samples)
     if failure is None:
         scene.observer = recorder.sample
         try:
-            scenes.method(full).run(scene)
+            if found:
+                checkpoints.resume(found, recorder)
+                print(f"{path.stem}: goes on from its checkpoint at sample {recorder.count}", flush=True)
+            scenes.method(full).run(scene, lambda steps: checkpoints.simulate(steps, recorder))
         except load_check.Collapse as event:
             collapse = event
         except Exception as error:
             failure = error
     show.close()
+    if isinstance(failure, OSError):
+        raise failure
     recorder.close(failure, collapse)
+    checkpoints.remove()
     return failure
+
+
+def _options(arguments):
+    """(folder, samples between checkpoints or None, the other arguments)."""
+    folder, samples, rest = results.FOLDER, None, []
+    for argument in arguments:
+        option, _, text = argument.partition("=")
+        if option == "--results":
+            if not text:
+                raise parameters.ParameterError("--results= names no folder")
+            folder = text
+        elif option == "--checkpoints":
+            if not text.isdecimal():
+                raise parameters.ParameterError(f"{argument}: must be a whole number of samples, 0 for none")
+            samples = int(text)
+        else:
+            rest.append(argument)
+    return folder, samples, rest
 
 
 def main(arguments):
     """Command line and yade-batch."""
-    folders = [a for a in arguments if a.startswith("--results=")]
-    folder = folders[-1].partition("=")[2] if folders else results.FOLDER
     try:
+        folder, samples, arguments = _options(arguments)
         if "YADE_BATCH" in os.environ:
             row = tables.batch_row(os.environ["YADE_BATCH"])
         else:
-            row = parameters.from_arguments([a for a in arguments if a not in folders])
-        return execute(row, folder)
+            row = parameters.from_arguments(arguments)
+        return execute(row, folder, samples)
     except (parameters.ParameterError, tables.TableError, ImportError, OSError) as error:
         print(f"run: {error}", file=sys.stderr)
         return 2

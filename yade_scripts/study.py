@@ -5,10 +5,14 @@
     /usr/bin/python3 yade_scripts/study.py --full         the same with the full tables; stop and start it again at will
 
 A row counts as done by its result file alone, never by an exit code. Rows that need the same packing prepare it once: the first
-holds a lock, the others wait. Exit status: 0 all finished, 1 a row or a figure failed, 2 the tables cannot be run.
+holds a lock, the others wait. Two studies at once share the rows: each leaves to the other what that has begun. However a study ends, kill -9
+included, its runs end with it; started again it goes on with those that have not finished, long ones from their last checkpoint.
+Exit status: 0 all finished, 1 a row or a figure failed, 2 the tables cannot be run, 128 + n ended by signal n.
 """
 import argparse
+import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -16,9 +20,12 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
-from yade_scripts import commits, parameters, results, tables
+from analysis.schema import STATUS_FINISHED
+from yade_scripts import commits, locks, parameters, results, tables
 
 SECONDS = 5  # between two lines of progress
+# The kernel ends a child of this process with it, whatever ended it. A run may be killed at any moment.
+WITH_ME = ["setpriv", "--pdeathsig", "KILL"]
 
 
 class Job:
@@ -35,9 +42,15 @@ class Job:
     def start(self):
         """Run the row in a YADE of its own, one thread: several threads are not repeatable."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        with open(self.log, "w") as log:
-            self.process = subprocess.Popen(["yade", "-n", "-x", "-j", "1", str(HERE / "run.py"), *self.arguments],
+        if not self.elsewhere():
+            self.log.write_text("")
+        with open(self.log, "a") as log:
+            self.process = subprocess.Popen([*WITH_ME, "yade", "-n", "-x", "-j", "1", str(HERE / "run.py"), *self.arguments],
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
+
+    def elsewhere(self):
+        """Whether another process runs this row."""
+        return locks.taken(self.path)
 
     def news(self):
         """The last line of progress in the log."""
@@ -62,8 +75,7 @@ class Queue:
         try:
             while self.waiting or self.running:
                 while self.waiting and len(self.running) < self.at_once:
-                    self.running.append(self.waiting.pop(0))
-                    self.running[-1].start()
+                    self._start(next((job for job in self.waiting if not job.elsewhere()), self.waiting[0]))
                 time.sleep(0.2)
                 for job in [job for job in self.running if job.process.poll() is not None]:
                     self.running.remove(job)
@@ -74,8 +86,16 @@ class Queue:
                 self._tell()
         finally:
             for job in self.running:
-                job.process.terminate()
+                job.process.kill()
+            for job in self.running:
+                job.process.wait()
         return self.failed
+
+    def _start(self, job):
+        """A row that another process runs waits for it, and ends at once where that has finished it."""
+        self.waiting.remove(job)
+        job.start()
+        self.running.append(job)  # not before it has a process: a signal may come between
 
     def _tell(self):
         if not self.running or time.monotonic() - self.told < SECONDS:
@@ -108,7 +128,10 @@ class Figures:
             command.append("--full")
         if self.figures:
             command += ["-o", str(pathlib.Path(self.figures).resolve())]
-        done = subprocess.run(command, cwd=HERE.parent, capture_output=True, text=True)
+        folder = pathlib.Path(self.folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locks.held(folder / f"figure of {study}"):
+            done = subprocess.run([*WITH_ME, *command], cwd=HERE.parent, capture_output=True, text=True)
         print((done.stdout + done.stderr).strip(), flush=True)
         if done.returncode:
             self.failed.append(study)
@@ -116,13 +139,12 @@ class Figures:
             self.drawn += done.stdout.split("\n")
 
 
-def _warn_of_other_code(jobs):
+def _warn_of_other_code(made_by):
     """Name the results that were made by another commit, or by one with changes: they are kept, and may not be what the code now gives."""
     now = commits.git_commit()
-    for job in jobs:
-        made = results.commit(job.path)
+    for path, made in made_by.items():
         if made != now or made.endswith("-dirty"):
-            print(f"study: {job.path} was made by commit {made[:12]}{made[40:]}, the code is at {now[:12]}{now[40:]}; delete the file to run it again.", file=sys.stderr)
+            print(f"study: {path} was made by commit {made[:12]}{made[40:]}, the code is at {now[:12]}{now[40:]}; delete the file to run it again.", file=sys.stderr)
 
 
 def _jobs(paths, folder):
@@ -152,6 +174,12 @@ def _options(arguments):
     return options
 
 
+def _end(number, frame):
+    """What a signal that asks for the end does: leave by the way that ends the runs."""
+    os.write(2, b"\nstudy: ended; the same command goes on where it stopped.\n")  # print may be what it has interrupted
+    sys.exit(128 + number)
+
+
 def main(arguments=None):
     """Command line."""
     options = _options(arguments)
@@ -167,8 +195,9 @@ def main(arguments=None):
         print(f"study: {error}", file=sys.stderr)
         return 2
     jobs = list(dict.fromkeys(job for rows in by_table.values() for job in rows))
-    open_jobs = [job for job in jobs if not results.finished(job.path)]
-    _warn_of_other_code(job for job in jobs if results.finished(job.path))
+    done = {path: commit for path, (status, commit) in results.endings([job.path for job in jobs]).items() if status == STATUS_FINISHED}
+    open_jobs = [job for job in jobs if job.path not in done]
+    _warn_of_other_code(done)
     print(f"{', '.join(studies or by_table)}: {len(jobs)} runs, {len(jobs) - len(open_jobs)} of them finished before", flush=True)
     figures = Figures({name: [job for path in paths for job in by_table[path]] for name, paths in studies.items()},
                       options.full, options.results, options.figures)
@@ -185,4 +214,6 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, _end)
     sys.exit(main())

@@ -1,5 +1,7 @@
 """The runner of tables: what counts as done, and its exit status."""
 import json
+import os
+import signal
 import subprocess
 import sys
 
@@ -80,3 +82,18 @@ def test_stored_numbers_have_reasons_and_runnable_rows():
 def test_parameters_and_study_need_no_yade(root):
     code = "import yade_scripts.study, yade_scripts.regression, sys; assert 'yade' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], cwd=root, check=True)
+
+
+def test_one_damaged_file_hides_no_other(tmp_path, monkeypatch):
+    """Files are read many at once; the one that crashes libhdf5 is told by itself."""
+    def ending(path):
+        if path.name == "7.h5":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return "finished", "commit"
+    monkeypatch.setattr(results, "_ending", ending)
+    paths = [tmp_path / f"{number}.h5" for number in range(results.AT_ONCE + 3)]
+    for path in paths[1:]:
+        path.touch()
+    found = results.endings(paths)
+    assert paths[0] not in found and found.pop(paths[7])[0].startswith(f"failed: {paths[7]} is no result file")
+    assert len(found) == len(paths) - 2 and set(found.values()) == {("finished", "commit")}

@@ -22,7 +22,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
-from analysis.schema import STATUS_FAILED
+from analysis.schema import STATUS_FAILED, STATUS_FINISHED
 from yade_scripts import parameters, results, study, tables
 from yade_scripts.cluster import slurm
 
@@ -34,7 +34,8 @@ class Rows:
 
     def __init__(self, jobs):
         self.jobs = list(jobs)
-        self.open = [job for job in self.jobs if not results.finished(job.path)]
+        ended = results.endings([job.path for job in self.jobs])
+        self.open = [job for job in self.jobs if ended.get(job.path, ("",))[0] != STATUS_FINISHED]
         self.failed = []
         self.stamps = {job: _stamp(job.path) for job in self.open}  # files that failed before this call are no answer
 
@@ -42,9 +43,9 @@ class Rows:
         """Move the rows that have ended since the last call out of `open`."""
         there = {folder: set(os.listdir(folder)) if folder.is_dir() else set() for folder in {job.path.parent for job in self.open}}
         ended = [job for job in self.open if job.path.name in there[job.path.parent] and _stamp(job.path) != self.stamps[job]]
-        said = {job: results.status(job.path) for job in ended}
-        self.failed += [job for job in ended if (said[job] or "").startswith(STATUS_FAILED)]
-        self.open = [job for job in self.open if not said.get(job)]
+        said = results.endings([job.path for job in ended])
+        self.failed += [job for job in ended if said.get(job.path, ("",))[0].startswith(STATUS_FAILED)]
+        self.open = [job for job in self.open if job.path not in said]
 
 
 def _stamp(path):

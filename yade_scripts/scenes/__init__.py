@@ -44,19 +44,23 @@ class Scene:
     """A scene that stands in O, ready to run.
 
     every: steps between samples, samples: intervals between them; the scene is over after every * samples steps (MD makes one more).
-    load: walls.Load, or None where no wall is loaded. law: the functor of MD that sums what its slips dissipate, else None. snapshots: numbers of the samples at which the whole sample is kept.
+    load: walls.Load, or None where no wall is loaded. law: the functor of MD that sums what its slips dissipate, else None. watch: cd.Watch,
+    in CD. snapshots: numbers of the samples at which the whole sample is kept.
     extra: arrays that only this scene has, {name: (unit, meaning, array)}; instead of the array a function that gives it after the last
-    step. observer: called at every sample.
+    step. observer: called at every sample. kept: the lists, by name, in which functions of the scene itself keep what they have seen, for
+    checkpoints; None: the scene cannot be resumed, as where its functions hold on to objects of YADE, or forces are permanent.
     """
     every: int
     samples: int
     load: object = None
     law: object = None
+    watch: object = None
     state_sha256: str = ""
     snapshots: set = field(default_factory=set)
     known: list = field(default_factory=list)
     extra: dict = field(default_factory=dict)
     observer: Callable[[], None] = lambda: None
+    kept: dict | None = None
 
     def __post_init__(self):
         self.snapshots |= {0, self.samples}

@@ -27,7 +27,7 @@ def build(full, folder, goals=None):
     snapshots = {per_cycle // 2, samples - per_cycle // 2}
     if full["loading"] == "ramp":
         snapshots |= set(range(0, samples, max(1, samples // RAMP_SNAPSHOTS)))
-    scene = Scene(every=every, samples=samples, state_sha256=checksum, snapshots=snapshots)
+    scene = Scene(every=every, samples=samples, state_sha256=checksum, snapshots=snapshots, kept={})
     goals = goals or loading.goals(full, parameters.pressure(full))
     if full["method"] == "CD" and full["network_seed"]:
         stage.load_walls(full, scene, goals)

@@ -58,13 +58,14 @@ def build(full, folder):
     for k in range(math.ceil(span * (2 + 3 * full["column_aspect"]) / (2 * radius))):
         bodies.append_disk(((2 * k + 1) * radius, -radius), radius, bodies.disk_mass(radius, full), "disk", blocked="xyzXYZ")
     radii = [radius * (1 + full["radius_spread"] * draw.uniform(-1, 1)) for _ in range(full["disks"])]
-    heap = [O.bodies[bodies.append_disk(place, r, bodies.disk_mass(r, full), "disk")].state
+    heap = [bodies.append_disk(place, r, bodies.disk_mass(r, full), "disk")
             for place, r in zip(deposit.deposit(radii, span, draw.random).tolist(), radii)]
 
     def quantile(axis):
-        return float(np.quantile([state.pos[axis] for state in heap], SHARE)) / span
+        return float(np.quantile([O.bodies[disk].state.pos[axis] for disk in heap], SHARE)) / span
 
     scene = stage.small(full, _known(full, quantile))
+    scene.kept = {}
     scene.extra = {"front": ("L0", f"x that {SHARE:.0%} of the disks are behind, over the width of the column", lambda: quantile(0)),
                    "height": ("L0", f"y that {SHARE:.0%} of the disks are below, likewise", lambda: quantile(1))}
     return scene

@@ -42,6 +42,7 @@ def build(full, folder):
             yielded.append(goals(O.time)[1] / p0)
 
     O.engines = O.engines + [hooks.runner(watch, iterPeriod=scene.every)]
+    scene.kept["yielded"] = yielded
     scene.known = [Known("yield_load", "P0", limit, lambda: yielded[0] if yielded else float("nan"),
                          source="linear programme over the contact forces of the geometry at the start")]
     return scene

@@ -1,0 +1,86 @@
+"""Runs that are killed, and what has to be true of what they leave behind."""
+import os
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+
+from analysis import load
+from yade_scripts import results
+
+from .conftest import SCRIPTS
+
+# Nine checkpoints a run, so that kills fall before, between and within them.
+EVERY = 3
+BASE = dict(disks=20, period=0.05, cycles=3, records_per_cycle=10)
+ROWS = {"MD_force": BASE | dict(method="MD", md_walls="force", period=0.2, cycles=2), "CD": BASE | dict(method="CD"), "MD_servo": BASE | dict(method="MD", md_walls="servo"),
+        "heap": BASE | dict(scene="collapse", period=0.5, cycles=1, records_per_cycle=30)}
+
+
+def make(folder, states):
+    """A folder of results that has its packings from another."""
+    for place in (folder, states):
+        place.mkdir(exist_ok=True)
+    (folder / "states").symlink_to(states)
+
+
+def start(folder, row, *options, threads="1"):
+    """A run under way in a process of its own."""
+    arguments = [f"{name}={value}" for name, value in row.items()]
+    return subprocess.Popen(["yade", "-n", "-x", "-j", threads, str(SCRIPTS / "run.py"), f"--results={folder}", *options, *arguments],
+                            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def whole(folder, row, *options):
+    """An uninterrupted run: (result file, seconds from start to end)."""
+    began = time.monotonic()
+    process = start(folder, row, *options)
+    said, _ = process.communicate(timeout=100)
+    path = only_result(folder)
+    assert process.returncode == 0 and results.finished(path), said
+    return path, time.monotonic() - began
+
+
+def only_result(folder):
+    """The one file under a final name, or None."""
+    found = [path for path in folder.glob("*.h5") if not path.name.endswith(load.PARTIAL_SUFFIX)]
+    assert len(found) <= 1
+    return found[0] if found else None
+
+
+def kill_at(folder, row, seconds, *options, by=signal.SIGKILL):
+    """Start a run and kill it after so many seconds; False if it had ended before."""
+    process = start(folder, row, *options)
+    try:
+        said, _ = process.communicate(timeout=seconds)
+        assert process.returncode == 0, said
+        return False
+    except subprocess.TimeoutExpired:
+        os.kill(process.pid, by)
+        process.communicate(timeout=20)
+    check_what_is_left(folder)
+    return True
+
+
+def check_what_is_left(folder):
+    """A file under a final name is whole; one that is not finished is readable, and nobody takes it for a result."""
+    done = only_result(folder)
+    if done is not None:
+        load.load(done)
+    for path in folder.glob("*" + load.PARTIAL_SUFFIX):
+        assert load.load(path, finished=False).attributes["status"] == "running"
+        assert not results.finished(path)
+
+
+def differences(one, other):
+    """Names of the data sets of two result files that differ in any bit; computing times do, always."""
+    found = []
+    with h5py.File(one) as first, h5py.File(other) as second:
+        def compare(name, data):
+            if isinstance(data, h5py.Dataset) and name != "history/wall_clock":
+                if name not in second or np.asarray(data[()]).tobytes() != np.asarray(second[name][()]).tobytes():
+                    found.append(name)
+        first.visititems(compare)
+        return found + [name for name in ("status", "outcome", "state_sha256", "parameters") if first.attrs[name] != second.attrs[name]]

@@ -1,0 +1,122 @@
+"""Studies that are ended by force, and two at once in one folder."""
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from yade_scripts import locks, parameters, results, tables
+
+from .conftest import SCRIPTS
+
+TABLE = "disks method period records_per_cycle seed delta_sigma\n" + "".join(
+    f"20 {method} 0.05 10 1 0.2\n" for method in ("MD", "CD"))
+
+
+@pytest.fixture
+def table(tmp_path):
+    path = tmp_path / "table.txt"
+    path.write_text(TABLE)
+    return path
+
+
+def start(table, jobs=2):
+    return subprocess.Popen([sys.executable, str(SCRIPTS / "study.py"), str(table), "--jobs", str(jobs), "--results", str(table.parent / "results")],
+                            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def paths(table):
+    return [results.path_of(parameters.complete(row), table.parent / "results") for row in tables.read(table).values()]
+
+
+def runs_in(folder):
+    """Process ids of the runs whose results go to `folder`."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = entry.read_bytes().decode(errors="replace").split("\0")
+        except OSError:  # it has ended meanwhile
+            continue
+        if f"--results={folder}" in words:
+            found.append(int(entry.parent.name))
+    return found
+
+
+def wait_for(condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end, "nothing happened in time"
+        time.sleep(0.02)
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
+def test_runs_end_with_their_study(table, number):
+    """Orphans would go on for hours, unseen, and hold their rows."""
+    study, folder = start(table), table.parent / "results"
+    wait_for(lambda: runs_in(folder))
+    os.kill(study.pid, number)
+    said, _ = study.communicate(timeout=30)
+    assert study.returncode == (-number if number == signal.SIGKILL else 128 + number), said
+    wait_for(lambda: not runs_in(folder), 10)
+
+
+def test_two_studies_at_once_share_the_rows(table):
+    """Each row is run once, by one of them, and both end well; afterwards nothing is left but results."""
+    studies = [start(table), start(table)]
+    said = [study.communicate(timeout=120)[0] for study in studies]
+    assert [study.returncode for study in studies] == [0, 0], said
+    folder = table.parent / "results"
+    assert all(map(results.finished, paths(table)))
+    assert {path.suffix for path in folder.iterdir() if path.is_file()} == {".h5", ".log", ""}
+    assert len(list(folder.glob("*.h5"))) == 2
+
+
+def test_a_killed_study_goes_on_where_it_stopped(table):
+    """Killed at random moments; what was finished is not touched again."""
+    draw, kept = random.Random(6), {}
+    for _ in range(2):
+        study = start(table, jobs=1)
+        time.sleep(draw.uniform(0.5, 4))
+        study.kill()
+        study.communicate(timeout=30)
+        for path in paths(table):
+            if path.exists():
+                assert results.finished(path)
+                kept.setdefault(path, path.stat().st_mtime_ns)
+    last = start(table)
+    said, _ = last.communicate(timeout=120)
+    assert last.returncode == 0, said
+    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+    assert all(map(results.finished, paths(table)))
+
+
+def test_locks_end_with_their_holder(tmp_path):
+    """Held by another process, which is killed."""
+    path = tmp_path / "row.h5"
+    code = f"import sys, time; sys.path.insert(0, {str(SCRIPTS.parent)!r})\nfrom yade_scripts import locks\n" \
+           f"with locks.held({str(path)!r}): print('held', flush=True); time.sleep(60)"
+    holder = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert holder.stdout.readline() == "held\n"
+    assert locks.taken(path) and not locks.taken(tmp_path / "another.h5")
+    holder.kill()
+    holder.communicate()
+    assert not locks.taken(path)
+    with locks.held(path):
+        pass
+
+
+def test_a_packing_whose_preparation_is_killed_is_prepared_by_the_next(yade_elsewhere):
+    """No lock stays behind, and what was half written is not taken for a packing."""
+    arguments = ["yade", "-n", "-x", str(SCRIPTS / "prepare.py"), "disks=20"]
+    first = subprocess.Popen(arguments, cwd=yade_elsewhere.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    states = yade_elsewhere.folder / "results" / "states"
+    wait_for((states / ".locks").exists)
+    first.kill()
+    first.wait()
+    state, record = yade_elsewhere.prepare("disks=20")
+    assert state.exists() and record["sha256"]
