@@ -11,7 +11,8 @@ from yade_scripts.scenes import Known, biaxial
 
 TITLE = "Yield under a ramp"
 METHODS = ("MD", "CD")
-HORIZON = "Until the packing gives way: what it carries afterwards belongs to new contacts."
+HORIZON = ("Until the packing gives way: what it carries afterwards belongs to new contacts. Springs of P0/k_n = 6e-4 strain past yield_strain "
+           "before they yield, so that MD's error is elastic strain unless k_n is far larger.")
 LEFT_OUT = "the way on after yield; how the walls' inertia delays it, some dt and the ramp's rate"
 DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
                 collapse_strain=1e-3)
