@@ -2,6 +2,7 @@
 #pragma once
 
 #include "abi.hpp"
+#include "scene_error.hpp"
 
 #include <boost/serialization/base_object.hpp>
 #include <boost/serialization/nvp.hpp>
@@ -9,6 +10,7 @@
 #include <boost/serialization/vector.hpp>
 
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace cd_engine {
@@ -47,9 +49,23 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		// Of E itself: Boost.Serialization learns here how E and its registered base are cast into one another.
 		E& self = static_cast<E&>(*this);
 		archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self));
+		checkAttributes(archive);
 		E::attributes([&](const char* name, auto member, Access, const Range&, const char*) {
 			archive& boost::serialization::make_nvp(name, self.*member);
 		});
+	}
+
+    private:
+	// A scene holds its values one after the other; read into other attributes they would be nonsense, or ask for endless memory.
+	template <class Archive> static void checkAttributes(Archive& archive)
+	{
+		std::string names;
+		E::attributes([&](const char* name, auto, Access, const Range&, const char*) { names += std::string(name) + ' '; });
+		std::string saved = names;
+		archive& boost::serialization::make_nvp("attributes", saved);
+		if (saved != names)
+			throw SceneError(std::string(E::name) + ": the scene was saved by another version of this engine, whose attributes were: "
+			    + saved + "\nLoad it with that version, set O.engines = [] and save it again; or build the scene anew.");
 	}
 };
 

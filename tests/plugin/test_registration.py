@@ -89,6 +89,19 @@ def test_saving_keeps_every_attribute(O, cd, tmp_path, ending):
     assert O.engines[-1].dict() == before
 
 
+def test_a_scene_of_another_version_is_refused(O, cd, tmp_path):
+    """Values read into other attributes would be nonsense, or ask for endless memory."""
+    plane.disk((0, 0), 0.01)
+    plane.run(1, 1e-3)
+    path = tmp_path / "scene.xml"
+    O.save(str(path))
+    text = path.read_text()
+    assert "restTrialPause " in text
+    path.write_text(text.replace("restTrialPause ", "", 1))
+    with pytest.raises(RuntimeError, match="saved by another version of this engine"):
+        O.load(str(path))
+
+
 def test_loaded_scene_continues_bitwise(O, cd, tmp_path):
     plane.floor()
     for i in range(6):

@@ -102,9 +102,10 @@ def main(wish):
     for mu in wish["friction"]:
         facts = come_to_rest(build(*packed, mu)) | load_on()
         target = f"{wish['stem']}-{mu:g}"
-        O.save(f"{target}.yade.gz")
         load(1 + (STEPS + 1) * MORE)
         O.engines[2].exportProblem(f"{target}.npz", True)
+        O.engines = []  # which other versions of the engine could not read
+        O.save(f"{target}.yade.gz")
         # Last: its presence says that all is there.
         pathlib.Path(f"{target}.json").write_text(json.dumps(facts, indent=1) + "\n")
     print(json.dumps(facts))
