@@ -31,11 +31,12 @@ class Known:
     unit: str
     scale: float
     source: str
+    deviation: float = 0.0
 
     @property
     def error(self):
-        """|measured - exact|/scale; infinite where the number is none."""
-        error = abs(self.measured - self.exact) / self.scale
+        """As schema.relative_error; infinite where the number is none."""
+        error = schema.relative_error(self.measured, self.exact, self.scale, self.deviation)
         return error if np.isfinite(error) else np.inf
 
 
@@ -202,7 +203,7 @@ def _read(path, file):
 def _read_known(data):
     exact = float(data.attrs["exact"])
     return Known(float(data[()]), exact, str(data.attrs["unit"]), float(data.attrs.get("scale", abs(exact) or 1)),
-                 str(data.attrs.get("source", "")))
+                 str(data.attrs.get("source", "")), float(data.attrs.get("deviation", 0)))
 
 
 def _read_snapshot(group):

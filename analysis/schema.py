@@ -89,7 +89,14 @@ KNOWN = _table(
     Field("exact", "", "what it should be"),
     Field("scale", "", "what an error is held against; |exact|, or 1 where that is 0, in files without it"),
     Field("source", "", "where the exact value comes from; absent from older files"),
+    Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0; absent from older files"),
 )
+
+
+def relative_error(measured, exact, scale, deviation=0.0):
+    """Of a known number, |measured - exact|/scale; where only a mean is known no run is nearer than by chance, and the error at least the deviation."""
+    return max(abs(measured - exact), deviation) / scale
+
 
 SNAPSHOT_ATTRIBUTES = _table(
     Field("time", "s", "time since the start of the loading"),

@@ -55,7 +55,7 @@ def _arguments(row):
 
 def _worst(known):
     """The known with the largest error."""
-    measured = {name: abs(one["measured"] - one["exact"]) / one["scale"] for name, one in known.items() if one["measured"] is not None}
+    measured = {name: records.relative(one) for name, one in known.items() if one["measured"] is not None}
     return max(measured, key=measured.get) if measured else ""
 
 

@@ -35,6 +35,7 @@ def known(measured, exact=2.0, scale=4.0):
 
 def test_error_is_the_largest_over_its_scale_and_a_lost_number_is_no_solution():
     assert records.error({"a": known(3.0), "b": known(0.0)}) == 0.5
+    assert records.error({"a": known(2.5) | {"deviation": 3.0}}) == 0.75  # of a mean no run is nearer than by chance
     assert records.status({"a": known(3.0)}) == "finished"
     assert math.isnan(records.error({"a": known(3.0), "b": known(None)}))
     assert records.status({"a": known(3.0), "b": known(None)}) == "failed: b is not a number"

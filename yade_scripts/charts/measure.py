@@ -85,7 +85,7 @@ def values(known, scene):
     """What a record says of a Known."""
     measured = float(known.measure())
     return {"measured": measured if math.isfinite(measured) else None, "exact": settings.EXACT.get(scene, {}).get(known.name, known.exact),
-            "unit": known.unit, "scale": known.scale, "source": known.source}
+            "unit": known.unit, "scale": known.scale, "source": known.source, "deviation": known.deviation}
 
 
 def solver(full):

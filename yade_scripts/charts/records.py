@@ -1,7 +1,7 @@
 """What is kept of every measured setting: one JSON object a line in results/charts/<scene>.jsonl. Needs no YADE.
 
 A record holds `name` (scene, method, hash of the parameters, as a result file's), `row` and full `parameters`, `status` ('finished' or
-'failed: reason'), `known` {name: {measured, exact, scale, unit, source}}, `error`, `seconds` (of every repeat, inside YADE's loop alone), `steps`,
+'failed: reason'), `known` {name: {measured, exact, scale, unit, source, deviation}}, `error`, `seconds` (of every repeat, inside YADE's loop alone), `steps`,
 `sweeps`, `unconverged_steps`, `disks`, what the scene says of itself, `limit` [s] that each repeat had, and where it comes from: `git_commit`,
 `yade_version`, `processor`. Of several records of one name the last counts.
 """
@@ -9,7 +9,7 @@ import json
 import math
 import pathlib
 
-from analysis.schema import STATUS_FAILED, STATUS_FINISHED
+from analysis.schema import STATUS_FAILED, STATUS_FINISHED, relative_error
 
 FOLDER = "charts"
 # Of an error, in scales of its known: beyond it nothing of the solution is left.
@@ -47,9 +47,14 @@ def add(record, results):
         file.write("\n" * (not whole) + json.dumps(record, allow_nan=False) + "\n")
 
 
+def relative(one):
+    """Relative error of one of a record's knowns that was measured."""
+    return relative_error(one["measured"], one["exact"], one["scale"], one.get("deviation", 0.0))
+
+
 def error(known):
     """Largest relative error |measured - exact|/scale of a record's knowns; NaN where one was not measured."""
-    return max((math.nan if one["measured"] is None else abs(one["measured"] - one["exact"]) / one["scale"] for one in known.values()),
+    return max((math.nan if one["measured"] is None else relative(one) for one in known.values()),
                key=lambda value: math.inf if math.isnan(value) else value, default=math.nan)
 
 

@@ -23,7 +23,8 @@ class Known:
     """A quantity whose value is known: `measure()` after the last step against `exact`, both in `unit`.
 
     scale: the size [unit] its error is held against, |exact| unless given, 1 where that is 0. source: where the knowledge comes from,
-    a formula, a paper, or 'converged: ' with settings and values. The error of a scene is the largest of its quantities'.
+    a formula, a paper, or 'converged: ' with settings and values. deviation: standard deviation of one run [unit], where `exact` is a mean
+    over runs that differ by chance: an error is not counted as less. The error of a scene is the largest of its quantities'.
     """
     name: str
     unit: str
@@ -31,6 +32,7 @@ class Known:
     measure: Callable[[], float]
     scale: float | None = None
     source: str = ""
+    deviation: float = 0.0
 
     def __post_init__(self):
         if self.scale is None:

@@ -40,7 +40,8 @@ def _known(full, quantile):
     if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
         return []
     *values, how = CONVERGED[full["disks"]]
-    return [Known(name, "L0", mean, lambda axis=axis: quantile(axis), source=f"converged: {how}; standard deviation of one run {deviation}")
+    return [Known(name, "L0", mean, lambda axis=axis: quantile(axis), source=f"converged: {how}; standard deviation of one run {deviation}",
+                  deviation=deviation)
             for axis, (name, (mean, deviation)) in enumerate(zip(("front", "height"), values))]
 
 
