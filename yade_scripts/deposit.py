@@ -78,6 +78,7 @@ class _Heap:
         near = (distance < reach + other) & (distance > abs(reach - other)) & (np.arange(self.count) != under)
         angles = np.full(self.count, math.inf)
         cosine = (reach**2 + distance[near]**2 - other[near]**2) / (2 * reach * distance[near])
-        # Met on the way down: the disk lies ahead by the angle between the two lines from the centre of `under`.
-        angles[near] = np.arctan2(dx[near], dy[near]) - np.arccos(np.clip(cosine, -1, 1))
+        # Met on the way down: the disk lies ahead by the angle between the two lines from the centre of `under`. Few are near, and numpy's own
+        # arctan2 and arccos give other last bits with AVX-512 than without.
+        angles[near] = [math.atan2(x, y) - math.acos(c) for x, y, c in zip(dx[near], dy[near], np.clip(cosine, -1, 1))]
         return angles

@@ -33,8 +33,13 @@ class Yade:
         """Run Python text inside YADE with the repository on the path; the last line printed, read as JSON."""
         path = self.folder / "script.py"
         path.write_text(f"import json, sys\nsys.path.insert(0, {str(SCRIPTS.parent)!r})\n" + text)
-        done = subprocess.run(["yade", "-n", "-x", str(path)], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                              timeout=120)
+        return self.printed(path)
+
+    def printed(self, path, *arguments, **environment):
+        """Run a script, options of YADE's first among the arguments; the last line printed, read as JSON."""
+        options = [a for a in arguments if a.startswith("-")]
+        done = subprocess.run(["yade", "-n", "-x", *options, str(path), *(a for a in arguments if a not in options)], cwd=self.folder,
+                              env=os.environ | environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, done.stderr
         return json.loads([line for line in done.stdout.splitlines() if line.startswith(("{", "["))][-1])
 

@@ -1,0 +1,74 @@
+"""One set of bits a scene: across processes, repeats, instruction sets and, by CD, numbers of threads.
+
+MD's sums of forces depend on the number of threads, so its runs are made with one.
+"""
+import pytest
+
+from yade_scripts import scenes
+
+from .conftest import SCRIPTS
+
+PROGRAM = SCRIPTS.parent / "tests" / "yade_scripts" / "digests.py"
+
+
+@pytest.fixture(scope="module")
+def digests(yade60):
+    """A function that runs all scenes in a process of its own: what digests.py prints."""
+    def run(threads, *options, **environment):
+        # Threads that sleep while they wait: on a busy machine those that spin take a hundred times as long.
+        return yade60.printed(PROGRAM, f"-j{threads}", *options, OMP_WAIT_POLICY="passive", **environment)
+    return run
+
+
+@pytest.fixture(scope="module")
+def reference(digests):
+    """By one thread and the fastest instruction set."""
+    return digests(1, "MD,CD")
+
+
+def differing(found, reference):
+    """Names of the scenes whose digests are others."""
+    return [name for name, digest in found["digests"].items() if digest != reference["digests"][name]]
+
+
+def test_every_scene_and_method_is_compared(reference):
+    """No two scenes alike, as digests of nothing would be; nor are all solvers, which differ in what the tolerance leaves."""
+    wanted = {f"{scene} {method}" for scene in scenes.names() for method in scenes.module(scene).METHODS}
+    found = reference["digests"]
+    assert wanted <= set(found) and reference["threads"] == 1
+    assert len({found[name][0] for name in wanted}) == len(wanted)
+    assert len({digest for name, (digest, _) in found.items() if " by " in name}) > 1
+
+
+def test_same_bits_in_another_process_after_other_scenes(digests, reference):
+    """In the opposite order: nothing is left behind by what ran before."""
+    assert differing(digests(1, "MD,CD", "backwards"), reference) == []
+
+
+def test_same_bits_by_two_threads(digests, reference):
+    found = digests(2, "CD")
+    assert found["threads"] == 2
+    assert differing(found, reference) == []
+
+
+def test_same_bits_by_every_instruction_set(digests, reference):
+    """Eight contacts at once, four or two: the lanes are independent and no product is fused with a sum, so not even round-off differs."""
+    slower = reference["instruction_sets"][1:]
+    if not slower:
+        pytest.skip("this processor has one instruction set that the sweeps are written for")
+    for name in slower:
+        found = digests(1, "CD", name)
+        assert found["instruction_set"] == name
+        assert differing(found, reference) == [], name
+
+
+def test_same_bits_on_a_processor_without_avx512(digests, reference):
+    """C library, numpy and BLAS, too, choose their code by the processor; here they are made to choose as on one that has AVX2 only.
+
+    One without FMA (built before 2013) is another matter: glibc's sin, tan and pow then differ in the last bit, and so do the masses of some disks.
+    """
+    if "avx512" not in reference["instruction_sets"]:
+        pytest.skip("this processor has no AVX-512")
+    older = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ,-AVX512CD", OPENBLAS_CORETYPE="Haswell",
+                 NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL")
+    assert differing(digests(1, "MD,CD", "avx2", **older), reference) == []
