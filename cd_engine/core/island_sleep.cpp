@@ -11,7 +11,6 @@ namespace {
 	constexpr double slow = 10; // velocities, over what an error of the tolerance makes of them: at rest they are 0.5 to 4
 	constexpr double proof = 1e-3; // error to which rest is proven, over the tolerance
 	constexpr double sleeps = 1e-2; // the same with which an island may sleep: its bodies move by half a step of what they did when they stop
-	constexpr int mostSweeps = 2000; // and factorizations, that a proof may take
 
 } // namespace
 
@@ -132,7 +131,7 @@ bool IslandSolver::anySlow(const ContactSystem& system, double tolerance)
 }
 
 // Stops the slow islands that are at rest, as solving them as if nothing had moved before the step shows.
-void IslandSolver::prove(ContactSystem& system, const std::vector<double>& before, const SolverSettings& settings, Effort& effort)
+void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	if (!anySlow(system, settings.tolerance))
 		return;
@@ -140,12 +139,13 @@ void IslandSolver::prove(ContactSystem& system, const std::vector<double>& befor
 	for (std::size_t i = 0; i < part.bodies.size(); i++)
 		for (int k = 0; k < 3; k++) {
 			const std::size_t from = 3 * static_cast<std::size_t>(partBodies[i]) + k;
-			part.bodies[i].v[k] = partFree[3 * i + k] = freeVelocity[from] - before[from];
+			part.bodies[i].v[k] = partFree[3 * i + k] = freeVelocity[from] - stillness.before[from];
 		}
 	SolverSettings finer = settings;
 	finer.tolerance *= proof;
-	finer.maxIterations = std::min(settings.maxIterations, mostSweeps);
-	automatic(part, finer);
+	finer.maxIterations = std::min(settings.maxIterations, stillness.trial);
+	// Without Newton's method: a step of it costs as much as an island awake does in a hundred steps.
+	accelerated(part, finer);
 	judgeRest(settings.tolerance, (1 + 1e-9) * proof); // a single island reaches its tolerance to the last digit
 	for (std::size_t i = 0; i < partContacts.size(); i++)
 		if (islands[partIsland[i]].atRest) {

@@ -324,8 +324,8 @@ SolverReport IslandSolver::operator()(
 		effort.resting += island.sweeps == 0;
 	effort.sleeping = sleeping;
 	if (stillness) {
-		if (stillness->trial && report.status == Status::converged)
-			prove(system, stillness->before, settings, effort);
+		if (stillness->trial > 0 && report.status == Status::converged)
+			prove(system, *stillness, settings, effort);
 		stop(system);
 	}
 	return report;

@@ -76,7 +76,7 @@ class IslandSolver {
 	void fallAsleep(const ContactSystem&, double tolerance);
 	void judgeRest(double tolerance, double share);
 	bool anySlow(const ContactSystem&, double tolerance);
-	void prove(ContactSystem&, const std::vector<double>& before, const SolverSettings&, Effort&);
+	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 	void stop(ContactSystem&);
 
 	std::vector<uint8_t> freedom; // how many velocities of a body can change

@@ -11,7 +11,7 @@ struct StepSettings {
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
 	bool reduce = true; // solve islands of contacts apart (island_solver.hpp)
-	bool trial = false; // slow islands have to prove their rest (sleep.hpp)
+	int trial = 0; // sweeps that slow islands may take to prove their rest (sleep.hpp)
 	Solver solve = nullptr;
 	SolverSettings solver;
 };

@@ -56,7 +56,8 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
-	s.trial = at<long>(of, layout.scene_iter) >= restTrialAt;
+	// Four sweeps for each step since the last trial, about what an island at rest costs while it is awake.
+	s.trial = at<long>(of, layout.scene_iter) >= restTrialAt ? 4 * restTrialPause : 0;
 	s.solve = cd::findSolver(method);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
@@ -99,7 +100,7 @@ void ContactDynamics::advance()
 	islands = report.effort.islands;
 	resting = report.effort.resting;
 	sleeping = report.effort.sleeping;
-	if (settings.trial)
+	if (settings.trial > 0)
 		planRestTrial(report.effort);
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
@@ -116,7 +117,7 @@ void ContactDynamics::advance()
 	}
 }
 
-// A trial costs hundreds of sweeps, so one that fails is not repeated soon.
+// One that fails is repeated later, with more sweeps.
 void ContactDynamics::planRestTrial(const cd::Effort& effort)
 {
 	constexpr int shortest = 16, longest = 4096;

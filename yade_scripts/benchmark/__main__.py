@@ -118,7 +118,7 @@ def show(tables):
     """The tables on the terminal: of the solutions what goals are about, everything else whole."""
     solutions = [row for row in tables["solutions"] if row["target"] in (1e-4, 1e-6, 1e-8)]
     print_table("Solutions", solutions, ("problem", "target", "method", "sweeps", "seconds", "residual", "residual_max", "status"))
-    for name in ("oracle", "sweeps", "engine", "failures", "goals"):
+    for name in ("oracle", "sweeps", "engine", "reduction", "failures", "goals"):
         if tables.get(name):
             print_table(name.capitalize(), tables[name], list(tables[name][0]))
 
