@@ -59,6 +59,7 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 	std::sort(candidates.begin(), candidates.end(), [](const Candidate& p, const Candidate& q) { return p.key < q.key; });
 	world.pairs.clear();
 	interactions.clear();
+	collectSpares();
 	spare.assign(candidates.size(), {});
 	forces.resize(candidates.size());
 	for (const Candidate& c : candidates) {

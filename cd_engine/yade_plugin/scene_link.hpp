@@ -97,6 +97,8 @@ class SceneLink {
 	bool readPairs(double dt, bool impulses);
 	void findForces(std::size_t pair);
 	void readImpulse(std::size_t pair, double dt);
+	void collectSpares();
+	Spare takeSpare();
 	void makeReal(std::size_t pair, long iteration);
 	void makeUnreal(std::size_t pair);
 	void scatterContacts(const cd::TimeStep&, long iteration, double dt);
@@ -113,6 +115,7 @@ class SceneLink {
 	bool inspecting = false; // the scene is only looked at
 	std::vector<Forces> forces; // of world.pairs, as found by this step's gather
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
+	std::vector<Spare> pool; // of pairs that are no more, for others
 	Vector3r gravity = Vector3r::Zero();
 	double layer = 0; // z of the disks
 	void* layerBody = nullptr; // the disk it was taken from

@@ -14,15 +14,36 @@ namespace {
 		return boost::shared_ptr<T>(made, reinterpret_cast<T*>(made.get()));
 	}
 
+	bool isA(void* serializable, const char* name) { return static_cast<yade::Serializable*>(serializable)->getClassName() == name; }
+
 } // namespace
 
-// Gives the interaction objects to hold its force: those it had when it was last loaded, or new ones.
+// Keeps the spares of pairs that are about to be forgotten, so that contacts that come and go do not ask for memory. Not those that somebody
+// else holds or that springs have made: stiffnesses stay with their pair.
+void SceneLink::collectSpares()
+{
+	for (Spare& s : spare)
+		if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isA(s.geom.get(), "ScGeom") && isA(s.phys.get(), "FrictPhys")
+		    && at<double>(s.phys.get(), layout.phys_ks) == 0)
+			pool.push_back(std::move(s));
+}
+
+SceneLink::Spare SceneLink::takeSpare()
+{
+	if (pool.empty())
+		return { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+	Spare taken = std::move(pool.back());
+	pool.pop_back();
+	return taken;
+}
+
+// Gives the interaction objects to hold its force: those it had when it was last loaded, or others, of which every member is set anew.
 void SceneLink::makeReal(std::size_t index, long iteration)
 {
 	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
 	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
 	if (!spare[index].geom)
-		spare[index] = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+		spare[index] = takeSpare();
 	geom = spare[index].geom;
 	phys = spare[index].phys;
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = iteration;

@@ -1,0 +1,73 @@
+"""A step asks for no memory once sizes have settled: counted for the whole engine in a running YADE, whatever library asks on its behalf."""
+import os
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = """
+import ctypes, glob, sys
+sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
+import yade
+from tests.plugin import plane, test_invariants, tumbler
+from yade_scripts import hooks
+{scene}
+counter = ctypes.CDLL(None)
+# In one run, since each is a thread of its own, whose memory begins anew. The second hook asks for some, which has to be seen.
+yade.O.engines = yade.O.engines + [hooks.runner(counter.countStart, iterPeriod=10**9, firstIterRun=yade.O.iter + {settle}),
+                                   hooks.runner(lambda: bytearray(100000), iterPeriod=10**9, firstIterRun=yade.O.iter + {settle} + 1)]
+yade.O.run({settle} + {steps}, True)
+counter.countStop()
+counter.countPrint({output!r}.encode())
+assert engine.contacts > 20, engine.contacts
+"""
+# What YADE asks for in a step of any engine: the collider's new interactions, and teams of threads.
+YADES = ("ForceContainer4sync", "InsertionSortCollider6action")
+OURS = "_yade_plugin.so:"
+
+
+@pytest.fixture(scope="module")
+def counter(tmp_path_factory):
+    """The library that counts."""
+    library = tmp_path_factory.mktemp("counter") / "allocations.so"
+    source = os.path.join(os.path.dirname(__file__), "allocations.cpp")
+    subprocess.run(["g++", "-std=c++17", "-O1", "-shared", "-fPIC", source, "-o", str(library), "-ldl"], check=True)
+    return library
+
+
+def requests(counter, root, folder, **scene):
+    """Requests for memory a step: the engine's, also through YADE's class factory, and those that YADE's collider and forces make when it calls them."""
+    output = folder / "requests.txt"
+    program = PROGRAM.format(root=str(root), output=str(output), **scene)
+    subprocess.run([sys.executable, "-c", program], env=os.environ | {"LD_PRELOAD": str(counter)}, check=True, timeout=200)
+    ours = yades = 0
+    lines = output.read_text().splitlines()
+    assert any("PyByteArray" in line for line in lines)
+    for line in lines:
+        times, *callers = line.split()
+        before = [OURS in caller for caller in callers]
+        if not any(before):
+            continue
+        if any(name in caller for name in YADES for caller in callers[:before.index(True)]):
+            yades += int(times)
+        else:
+            ours += int(times)
+            print(line)  # shown if the test fails
+    return ours / scene["steps"], yades / scene["steps"]
+
+
+def test_at_rest_none(counter, root, tmp_path):
+    """A heap that has come to rest: no request at all, the collider sleeps."""
+    scene = """
+test_invariants.heap(yade.O, 0.3)
+engine = plane.run(1, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-6)
+"""
+    assert requests(counter, root, tmp_path, scene=scene, settle=2500, steps=500) == (0, 0)
+
+
+def test_while_contacts_come_and_go_none_but_for_new_records(counter, root, tmp_path):
+    """More contacts than ever before ask for memory, 0.003 times a step after 20 000 steps and falling; those that replace others do not, where
+    five contacts close in every four steps. YADE makes a new interaction in every fourth step, by four requests."""
+    ours, yades = requests(counter, root, tmp_path, scene="engine = tumbler.build(40)", settle=6000, steps=2000)
+    assert yades > 0.5
+    assert ours < 0.03
