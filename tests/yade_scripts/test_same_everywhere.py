@@ -8,6 +8,8 @@ from yade_scripts import scenes
 
 from .conftest import SCRIPTS
 
+WITHOUT_AVX512 = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ,-AVX512CD", OPENBLAS_CORETYPE="Haswell",
+                      NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL")
 PROGRAM = SCRIPTS.parent / "tests" / "yade_scripts" / "digests.py"
 
 
@@ -51,24 +53,15 @@ def test_same_bits_by_two_threads(digests, reference):
     assert differing(found, reference) == []
 
 
-def test_same_bits_by_every_instruction_set(digests, reference):
-    """Eight contacts at once, four or two: the lanes are independent and no product is fused with a sum, so not even round-off differs."""
-    slower = reference["instruction_sets"][1:]
-    if not slower:
-        pytest.skip("this processor has one instruction set that the sweeps are written for")
-    for name in slower:
-        found = digests(1, "CD", name)
-        assert found["instruction_set"] == name
-        assert differing(found, reference) == [], name
+@pytest.mark.parametrize("name", ["avx2", "any"])
+def test_same_bits_by_other_instruction_sets(digests, reference, name):
+    """Eight contacts at once, four or two: the lanes are independent and no product is fused with a sum, so not even round-off differs.
 
-
-def test_same_bits_on_a_processor_without_avx512(digests, reference):
-    """C library, numpy and BLAS, too, choose their code by the processor; here they are made to choose as on one that has AVX2 only.
-
-    One without FMA (built before 2013) is another matter: glibc's sin, tan and pow then differ in the last bit, and so do the masses of some disks.
+    With AVX2 the whole process is made to run as on a processor that has no AVX-512: C library, numpy and BLAS choose their code, too. One
+    without FMA (built before 2013) is another matter: glibc's sin, tan and pow then differ in the last bit, and so do the masses of some disks.
     """
-    if "avx512" not in reference["instruction_sets"]:
-        pytest.skip("this processor has no AVX-512")
-    older = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ,-AVX512CD", OPENBLAS_CORETYPE="Haswell",
-                 NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL")
-    assert differing(digests(1, "MD,CD", "avx2", **older), reference) == []
+    if name not in reference["instruction_sets"][1:]:
+        pytest.skip(f"on this processor {name} is what all tests use, or cannot be used")
+    found = digests(1, "MD,CD", name, **WITHOUT_AVX512) if name == "avx2" else digests(1, "CD", name)
+    assert found["instruction_set"] == name
+    assert differing(found, reference) == []
