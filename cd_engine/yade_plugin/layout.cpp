@@ -75,6 +75,7 @@ namespace {
 		s.published<double>(&Layout::geom_refR2, "GenericSpheresContact", "refR2");
 		s.published<double>(&Layout::geom_penetrationDepth, "ScGeom", "penetrationDepth");
 		s.published<Vector3r>(&Layout::geom_shearInc, "ScGeom", "shearInc");
+		s.published<double>(&Layout::phys_kn, "NormPhys", "kn");
 		s.published<Vector3r>(&Layout::phys_normalForce, "NormPhys", "normalForce");
 		s.published<double>(&Layout::phys_ks, "NormShearPhys", "ks");
 		s.published<Vector3r>(&Layout::phys_shearForce, "NormShearPhys", "shearForce");

@@ -24,7 +24,7 @@ struct Layout {
 	long interaction_id1, interaction_id2, interaction_iterMadeReal, interaction_geom, interaction_phys;
 	long interactions_linear;
 	long geom_normal, geom_contactPoint, geom_refR1, geom_refR2, geom_penetrationDepth, geom_shearInc;
-	long phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle;
+	long phys_kn, phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle;
 	long bounds_aabbEnlargeFactor;
 	long sphere_radius, box_extents, wall_sense, wall_axis, frictMat_frictionAngle;
 };

@@ -24,7 +24,7 @@ void SceneLink::collectSpares()
 {
 	for (Spare& s : spare)
 		if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isA(s.geom.get(), "ScGeom") && isA(s.phys.get(), "FrictPhys")
-		    && at<double>(s.phys.get(), layout.phys_ks) == 0)
+		    && at<double>(s.phys.get(), layout.phys_kn) == 0)
 			pool.push_back(std::move(s));
 }
 

@@ -19,7 +19,7 @@ def test_layout_is_confirmed_and_agrees_with_the_documented_offsets(plugin):
     layout = dict(plugin.layout())
     known = {"Scene.forces": 32, "Scene.dt": 440, "Scene.iter": 448, "Scene.bodies": 600, "Scene.interactions": 616, "State.vel": 144, "State.mass": 168,
              "State.angVel": 176, "State.blockedDOFs": 304, "Interaction.geom": 112, "Interaction.phys": 128, "Engine.scene": 24, "Engine.label": 72,
-             "ScGeom.penetrationDepth": 160, "NormPhys.normalForce": 40, "NormShearPhys.ks": 64,
+             "ScGeom.penetrationDepth": 160, "NormPhys.kn": 32, "NormPhys.normalForce": 40, "NormShearPhys.ks": 64,
              "NormShearPhys.shearForce": 72}
     assert {name: layout[name] for name in known} == known
 

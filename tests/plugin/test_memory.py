@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from . import plane
+
 PROGRAM = """
 import ctypes, glob, sys
 sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
@@ -71,3 +73,23 @@ def test_while_contacts_come_and_go_none_but_for_new_records(counter, root, tmp_
     ours, yades = requests(counter, root, tmp_path, scene="engine = tumbler.build(40)", settle=6000, steps=2000)
     assert yades > 0.5
     assert ours < 0.03
+
+
+@pytest.mark.parametrize("kn", [0, 1e5])
+def test_stiffness_stays_with_its_pair(O, kn):
+    """A contact's objects serve another pair when it is gone, but not those that springs gave a stiffness."""
+    first, second, third = (plane.disk((x, 0), 0.1) for x in (0, 0.199, 0.6))
+    plane.run(1, 1e-3, handover=True)
+    O.bodies[second].state.vel = (-1, 0, 0)
+    O.run(1, True)
+    assert O.interactions[first, second].isReal
+    O.interactions[first, second].phys.kn = kn
+    for body, place in ((second, -1), (third, 0.2)):
+        O.bodies[body].state.pos, O.bodies[body].state.vel = (place, 0, 0), (0, 0, 0)
+    O.bodies[first].state.vel = (0, 0, 0)
+    O.run(2, True)
+    assert not (O.interactions.has(first, second) and O.interactions[first, second].isReal)
+    O.bodies[third].state.vel = (-1, 0, 0)
+    O.run(1, True)
+    contact = O.interactions[first, third]
+    assert contact.isReal and contact.phys.kn == 0
