@@ -43,7 +43,7 @@ test: build ## all tests and the short regression run
 	$(PYTHON) -m pytest tests -n 2
 
 soak: build ## what takes too long for `make test`: runs killed many times, damaged files by the thousand, long runs
-	@.ci/install-packages test
+	@.ci/install-packages test soak
 	$(PYTHON) -m pytest tests/soak
 
 console: build ## YADE's console with the engine and the prepared packing
