@@ -2,7 +2,7 @@
 from yade import O
 
 import cd_engine
-from yade_scripts import hooks, walls
+from yade_scripts import bounds, hooks, walls
 from yade_scripts.parameters import ParameterError
 
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
@@ -14,12 +14,14 @@ SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedI
 class Watch:
     """Keeps the largest residual between two samples; the engine itself knows only its last step."""
 
-    def __init__(self, engine):
-        self.engine, self._largest = engine, 0.0
+    def __init__(self, full, engine):
+        self.full, self.engine, self._largest = full, engine, 0.0
 
     def look(self):
-        """After every step."""
-        self._largest = max(self._largest, self.engine.residual)
+        """After every step; OutOfBounds where the run has to end."""
+        residual = self.engine.residual
+        bounds.check_step(self.full, O.iter, residual, self.engine.maxPenetration)
+        self._largest = max(self._largest, residual)
 
     def take(self):
         """The largest error e since the last call."""
@@ -38,7 +40,7 @@ def set_engines(full, scene, goals=None):
     settings = {attribute: full[name] for attribute, name in SETTINGS.items()}
     reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
     engine.label = "contact_dynamics"  # its name at the console
-    scene.watch = Watch(engine)
+    scene.watch = Watch(full, engine)
     engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
     if goals is not None:
         scene.load = walls.ForceLoad(goals, lead=O.dt / 2)

@@ -114,7 +114,7 @@ class Checkpoints:
 
     def _keepers(self, recorder):
         """The objects in Python that change as the run goes on."""
-        found = {"load": self.scene.load, "watch": self.scene.watch, "recorder": recorder, "load_check": recorder.load_check}
+        found = {"load": self.scene.load, "watch": self.scene.watch, "recorder": recorder, "load_check": recorder.load_check, "bounds": recorder.bounds}
         return {name: keeper for name, keeper in found.items() if keeper is not None}
 
     def remove(self):

@@ -15,6 +15,7 @@ from yade import O, config, utils
 
 from analysis import schema
 from yade_scripts import md_step, observe, parameters, results, walls
+from yade_scripts.bounds import Bounds
 from yade_scripts.commits import git_commit
 from yade_scripts.load_check import Collapse, LoadCheck
 
@@ -36,6 +37,7 @@ class Recorder:
         if scene.law is None:
             self.names.remove("friction_dissipation")
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
+        self.bounds = Bounds(full, scene.load is not None)
         self.started, self.seconds = time.perf_counter(), 0.0  # computing time before `started`
         self.reference, self.first_sides = None, None
         self.memory = io.BytesIO(record or b"")
@@ -81,7 +83,7 @@ class Recorder:
             "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
 
     def sample(self):
-        """One row of the history, at some samples a snapshot. Collapse or StressError where the run has to end."""
+        """One row of the history, at some samples a snapshot. Collapse, StressError or OutOfBounds where the run has to end."""
         if self.count == 0 and self.full["method"] == "MD":
             md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
         row = self._measure()
@@ -96,6 +98,7 @@ class Recorder:
             self._write(self.partial)
             self.written = time.monotonic()
         self.progress((self.count - 1) / self.scene.samples)
+        self.bounds.look(row, O.iter)
         try:
             if self.scene.load is not None:
                 self.load_check.look(row)
