@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # after the backend is chosen
@@ -30,7 +31,7 @@ def finish(fig, runs, path, note="", foot=None):
     _mend_logarithms(fig)
     if foot is not None:
         fig.tight_layout(rect=(0, foot, 1, 1))
-    origin = provenance(*runs)
+    origin = "; ".join(filter(None, (missed(runs), provenance(*runs))))
     between = "; " if fig.get_figwidth() > 9 else "\n"
     lines = [note, ", ".join(_common(sample, runs)), between.join(_settings(runs)), origin]
     fig.text(0.5, 0.012, "\n".join(line for line in lines if line), ha="center", va="bottom", fontsize=7.5,
@@ -104,6 +105,14 @@ def provenance(*runs):
     if not states:
         return f"{len(runs)} runs, {code}"
     return f"prepared state {states[0]}, {code}, one sample (seed {runs[0].attributes['seed']})"
+
+
+def missed(runs):
+    """How many steps of how many runs missed the solver's tolerance; nothing where none did."""
+    counts = [int(run.history["unconverged_steps"][-1]) for run in runs if "unconverged_steps" in run.history]
+    if not any(counts):
+        return ""
+    return f"{np.count_nonzero(counts)} of {len(counts)} CD runs have steps that missed the tolerance, at most {max(counts)}"
 
 
 def short(commit):

@@ -39,7 +39,9 @@ def finish(fig, path, note, records):
     commits = {record["git_commit"] for record in records}
     code = f"commit {style.short(*commits)}" if len(commits) == 1 else f"{len(commits)} DIFFERENT COMMITS"
     failed = sum(record["status"] != "finished" for record in records)
-    line = (f"{len(records)} settings, {failed} of them failed, {sum(len(record.get('seconds') or ()) for record in records)} runs, {code}, "
+    missed = sum(bool(record.get("unconverged_steps")) for record in records)
+    missed = f"{missed} with steps that missed the tolerance, " if missed else ""
+    line = (f"{len(records)} settings, {failed} of them failed, {missed}{sum(len(record.get('seconds') or ()) for record in records)} runs, {code}, "
             f"{', '.join(sorted({record['processor'] for record in records}))}")
     foot = LINE * (2.5 + note.count("\n")) / fig.get_figheight()
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
