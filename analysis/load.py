@@ -8,9 +8,11 @@ import h5py
 import numpy as np
 
 from analysis import schema
+from cd_engine import guarded
 from yade_scripts import parameters, results, tables
 
 PARTIAL_SUFFIX = ".partial.h5"
+AGAIN, OURS = "remove it and run it again", "give a file written by yade_scripts/run.py"  # what to do
 RESULTS = Path(__file__).resolve().parent.parent / "results"
 
 
@@ -19,7 +21,7 @@ class ResultError(Exception):
 
     def __init__(self, path, what, remedy):
         super().__init__(f"{path}: {what}; {remedy}")
-        self.what = what
+        self.what, self.remedy = what, remedy
 
 
 @dataclass(frozen=True)
@@ -108,12 +110,11 @@ def load(path, finished=True):
         raise ResultError(path, "unfinished, it is being written or was interrupted",
                           "start the run again if it is not under way")
     try:
-        with h5py.File(path, "r") as file:
-            run = _read(path, file)
-    except (OSError, RuntimeError) as error:
-        kind = "not a readable HDF5 file" if not _looks_like_hdf5(path) else "truncated or damaged"
-        raise ResultError(path, f"{kind} ({_first_line(error)})",
-                          "remove it and run it again") from None
+        run = guarded.call(_open, path)
+    except (OSError, ValueError) as error:
+        run = f"truncated or damaged ({_first_line(error)})", AGAIN
+    if not isinstance(run, Run):
+        raise ResultError(path, *run)
     if finished and not run.finished:
         raise ResultError(path, f"the run did not finish: {run.attributes['status']}",
                           "mend the cause, remove the file and run it again")
@@ -181,17 +182,31 @@ def _differences(md, cd):
     return found
 
 
+def _open(path):
+    """The run, or (what is wrong, what to do); called in a process of its own, which a damaged file may end."""
+    try:
+        with h5py.File(path, "r") as file:
+            return _read(path, file)
+    except ResultError as error:
+        return error.what, error.remedy
+    except (OSError, RuntimeError) as error:
+        kind = "not a readable HDF5 file" if not _looks_like_hdf5(path) else "truncated or damaged"
+        return f"{kind} ({_first_line(error)})", AGAIN
+    except (AttributeError, KeyError, TypeError, ValueError) as error:  # parts of other kinds than those that schema.problems looks at
+        return f"not a result file of this project ({type(error).__name__}: {_first_line(error)})", OURS
+
+
 def _read(path, file):
     found = schema.problems(file)
     if found:
-        raise ResultError(path, "not a result file of this project: " + "; ".join(found),
-                          "give a file written by yade_scripts/run.py")
+        raise ResultError(path, "not a result file of this project: " + "; ".join(found), OURS)
     attributes = {name: file.attrs[name] for name in schema.ROOT_ATTRIBUTES}
     try:
         row = json.loads(attributes["parameters"])
     except json.JSONDecodeError as error:
-        raise ResultError(path, f"attribute 'parameters' is not JSON ({error})",
-                          "remove it and run it again") from None
+        raise ResultError(path, f"attribute 'parameters' is not JSON ({error})", AGAIN) from None
+    if not isinstance(row, dict):
+        raise ResultError(path, "attribute 'parameters' is no table of names and values", AGAIN)
     history = {name: data[()] for name, data in file["history"].items()}
     snapshots = [_read_snapshot(file["snapshots"][number])
                  for number in sorted(file.get("snapshots", ()), key=int)]

@@ -61,10 +61,28 @@ def text(value):
 
 
 def read_csv(path):
-    """(headings, rows as {heading: text}) of a summary table."""
-    with open(path, newline="") as file:
-        reader = csv.DictReader(file)
-        return reader.fieldnames, list(reader)
+    """(headings, rows as {heading: text}) of a summary table; ValueError with the line where it is none."""
+    with open(path, newline="", errors="replace") as file:
+        reader = csv.reader(file)
+        try:
+            headings = next(reader, [])
+            return headings, [dict(zip(headings, line, strict=True)) for line in reader if line]
+        except (csv.Error, ValueError) as error:
+            raise ValueError(f"{path}:{reader.line_num}: {error}") from None
+
+
+def read_json(path, kinds):
+    """The object in a file; ValueError where one of the names of `kinds` {name: type} is missing or of another type."""
+    try:
+        found = json.loads(Path(path).read_bytes())
+    except RecursionError as error:
+        raise ValueError(f"{path}: {error}") from None
+    if not isinstance(found, dict):
+        raise ValueError(f"{path}: no object of names and values")
+    wrong = [name for name, kind in kinds.items() if not isinstance(found.get(name), kind)]
+    if wrong:
+        raise ValueError(f"{path}: {', '.join(wrong)} missing or of another kind")
+    return found
 
 
 def findings(collection, rows):

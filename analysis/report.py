@@ -1,7 +1,6 @@
 """The report: one self-contained HTML page from the studies' published files, images inlined, nothing loaded from elsewhere."""
 
 import base64
-import json
 import math
 import re
 from pathlib import Path
@@ -19,6 +18,14 @@ QUESTION = ("Load a dense packing of disks, unload it, and some strain remains. 
             "the solver?")
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
          "ECCOMAS 2004")
+
+# What the page needs of the files of a study and of a chart.
+COMMON = dict.fromkeys(("title", "question", "answer", "extent", "python", "processor", "run_command", "figure_command"), str) | dict.fromkeys(
+    ("commits", "yade"), list) | dict.fromkeys(("runs_finished", "runs_failed"), int) | {"computing_seconds": (int, float)}
+CHART = COMMON | {"chart": str, "figures": list}
+STUDY = COMMON | dict.fromkeys(("study", "headline", "lead", "numpy"), str) | dict.fromkeys(("points", "tables"), list) | dict.fromkeys(
+    ("energy_balance", "parameters", "varied"), dict) | dict.fromkeys(("runs_missing", "runs_collapsed", "packings"), int)
+POINT, BALANCE = {"order", "quote", "where", "verdict", "measured"}, {"runs", "median", "largest"}
 
 
 def build(folder, path):
@@ -49,7 +56,11 @@ def _study(stem):
     if not files[0].is_file():
         return None
     try:
-        study = json.loads(files[0].read_text())
+        study = publish.read_json(files[0], STUDY)
+        if not all(isinstance(point, dict) and point.keys() >= POINT and point["order"] in range(len(comparison.POINTS)) for point in study["points"]):
+            raise ValueError("points of another kind")
+        if not all(isinstance(balance, dict) and balance.keys() >= BALANCE for balance in study["energy_balance"].values()):
+            raise ValueError("energy_balance of another kind")
         headings, rows = publish.read_csv(files[1])
         picture = _data_url(files[2])
     except (OSError, ValueError) as error:
@@ -64,10 +75,10 @@ def _chart(stem):
     if not stem.with_suffix(".json").is_file():
         return None
     try:
-        chart = json.loads(stem.with_suffix(".json").read_text())
+        chart = publish.read_json(stem.with_suffix(".json"), CHART)
         headings, rows = publish.read_csv(stem.with_suffix(".csv"))
         pictures = [(figure["title"], _data_url(stem.with_name(figure["file"]))) for figure in chart["figures"]]
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise ResultError(stem, f"is incomplete or damaged ({error})", "make it again: /usr/bin/python3 -m analysis charts") from None
     return chart | {"headings": headings, "rows": rows, "pictures": pictures}
 

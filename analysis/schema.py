@@ -147,6 +147,8 @@ def problems(file: h5py.File) -> list:
     missing = [name for name in ROOT_ATTRIBUTES if name not in file.attrs]
     if missing:
         return ["root attributes missing: " + ", ".join(missing)]
+    if found := [said for name in ROOT_ATTRIBUTES if (said := _attribute_problem(name, file.attrs[name]))]:
+        return found
     method = file.attrs["method"]
     if method not in METHODS:
         return [f"method is {method!r}, not one of {', '.join(METHODS)}"]
@@ -159,6 +161,17 @@ def problems(file: h5py.File) -> list:
     return found
 
 
+def _attribute_problem(name, value):
+    """What is wrong with the kind of a root attribute, else nothing."""
+    if name == "finished":
+        kind, fits = "true or false", isinstance(value, (bool, np.bool_))
+    elif not ROOT_ATTRIBUTES[name].unit:
+        kind, fits = "a text", isinstance(value, str)
+    else:
+        kind, fits = "a number", isinstance(value, (int, float, np.number)) and np.isfinite(value)
+    return "" if fits else f"attribute {name} is {value!r}, not {kind}"
+
+
 def _history_problems(file, method):
     if "history" not in file:
         return ["group /history missing"]
@@ -169,15 +182,22 @@ def _history_problems(file, method):
             if method in field.methods:
                 found.append(f"/history/{name} missing")
             continue
-        unit = history[name].attrs.get("unit")
-        if unit is None:
-            found.append(f"/history/{name} has no attribute 'unit', expected '{field.unit}'")
-        elif unit != field.unit:
-            found.append(f"/history/{name} is in '{unit}', expected '{field.unit}'")
+        found += _data_problems(history[name], field)
         lengths[name] = history[name].shape
     if any(len(shape) != 1 for shape in lengths.values()) or len(set(lengths.values())) > 1:
         found.append("fields of /history differ in shape: "
                      + ", ".join(f"{name} {shape}" for name, shape in lengths.items()))
+    return found
+
+
+def _data_problems(data, field):
+    """Of numbers in their unit."""
+    unit = data.attrs.get("unit")
+    found = [] if data.dtype.kind in "fiu" else [f"{data.name} holds {data.dtype}, no numbers"]
+    if unit is None:
+        found.append(f"{data.name} has no attribute 'unit', expected '{field.unit}'")
+    elif unit != field.unit:
+        found.append(f"{data.name} is in '{unit}', expected '{field.unit}'")
     return found
 
 
@@ -189,6 +209,7 @@ def _snapshot_problems(group):
         if name not in group:
             found.append(f"{group.name}/{name} missing")
             continue
+        found += _data_problems(group[name], field)
         shape = group[name].shape
         expected = field.shape
         fits = len(shape) == len(expected) and all(

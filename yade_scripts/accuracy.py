@@ -135,6 +135,7 @@ def main(arguments):
         except (IndexError, ValueError):
             raise parameters.ParameterError("accuracy=...: a relative error such as accuracy=1e-3 has to be given") from None
         check(row, accuracy)
+        results.make(results.FOLDER)
         levels = search(row, accuracy, run_in_yade(results.FOLDER))
     except parameters.ParameterError as error:
         print(f"accuracy: {error}", file=sys.stderr)

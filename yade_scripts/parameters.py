@@ -62,7 +62,7 @@ class Parameter:
             return value if isinstance(value, bool) else None
         if kind is str:
             return value if isinstance(value, str) else None
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or isinstance(value, int) and abs(value) > 2**63:
             return None
         if kind is int:
             return int(value) if math.isfinite(value) and value == int(value) else None

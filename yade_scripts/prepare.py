@@ -52,7 +52,7 @@ def ensure(full, folder):
     path = state_path(full, folder)
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at once prepare once
-        checksum = _verified(path)
+        checksum = _verified(path, inputs(full))
         if checksum is None:
             _make(full)
             checksum = _save(full, path)
@@ -67,18 +67,19 @@ def _sha256(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _verified(path):
-    """SHA-256 of an existing, undamaged state, else None."""
+def _verified(path, wanted):
+    """SHA-256 of an existing, undamaged state that was prepared from the inputs `wanted`, else None."""
     if not path.exists():
         return None
     checksum = _sha256(path)
     try:
-        recorded = json.loads(_record(path).read_text())["sha256"]
-    except (OSError, ValueError, KeyError):
-        recorded = None
-    if checksum == recorded:
-        return checksum
-    print(f"{path} does not match its record {_record(path).name}: preparing it again.", file=sys.stderr)
+        record = json.loads(_record(path).read_bytes())
+        if record["sha256"] == checksum and record["inputs"] == wanted:
+            return checksum
+        reason = "is of another packing than its name says" if record["sha256"] == checksum else f"does not match its record {_record(path).name}"
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        reason = f"has no readable record {_record(path).name}"
+    print(f"{path} {reason}: preparing it again.", file=sys.stderr)
     return None
 
 
@@ -197,6 +198,7 @@ def main(arguments):
     try:
         precision.check()
         full = parameters.complete(parameters.from_arguments(arguments))
+        results.make(results.FOLDER)
     except (parameters.ParameterError, ImportError) as error:
         print(f"prepare: {error}", file=sys.stderr)
         return 2

@@ -12,6 +12,16 @@ FOLDER = "results"
 AT_ONCE = 100  # files read in one process, which costs 8 ms; a file costs 0.1 ms
 
 
+def make(folder):
+    """Make the folder of results unless it is there; ParameterError where it cannot be one."""
+    try:
+        pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError("nothing can be written there")
+    except OSError as error:
+        raise parameters.ParameterError(f"{folder} cannot be a folder of results: {error}") from None
+
+
 def path_of(full, folder=FOLDER):
     """The result file of a full row."""
     return pathlib.Path(folder) / f"{parameters.result_name(full)}.h5"

@@ -17,7 +17,7 @@ import traceback
 if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
 
-from yade_scripts import locks, parameters, results, tables
+from yade_scripts import locks, parameters, plausible, results, tables
 
 
 def start(folder=results.FOLDER, **row):
@@ -29,8 +29,10 @@ def start(folder=results.FOLDER, **row):
 def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     """Run a row to its end and write its file; the exit status. checkpoint_samples: None for the default of checkpoint.py."""
     full = parameters.complete(row)
+    for doubt in plausible.doubts(full):
+        print(f"run: {doubt}.", file=sys.stderr)
     path = results.path_of(full, folder)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    results.make(folder)
     with locks.held(path, lambda: print(f"{path.stem}: another process runs this row: waiting for it", flush=True)):
         if results.finished(path):
             print(f"{path} is there already.")

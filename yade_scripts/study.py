@@ -21,7 +21,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
 from analysis.schema import STATUS_FINISHED
-from yade_scripts import commits, locks, parameters, results, tables
+from yade_scripts import commits, locks, parameters, plausible, results, tables
 
 SECONDS = 5  # between two lines of progress
 # The kernel ends a child of this process with it, whatever ended it. A run may be killed at any moment.
@@ -41,7 +41,6 @@ class Job:
 
     def start(self):
         """Run the row in a YADE of its own, one thread: several threads are not repeatable."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         if not self.elsewhere():
             self.log.write_text("")
         with open(self.log, "a") as log:
@@ -128,9 +127,7 @@ class Figures:
             command.append("--full")
         if self.figures:
             command += ["-o", str(pathlib.Path(self.figures).resolve())]
-        folder = pathlib.Path(self.folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        with locks.held(folder / f"figure of {study}"):
+        with locks.held(pathlib.Path(self.folder) / f"figure of {study}"):
             done = subprocess.run([*WITH_ME, *command], cwd=HERE.parent, capture_output=True, text=True)
         print((done.stdout + done.stderr).strip(), flush=True)
         if done.returncode:
@@ -147,10 +144,17 @@ def _warn_of_other_code(made_by):
             print(f"study: {path} was made by commit {made[:12]}{made[40:]}, the code is at {now[:12]}{now[40:]}; delete the file to run it again.", file=sys.stderr)
 
 
-def _jobs(paths, folder):
+def jobs_of(paths, folder):
     """{table: its jobs}; a row that several tables share is one job."""
-    known = {}
-    return {path: [known.setdefault(job.path, job) for job in (Job(row, folder) for row in tables.read(path).values())] for path in paths}
+    known, found = {}, {}
+    for path in paths:
+        jobs = {line: Job(row, folder) for line, row in tables.read(path).items()}
+        for line, job in jobs.items():
+            for doubt in plausible.doubts(job.full):
+                print(f"study: {path}:{line}: {doubt}.", file=sys.stderr)
+        found[path] = [known.setdefault(job.path, job) for job in jobs.values()]
+    results.make(folder)
+    return found
 
 
 def _studies(full):
@@ -171,6 +175,10 @@ def _options(arguments):
     options = parser.parse_args(arguments)
     if bool(options.tables) + options.quick + options.full != 1:
         parser.error("give either tables, or --quick, or --full")
+    if options.only and options.tables:
+        parser.error("--only is for --quick and --full")
+    if options.jobs < 1:
+        parser.error("--jobs must be at least 1")
     return options
 
 
@@ -190,7 +198,7 @@ def main(arguments=None):
             print(f"study: there is no study {', '.join(unknown)}; there are {', '.join(studies)}", file=sys.stderr)
             return 2
         studies = {name: paths for name, paths in studies.items() if name in (options.only or studies)}
-        by_table = _jobs(options.tables or list(dict.fromkeys(path for paths in studies.values() for path in paths)), options.results)
+        by_table = jobs_of(options.tables or list(dict.fromkeys(path for paths in studies.values() for path in paths)), options.results)
     except (parameters.ParameterError, tables.TableError, ImportError) as error:
         print(f"study: {error}", file=sys.stderr)
         return 2
@@ -201,8 +209,12 @@ def main(arguments=None):
     print(f"{', '.join(studies or by_table)}: {len(jobs)} runs, {len(jobs) - len(open_jobs)} of them finished before", flush=True)
     figures = Figures({name: [job for path in paths for job in by_table[path]] for name, paths in studies.items()},
                       options.full, options.results, options.figures)
-    figures.ended({job.path for job in jobs} - {job.path for job in open_jobs})
-    failed = Queue(open_jobs, max(1, options.jobs)).run(lambda job: figures.ended({job.path}))
+    try:
+        figures.ended({job.path for job in jobs} - {job.path for job in open_jobs})
+        failed = Queue(open_jobs, options.jobs).run(lambda job: figures.ended({job.path}))
+    except OSError as error:
+        print(f"study: {error}: what has finished is kept; make room, and the same command goes on.", file=sys.stderr)
+        return 1
     for path in failed:
         print(f"study: {path} failed: {results.status(path) or 'see its log'}", file=sys.stderr)
     drawn = [path for path in figures.drawn if path.strip()]

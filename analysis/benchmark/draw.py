@@ -1,5 +1,4 @@
 """Error against time, cost of a sweep against size, sweeps against N."""
-import json
 import math
 import statistics
 from pathlib import Path
@@ -12,13 +11,18 @@ PEER, REFERENCE, SOLVED = "siconos nsgs", "nsgs", "solved"
 LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"), "auto": ("#CC79A7", "D")}
 TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00", "^")}
 PANELS = 6
+# What the figures need.
+ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
+TEXTS = "status", "problem", "kind", "start", "method"
+COLUMNS = {"solutions": (*TEXTS, "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
+           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated", "bandwidth_gb_per_s")}
 
 
 def draw(folder):
-    """Draw all that the tables in `folder` have rows for; the paths of the figures."""
+    """Draw all that the tables in `folder` have rows for; the paths of the figures. ValueError where a file is damaged."""
     folder = Path(folder)
-    origin = json.loads((folder / "provenance.json").read_text())
-    solutions, sweeps = (_rows(folder / f"{name}.csv") for name in ("solutions", "sweeps"))
+    origin = publish.read_json(folder / "provenance.json", ORIGIN)
+    solutions, sweeps = (_rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items())
     drawn = []
     for name, rows, figure in (("error_against_time", solutions, error_against_time), ("sweep_cost", sweeps, sweep_cost),
                                ("sweeps_against_size", solutions, sweeps_against_size)):
@@ -27,16 +31,17 @@ def draw(folder):
     return drawn
 
 
-def _rows(path):
+def _rows(path, columns):
     """The rows of a table, with numbers as numbers; empty cells are None."""
-    def value(text):
-        try:
-            return float(text)
-        except ValueError:
-            return text or None
     if not path.exists():
         return []
-    return [{name: value(text) for name, text in row.items()} for row in publish.read_csv(path)[1]]
+    headings, rows = publish.read_csv(path)
+    if missing := [name for name in columns if name not in headings]:
+        raise ValueError(f"{path}: no column {', '.join(missing)}")
+    try:
+        return [{name: (text if name in TEXTS else float(text)) if text else None for name, text in row.items()} for row in rows]
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
 
 
 def _save(fig, origin, path):

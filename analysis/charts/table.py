@@ -25,6 +25,7 @@ def from_records(results, full):
         found = records.read(scene, results)
         for setting in settings.everything(scene, not full):
             if setting.name in found:
+                records.check(found[setting.name], records.path(scene, results))
                 used[setting.name] = found[setting.name]
                 rows.append(_row(setting, found[setting.name]))
     if not rows:
@@ -60,11 +61,14 @@ def _worst(known):
 
 
 def from_csv(path):
-    """The rows of a published table, numbers as numbers."""
-    _, rows = publish.read_csv(path)
-    for row in rows:
-        row |= {name: int(row[name]) if row[name] not in ("", "None") else None for name in WHOLE}
-        row |= {name: float(row[name]) if row[name] not in ("", "None") else None for name in REAL}
+    """The rows of a published table, numbers as numbers; ResultError where it is damaged."""
+    try:
+        _, rows = publish.read_csv(path)
+        for row in rows:
+            row |= {name: int(row[name]) if row[name] not in ("", "None") else None for name in WHOLE}
+            row |= {name: float(row[name]) if row[name] not in ("", "None") else None for name in REAL}
+    except (KeyError, ValueError) as error:
+        raise load.ResultError(path, f"is damaged ({error})", "make it again: make charts") from None
     return rows
 
 

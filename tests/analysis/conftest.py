@@ -83,7 +83,7 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
             group = file.create_group(f"snapshots/{number}")
             group.attrs.update(time=time, cycle=time)
             for name, values in fields.items():
-                group[name] = values
+                group.create_dataset(name, data=values).attrs["unit"] = schema.SNAPSHOT[name].unit
     return path
 
 

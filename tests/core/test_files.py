@@ -1,6 +1,5 @@
 """Problems read and written: each kind of file, what other codes make of ours, and what becomes of damaged ones."""
 import ctypes
-import random
 
 import h5py
 import numpy as np
@@ -217,46 +216,3 @@ def test_a_crash_or_a_loop_below_is_a_refusal(tmp_path, monkeypatch):
         with pytest.raises(ValueError, match=f"{path}: damaged.*{words}"):
             guarded.call(function, path)
     assert guarded.call(lambda _: "read", path) == "read"
-
-
-def mutations(good, count, seed):
-    """Copies cut, with parts lost, repeated, or bytes replaced, some of them by characters numbers are made of."""
-    draw = random.Random(seed)
-    for _ in range(count):
-        bad = bytearray(good)
-        kind, place = draw.random(), draw.randrange(len(bad))
-        part = slice(place, place + draw.randrange(1, 64))
-        if kind < 0.15:
-            del bad[place:]
-        elif kind < 0.3:
-            del bad[part]
-        elif kind < 0.4:
-            bad[place:place] = bad[part]
-        else:
-            for _ in range(draw.choice([1, 1, 2, 4, 16])):
-                bad[draw.randrange(len(bad))] = draw.choice([0, 1, 255, 127, 128, *b"-09.e", draw.randrange(256)])
-        yield bytes(bad)
-
-
-def survive(path, cases):
-    """Every case is either read or refused with its place; says how many were refused."""
-    refused = 0
-    for case in cases:
-        path.write_bytes(case)
-        try:
-            core.solve(core.read_problem(path), max_iterations=10)
-        except ValueError as error:
-            refused += 1
-            assert str(path) in str(error)
-    return refused
-
-
-@pytest.mark.parametrize("storage", STORAGES)
-def test_fuzz_text(tmp_path, storage):
-    refused = survive(tmp_path / "fuzz.dat", mutations(siconos_text(storage).encode(), 400, seed=1))
-    assert 40 < refused < 400  # neither everything nor nothing gets through
-
-
-def test_fuzz_fclib(tmp_path, written):
-    refused = survive(tmp_path / "fuzz.hdf5", mutations(written.read_bytes(), 400, seed=2))
-    assert 40 < refused < 400

@@ -1,4 +1,7 @@
 """The prepared packing: the same in every process, at rest, under its load, and the same start for both methods."""
+import hashlib
+import json
+
 import pytest
 
 from analysis import schema
@@ -36,6 +39,16 @@ def test_damaged_file_is_prepared_again(yade_elsewhere):
     done = yade_elsewhere.script("prepare.py", "disks=20")
     assert done.returncode == 0 and "does not match its record" in done.stderr
     assert state.read_bytes() == whole
+
+
+def test_a_packing_of_other_inputs_is_not_taken(tmp_path, capsys):
+    """A file that somebody has renamed, with its record; or of another YADE, whose version is one of the inputs."""
+    from yade_scripts import prepare
+    path = tmp_path / "a.yade.gz"
+    path.write_bytes(b"scene")
+    path.with_name("a.json").write_text(json.dumps({"sha256": hashlib.sha256(b"scene").hexdigest(), "inputs": {"seed": 2}}))
+    assert prepare._verified(path, {"seed": 2}) and prepare._verified(path, {"seed": 1}) is None
+    assert "of another packing" in capsys.readouterr().err
 
 
 def test_a_packing_that_finds_no_rest_says_so(yade_elsewhere):

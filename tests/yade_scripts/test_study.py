@@ -1,4 +1,5 @@
 """The runner of tables: what counts as done, and its exit status."""
+import errno
 import json
 import os
 import signal
@@ -38,6 +39,19 @@ def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, c
 def test_wrong_table_stops_before_the_first_run(table, capsys, text, message):
     assert study.main([table(text)]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, monkeypatch, capsys):
+    path, folder = table("seed\n1\n"), tmp_path / "file"
+    folder.touch()
+    assert study.main([path, "--results", str(folder)]) == 2
+    assert f"{folder} cannot be a folder of results" in capsys.readouterr().err
+
+    def full(job):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.log))
+    monkeypatch.setattr(study.Job, "start", full)
+    assert study.main([path, "--results", str(tmp_path / "results")]) == 1
+    assert "No space left on device" in (said := capsys.readouterr().err) and "goes on" in said
 
 
 def test_a_row_without_result_file_is_a_failure(yade60, table, capsys):

@@ -30,9 +30,10 @@ class Piece:
     def stored(self, folder):
         """Its rows if they were measured with this build, else None."""
         try:
-            return json.loads(self.path(folder).read_text())["rows"]
-        except (OSError, ValueError, KeyError):
+            rows = json.loads(self.path(folder).read_text())["rows"]
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
+        return rows if isinstance(rows, list) and all(isinstance(row, dict) for row in rows) else None
 
     def measure(self, folder, say):
         """Measure and store; the rows."""

@@ -17,9 +17,10 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
+from analysis.load import ResultError
 from analysis.publish import processor
 from analysis.schema import STATUS_FAILED
-from yade_scripts import commits, results
+from yade_scripts import commits, parameters, results
 from yade_scripts.charts import records, settings
 
 LIMIT = {"quick": 2, "full": 8}  # s of processor time that a run may take
@@ -142,13 +143,13 @@ def main(arguments=None):
         return 2
     limit = LIMIT["full" if options.full else "quick"]
     scenes = sorted(options.only or settings.charted(), key=lambda scene: -settings.PATIENCE.get(scene, 1))  # the longest first
-    try:
-        (pathlib.Path(options.results) / records.FOLDER).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        print(f"charts: --results={options.results} cannot be a folder of results: {error}", file=sys.stderr)
-        return 2
     works = [Work(scene, settings.everything(scene, options.quick), options.results, limit * settings.PATIENCE.get(scene, 1)) for scene in scenes]
-    work_off(works, max(1, options.jobs))
+    try:
+        results.make(pathlib.Path(options.results) / records.FOLDER)
+        work_off(works, max(1, options.jobs))
+    except (parameters.ParameterError, ResultError) as error:
+        print(f"charts: {error}", file=sys.stderr)
+        return 2
     trouble = [f"{work.scene}: {work.trouble}" for work in works if work.trouble]
     for line in trouble:
         print(f"charts: {line}", file=sys.stderr)

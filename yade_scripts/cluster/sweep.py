@@ -151,7 +151,7 @@ def main(arguments=None):
     """Command line."""
     options = _options(arguments)
     try:
-        jobs = {job.path: job for path in options.tables for job in (study.Job(row, options.results) for row in tables.read(path).values())}
+        jobs = {job.path: job for rows in study.jobs_of(options.tables, options.results).values() for job in rows}
     except (parameters.ParameterError, tables.TableError) as error:
         print(f"sweep: {error}", file=sys.stderr)
         return 2

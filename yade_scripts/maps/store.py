@@ -26,17 +26,32 @@ class Store:
             self._read()
 
     def _read(self):
-        with open(self.path, newline="") as file:
+        with open(self.path, newline="", errors="replace") as file:
             # A line cut short by a crash is probed again.
-            reader = csv.DictReader(line for line in file if line.endswith("\n"))
-            if reader.fieldnames != self.headings:
-                raise StoreError(f"{self.path}: its columns are not those of this map ({', '.join(reader.fieldnames or ['none'])}); "
+            reader = csv.reader(line for line in file if line.endswith("\n"))
+            headings = self._line(reader)
+            if headings != self.headings:
+                raise StoreError(f"{self.path}: its columns are not those of this map ({', '.join(headings or ['none'])}); "
                                  "an older version wrote it: move it away")
-            self.rows = [self._typed(row) for row in reader]
+            words = {"commit", "yade", *FOUND, *(name for name, value in self.map.grid(False)[0].items() if isinstance(value, str))}
+            while (cells := self._line(reader)) is not None:
+                self.rows.append(self._typed(cells, words, reader.line_num))
 
-    def _typed(self, row):
-        words = {"commit", "yade", *FOUND, *(name for name, value in self.map.grid(False)[0].items() if isinstance(value, str))}
-        return {name: text if name in words else number(text) for name, text in row.items()}
+    def _line(self, reader):
+        """The next line's cells, None at the end."""
+        try:
+            return next(reader, None)
+        except csv.Error as error:
+            raise StoreError(f"{self.path}:{reader.line_num}: {error}; delete the line, it is probed again") from None
+
+    def _typed(self, cells, words, line):
+        """{heading: value} of a line."""
+        try:
+            row = {name: text if name in words else number(text) for name, text in zip(self.headings, cells, strict=True)}
+            Outcome(*(row[name] for name in FOUND))
+        except ValueError as error:
+            raise StoreError(f"{self.path}:{line}: {error}; delete the line, it is probed again") from None
+        return row
 
     def find(self, case):
         """The row of a case, or None."""

@@ -13,18 +13,23 @@ class TableError(ValueError):
 
 
 def read(path):
-    """The rows of a table: {line number: row}, values checked by nobody yet."""
+    """The rows of a table: {line number: row}, every one of which can be run."""
     path = pathlib.Path(path)
     try:
         lines = path.read_text().splitlines()
     except OSError as error:
         raise TableError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise TableError(f"{path}: is no text in UTF-8 (byte {error.start}): a table is plain text") from None
     words = {number: line.split("#")[0].split() for number, line in enumerate(lines, 1)}
     words = {number: line for number, line in words.items() if line}
     if len(words) < 2:
         raise TableError(f"{path}: a table is a line of parameter names and at least one line of values")
     (_, heads), *rest = words.items()
     heads = [head.rstrip("!") for head in heads]
+    twice = sorted({head for head in heads if heads.count(head) > 1})
+    if twice:
+        raise TableError(f"{path}: column {' and '.join(twice)} is there more than once: keep one")
     rows, above = {}, None
     for number, values in rest:
         if len(values) != len(heads):
@@ -34,6 +39,10 @@ def read(path):
         above = [old if value == "=" else value for value, old in zip(values, above or values)]
         rows[number] = {head: parameters.from_text(head, text) for head, text in zip(heads, above)
                         if head != "description" and not head.startswith("!")}
+        try:
+            parameters.complete(rows[number])
+        except parameters.ParameterError as error:
+            raise TableError(f"{path}:{number}: {error}") from None
     return rows
 
 
@@ -41,6 +50,6 @@ def batch_row(place):
     """The row at 'table:line', which is what yade-batch puts into YADE_BATCH."""
     path, _, line = place.rpartition(":")
     rows = read(path)
-    if not line.isdigit() or int(line) not in rows:
+    if not line.isdecimal() or int(line) not in rows:
         raise TableError(f"{path}: no run on line {line}; lines with runs: {', '.join(map(str, rows))}")
     return rows[int(line)]

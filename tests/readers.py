@@ -1,0 +1,221 @@
+"""Every reader of files fed with damaged ones: each is read, or refused in one sentence that names it; no other end.
+
+`make test` draws hundreds for each reader, `make soak` thousands; the draws are seeded by the reader's name.
+"""
+import contextlib
+import importlib
+import io
+import json
+import pathlib
+import random
+from dataclasses import dataclass, replace
+from typing import Callable
+
+from yade_scripts import parameters, tables
+
+PIECES = [b"nan", b"inf", b"-1", b"1e999", b"=", b"#", b"\xff", b"\0", b'"', b"'", b"True", b"10**9", b"seed", b"1_0", b"\xc2\xb2", b"0x10", b"9" * 400, b"[", b"{}",
+          b"scene", b"chain", b" ", b"\n", b"\t", b",", b"30", b"1e6", b"method", b"CD", b"null", b"[" * 3000]
+
+
+def mutations(good, count, draw):
+    """Copies cut, with parts lost, repeated, or replaced: by bytes, by what numbers are made of, by words that mean something somewhere."""
+    for _ in range(count):
+        bad = bytearray(good)
+        kind, place = draw.random(), draw.randrange(len(bad))
+        part = slice(place, place + draw.randrange(1, 64))
+        if kind < 0.15:
+            del bad[place:]
+        elif kind < 0.3:
+            del bad[part]
+        elif kind < 0.4:
+            bad[place:place] = bad[part]
+        elif kind < 0.6:
+            bad[place:place + draw.randrange(7)] = draw.choice(PIECES)
+        else:
+            for _ in range(draw.choice([1, 1, 2, 4, 16])):
+                bad[draw.randrange(len(bad))] = draw.choice([0, 1, 255, 127, 128, *b"-09.e", draw.randrange(256)])
+        yield bytes(bad)
+
+
+@dataclass
+class Reader:
+    """read(): read all of it as the program does; refusals: the exceptions whose text is the message to the user; path: the file that is damaged."""
+    path: pathlib.Path
+    read: Callable
+    refusals: tuple
+
+
+def survive(reader, count, draw):
+    """Feed the reader; how many of the files it refused."""
+    good, refused = reader.path.read_bytes(), 0
+    reader.read()
+    for bad in mutations(good, count, draw):
+        reader.path.write_bytes(bad)
+        try:
+            reader.read()
+        except reader.refusals as error:
+            refused += 1
+            said = str(error)
+            assert str(reader.path) in said or str(reader.path.with_suffix("")) in said, said
+            assert "\n" not in said and len(said) > len(str(reader.path)) + 10, said
+    reader.path.write_bytes(good)
+    return refused
+
+
+def table(folder):
+    """Tables of runs; a row that is not refused can be run."""
+    path = folder / "table.txt"
+    path.write_bytes((pathlib.Path(tables.__file__).parent / "stiffness.txt").read_bytes())
+
+    def read():
+        for row in tables.read(path).values():
+            parameters.complete(row)
+    return Reader(path, read, (tables.TableError,))
+
+
+def result(folder):
+    """Result files, whole."""
+    from analysis import load
+    from tests.analysis.conftest import lattice, write
+    path = write(folder / "run.h5", snapshots={0.0: lattice(4, "MD")})
+    return Reader(path, lambda: load.load(path), (load.ResultError,))
+
+
+def ending(folder):
+    """How the run of a result file ended, which decides whether it is run again: an answer, whatever the file."""
+    from yade_scripts import results
+    one = result(folder)
+
+    def read():
+        assert (said := results.status(one.path)) in ("finished", None) or isinstance(said, str)
+    return replace(one, read=read, refusals=())
+
+
+def _problem(path, write):
+    from cd_engine import core
+    write(path)
+    return Reader(path, lambda: core.solve(core.read_problem(path), max_iterations=10), (ValueError,))
+
+
+def problem_text(folder):
+    """Contact problems in Siconos's text, sparse."""
+    from tests.core.test_files import siconos_text
+    return _problem(folder / "problem.dat", lambda path: path.write_text(siconos_text("columns")))
+
+
+def problem_dense(folder):
+    """The same, dense."""
+    from tests.core.test_files import siconos_text
+    return _problem(folder / "problem.dat", lambda path: path.write_text(siconos_text("dense")))
+
+
+def problem_fclib(folder):
+    """Contact problems of FCLIB."""
+    from cd_engine import core
+    from tests.core.test_files import MU, Q, W
+    return _problem(folder / "problem.hdf5", lambda path: core.write_problem(path, core.Problem(W, Q, MU)))
+
+
+def problem_bodies(folder):
+    """Contact problems by their bodies."""
+    from cd_engine import core
+    from tests.core.test_body_problem import drawn
+    return _problem(folder / "problem.npz", lambda path: core.write_problem(path, drawn()))
+
+
+def state(folder):
+    """Prepared packings: what is damaged is prepared again, so that nothing is refused, and nothing damaged taken."""
+    return _state(folder, "a.yade.gz")
+
+
+def state_record(folder):
+    """Their records."""
+    return _state(folder, "a.json")
+
+
+def _state(folder, damaged):
+    import hashlib
+
+    from yade_scripts import prepare
+    wanted, content = {"seed": 1, "recipe": 2}, bytes(range(256)) * 4
+    checksum = hashlib.sha256(content).hexdigest()
+    (folder / "a.yade.gz").write_bytes(content)
+    (folder / "a.json").write_text(json.dumps({"sha256": checksum, "inputs": wanted}))
+
+    def read():
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            found = prepare._verified(folder / "a.yade.gz", wanted)
+        assert found in (None, checksum) and (found is None) == ("preparing it again" in said.getvalue())
+    return Reader(folder / damaged, read, ())
+
+
+def chart_records(folder):
+    """Records of measured settings, and the tables made of them. Lines that are no JSON are taken for cut short by a crash, and measured again."""
+    from analysis import load
+    from analysis.charts import table as rows
+    from tests.analysis.test_charts import record
+    from yade_scripts.charts import records, settings
+    for rank, setting in enumerate(settings.of_scene("stack", True)[:3]):
+        # Without what nobody reads back, so that damage hits what is read.
+        records.add(record(setting, "lost" if rank == 2 else 10.0**-rank) | {"parameters": {}}, folder)
+
+    def read():
+        try:
+            rows.from_records(folder, False)
+        except load.ResultError as error:
+            if error.what != "holds no measured setting":  # all lines were cut short
+                raise
+    return Reader(records.path("stack", folder), read, (load.ResultError,))
+
+
+def map_rows(folder):
+    """Rows of a map of stability, and what is drawn of them."""
+    from analysis import load
+    from analysis.charts import maps
+    from tests.analysis.test_maps import fill
+    fill(folder)
+    return Reader(folder / "maps" / "md_contact.csv", lambda: maps.collect("md_contact", folder, False), (load.ResultError,))
+
+
+def published_table(folder):
+    """The table that `recommend` answers from."""
+    from analysis import load
+    from analysis.charts import table as rows
+    from tests.analysis.test_charts import rows as made_up
+    from analysis import publish
+    path = folder / "work_precision.csv"
+    publish.write_csv(path, made_up("MD step", [1e-1, 1e-2]))
+    return Reader(path, lambda: rows.from_csv(path), (load.ResultError,))
+
+
+def study_of_the_page(folder):
+    """What the page is made of: a study's findings. The picture is none, which the page does not look at."""
+    from analysis import load, report
+    published = pathlib.Path(report.__file__).parent / "published"
+    for suffix in (".json", ".csv"):
+        (folder / f"fig4{suffix}").write_bytes((published / f"fig4{suffix}").read_bytes())
+    (folder / "fig4.png").write_bytes(b"picture")
+    return Reader(folder / "fig4.json", lambda: report.build(folder, folder / "page.html"), (load.ResultError,))
+
+
+def benchmark_table(folder):
+    """Tables of the benchmark, of which its figures are drawn."""
+    from analysis import report
+    draw = importlib.import_module("analysis.benchmark.draw")  # the package's name `draw` is the function
+    path = folder / "solutions.csv"
+    lines = (pathlib.Path(report.__file__).parent / "published" / "benchmark" / "solutions.csv").read_text().splitlines(keepends=True)
+    path.write_text("".join(lines[:8]))
+    return Reader(path, lambda: draw._rows(path, draw.COLUMNS["solutions"]), (ValueError,))
+
+
+READERS = {function.__name__: function for function in (
+    table, result, ending, problem_text, problem_dense, problem_fclib, problem_bodies, state, state_record, chart_records, map_rows, published_table, study_of_the_page,
+    benchmark_table)}
+
+
+def feed(name, folder, count):
+    """Feed the reader of this name with so many damaged files; how many it refused."""
+    reader = READERS[name](folder)
+    refused = survive(reader, count, random.Random(name))
+    assert not reader.refusals or 0 < refused < count, f"{refused} of {count}: nothing is looked at, or everything refused"
+    return refused

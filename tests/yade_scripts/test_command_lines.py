@@ -1,0 +1,68 @@
+"""Every command with arguments drawn from what it knows and from nonsense: it starts what it is asked for, or says in a sentence why not. No traceback."""
+import importlib
+import random
+
+import pytest
+
+from yade_scripts.cluster import slurm
+
+NONSENSE = ["", "-", "--", "=", "--x", "--results", "--results=", "nonsense", "0", "-1", "1e9", "nan", "seed=1", "seed=x", "seed=", "=1", "disks=0", "method=CD", "method=",
+            "scene=chain", "scene=moon", "seed=1_0", "\u00b2", "/", "{folder}", "{folder}/none.txt", "{folder}/file", "{folder}/table.txt", "{folder}/file/below"]
+
+
+class Started(Exception):
+    """The arguments were in order: the work would begin."""
+
+
+def start(*_, **__):
+    raise Started
+
+
+# Program: (its main, what is put in the place of its work, its options).
+PROGRAMS = {
+    "run": ("yade_scripts.run", ["execute"], ["--checkpoints=3", "--checkpoints=x", "--results={folder}"]),
+    "prepare": ("yade_scripts.prepare", ["ensure"], []),
+    "accuracy": ("yade_scripts.accuracy", ["search"], ["accuracy=1e-3", "accuracy=x", "accuracy=-1", "accuracy=nan"]),
+    "study": ("yade_scripts.study", ["Queue"], ["--quick", "--full", "--only", "fig4", "--jobs", "2", "--results", "--figures"]),
+    "sweep": ("yade_scripts.cluster.sweep", ["Sweep"], ["--minutes", "--retries", "--sbatch", "--at-once", "--seconds", "5"]),
+    "regression": ("yade_scripts.regression", ["compare"], ["--short", "--record", "{folder}/new.json"]),
+    "charts": ("yade_scripts.charts.run", ["work_off"], ["--quick", "--full", "--only", "stack", "--jobs", "--figures"]),
+    "maps": ("yade_scripts.maps.run", ["run"], ["--quick", "--full", "--only", "servo", "--jobs", "2", "--figures"]),
+    "benchmark": ("yade_scripts.benchmark.__main__", ["run"], ["--quick", "--again", "-o", "{folder}/out"]),
+    "analysis": ("analysis.__main__", [], ["fig4", "force-networks", "summary", "check", "recommend", "--scene", "stack", "--accuracy", "1e-3", "--results", "-o",
+                                           "{folder}/a.png", "--table", "--cycle", "--published"]),
+}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A file, a table, and nothing else; the working folder, where defaults point to."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("neither a table nor a result\n")
+    (tmp_path / "table.txt").write_text("seed method\n1 MD\n2 CD\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_arguments(folder, monkeypatch, capsys, program):
+    name, work, options = PROGRAMS[program]
+    module, draw = importlib.import_module(name), random.Random(program)
+    for function in work:
+        monkeypatch.setattr(module, function, start)
+    monkeypatch.setattr(slurm, "present", lambda: True)
+    ends = {"started": 0, "refused": 0}
+    for _ in range(300):
+        arguments = [draw.choice(draw.choice((options or NONSENSE, NONSENSE))).replace("{folder}", str(folder)) for _ in range(draw.randint(0, 4))]
+        try:
+            status = module.main(arguments)
+        except Started:
+            ends["started"] += 1
+            continue
+        except SystemExit as end:
+            status = end.code
+        said = capsys.readouterr()
+        assert status in (0, 1, 2), (arguments, status)
+        if status:
+            ends["refused"] += 1
+            assert len(said.err or said.out) > 20, (arguments, said)  # `analysis check` answers on its output
+    assert ends["refused"] > 50 and (ends["started"] or not work), ends

@@ -1,0 +1,19 @@
+"""Values in other units are doubted; what the project's own tables ask for is not."""
+import pathlib
+
+import pytest
+
+from yade_scripts import parameters, plausible, tables
+
+
+@pytest.mark.parametrize("row, words", [
+    ({"radius_mean": 10.0, "depth": 50.0}, "in mm"), ({"density": 2.6}, "g/cm"), ({"kn": 2.0}, "MPa"), ({"method": "CD", "cd_dt": 1.0}, "in ms"), ({"scene": "bounce", "gravity": 98100.0}, "gravity"),
+    ({"scene": "incline", "slope": 0.5236}, "radians"), ({"period": 1e-3}, "a blow")])
+def test_other_units_are_doubted(row, words):
+    found = plausible.doubts(parameters.complete(row))
+    assert found and words in " ".join(found) and next(name for name in row if name not in ("scene", "method")) in " ".join(found)
+
+
+@pytest.mark.parametrize("path", sorted(pathlib.Path(tables.__file__).parent.rglob("*.txt")), ids=lambda path: "-".join(path.parts[-2:]))
+def test_no_row_of_ours_is_doubted(path):
+    assert [doubt for row in tables.read(path).values() for doubt in plausible.doubts(parameters.complete(row))] == []
