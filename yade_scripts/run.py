@@ -81,7 +81,8 @@ def _run(path, full, folder, checkpoint_samples):
     if isinstance(failure, OSError):
         raise failure
     recorder.close(failure, collapse)
-    checkpoints.remove()
+    if failure is None or isinstance(failure, RuntimeError):  # it would fail again; of anything else a new attempt may go on
+        checkpoints.remove()
     return failure
 
 

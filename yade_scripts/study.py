@@ -227,5 +227,6 @@ def main(arguments=None):
 
 if __name__ == "__main__":
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-        signal.signal(number, _end)
+        if number == signal.SIGINT or signal.getsignal(number) != signal.SIG_IGN:  # nohup goes on
+            signal.signal(number, _end)
     sys.exit(main())

@@ -6,11 +6,13 @@
 namespace cd {
 namespace {
 
-	// An island that needed more in this step is in motion, or its loads change.
+	// An island that needed more in this step is in motion.
 	constexpr int fewSweeps = 16;
-	constexpr double slow = 10; // velocities, over what an error of the tolerance makes of them: at rest they are 0.5 to 4
 	constexpr double proof = 1e-3; // error to which rest is proven, over the tolerance
 	constexpr double sleeps = 1e-2; // the same with which an island may sleep: its bodies move by half a step of what they did when they stop
+	// Speeds of bodies, over what errors of the tolerance in the impulses of their own contacts make of them.
+	constexpr double slow = 10; // at rest they are 0.5 to 4
+	constexpr double stopped = 1e-2;
 
 } // namespace
 
@@ -51,7 +53,7 @@ void IslandSolver::recognise(const ContactSystem& system, const Stillness& still
 	sleeping = 0;
 	if (!findStill(system, stillness.before))
 		return;
-	prints.assign(islands.size(), 0);
+	prints.assign(islands.size(), bitsOf(tolerance));
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c = system.contacts[i];
 		if (islandOf[i] >= 0 && islands[islandOf[i]].still)
@@ -87,76 +89,91 @@ void IslandSolver::fallAsleep(const ContactSystem& system, double tolerance)
 		}
 }
 
+// Whether no body of a system is faster than `share` allows, island by island: into `calm`.
+void IslandSolver::findCalm(const ContactSystem& system, const std::vector<int32_t>* names, double tolerance, double share)
+{
+	own.assign(system.bodies.size(), 0);
+	for (const ContactRow& c : system.contacts) {
+		const double square = c.wnn * (c.pn * c.pn + c.pt * c.pt);
+		own[c.a] += square;
+		own[c.b] += square;
+	}
+	for (std::size_t i = 0; i < system.bodies.size(); i++) {
+		const int32_t k = islandWith(names ? (*names)[i] : static_cast<int32_t>(i));
+		if (k >= 0 && !(motion(system.bodies[i]) <= share * share * tolerance * tolerance * own[i]))
+			islands[k].calm = false;
+	}
+}
+
 // Of the islands of the part, whose bodies have the velocities that belong to its impulses: which are at rest to `share` of the tolerance.
 void IslandSolver::judgeRest(double tolerance, double share)
 {
 	trial.assign(islands.size(), {});
-	motions.assign(islands.size(), 0);
 	addResiduals(part, partFree, partIsland, trial);
-	for (std::size_t i = 0; i < part.bodies.size(); i++)
-		if (const int32_t k = islandWith(partBodies[i]); k >= 0)
-			motions[k] += motion(part.bodies[i]);
+	for (const int32_t k : partIsland)
+		islands[k].calm = true;
+	findCalm(part, &partBodies, tolerance, stopped);
 	for (const int32_t k : partIsland) {
 		const Residual e = trial[k].of(static_cast<std::size_t>(islands[k].contacts));
-		islands[k].atRest
-		    = std::max(e.norm, e.energy) <= share * tolerance && motions[k] <= tolerance * tolerance * share * trial[k].squareEnergy;
+		islands[k].atRest = islands[k].calm && std::max(e.norm, e.energy) <= share * tolerance;
 	}
 }
 
-// Marks as not solved the slow islands; says whether there are any.
-bool IslandSolver::anySlow(const ContactSystem& system, double tolerance)
+// Marks as not solved the slow islands; how many they are.
+int IslandSolver::markSlow(const ContactSystem& system, double tolerance)
 {
-	motions.assign(islands.size(), 0);
-	trial.assign(islands.size(), {});
-	for (std::size_t i = 0; i < system.bodies.size(); i++)
-		if (const int32_t k = islandWith(static_cast<int32_t>(i)); k >= 0)
-			motions[k] += motion(system.bodies[i]);
-	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c = system.contacts[i];
-		if (islandOf[i] < 0)
-			continue;
-		trial[islandOf[i]].squareEnergy += c.wnn * (c.pn * c.pn + c.pt * c.pt);
-		for (const int32_t body : { c.a, c.b })
-			if (freedom[body] == 0)
-				motions[islandOf[i]] += motion(system.bodies[body]);
+	for (Island& island : islands)
+		island.calm = !island.asleep && island.contacts > 1 && island.sweeps <= fewSweeps;
+	findCalm(system, nullptr, tolerance, slow);
+	for (std::size_t i = 0; i < system.contacts.size(); i++)
+		for (const int32_t body : { system.contacts[i].a, system.contacts[i].b })
+			if (islandOf[i] >= 0 && freedom[body] == 0 && motion(system.bodies[body]) > 0)
+				islands[islandOf[i]].calm = false;
+	int marked = 0;
+	for (Island& island : islands) {
+		island.solved = !island.calm;
+		marked += island.calm;
 	}
-	bool any = false;
-	for (std::size_t k = 0; k < islands.size(); k++) {
-		Island& island = islands[k];
-		island.solved = island.asleep || island.contacts == 1 || island.sweeps > fewSweeps
-		    || !(motions[k] <= slow * slow * tolerance * tolerance * trial[k].squareEnergy);
-		any = any || !island.solved;
-	}
-	return any;
+	return marked;
 }
 
-// Stops the slow islands that are at rest, as solving them as if nothing had moved before the step shows.
-void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
+// Solves the islands marked as not solved by sweeps, from free velocities less those given, and unmarks those that it does not leave at rest.
+void IslandSolver::dismissMoving(const ContactSystem& system, const std::vector<double>* less, const SolverSettings& settings)
 {
-	if (!anySlow(system, settings.tolerance))
-		return;
 	takePart(system, [](const Island& island) { return !island.solved; });
 	for (std::size_t i = 0; i < part.bodies.size(); i++)
 		for (int k = 0; k < 3; k++) {
 			const std::size_t from = 3 * static_cast<std::size_t>(partBodies[i]) + k;
-			part.bodies[i].v[k] = partFree[3 * i + k] = freeVelocity[from] - stillness.before[from];
+			part.bodies[i].v[k] = partFree[3 * i + k] = less ? freeVelocity[from] - (*less)[from] : freeVelocity[from];
 		}
+	// Without Newton's method: a step of it costs as much as an island awake does in a hundred steps.
+	accelerated(part, settings);
+	judgeRest(settings.tolerance / proof, (1 + 1e-9) * proof); // a single island reaches its tolerance to the last digit
+	for (Island& island : islands)
+		island.solved = island.solved || !island.atRest;
+}
+
+// Stops the slow islands that come to rest of themselves where this step is solved more exactly, and gives them the impulses that keep them there.
+void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
+{
+	const int slowOnes = markSlow(system, settings.tolerance);
+	if (slowOnes == 0)
+		return;
 	SolverSettings finer = settings;
 	finer.tolerance *= proof;
 	finer.maxIterations = std::min(settings.maxIterations, stillness.trial);
-	// Without Newton's method: a step of it costs as much as an island awake does in a hundred steps.
-	accelerated(part, finer);
-	judgeRest(settings.tolerance, (1 + 1e-9) * proof); // a single island reaches its tolerance to the last digit
+	dismissMoving(system, nullptr, finer);
+	dismissMoving(system, &stillness.before, finer);
 	for (std::size_t i = 0; i < partContacts.size(); i++)
-		if (islands[partIsland[i]].atRest) {
+		if (!islands[partIsland[i]].solved) {
 			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
 			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
 		}
 	for (Island& island : islands) {
-		effort.provenAtRest += island.atRest && !island.asleep;
-		effort.notAtRest += !island.solved && !island.atRest;
-		island.asleep = island.asleep || island.atRest;
+		effort.provenAtRest += !island.solved;
+		island.asleep = island.asleep || !island.solved;
 	}
+	effort.notAtRest = slowOnes - effort.provenAtRest;
 }
 
 // Velocities of the islands that sleep, or will from the next step on, are zero.

@@ -308,7 +308,7 @@ SolverReport IslandSolver::operator()(
 	copyVelocities(system, freeVelocity);
 	sums.assign(islands.size(), {});
 	sleeping = 0;
-	if (stillness)
+	if (stillness && stillness->sameLoads)
 		recognise(system, *stillness, settings.tolerance);
 	solveLoneContacts(system, settings.tolerance);
 	const bool inPlace = sleeping == 0 && isNearlyOneIsland(system);
@@ -324,7 +324,7 @@ SolverReport IslandSolver::operator()(
 		effort.resting += island.sweeps == 0;
 	effort.sleeping = sleeping;
 	if (stillness) {
-		if (stillness->trial > 0 && report.status == Status::converged)
+		if (stillness->sameLoads && stillness->trial > 0 && report.status == Status::converged)
 			prove(system, *stillness, settings, effort);
 		stop(system);
 	}

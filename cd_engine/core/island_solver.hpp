@@ -44,6 +44,7 @@ class IslandSolver {
 		int sweeps = 0;
 		bool solved = false;
 		bool still = false; // nothing of it moved before the step
+		bool calm = false; // none of its bodies is fast
 		bool atRest = false; // by the last look at it
 		bool asleep = false;
 	};
@@ -74,8 +75,10 @@ class IslandSolver {
 	bool findStill(const ContactSystem&, const std::vector<double>& before);
 	void recognise(const ContactSystem&, const Stillness&, double tolerance);
 	void fallAsleep(const ContactSystem&, double tolerance);
+	void findCalm(const ContactSystem&, const std::vector<int32_t>* names, double tolerance, double share);
 	void judgeRest(double tolerance, double share);
-	bool anySlow(const ContactSystem&, double tolerance);
+	int markSlow(const ContactSystem&, double tolerance);
+	void dismissMoving(const ContactSystem&, const std::vector<double>* less, const SolverSettings&);
 	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 	void stop(ContactSystem&);
 
@@ -98,7 +101,7 @@ class IslandSolver {
 	std::vector<Asleep> memory; // by body; spares to look at what sleeps, and decides nothing else
 	int sleeping = 0; // islands
 	std::vector<uint64_t> prints; // of the problems of still islands
-	std::vector<double> motions; // twice the kinetic energy of the islands [J]
+	std::vector<double> own; // W_nn |p|^2 of a body's own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
 	bool rested = false; // whether the last system was solved in place without a sweep: decides on costs, not on results
 };

@@ -5,15 +5,15 @@
 
 namespace cd {
 
-namespace {
+uint64_t bitsOf(double x)
+{
+	const double positive = x + 0.; // -0 is 0
+	uint64_t bits;
+	std::memcpy(&bits, &positive, sizeof bits);
+	return bits;
+}
 
-	uint64_t bitsOf(double x)
-	{
-		const double positive = x + 0.; // -0 is 0
-		uint64_t bits;
-		std::memcpy(&bits, &positive, sizeof bits);
-		return bits;
-	}
+namespace {
 
 	// Of the nearest number of 23 binary digits: a scene keeps impulses p as forces p/h, and h (p/h) may be p but for the last digit.
 	uint64_t leadingBitsOf(double x) { return (bitsOf(x) + (1u << 28)) >> 29; }

@@ -11,6 +11,7 @@ struct StepSettings {
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
 	bool reduce = true; // solve islands of contacts apart (island_solver.hpp)
+	uint64_t loads = 0; // fingerprint of those of the step before
 	int trial = 0; // sweeps that slow islands may take to prove their rest (sleep.hpp)
 	Solver solve = nullptr;
 	SolverSettings solver;
@@ -25,6 +26,7 @@ struct StepReport {
 	double maxPenetration = 0; // [m], beyond the reference overlaps, at the mid-configuration
 	double dissipated = 0; // [J] in this step
 	double solveSeconds = 0; // spent in the solver
+	uint64_t loads = 0; // fingerprint of what forces add to the bodies' velocities
 };
 
 // How far contacts reach in a step.
@@ -76,6 +78,7 @@ class TimeStep {
 	IslandSolver solveIslands;
 	ContactSystem system;
 	std::vector<double> before; // velocities of the bodies before the step
+	uint64_t loads = 0; // fingerprint of what forces add to them
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies
 	double limit = 0; // gap up to which pairs are contacts [m]

@@ -56,8 +56,9 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
+	s.loads = static_cast<uint64_t>(restLoads);
 	// Four sweeps for each step since the last trial, about what an island at rest costs while it is awake.
-	s.trial = at<long>(of, layout.scene_iter) >= restTrialAt ? 4 * restTrialPause : 0;
+	s.trial = steps >= restTrialAt ? 4 * restTrialPause : 0;
 	s.solve = cd::findSolver(method);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
@@ -100,6 +101,7 @@ void ContactDynamics::advance()
 	islands = report.effort.islands;
 	resting = report.effort.resting;
 	sleeping = report.effort.sleeping;
+	restLoads = static_cast<long>(report.loads);
 	if (settings.trial > 0)
 		planRestTrial(report.effort);
 	loadedContacts = report.loadedContacts;
@@ -125,7 +127,7 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort)
 		restTrialPause = std::min(longest, 2 * restTrialPause);
 	else if (effort.provenAtRest > 0)
 		restTrialPause = shortest;
-	restTrialAt = at<long>(scene, layout.scene_iter) + restTrialPause;
+	restTrialAt = steps + restTrialPause;
 }
 
 // One line a run; the count goes on in unconvergedSteps and is shown once more when YADE ends (cd_engine/__init__.py).

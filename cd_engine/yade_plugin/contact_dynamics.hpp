@@ -45,7 +45,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	// Over all steps.
 	double deepestPenetration = 0;
 
-	// The step of the next look for islands at rest; saved, since what is found then is stopped.
+	// The loads of the last step, and the step of the next look for islands at rest; saved, since what is found then is stopped.
+	long restLoads = 0;
 	long restTrialAt = 0;
 	int restTrialPause = 16;
 
@@ -164,10 +165,12 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and not even "
 	    "their "
 	    "error is asked for [1].");
+	visit("restLoads", &C::restLoads, Access::read, any,
+	    "Fingerprint of the loads of all bodies in the last step: nothing sleeps where they change [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::read, any,
-	    "Step from which on slow islands have to prove their rest again, with velocities of zero before the step; where they do, they are "
-	    "stopped and "
-	    "sleep [1].");
+	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
+	    "to a "
+	    "thousandth of the tolerance are stopped and sleep [1].");
 	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 4096: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,

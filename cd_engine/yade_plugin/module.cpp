@@ -22,6 +22,9 @@ namespace serialization {
 }
 }
 
+// Version 1 begins with the names of its attributes (registered_engine.hpp).
+BOOST_CLASS_VERSION(cd_engine::ContactDynamics, 1)
+BOOST_CLASS_VERSION(cd_engine::PathIndependentShear, 1)
 BOOST_CLASS_EXPORT(cd_engine::ContactDynamics)
 BOOST_CLASS_EXPORT(cd_engine::PathIndependentShear)
 

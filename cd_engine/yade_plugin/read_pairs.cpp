@@ -98,8 +98,10 @@ void SceneLink::readImpulse(std::size_t index, double dt)
 	const double normal = n[0] * fn[0] + n[1] * fn[1], tangential = n[0] * ft[1] - n[1] * ft[0];
 	if (!(normal > 0) || !std::isfinite(tangential))
 		return; // springs may pull; a rigid contact does not
-	pair.pn = dt * normal;
-	pair.pt = dt * tangential;
+	// n is a unit vector to its last digit only; without its length forces that are only read and written again would grow by it, step by step.
+	const double square = n[0] * n[0] + n[1] * n[1];
+	pair.pn = dt * normal / square;
+	pair.pt = dt * tangential / square;
 }
 
 // Friction and first guess of every pair: three dependent look-ups in different lines of memory, each asked for ahead of the next.

@@ -44,8 +44,11 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	void pyRegisterClass(boost::python::object scope) override;
 	template <class Class> static void methods(Class&) { }
 
-	template <class Archive> void serialize(Archive& archive, unsigned)
+	template <class Archive> void serialize(Archive& archive, unsigned version)
 	{
+		if (version == 0)
+			throw SceneError(std::string(E::name)
+			    + ": the scene was saved by a version of this engine that did not yet name its attributes. Build it anew.");
 		// Of E itself: Boost.Serialization learns here how E and its registered base are cast into one another.
 		E& self = static_cast<E&>(*this);
 		archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self));
