@@ -19,7 +19,7 @@ MAP = Map(
     criterion="100 disks at rest under P0 with free walls; sigma2 rises by 5 % at once and stays for 50 steps. Inaccurate: |gamma| above 1e-6. Unstable: above 1e-3. "
               "Not solved: steps that missed the tolerance.",
     remedy="Until it is proven to be at rest and sleeps, an unsolved rest moves the packing by about tolerance times dt^2. The defaults of runs (1e-8, 1 ms) "
-           "are four decades inside the boundary; the engine's own tolerance of 1e-6 is at it at 10 ms.",
+           "are three decades inside the boundary; the engine's own tolerance of 1e-6 is at it at 10 ms.",
     x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"), panels="",
     measures={"gamma": ("1", "strain2 - strain1 after the last step"), "unconverged": ("1", "share of the steps that missed the tolerance"),
               "sweeps": ("1", "mean number of sweeps a step")},
