@@ -169,6 +169,17 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
 			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
 		}
+	// From v to 0, while the impulses of rest, which change it by u, make of it v + u.
+	for (std::size_t i = 0; i < part.bodies.size(); i++) {
+		const int32_t k = islandWith(partBodies[i]);
+		if (k < 0 || islands[k].solved)
+			continue;
+		for (int j = 0; j < 3; j++)
+			if (part.bodies[i].w[j] > 0) {
+				const double v = stillness.before[3 * static_cast<std::size_t>(partBodies[i]) + j];
+				effort.stopped += 0.5 * v * (v + part.bodies[i].v[j]) / part.bodies[i].w[j];
+			}
+	}
 	for (Island& island : islands) {
 		effort.provenAtRest += !island.solved;
 		island.asleep = island.asleep || !island.solved;

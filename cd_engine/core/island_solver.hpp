@@ -26,6 +26,7 @@ struct Effort {
 	int resting = 0; // islands whose first guess was within the tolerance already: no sweep was made
 	int sleeping = 0; // of these, islands at rest in which nothing changes
 	int provenAtRest = 0, notAtRest = 0; // islands that were slow when their rest was tried
+	double stopped = 0; // energy of what was stopped then, which the impulses have not taken [J]
 };
 
 // All the contacts at once.

@@ -219,6 +219,7 @@ void TimeStep::finish(World& world, const StepSettings& settings, StepReport& re
 	const double h = settings.dt;
 	report.contacts = static_cast<int>(rows);
 	report.maxPenetration = deepest;
+	report.dissipated += report.effort.stopped;
 	for (size_t i = 0; i < system.contacts.size(); i++) {
 		if (i + ahead < system.contacts.size()) {
 			__builtin_prefetch(&means[system.contacts[i + ahead].a]);

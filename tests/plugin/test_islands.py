@@ -167,6 +167,18 @@ def test_what_drifts_is_not_stopped(O):
     assert [O.bodies[i].state.vel[1] for i in row] == pytest.approx([1e-3] * 3, rel=1e-6)
 
 
+def test_what_is_stopped_is_counted_as_dissipated(O):
+    """Energy is kept to round-off though impulses are wrong by 1e-2: kinetic and potential energy, and dissipatedEnergy."""
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    column(0, 5, mat)
+    total = lambda: plane.kinetic_energy() + sum(9.81 * b.state.mass * b.state.pos[1] for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
+    before = total()
+    cd = plane.run(400, 1e-3, gravity=GRAVITY, tolerance=1e-2)
+    assert cd.sleeping == 1
+    assert before - total() == pytest.approx(cd.dissipatedEnergy, abs=1e-13)  # of 2.5 J
+
+
 def test_a_finer_tolerance_wakes(O):
     mat = plane.material(0.5)
     plane.floor(mat)
