@@ -23,8 +23,8 @@ MAP = Map(
     criterion="Five touching disks that cannot turn, mu = 0.5, rest on a slope of half the angle, which then changes to tan(slope) = mu (1 + d) or "
               "mu (1 - d); 200 steps of 1 ms. Their mean speed is off by more than a tenth of mu d g cos(slope) t, what they gain or lack. "
               "Steeper and too slow: false rest; otherwise false motion. Inaccurate up to that amount itself, unstable beyond.",
-    remedy="Nothing rests that must move. Nearer to the angle of friction than the tolerance speeds are off, at most by about what the distance from the angle "
-           "makes of them, until what rests is proven to and sleeps; keep the tolerance below the distance that matters.",
+    remedy="Nothing rests that must move. Nearer to the angle of friction than the tolerance speeds are off by about the tolerance times the speed that the "
+           "weight would give, until what rests is proven to and sleeps; keep the tolerance below the distance from the angle that matters.",
     x=Axis("tolerance", "tolerance"), y=Axis("distance", r"$d=|\tan(\mathrm{slope})/\mu-1|$"), panels="side",
     measures={"speed_error": ("1", "of the mean speed, over mu d g cos(slope) t"), "unconverged": ("1", "share of the steps that missed the tolerance")},
     grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
