@@ -44,6 +44,9 @@ NodeName=n[0-1] NodeHostname={host} NodeAddr=127.0.0.1 Port=[{ports[1]}-{ports[2
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 
+# Nothing is confined by control groups; with this plugin slurmd also starts where none are mounted, in a change of root for one.
+CGROUPS = "CgroupPlugin=cgroup/v1\n"
+
 
 def missing():
     """Programs that a Slurm needs and that are not here."""
@@ -84,6 +87,7 @@ class Cluster:
         for name in ("munge", "state", *NODES):
             (self.folder / name).mkdir(parents=True, mode=0o700)
         (self.folder / "slurm.conf").write_text(CONFIGURATION.format(host=socket.gethostname(), user=getpass.getuser(), folder=self.folder, ports=_ports()))
+        (self.folder / "cgroup.conf").write_text(CGROUPS)
         key = self.folder / "munge" / "key"
         key.write_bytes(os.urandom(128))
         key.chmod(0o600)
@@ -95,11 +99,19 @@ class Cluster:
             self._start("slurmctld", "-D", "-i")
             for node in NODES:
                 self._start("slurmd", "-D", "-N", node, name=node)
-            until(lambda: self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle"] * len(NODES), 40, "idle nodes")
+            until(self._idle, 40, "idle nodes")
         except BaseException:
             self.__exit__()
             raise
         return self
+
+    def _idle(self):
+        """Whether all nodes wait for work; RuntimeError, with its last words, if a server has ended."""
+        for name, server in self.servers.items():
+            if server.poll() is not None:
+                last = (self.folder / f"{name}.out").read_text().splitlines()[-5:]
+                raise RuntimeError(f"{name} of the test's Slurm ended with {server.returncode}:\n" + "\n".join(last))
+        return self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle"] * len(NODES)
 
     def _start(self, program, *arguments, name=None):
         with open(self.folder / f"{name or program}.out", "w") as log:
