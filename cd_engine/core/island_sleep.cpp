@@ -16,26 +16,17 @@ namespace {
 
 } // namespace
 
-// The number of the island that a body belongs to, -1: to none.
-int32_t IslandSolver::islandWith(int32_t body) { return freedom[body] > 0 ? numberOf[nameOf(body)] : -1; }
-
-IslandSolver::Asleep& IslandSolver::memoryOf(const ContactSystem& system, const Island& island)
-{
-	const ContactRow& c = system.contacts[island.first];
-	return memory[nameOf(freedom[c.a] > 0 ? c.a : c.b)];
-}
-
-// Marks the islands in which nothing moved before the step; says whether there are any of more than one contact.
+// Marks the islands in which nothing moved before the step; says whether there are any.
 bool IslandSolver::findStill(const ContactSystem& system, const std::vector<double>& before)
 {
 	const auto moves = [&](std::size_t i) { return before[3 * i] != 0 || before[3 * i + 1] != 0 || before[3 * i + 2] != 0; };
 	for (Island& island : islands)
-		island.still = island.contacts > 1;
+		island.still = true;
 	bool immobileMoves = false;
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
 		if (!moves(i))
 			continue;
-		if (const int32_t k = islandWith(static_cast<int32_t>(i)); k >= 0)
+		if (const int32_t k = islandWith[i]; k >= 0)
 			islands[k].still = false;
 		immobileMoves = immobileMoves || freedom[i] == 0;
 	}
@@ -46,47 +37,46 @@ bool IslandSolver::findStill(const ContactSystem& system, const std::vector<doub
 	return std::any_of(islands.begin(), islands.end(), [](const Island& island) { return island.still; });
 }
 
-// Marks as solved the islands that sleep on, and those that fall asleep.
+// Finds the islands that are asleep: those in which nothing moved before the step and which their impulses keep so. They are solved.
 void IslandSolver::recognise(const ContactSystem& system, const Stillness& stillness, double tolerance)
 {
-	memory.resize(system.bodies.size());
-	sleeping = 0;
 	if (!findStill(system, stillness.before))
 		return;
-	prints.assign(islands.size(), bitsOf(tolerance));
-	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c = system.contacts[i];
-		if (islandOf[i] >= 0 && islands[islandOf[i]].still)
-			prints[islandOf[i]] += fingerprint(c, &freeVelocity[3 * c.a], &freeVelocity[3 * c.b]);
-	}
-	bool anew = false;
-	for (std::size_t k = 0; k < islands.size(); k++)
-		if (islands[k].still) {
-			islands[k].asleep = memoryOf(system, islands[k]).print == prints[k];
-			anew = anew || !islands[k].asleep;
-		}
-	if (anew)
-		fallAsleep(system, tolerance);
-	for (std::size_t k = 0; k < islands.size(); k++)
-		if (islands[k].asleep) {
-			islands[k].solved = true;
-			sums[k] = memoryOf(system, islands[k]).sum;
-			sleeping++;
-		}
-}
-
-// Of the still islands those that their impulses keep so.
-void IslandSolver::fallAsleep(const ContactSystem& system, double tolerance)
-{
-	takePart(system, [](const Island& island) { return island.still && !island.asleep; });
+	takePart(system, [](const Island& island) { return island.still; });
 	for (const ContactRow& c : part.contacts)
 		applyImpulse(c, part.bodies[c.a], part.bodies[c.b], c.pn, c.pt);
 	judgeRest(tolerance, sleeps);
 	for (std::size_t k = 0; k < islands.size(); k++)
 		if (islands[k].atRest) {
-			islands[k].asleep = true;
-			memoryOf(system, islands[k]) = { prints[k], trial[k] };
+			islands[k].asleep = islands[k].solved = true;
+			sums[k] = trial[k];
+			sleeping++;
 		}
+	if (sleeping > 0)
+		reportSleep(system, stillness.sleepers);
+}
+
+void IslandSolver::reportSleep(const ContactSystem& system, Sleepers& sleepers)
+{
+	for (std::size_t k = 0; k < islands.size(); k++)
+		if (islands[k].asleep)
+			sleepers.add(parent[links[islands[k].first]], islands[k].contacts, sums[k]);
+	sleepers.sort();
+	for (std::size_t i = 0; i < system.bodies.size(); i++)
+		if (const int32_t k = islandWith[i]; k >= 0 && islands[k].asleep)
+			sleepers.addBody(static_cast<int32_t>(i), parent[i], freedom[i]);
+}
+
+void IslandSolver::countSleepersOn(Effort& effort, const Sleepers& sleepers)
+{
+	for (const SleepingIsland& island : sleepers.islands()) {
+		if (island.found)
+			continue;
+		effort.unknowns += island.unknowns;
+		effort.islands++;
+		effort.resting++;
+		effort.sleeping++;
+	}
 }
 
 // Whether no body of a system is faster than `share` allows, island by island: into `calm`.
@@ -99,7 +89,7 @@ void IslandSolver::findCalm(const ContactSystem& system, const std::vector<int32
 		own[c.b] += square;
 	}
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
-		const int32_t k = islandWith(names ? (*names)[i] : static_cast<int32_t>(i));
+		const int32_t k = islandWith[names ? (*names)[i] : i];
 		if (k >= 0 && !(motion(system.bodies[i]) <= share * share * tolerance * tolerance * own[i]))
 			islands[k].calm = false;
 	}
@@ -119,11 +109,16 @@ void IslandSolver::judgeRest(double tolerance, double share)
 	}
 }
 
-// Marks as not solved the slow islands; how many they are.
-int IslandSolver::markSlow(const ContactSystem& system, double tolerance)
+// Marks as not solved the slow islands under constant loads; how many they are.
+int IslandSolver::markSlow(const ContactSystem& system, const Stillness& stillness, double tolerance)
 {
+	if (stillness.loadsBefore.size() != system.bodies.size())
+		return 0;
 	for (Island& island : islands)
-		island.calm = !island.asleep && island.contacts > 1 && island.sweeps <= fewSweeps;
+		island.calm = !island.asleep && island.sweeps <= fewSweeps;
+	for (std::size_t i = 0; i < system.bodies.size(); i++)
+		if (islandWith[i] >= 0 && stillness.loads[i] != stillness.loadsBefore[i])
+			islands[islandWith[i]].calm = false;
 	findCalm(system, nullptr, tolerance, slow);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		for (const int32_t body : { system.contacts[i].a, system.contacts[i].b })
@@ -156,7 +151,7 @@ void IslandSolver::dismissMoving(const ContactSystem& system, const std::vector<
 // Stops the slow islands that come to rest of themselves where this step is solved more exactly, and gives them the impulses that keep them there.
 void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
-	const int slowOnes = markSlow(system, settings.tolerance);
+	const int slowOnes = markSlow(system, stillness, settings.tolerance);
 	if (slowOnes == 0)
 		return;
 	SolverSettings finer = settings;
@@ -171,7 +166,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 		}
 	// From v to 0, while the impulses of rest, which change it by u, make of it v + u.
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
-		const int32_t k = islandWith(partBodies[i]);
+		const int32_t k = islandWith[partBodies[i]];
 		if (k < 0 || islands[k].solved)
 			continue;
 		for (int j = 0; j < 3; j++)
@@ -187,12 +182,17 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 	effort.notAtRest = slowOnes - effort.provenAtRest;
 }
 
-// Velocities of the islands that sleep, or will from the next step on, are zero.
-void IslandSolver::stop(ContactSystem& system)
+// Velocities of what sleeps, or will from the next step on, are zero.
+void IslandSolver::stop(ContactSystem& system, const Sleepers& sleepers)
 {
-	for (std::size_t i = 0; i < system.bodies.size(); i++)
-		if (const int32_t k = islandWith(static_cast<int32_t>(i)); k >= 0 && islands[k].asleep)
+	const bool any = std::any_of(islands.begin(), islands.end(), [](const Island& island) { return island.asleep; });
+	if (!any && sleepers.none())
+		return;
+	for (std::size_t i = 0; i < system.bodies.size(); i++) {
+		const int32_t k = islandWith[i];
+		if (sleepers.sleeps(static_cast<int32_t>(i)) || (k >= 0 && islands[k].asleep))
 			std::fill_n(system.bodies[i].v, 3, 0.);
+	}
 }
 
 } // namespace cd

@@ -92,14 +92,14 @@ void IslandSolver::findIslands(const ContactSystem& system)
 // In the order of their first contacts.
 void IslandSolver::numberIslands()
 {
-	numberOf.assign(parent.size(), -1);
+	islandWith.assign(parent.size(), -1);
 	islandOf.resize(links.size());
 	islands.clear();
 	for (std::size_t i = 0; i < links.size(); i++) {
 		islandOf[i] = -1;
 		if (links[i] < 0)
 			continue;
-		int32_t& number = numberOf[nameOf(links[i])];
+		int32_t& number = islandWith[nameOf(links[i])];
 		if (number < 0) {
 			number = static_cast<int32_t>(islands.size());
 			islands.emplace_back();
@@ -107,6 +107,11 @@ void IslandSolver::numberIslands()
 		}
 		islandOf[i] = number;
 		islands[number].contacts++;
+	}
+	// The body that names an island comes before its others, and so has its number and its own name already.
+	for (std::size_t i = 0; i < parent.size(); i++) {
+		parent[i] = parent[parent[i]];
+		islandWith[i] = islandWith[parent[i]];
 	}
 	larger = largest = 0;
 	for (const Island& island : islands) {
@@ -119,12 +124,11 @@ void IslandSolver::countUnknowns(Effort& effort)
 {
 	touching = 0;
 	effort = {};
-	for (std::size_t i = 0; i < freedom.size(); i++) {
-		if (freedom[i] == 0 || numberOf[nameOf(static_cast<int32_t>(i))] < 0)
-			continue;
-		touching++;
-		effort.unknowns += freedom[i];
-	}
+	for (std::size_t i = 0; i < freedom.size(); i++)
+		if (islandWith[i] >= 0) {
+			touching++;
+			effort.unknowns += freedom[i];
+		}
 	effort.islands = static_cast<int>(islands.size());
 }
 
@@ -133,7 +137,7 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
 	for (Island& island : islands) {
-		if (island.contacts > 1)
+		if (island.contacts > 1 || island.asleep)
 			continue;
 		ContactRow& c = system.contacts[island.first];
 		double pn, pt;
@@ -277,18 +281,25 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 }
 
 // Velocities and error of the whole.
-SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance)
+SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance, const Sleepers* sleepers)
 {
 	ResidualSum sum;
+	std::size_t contacts = system.contacts.size();
 	int sweeps = 0;
 	for (std::size_t k = 0; k < islands.size(); k++) {
-		sum += sums[k];
+		if (!islands[k].asleep)
+			sum += sums[k];
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
+	if (sleepers)
+		for (const SleepingIsland& island : sleepers->islands()) {
+			sum += island.error;
+			contacts += island.found ? 0 : static_cast<std::size_t>(island.contacts);
+		}
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (islandOf[i] >= 0 && !islands[islandOf[i]].asleep)
 			addImpulse(system, system.contacts[i]);
-	SolverReport report = reportOf(sum.of(system.contacts.size()));
+	SolverReport report = reportOf(sum.of(contacts));
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
 	if (std::isnan(report.error))
@@ -308,25 +319,29 @@ SolverReport IslandSolver::operator()(
 	copyVelocities(system, freeVelocity);
 	sums.assign(islands.size(), {});
 	sleeping = 0;
-	if (stillness && stillness->sameLoads)
+	if (stillness) {
+		stillness->sleepers.forgetFound(system.bodies.size());
 		recognise(system, *stillness, settings.tolerance);
+	}
 	solveLoneContacts(system, settings.tolerance);
-	const bool inPlace = sleeping == 0 && isNearlyOneIsland(system);
+	const bool inPlace = (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
 	SolverReport report;
 	if (inPlace)
 		report = solveInPlace(system, method, settings);
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
 			std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
-		report = conclude(system, solveInParts(system, method, settings), settings.tolerance);
+		report = conclude(system, solveInParts(system, method, settings), settings.tolerance,
+		    stillness ? &stillness->sleepers : nullptr);
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;
 	effort.sleeping = sleeping;
 	if (stillness) {
-		if (stillness->sameLoads && stillness->trial > 0 && report.status == Status::converged)
+		countSleepersOn(effort, stillness->sleepers);
+		if (stillness->trial > 0 && report.status == Status::converged)
 			prove(system, *stillness, settings, effort);
-		stop(system);
+		stop(system, stillness->sleepers);
 	}
 	return report;
 }

@@ -15,6 +15,7 @@
 
 #include "residual.hpp"
 #include "sleep.hpp"
+#include "sleepers.hpp"
 #include "solver.hpp"
 
 namespace cd {
@@ -62,31 +63,24 @@ class IslandSolver {
 	int judge(double tolerance);
 	void takePart(const ContactSystem&, bool (*wanted)(const Island&));
 	int32_t placeOf(const ContactSystem&, int32_t body);
-	SolverReport conclude(ContactSystem&, Status, double tolerance);
-
-	// What is remembered of an island that sleeps, by the body that names it.
-	struct Asleep {
-		uint64_t print = 0;
-		ResidualSum sum;
-	};
+	SolverReport conclude(ContactSystem&, Status, double tolerance, const Sleepers*);
 
 	// island_sleep.cpp
-	int32_t islandWith(int32_t body);
-	Asleep& memoryOf(const ContactSystem&, const Island&);
 	bool findStill(const ContactSystem&, const std::vector<double>& before);
 	void recognise(const ContactSystem&, const Stillness&, double tolerance);
-	void fallAsleep(const ContactSystem&, double tolerance);
+	void reportSleep(const ContactSystem&, Sleepers&);
+	void countSleepersOn(Effort&, const Sleepers&);
 	void findCalm(const ContactSystem&, const std::vector<int32_t>* names, double tolerance, double share);
 	void judgeRest(double tolerance, double share);
-	int markSlow(const ContactSystem&, double tolerance);
+	int markSlow(const ContactSystem&, const Stillness&, double tolerance);
 	void dismissMoving(const ContactSystem&, const std::vector<double>* less, const SolverSettings&);
 	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
-	void stop(ContactSystem&);
+	void stop(ContactSystem&, const Sleepers&);
 
 	std::vector<uint8_t> freedom; // how many velocities of a body can change
 	std::vector<int32_t> links; // a body of every contact that can move; -1: there is none
 	std::vector<int32_t> parent; // of every body that can move, towards the one that names its island
-	std::vector<int32_t> numberOf; // of the island that a body names; -1: none
+	std::vector<int32_t> islandWith; // by body; -1: it cannot move or touches nothing
 	std::vector<int32_t> islandOf; // of every contact; -1: between immobile bodies
 	std::vector<Island> islands;
 	std::vector<ResidualSum> sums; // of the islands
@@ -99,9 +93,7 @@ class IslandSolver {
 	int larger = 0, largest = 0; // islands of more than one contact; contacts of the largest
 	int touching = 0; // bodies that can move and have a contact
 	int factorizations = 0; // made for the parts
-	std::vector<Asleep> memory; // by body; spares to look at what sleeps, and decides nothing else
-	int sleeping = 0; // islands
-	std::vector<uint64_t> prints; // of the problems of still islands
+	int sleeping = 0; // of the islands
 	std::vector<double> own; // W_nn |p|^2 of a body's own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
 	bool rested = false; // whether the last system was solved in place without a sweep: decides on costs, not on results

@@ -5,10 +5,10 @@
 // bring it down again and again. Therefore islands that are slow under constant loads have to prove their rest now and then: a step is solved by
 // sweeps to a thousandth of the tolerance, if that takes no more than a few for each step since the last trial. Where every body comes to rest in it,
 // slower than a hundredth of what an error of the tolerance in its own contacts' impulses would leave, the velocities become zero. What rolls or
-// drifts goes on in such a step, and so is not stopped. The impulses are those of the same step without velocities before it. An island whose
-// velocities are all zero before a step, and whose impulses are found to keep them so, sleeps: as long as its contacts, the tolerance, and the loads
-// of all bodies are the same to the last bit, so is its solution, and is not even looked at. What may be lost are forces below a hundredth of the
-// tolerance. What sleeps follows from velocities, impulses and what the engine saves, so that a saved scene goes on alike.
+// drifts goes on in such a step, and so is not stopped. The impulses are those of the same step without velocities before it. An island in which
+// nothing moves before a step, and whose impulses are found to keep it so, to a hundredth of the tolerance, sleeps: it is not solved again. Forces
+// smaller than that may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene goes on
+// alike. Those in which nothing changes at all are then not even looked at (sleepers.hpp).
 #pragma once
 
 #include "contact_system.hpp"
@@ -18,19 +18,19 @@
 
 namespace cd {
 
-// The bits of a number; of 0 and -0 the same.
-uint64_t bitsOf(double);
+class Sleepers;
+
+// Of what forces add to a body's velocity in a step.
+int fingerprint(const double gained[3]);
 
 // What a step has to say of rest; without it nothing sleeps.
 struct Stillness {
+	Sleepers& sleepers; // those that the system is without, and those found asleep in it
 	const std::vector<double>& before; // the bodies' velocities before the step, three a body
-	bool sameLoads; // whether every body has the load that it had in the step before
 	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: they are not asked
+	// Fingerprints of the bodies' loads in this step and the one before, looked at in a trial only; where none are known, nothing is tried.
+	const std::vector<int>&loads, &loadsBefore;
 };
-
-// Of every bit of a contact's row, the first guess to seven digits, and of its bodies' velocities without impulses. The sum over the contacts of
-// an island does not depend on their order.
-uint64_t fingerprint(const ContactRow&, const double* freeA, const double* freeB);
 
 // Twice the kinetic energy [J]; infinite where a body that nothing can stop moves.
 double motion(const BodyVelocity&);

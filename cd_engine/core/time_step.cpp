@@ -32,18 +32,27 @@ void TimeStep::freeVelocities(const World& world, double dt)
 {
 	system.bodies.resize(world.bodies.size());
 	before.resize(3 * world.bodies.size());
-	loads = world.bodies.size();
 	for (size_t i = 0; i < world.bodies.size(); i++) {
 		const Body& b = world.bodies[i];
 		BodyVelocity& s = system.bodies[i];
 		for (int k = 0; k < 3; k++) {
 			s.w[k] = b.inverseMass[k];
 			before[3 * i + k] = b.v[k];
-			const double gained = dt * b.inverseMass[k] * b.force[k];
-			loads = (loads ^ bitsOf(gained)) * 0x9e3779b97f4a7c15;
-			loads ^= loads >> 32;
-			s.v[k] = b.v[k] + gained;
+			s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
 		}
+	}
+}
+
+void TimeStep::noteLoads(const World& world, const StepSettings& settings)
+{
+	fingerprints.clear();
+	if (!settings.notesLoads && settings.trial == 0)
+		return;
+	for (const Body& b : world.bodies) {
+		double gained[3];
+		for (int k = 0; k < 3; k++)
+			gained[k] = settings.dt * b.inverseMass[k] * b.force[k];
+		fingerprints.push_back(fingerprint(gained));
 	}
 }
 
@@ -125,23 +134,26 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	freeVelocities(world, settings.dt);
 	locateBodies(world, settings.dt);
 	limit = reach(world, settings.dt).gap;
+	sleepers.wakeBeyond(limit, world);
 	rows = 0;
 	rowPair.clear();
 	rowTouch.clear();
 	solved.assign(world.pairs.size(), 0);
-	forgotten.clear();
+	gaps.resize(world.pairs.size());
 	deepest = 0;
-	for (size_t i = 0; i < world.pairs.size(); i++) {
-		if (i + ahead < world.pairs.size())
-			prefetchBodies(world.pairs[i + ahead]);
+	for (size_t k = 0; k < world.awake.size(); k++) {
+		if (k + ahead < world.awake.size())
+			prefetchBodies(world.pairs[world.awake[k + ahead]]);
+		const int32_t i = world.awake[k];
 		Pair& pair = world.pairs[i];
 		const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 		double gap = pair.reference - touch.overlap;
 		if (pair.reference > 0 && touch.overlap <= 0) { // truly apart
 			gap -= pair.reference;
 			pair.reference = 0;
-			forgotten.push_back(static_cast<int32_t>(i));
+			forgotten.push_back(i);
 		}
+		gaps[i] = gap;
 		if (gap <= limit && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
 			addRow(world, i, touch, gap, settings);
 		else
@@ -176,7 +188,7 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	if (leftOutStayApart(settings.dt))
 		return false;
 	const size_t before = rows;
-	for (size_t i = 0; i < world.pairs.size(); i++) {
+	for (const int32_t i : world.awake) {
 		if (solved[i])
 			continue;
 		const Pair& pair = world.pairs[i];
@@ -191,12 +203,15 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	return rows > before;
 }
 
-StepReport TimeStep::operator()(World& world, const StepSettings& settings)
+// False if it would touch what sleeps on, which has been woken: then it has to be made anew.
+bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& report)
 {
-	StepReport report;
 	assemble(world, settings);
-	report.loads = loads;
-	const Stillness stillness { before, loads == settings.loads, settings.trial };
+	if (sleepers.wake(system.contacts, world))
+		return false;
+	report.solver = {};
+	static const std::vector<int> unknown;
+	const Stillness stillness { sleepers, before, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
@@ -207,19 +222,57 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 		meanVelocities(world);
 		// With restitution a contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
 		if (settings.restitution > 0 || !addViolated(world, settings))
-			break;
+			return true;
+		if (sleepers.wake(system.contacts, world))
+			return false;
 		freeVelocities(world, settings.dt);
 	}
-	finish(world, settings, report);
+}
+
+StepReport TimeStep::operator()(World& world, const StepSettings& settings)
+{
+	StepReport report;
+	forgotten.clear();
+	noteLoads(world, settings);
+	while (!attempt(world, settings, report)) { }
+	report.dissipated += report.effort.stopped;
+	report.contacts = static_cast<int>(rows);
+	report.maxPenetration = deepest;
+	finishContacts(world, report);
+	finishSleepers(world, report);
+	finishBodies(world, settings.dt);
 	return report;
 }
 
-void TimeStep::finish(World& world, const StepSettings& settings, StepReport& report)
+// Adds a contact's impulse to both of its bodies, or, for a sleeping island, to what it remembers of those that cannot move.
+inline void TimeStep::push(size_t row, const Pair& pair, SleepingIsland* asleep)
 {
-	const double h = settings.dt;
-	report.contacts = static_cast<int>(rows);
-	report.maxPenetration = deepest;
-	report.dissipated += report.effort.stopped;
+	const Touch& touch = rowTouch[row];
+	const Place &a = places[pair.a], &b = places[pair.b];
+	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
+	// A disk takes it on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
+	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
+	const double turnB = (b.radius - 0.5 * touch.overlap) * pair.pt;
+	const auto add = [&](int32_t body, double px, double py, double turn) {
+		if (asleep && !sleepers.sleeps(body)) {
+			asleep->onImmobile.push_back({ body, { px, py, turn } });
+			return;
+		}
+		std::array<double, 3>& on = impulses[body];
+		on[0] += px;
+		on[1] += py;
+		on[2] += turn;
+	};
+	add(pair.a, -x, -y, -turnA);
+	add(pair.b, x, y, -turnB);
+}
+
+void TimeStep::finishContacts(World& world, StepReport& report)
+{
+	impulses.resize(world.bodies.size());
+	for (size_t i = 0; i < impulses.size(); i++)
+		if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
+			impulses[i] = { 0, 0, 0 };
 	for (size_t i = 0; i < system.contacts.size(); i++) {
 		if (i + ahead < system.contacts.size()) {
 			__builtin_prefetch(&means[system.contacts[i + ahead].a]);
@@ -229,11 +282,18 @@ void TimeStep::finish(World& world, const StepSettings& settings, StepReport& re
 		Pair& pair = world.pairs[rowPair[i]];
 		pair.pn = c.pn;
 		pair.pt = c.pt;
+		SleepingIsland* const asleep = sleepers.sleeps(c.a) ? &sleepers.islandWith(c.a) : sleepers.sleeps(c.b) ? &sleepers.islandWith(c.b) : nullptr;
+		if (asleep) {
+			asleep->widest = std::max(asleep->widest, gaps[rowPair[i]]);
+			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
+		}
+		if (c.pn > 0 || asleep)
+			push(i, pair, asleep);
 		if (c.pn <= 0)
 			continue;
-		report.loadedContacts++;
+		(asleep ? asleep->loaded : report.loadedContacts)++;
 		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone))
-			report.slidingContacts++;
+			(asleep ? asleep->sliding : report.slidingContacts)++;
 		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
 		const double *a = means[c.a].v, *b = means[c.b].v;
 		const double dx = b[0] - a[0], dy = b[1] - a[1];
@@ -241,6 +301,33 @@ void TimeStep::finish(World& world, const StepSettings& settings, StepReport& re
 		const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
 		report.dissipated -= c.pn * un + c.pt * ut;
 	}
+}
+
+// What sleeping islands add, those that this step has looked at and the others.
+void TimeStep::finishSleepers(const World& world, StepReport& report)
+{
+	bool found = false;
+	for (const SleepingIsland& island : sleepers.islands()) {
+		found = found || island.found;
+		report.contacts += island.found ? 0 : island.contacts;
+		report.loadedContacts += island.loaded;
+		report.slidingContacts += island.sliding;
+		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
+		for (const Push& push : island.onImmobile)
+			for (int k = 0; k < 3; k++)
+				impulses[push.body][k] += push.impulse[k];
+	}
+	if (!found)
+		return;
+	for (const int32_t i : world.awake)
+		if (gaps[i] > limit)
+			for (const int32_t body : { world.pairs[i].a, world.pairs[i].b })
+				if (sleepers.sleeps(body))
+					sleepers.islandWith(body).next = std::min(sleepers.islandWith(body).next, gaps[i]);
+}
+
+void TimeStep::finishBodies(World& world, double h)
+{
 	for (size_t i = 0; i < world.bodies.size(); i++) {
 		Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v;
@@ -249,6 +336,7 @@ void TimeStep::finish(World& world, const StepSettings& settings, StepReport& re
 		b.turn = 0.5 * h * (b.v[2] + v[2]);
 		std::copy_n(v, 3, b.v);
 	}
+	sleepers.remember(world);
 }
 
 } // namespace cd

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "island_solver.hpp"
+#include "sleepers.hpp"
 #include "world.hpp"
+
+#include <array>
 
 namespace cd {
 
@@ -11,8 +14,9 @@ struct StepSettings {
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
 	bool reduce = true; // solve islands of contacts apart (island_solver.hpp)
-	uint64_t loads = 0; // fingerprint of those of the step before
 	int trial = 0; // sweeps that slow islands may take to prove their rest (sleep.hpp)
+	const std::vector<int>* loadsBefore = nullptr; // for that: the loads of the step before
+	bool notesLoads = false; // for the step after
 	Solver solve = nullptr;
 	SolverSettings solver;
 };
@@ -26,7 +30,6 @@ struct StepReport {
 	double maxPenetration = 0; // [m], beyond the reference overlaps, at the mid-configuration
 	double dissipated = 0; // [J] in this step
 	double solveSeconds = 0; // spent in the solver
-	uint64_t loads = 0; // fingerprint of what forces add to the bodies' velocities
 };
 
 // How far contacts reach in a step.
@@ -41,7 +44,7 @@ Reach reach(const World&, double dt);
 
 class TimeStep {
     public:
-	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
+	// Moves the bodies by dt, of which the pairs in world.awake may touch: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
 	// Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0 keeps the next one from
 	// overlapping to first order: the gap may close within the step but not be crossed. An overlap is kept from growing; with
 	// gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
@@ -58,9 +61,17 @@ class TimeStep {
 	const std::vector<Touch>& touches() const { return rowTouch; }
 	// The pairs whose reference overlap ended in the last step.
 	const std::vector<int32_t>& overlapsForgotten() const { return forgotten; }
+	// Fingerprints of the loads of the bodies, if they were to be noted.
+	const std::vector<int>& loads() const { return fingerprints; }
+	// Of all contacts on every body, those left out included.
+	const std::array<double, 3>& impulseOn(std::size_t body) const { return impulses[body]; }
+
+	// What is asked before the pairs are read, and told what of the scene a step has changed.
+	Sleepers sleepers;
 
     private:
 	void freeVelocities(const World&, double dt);
+	void noteLoads(const World&, const StepSettings&);
 	void locateBodies(const World&, double dt);
 	void meanVelocities(const World&);
 	bool leftOutStayApart(double dt) const;
@@ -69,7 +80,11 @@ class TimeStep {
 	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&) const;
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool addViolated(World&, const StepSettings&);
-	void finish(World&, const StepSettings&, StepReport&);
+	bool attempt(World&, const StepSettings&, StepReport&);
+	void finishContacts(World&, StepReport&);
+	void push(std::size_t row, const Pair&, SleepingIsland*);
+	void finishSleepers(const World&, StepReport&);
+	void finishBodies(World&, double dt);
 
 	struct Mean {
 		double v[3]; // of the velocities before and after the step
@@ -78,7 +93,7 @@ class TimeStep {
 	IslandSolver solveIslands;
 	ContactSystem system;
 	std::vector<double> before; // velocities of the bodies before the step
-	uint64_t loads = 0; // fingerprint of what forces add to them
+	std::vector<int> fingerprints; // of what forces add to them, if anybody wants to know
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies
 	double limit = 0; // gap up to which pairs are contacts [m]
@@ -90,6 +105,8 @@ class TimeStep {
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<Touch> rowTouch;
 	std::vector<char> solved; // whether a pair has a contact in the system
+	std::vector<double> gaps; // of the pairs looked at [m]
+	std::vector<std::array<double, 3>> impulses; // on the bodies [N s], [N s], [N m s]
 };
 
 } // namespace cd

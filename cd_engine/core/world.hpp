@@ -25,6 +25,7 @@ struct Body {
 	double inverseMass[3] = { 0, 0, 0 }; // along x, y [1/kg] and about z [1/(kg m^2)]; 0: that freedom is blocked, its velocity prescribed
 	double force[3] = { 0, 0, 0 }; // external force [N] and torque [N m], gravity included
 	double radius = 0; // of a disk [m]; 0: a boundary
+	double friction = 0; // coefficient of its surface; a pair takes the smaller of two
 };
 
 // Two bodies near each other. `a` is the boundary where one is a boundary; two boundaries never touch.
@@ -46,6 +47,7 @@ struct World {
 	std::vector<Body> bodies;
 	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
 	std::vector<Pair> pairs;
+	std::vector<int32_t> awake; // the pairs that a step looks at, in order: all but those between what sleeps on (sleepers.hpp)
 };
 
 // Where a body is for the purpose of contacts: small, so that the places of many bodies stay in the nearest cache.

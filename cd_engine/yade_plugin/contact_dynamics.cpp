@@ -45,6 +45,7 @@ void ContactDynamics::action()
 		advance();
 	} catch (...) {
 		rest.wake(); // whoever goes on from here must not find a sleeping collider
+		lastStep = -1;
 		throw;
 	}
 }
@@ -56,9 +57,10 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
-	s.loads = static_cast<uint64_t>(restLoads);
-	// Four sweeps for each step since the last trial, about what an island at rest costs while it is awake.
-	s.trial = steps >= restTrialAt ? 4 * restTrialPause : 0;
+	// A sweep for each step since the last trial, less than an island at rest costs while it is awake; at first so many that they can do something.
+	s.trial = steps >= restTrialAt ? std::max(64, restTrialPause) : 0;
+	s.loadsBefore = &loadsBeforeTrial;
+	s.notesLoads = steps + 1 == restTrialAt;
 	s.solve = cd::findSolver(method);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
@@ -73,7 +75,9 @@ void ContactDynamics::advance()
 	if (enginesChanged())
 		checkEngines();
 	const cd::StepSettings settings = this->settings(scene);
-	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), rest, colliderMargin);
+	if (!sleepGoesOn(settings))
+		step.sleepers.wakeAll(link.world);
+	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), rest, colliderMargin, step.sleepers);
 	if (handover) {
 		link.takeOverlaps();
 		link.collectOverlaps(memory().overlaps);
@@ -101,7 +105,9 @@ void ContactDynamics::advance()
 	islands = report.effort.islands;
 	resting = report.effort.resting;
 	sleeping = report.effort.sleeping;
-	restLoads = static_cast<long>(report.loads);
+	loadsBeforeTrial.clear();
+	if (settings.notesLoads)
+		loadsBeforeTrial = step.loads();
 	if (settings.trial > 0)
 		planRestTrial(report.effort);
 	loadedContacts = report.loadedContacts;
@@ -119,10 +125,23 @@ void ContactDynamics::advance()
 	}
 }
 
+// Whether this step is like the last one, so that what left everything as it was then does so again. In between, or before a new run, somebody may
+// have changed forces that are not read while their island sleeps.
+bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now)
+{
+	const long iteration = at<long>(scene, layout.scene_iter), stop = at<long>(scene, layout.scene_stopAtIter);
+	const bool likeLast = iteration == lastStep + 1 && stop == lastStop && now.dt == last.dt && now.restitution == last.restitution
+	    && now.gapCorrection == last.gapCorrection && now.solver.tolerance == last.solver.tolerance;
+	lastStep = iteration;
+	lastStop = stop;
+	last = now;
+	return likeLast && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart && !handover;
+}
+
 // One that fails is repeated later, with more sweeps.
 void ContactDynamics::planRestTrial(const cd::Effort& effort)
 {
-	constexpr int shortest = 16, longest = 4096;
+	constexpr int shortest = 16, longest = 16384;
 	if (effort.notAtRest > 0)
 		restTrialPause = std::min(longest, 2 * restTrialPause);
 	else if (effort.provenAtRest > 0)

@@ -45,8 +45,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	// Over all steps.
 	double deepestPenetration = 0;
 
-	// The loads of the last step, and the step of the next look for islands at rest; saved, since what is found then is stopped.
-	long restLoads = 0;
+	// The step of the next look for islands at rest, and the loads in the step before it; saved, since what is found then is stopped.
+	std::vector<int> loadsBeforeTrial;
 	long restTrialAt = 0;
 	int restTrialPause = 16;
 
@@ -79,6 +79,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool enginesChanged();
 	void advance();
 	void planRestTrial(const cd::Effort&);
+	bool sleepGoesOn(const cd::StepSettings&);
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength } }; }
 	bool looksAtOrder() const { return steps % 64 == 0; }
 	void warn(double error);
@@ -89,6 +90,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	cd::TimeStep step;
 	std::vector<std::pair<const yade::Engine*, bool>> checkedEngines; // the company at the last check, and whether it was dead
 	bool warned = false;
+	cd::StepSettings last; // of the last step
+	long lastStep = -1, lastStop = -1; // its iteration, and where its run was to stop
 };
 
 inline const char* const ContactDynamics::documentation
@@ -165,13 +168,13 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and not even "
 	    "their "
 	    "error is asked for [1].");
-	visit("restLoads", &C::restLoads, Access::read, any,
-	    "Fingerprint of the loads of all bodies in the last step: nothing sleeps where they change [1].");
+	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::read, any,
+	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::read, any,
 	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
 	    "to a "
 	    "thousandth of the tolerance are stopped and sleep [1].");
-	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 4096: more after each that fails [1].");
+	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 16384: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
 	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");

@@ -244,6 +244,7 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 		inspectMotion(id);
 		readShape(id, world.bodies[id]);
 		readMotion(id, world.bodies[id], forces, g);
+		world.bodies[id].friction = known.friction;
 		surfaces[id] = { known.friction, world.bodies[id].radius };
 	}
 }
@@ -257,7 +258,8 @@ void SceneLink::checkScene(yade::Scene* scene, double dt) const
 }
 
 void SceneLink::gather(
-    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest, double margin)
+    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest, double margin,
+    cd::Sleepers& sleepers)
 {
 	checkScene(scene, dt);
 	gravity = g;
@@ -267,7 +269,7 @@ void SceneLink::gather(
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
 	rest.refresh(
 	    world, scene, dt, margin, !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));
-	gatherPairs(scene, dt, impulses, memory);
+	gatherPairs(scene, dt, impulses, memory, sleepers);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)
@@ -291,7 +293,8 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 		setForce(id, body, force, torque, g);
 	}
 	cd::renewOrder(world, memory.order, look);
-	gatherPairs(scene, dt, impulses, memory);
+	cd::Sleepers none;
+	gatherPairs(scene, dt, impulses, memory, none);
 }
 
 } // namespace cd_engine

@@ -69,6 +69,7 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 	}
 }
 
+// Asks for the memory of the objects that hold a contact's force.
 void SceneLink::findForces(std::size_t index)
 {
 	char* const interaction = reinterpret_cast<char*>(interactions[index]);
@@ -86,64 +87,72 @@ void SceneLink::findForces(std::size_t index)
 }
 
 // The force present on the contact, along its own normal, times dt: what YADE keeps is all the memory a warm start needs.
-void SceneLink::readImpulse(std::size_t index, double dt)
+std::array<double, 2> SceneLink::impulseIn(const Forces& f, double dt) const
 {
-	cd::Pair& pair = world.pairs[index];
-	pair.pn = pair.pt = 0;
-	if (!forces[index].geom)
-		return;
-	const Vector3r& n = at<Vector3r>(forces[index].geom, layout.geom_normal);
-	const Vector3r& fn = at<Vector3r>(forces[index].phys, layout.phys_normalForce);
-	const Vector3r& ft = at<Vector3r>(forces[index].phys, layout.phys_shearForce);
+	if (!f.geom)
+		return { 0, 0 };
+	const Vector3r& n = at<Vector3r>(f.geom, layout.geom_normal);
+	const Vector3r& fn = at<Vector3r>(f.phys, layout.phys_normalForce);
+	const Vector3r& ft = at<Vector3r>(f.phys, layout.phys_shearForce);
 	const double normal = n[0] * fn[0] + n[1] * fn[1], tangential = n[0] * ft[1] - n[1] * ft[0];
 	if (!(normal > 0) || !std::isfinite(tangential))
-		return; // springs may pull; a rigid contact does not
-	// n is a unit vector to its last digit only; without its length forces that are only read and written again would grow by it, step by step.
+		return { 0, 0 }; // springs may pull; a rigid contact does not
+	// n is a unit vector to its last digit only.
 	const double square = n[0] * n[0] + n[1] * n[1];
-	pair.pn = dt * normal / square;
-	pair.pt = dt * tangential / square;
+	return { dt * normal / square, dt * tangential / square };
 }
 
-// Friction and first guess of every pair: three dependent look-ups in different lines of memory, each asked for ahead of the next.
+// Leaves of them what a step can read and write; false if the bodies of the interaction have been exchanged, which the step itself would not notice.
+bool SceneLink::checkForces(std::size_t index)
+{
+	const bool turned = world.pairs[index].a != at<int>(interactions[index], layout.interaction_id1);
+	Forces& f = forces[index];
+	if (turned || !f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
+		f.geom = f.phys = nullptr;
+	return !turned;
+}
+
+// Friction and first guess of every pair that is awake: three dependent look-ups in different lines of memory, each asked for ahead of the next.
 // False if the bodies of an interaction have been exchanged since the pairs were made.
 bool SceneLink::readPairs(double dt, bool impulses)
 {
 	constexpr std::size_t ahead = 12;
-	const std::size_t count = world.pairs.size();
+	const std::size_t count = world.awake.size();
 	for (std::size_t i = 0; i < count + 2 * ahead; i++) {
 		if (i < count) {
-			prefetch(interactions[i], layout.interaction_id1);
-			prefetch(interactions[i], layout.interaction_phys);
+			prefetch(interactions[world.awake[i]], layout.interaction_id1);
+			prefetch(interactions[world.awake[i]], layout.interaction_phys);
 		}
 		if (i >= ahead && i - ahead < count)
-			findForces(i - ahead);
+			findForces(world.awake[i - ahead]);
 		if (i < 2 * ahead)
 			continue;
-		const std::size_t now = i - 2 * ahead;
-		cd::Pair& pair = world.pairs[now];
-		const bool turned = pair.a != at<int>(interactions[now], layout.interaction_id1);
-		if (turned && !inspecting)
+		const std::size_t now = world.awake[i - 2 * ahead];
+		if (!checkForces(now) && !inspecting)
 			return false;
-		Forces& f = forces[now];
-		// The step itself would forget the forces of a pair with its order.
-		if (turned || !f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
-			f.geom = f.phys = nullptr;
+		cd::Pair& pair = world.pairs[now];
 		pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
-		if (impulses)
-			readImpulse(now, dt);
-		else
-			pair.pn = pair.pt = 0;
+		const std::array<double, 2> guess = impulses ? impulseIn(forces[now], dt) : std::array<double, 2> { 0, 0 };
+		pair.pn = guess[0];
+		pair.pt = guess[1];
 	}
 	return true;
 }
 
-void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory)
+void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory, cd::Sleepers& sleepers)
 {
 	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	if (listUnchanged(container) && readPairs(dt, impulses))
-		return;
-	rebuildPairs(container, memory);
-	readPairs(dt, impulses);
+	bool known = listUnchanged(container);
+	if (known) {
+		sleepers.look(world);
+		known = readPairs(dt, impulses);
+	}
+	if (!known) {
+		rebuildPairs(container, memory);
+		sleepers.wakeAll(world);
+		readPairs(dt, impulses);
+	}
+	pairsRead = world.awake.size();
 }
 
 void SceneLink::takeOverlaps()

@@ -40,14 +40,15 @@ class SceneLink {
 
 	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `look`: whether to look at this step if
 	// the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too far for that.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin);
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin,
+	    cd::Sleepers&);
 	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
 	// Writes positions, velocities, interactions and O.forces after a step of dt. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void scatter(yade::Scene*, const cd::TimeStep&, double dt);
+	void scatter(yade::Scene*, cd::TimeStep&, double dt);
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 
@@ -91,19 +92,19 @@ class SceneLink {
 	void readShape(int id, cd::Body&);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
-	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&);
+	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
 	bool listUnchanged(yade::InteractionContainer*) const;
 	void rebuildPairs(yade::InteractionContainer*, const Memory&);
 	bool readPairs(double dt, bool impulses);
 	void findForces(std::size_t pair);
-	void readImpulse(std::size_t pair, double dt);
+	bool checkForces(std::size_t pair);
+	std::array<double, 2> impulseIn(const Forces&, double dt) const;
 	void collectSpares();
 	Spare takeSpare();
 	void makeReal(std::size_t pair, long iteration);
 	void makeUnreal(std::size_t pair);
-	void scatterContacts(const cd::TimeStep&, long iteration, double dt);
-	void writeContact(std::size_t pair, const cd::Touch&, double rate); // rate: 1/dt
-	void addForces(const cd::Pair&, const cd::Touch&, double dt);
+	void scatterContacts(cd::TimeStep&, long iteration, double dt);
+	bool writeContact(std::size_t pair, const cd::Touch&, double dt);
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
 
@@ -120,7 +121,7 @@ class SceneLink {
 	double layer = 0; // z of the disks
 	void* layerBody = nullptr; // the disk it was taken from
 	int layerId = -1;
-	std::vector<std::array<double, 3>> total; // scratch: force and torque added to each body
+	std::size_t pairsRead = 0; // those awake at the last gather
 };
 
 } // namespace cd_engine

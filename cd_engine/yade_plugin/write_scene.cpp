@@ -66,41 +66,24 @@ void SceneLink::makeUnreal(std::size_t index)
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = -1;
 }
 
-// The forces in YADE's signs: normalForce + shearForce act on the second body.
-void SceneLink::writeContact(std::size_t index, const cd::Touch& touch, double rate)
+// The forces in YADE's signs: normalForce + shearForce act on the second body. Those that say already what they are to say stay as they are, since
+// written again they would differ in the last digit; returns whether they were written.
+bool SceneLink::writeContact(std::size_t index, const cd::Touch& touch, double dt)
 {
 	const cd::Pair& pair = world.pairs[index];
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;
-	at<Vector3r>(g, layout.geom_normal) = Vector3r(touch.nx, touch.ny, 0);
 	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(touch.cx, touch.cy, layer);
 	at<double>(g, layout.geom_penetrationDepth) = touch.overlap;
 	at<double>(p, layout.phys_tangensOfFrictionAngle) = pair.mu;
-	const double fn = pair.pn * rate, ft = pair.pt * rate;
+	const Vector3r normal(touch.nx, touch.ny, 0);
+	if (at<Vector3r>(g, layout.geom_normal) == normal && impulseIn(forces[index], dt) == std::array<double, 2> { pair.pn, pair.pt })
+		return false;
+	at<Vector3r>(g, layout.geom_normal) = normal;
+	const double rate = 1 / dt, fn = pair.pn * rate, ft = pair.pt * rate;
 	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * touch.nx, fn * touch.ny, 0);
 	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(-ft * touch.ny, ft * touch.nx, 0);
-}
-
-// Adds the contact's force to both of its bodies.
-inline void SceneLink::addForces(const cd::Pair& pair, const cd::Touch& touch, double dt)
-{
-	const double rate = 1 / dt;
-	const double fx = (touch.nx * pair.pn - touch.ny * pair.pt) * rate, fy = (touch.ny * pair.pn + touch.nx * pair.pt) * rate;
-	// A disk takes the force on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
-	const double ft = pair.pt * rate, radiusA = surfaces[pair.a].radius;
-	std::array<double, 3>&onA = total[pair.a], &onB = total[pair.b];
-	onA[0] -= fx;
-	onA[1] -= fy;
-	onB[0] += fx;
-	onB[1] += fy;
-	onB[2] -= (surfaces[pair.b].radius - 0.5 * touch.overlap) * ft;
-	if (radiusA > 0)
-		onA[2] -= (radiusA - 0.5 * touch.overlap) * ft;
-	else {
-		// At the mid-configuration, where the solver had it.
-		const cd::Body& a = world.bodies[pair.a];
-		onA[2] -= (touch.cx - a.x + 0.5 * dt * a.v[0]) * fy - (touch.cy - a.y + 0.5 * dt * a.v[1]) * fx;
-	}
+	return true;
 }
 
 // The lines of memory that writeContact writes.
@@ -141,32 +124,39 @@ void SceneLink::writeMotion(std::size_t id)
 	q[3] = w * inverse;
 }
 
-void SceneLink::scatterContacts(const cd::TimeStep& step, long iteration, double dt)
+void SceneLink::scatterContacts(cd::TimeStep& step, long iteration, double dt)
 {
-	const double rate = 1 / dt;
+	if (world.awake.size() != pairsRead)
+		for (const int32_t i : world.awake) { // some were woken by the step
+			findForces(i);
+			checkForces(i);
+		}
 	const std::vector<int32_t>& solved = step.pairs();
-	total.assign(world.bodies.size(), { 0, 0, 0 });
 	for (std::size_t i = 0; i < solved.size(); i++) {
 		if (i + ahead < solved.size())
 			prefetchContact(forces[solved[i + ahead]]);
 		const cd::Pair& pair = world.pairs[solved[i]];
 		if (!(pair.pn > 0))
 			continue;
-		const cd::Touch& touch = step.touches()[i];
-		if (!forces[solved[i]].geom)
+		bool changes = !forces[solved[i]].geom;
+		if (changes)
 			makeReal(solved[i], iteration);
-		writeContact(solved[i], touch, rate);
-		addForces(pair, touch, dt);
+		changes = writeContact(solved[i], step.touches()[i], dt) || changes;
+		if (changes)
+			step.sleepers.disturb(pair);
 	}
-	for (std::size_t i = 0; i < world.pairs.size(); i++)
-		if (forces[i].any && !(world.pairs[i].pn > 0))
+	for (const int32_t i : world.awake)
+		if (forces[i].any && !(world.pairs[i].pn > 0)) {
 			makeUnreal(i);
+			step.sleepers.disturb(world.pairs[i]);
+		}
 }
 
-void SceneLink::scatter(yade::Scene* scene, const cd::TimeStep& step, double dt)
+void SceneLink::scatter(yade::Scene* scene, cd::TimeStep& step, double dt)
 {
 	scatterContacts(step, at<long>(scene, layout.scene_iter), dt);
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
+	const double rate = 1 / dt;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
 		if (id + ahead < world.bodies.size())
 			prefetchBody(bodies[id + ahead]);
@@ -175,8 +165,9 @@ void SceneLink::scatter(yade::Scene* scene, const cd::TimeStep& step, double dt)
 		writeMotion(id);
 		const double* w = world.bodies[id].inverseMass;
 		const double weight = w[0] > 0 || w[1] > 0 ? at<double>(bodies[id].state, layout.state_mass) : 0;
-		container.addForce(static_cast<int>(id), Vector3r(total[id][0] + weight * gravity[0], total[id][1] + weight * gravity[1], 0));
-		container.addTorque(static_cast<int>(id), Vector3r(0, 0, total[id][2]));
+		const std::array<double, 3>& p = step.impulseOn(id);
+		container.addForce(static_cast<int>(id), Vector3r(p[0] * rate + weight * gravity[0], p[1] * rate + weight * gravity[1], 0));
+		container.addTorque(static_cast<int>(id), Vector3r(0, 0, p[2] * rate));
 	}
 	// ForceResetter clears the sums only; what threads have added since the last sync would return in the next step.
 	container.sync();

@@ -37,6 +37,7 @@ StepReport step(World& w, double gapCorrection, double restitution = 0)
 	s.solve = findSolver("nsgs");
 	s.solver.tolerance = 1e-13;
 	TimeStep t;
+	t.sleepers.look(w);
 	return t(w, s);
 }
 

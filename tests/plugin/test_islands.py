@@ -1,7 +1,9 @@
 """Islands of contacts solved apart (`reduce`): what they are, that motion does not depend on it, what it spares."""
+import builtins
 import math
 
 import pytest
+from yade.wrapper import FrictPhys, PyRunner
 
 from . import plane
 from .test_invariants import cloud, digest
@@ -31,6 +33,17 @@ def scene(O, piles=3):
 
 def motion(O):
     return [x for b in O.bodies for x in (*b.state.pos, *b.state.vel, *b.state.angVel)]
+
+
+def seen(O):
+    """All that a step leaves to see: motion, contacts, the bodies' total forces, the engine's counts and error."""
+    cd = O.engines[-1]
+    contacts = sorted((i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce, *i.geom.normal, *i.geom.contactPoint, i.geom.penetrationDepth,
+                       i.phys.tangensOfFrictionAngle)
+                      for i in O.interactions if i.isReal)
+    forces = [x for b in O.bodies for x in (*O.forces.f(b.id), *O.forces.t(b.id))]
+    names = ("contacts", "unknowns", "islands", "resting", "sleeping", "loadedContacts", "slidingContacts", "maxPenetration", "residual", "residualMax")
+    return motion(O), contacts, forces, [getattr(cd, name) for name in names]
 
 
 def test_counts(O):
@@ -192,17 +205,116 @@ def test_a_finer_tolerance_wakes(O):
 
 
 def test_sleeping_forces_stay(O):
-    """Read and written again by every step, at an angle at which the normal's length is not 1 to the last digit; round-off may wander by its root."""
+    """At an angle at which the normal's length is not 1 to the last digit, looked at in every step (runs of one step) and not."""
     mat = plane.material(0.5)
     plane.floor(mat)
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.00937, 0.0273)):
         plane.disk((x, y), 0.01, mat=mat)
     cd = plane.run(2000, 1e-3, gravity=GRAVITY, tolerance=1e-8)
     assert cd.sleeping == 1
-    before = [i.phys.normalForce.norm() for i in O.interactions if i.isReal]
-    O.run(50000, True)
+    before = seen(O)
+    for _ in range(200):
+        O.run(1, True)
+    O.run(2000, True)
+    assert cd.sleeping == 1 and seen(O) == before
+
+
+def test_a_disk_alone_on_the_floor_sleeps(O):
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    for k in range(5):
+        plane.disk((0.1 * k, 0.01), 0.01, mat=mat)
+    cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-6)
+    assert (cd.islands, cd.sleeping, cd.contacts, cd.loadedContacts, cd.unknowns) == (5, 5, 5, 5, 15)
+    assert tuple(O.forces.f(0)) == pytest.approx((0, -5 * 9.81, 0), rel=1e-12)  # on the floor
+
+
+def test_what_changes_elsewhere_wakes_nothing(O):
+    """A disk is pushed by another force in every step, apart from a column at rest."""
+    import cd_engine
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    column(0, 3, mat)
+    pushed = plane.disk((1, 0.01), 0.01, mat=mat)
+    O.engines = cd_engine.engines(gravity=GRAVITY, tolerance=1e-6)
+    O.dt = 1e-3
+    O.forces.setPermF(pushed, (0, 0, 0))
+    for k in range(60):
+        O.forces.setPermF(pushed, (1e-3 * k, 0, 0))
+        O.run(1, True)
+    assert O.engines[-1].sleeping == 1 and O.bodies[pushed].state.vel[0] > 0
+
+
+CHANGES = {
+    "a kick": lambda O, ids: setattr(O.bodies[ids[1]].state, "vel", (1e-2, 0, 0)),
+    "a place": lambda O, ids: setattr(O.bodies[ids[2]].state, "pos", O.bodies[ids[2]].state.pos + (0, 1e-3, 0)),
+    "a freedom": lambda O, ids: setattr(O.bodies[ids[2]].state, "blockedDOFs", "xyzXYZ"),
+    "a load": lambda O, ids: O.forces.setPermF(ids[2], (100, 0, 0)),
+    "the floor's place": lambda O, ids: setattr(O.bodies[0].state, "pos", O.bodies[0].state.pos - (0, 1e-2, 0)),
+    "the floor's speed": lambda O, ids: setattr(O.bodies[0].state, "vel", (0, -0.1, 0)),
+    "no floor": lambda O, ids: O.bodies.erase(0),
+    "friction": lambda O, ids: setattr(O.bodies[ids[1]].mat, "frictionAngle", 0.0),
+    "gravity": lambda O, ids: setattr(O.engines[-2], "gravity", (0.1, -9.81, 0)),
+    "the time step": lambda O, ids: setattr(O, "dt", 5e-4),
+    "the tolerance": lambda O, ids: setattr(O.engines[-2], "tolerance", 1e-12),
+    "no reduction": lambda O, ids: setattr(O.engines[-2], "reduce", False),
+    "no first guess": lambda O, ids: setattr(O.engines[-2], "warmStart", False),
+    "so many sweeps": lambda O, ids: setattr(O.engines[-2], "fixedIterations", 50),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_nothing_shows_of_what_sleeps_on(O, change):
+    """Something changes within a run, by an engine, while columns sleep on; the same in runs of one step, in which everything is looked at."""
+    import cd_engine
+    left = []
+    for steps in (200, 1):
+        O.reset()
+        mats = [plane.material(0.5) for _ in range(4)]
+        plane.floor(mats[0])
+        columns = [column(0.1 * k, 3, mats[k]) for k in range(3)]
+        plane.disk((-0.5, 0.1), 0.01, velocity=(0.1, 0), mat=mats[3])
+        O.dt = 1e-3
+        builtins.change_now = lambda: CHANGES[change](O, columns[1])
+        O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6),
+                     PyRunner(command="import builtins; builtins.change_now()", iterPeriod=1, firstIterRun=150, nDo=1)]
+        O.run(148, True)
+        assert O.engines[-2].sleeping == 3
+        for _ in range(52 // min(steps, 52)):
+            O.run(min(steps, 52), True)
+        O.engines = O.engines[:-1]
+        left.append(seen(O))
+    assert O.iter == 200 and left[0] == left[1]
+
+
+def test_forces_of_what_sleeps_on_are_not_looked_at_until_the_next_run(O):
+    """Nor are the objects that hold them, and a disk that falls on a column wakes it whatever has become of them."""
+    import cd_engine
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    column(0, 3, mat)
+    faller = plane.disk((0, 0.15), 0.01, mat=mat)
+    O.dt = 1e-3
+
+    def replace():
+        i = O.interactions[0, 1]
+        i.phys = FrictPhys(normalForce=(0, 1e3, 0), tangensOfFrictionAngle=0.5)
+
+    builtins.change_now = replace
+    O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6),
+                 PyRunner(command="import builtins; builtins.change_now()", iterPeriod=1, firstIterRun=50, nDo=1)]
+    cd = O.engines[-2]
+    O.run(100, True)
+    assert cd.sleeping == 1 and O.interactions[0, 1].phys.normalForce[1] == 1e3
+    O.run(1, True)
+    assert O.interactions[0, 1].phys.normalForce[1] == pytest.approx(3 * 9.81, rel=1e-6)
+    O.engines[-1].dead = True
+    O.run(20, True)
     assert cd.sleeping == 1
-    assert [i.phys.normalForce.norm() for i in O.interactions if i.isReal] == pytest.approx(before, rel=1e-13)
+    O.engines[-1].dead, O.engines[-1].nDone, O.engines[-1].firstIterRun = False, 0, O.iter + 3
+    O.bodies[faller].state.pos, O.bodies[faller].state.vel = (0, 0.08, 0), (0, 0, 0)
+    O.run(400, True)
+    assert cd.sleeping == 1 and O.interactions[0, 1].phys.normalForce[1] == pytest.approx(4 * 9.81, rel=1e-6)
 
 
 @pytest.mark.parametrize("before", [10, 60, 300])
@@ -221,7 +333,7 @@ def test_a_saved_scene_goes_on_bitwise(O, tmp_path, before):
     O.save(str(tmp_path / "half.yade.gz"))
     O.run(300, True)
     assert O.engines[-1].sleeping > 0
-    whole = digest(O)
+    whole = digest(O), seen(O)
     O.load(str(tmp_path / "half.yade.gz"))
     O.run(300, True)
-    assert digest(O) == whole
+    assert (digest(O), seen(O)) == whole
