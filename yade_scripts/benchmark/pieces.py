@@ -129,6 +129,6 @@ def full(folder, files=()):
         + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
         + [_engine(folder, 40000, mu, tolerance=tolerance, steps=steps, most_sweeps=10000)
            for tolerance, steps in ((1e-4, 20), (1e-6, 8)) for mu in problems.FRICTION] \
-        + [_reduction(rounds=5, steps=300, tolerance=1e-6)] \
+        + [_reduction(rounds=5, steps=2000, tolerance=1e-6)] \
         + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
            for mu in problems.FRICTION for start in ("cold", "warm")]

@@ -35,6 +35,13 @@ def _columns():
     bodies.append_disk((-0.1, RADIUS), RADIUS, 1.0, "disk", velocity=(-0.1, 0))
 
 
+def _apart():
+    """The disks of the columns, each by itself in free space: what bodies cost that nothing has to be done for."""
+    bodies.append_floor(_ground(), FLOOR)
+    for k in range(301):
+        bodies.append_disk((0.05 * (k % 100), 0.1 * (1 + k // 100)), RADIUS, 1.0, "disk")
+
+
 def _gas():
     """Four hundred disks that fly about, of which a few touch at a time."""
     draw = random.Random(1)
@@ -63,7 +70,8 @@ def _fallen():
 
 
 # Name: (bodies, gravity, step [s], steps before those that are timed).
-SCENES = {"columns at rest": (_columns, GRAVITY, 1e-3, 200), "pyramid at rest": (_pyramid, GRAVITY, 1e-3, 300),
+SCENES = {"columns at rest": (_columns, GRAVITY, 1e-3, 200), "the same disks touching nothing": (_apart, 0.0, 1e-3, 200),
+          "heap at rest": (_fallen, GRAVITY, 1e-3, 4000), "pyramid at rest": (_pyramid, GRAVITY, 1e-3, 300),
           "disks falling on each other": (_fallen, GRAVITY, 1e-3, 20), "gas": (_gas, 0.0, 1e-4, 10)}
 
 
