@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace cd {
 namespace {
@@ -67,39 +68,54 @@ int32_t IslandSolver::nameOf(int32_t body)
 	return body;
 }
 
+// Whether contacts and freedoms are those of the last system: then so are the islands.
+bool IslandSolver::sameLinks(const ContactSystem& system)
+{
+	bool same = freedom.size() == system.bodies.size() && links.size() == system.contacts.size();
+	freedom.resize(system.bodies.size());
+	links.resize(system.contacts.size());
+	for (std::size_t i = 0; i < freedom.size(); i++) {
+		const auto free = static_cast<uint8_t>(freedoms(system.bodies[i]));
+		same = same && freedom[i] == free;
+		freedom[i] = free;
+	}
+	for (std::size_t i = 0; i < links.size(); i++) {
+		const ContactRow& c = system.contacts[i];
+		const Link link { c.a, c.b, c.wnn > 0 };
+		same = same && links[i].a == link.a && links[i].b == link.b && links[i].solvable == link.solvable;
+		links[i] = link;
+	}
+	return same;
+}
+
 void IslandSolver::findIslands(const ContactSystem& system)
 {
-	const std::size_t bodies = system.bodies.size(), contacts = system.contacts.size();
-	parent.resize(bodies);
-	freedom.resize(bodies);
-	links.resize(contacts);
-	for (std::size_t i = 0; i < bodies; i++) {
-		parent[i] = static_cast<int32_t>(i);
-		freedom[i] = static_cast<uint8_t>(freedoms(system.bodies[i]));
+	if (sameLinks(system)) {
+		for (Island& island : islands)
+			island = { island.first, island.contacts };
+		return;
 	}
-	for (std::size_t i = 0; i < contacts; i++) {
-		const ContactRow& c = system.contacts[i];
-		const bool movesA = freedom[c.a] > 0, movesB = freedom[c.b] > 0;
-		links[i] = c.wnn > 0 ? movesA ? c.a : c.b : -1;
-		if (!movesA || !movesB)
-			continue;
-		const int32_t a = nameOf(c.a), b = nameOf(c.b);
-		parent[std::max(a, b)] = std::min(a, b);
-	}
+	parent.resize(freedom.size());
+	std::iota(parent.begin(), parent.end(), 0);
+	for (const Link& link : links)
+		if (freedom[link.a] > 0 && freedom[link.b] > 0) {
+			const int32_t a = nameOf(link.a), b = nameOf(link.b);
+			parent[std::max(a, b)] = std::min(a, b);
+		}
 	numberIslands();
 }
 
 // In the order of their first contacts.
 void IslandSolver::numberIslands()
 {
-	islandWith.assign(parent.size(), -1);
+	islandOfBody.assign(parent.size(), -1);
 	islandOf.resize(links.size());
 	islands.clear();
 	for (std::size_t i = 0; i < links.size(); i++) {
 		islandOf[i] = -1;
-		if (links[i] < 0)
+		if (!links[i].solvable)
 			continue;
-		int32_t& number = islandWith[nameOf(links[i])];
+		int32_t& number = islandOfBody[nameOf(mobileOf(links[i]))];
 		if (number < 0) {
 			number = static_cast<int32_t>(islands.size());
 			islands.emplace_back();
@@ -111,7 +127,7 @@ void IslandSolver::numberIslands()
 	// The body that names an island comes before its others, and so has its number and its own name already.
 	for (std::size_t i = 0; i < parent.size(); i++) {
 		parent[i] = parent[parent[i]];
-		islandWith[i] = islandWith[parent[i]];
+		islandOfBody[i] = islandOfBody[parent[i]];
 	}
 	larger = largest = 0;
 	for (const Island& island : islands) {
@@ -125,7 +141,7 @@ void IslandSolver::countUnknowns(Effort& effort)
 	touching = 0;
 	effort = {};
 	for (std::size_t i = 0; i < freedom.size(); i++)
-		if (islandWith[i] >= 0) {
+		if (islandOfBody[i] >= 0) {
 			touching++;
 			effort.unknowns += freedom[i];
 		}
@@ -320,7 +336,7 @@ SolverReport IslandSolver::operator()(
 	sums.assign(islands.size(), {});
 	sleeping = 0;
 	if (stillness) {
-		stillness->sleepers.forgetFound(system.bodies.size());
+		stillness->sleepers.startSearch(system.bodies.size());
 		recognise(system, *stillness, settings.tolerance);
 	}
 	solveLoneContacts(system, settings.tolerance);

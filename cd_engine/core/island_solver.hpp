@@ -51,6 +51,13 @@ class IslandSolver {
 		bool asleep = false;
 	};
 
+	struct Link {
+		int32_t a, b;
+		bool solvable; // not between immobile bodies
+	};
+
+	bool sameLinks(const ContactSystem&);
+	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	void findIslands(const ContactSystem&);
 	int32_t nameOf(int32_t body);
 	void numberIslands();
@@ -78,9 +85,9 @@ class IslandSolver {
 	void stop(ContactSystem&, const Sleepers&);
 
 	std::vector<uint8_t> freedom; // how many velocities of a body can change
-	std::vector<int32_t> links; // a body of every contact that can move; -1: there is none
+	std::vector<Link> links; // the contacts
 	std::vector<int32_t> parent; // of every body that can move, towards the one that names its island
-	std::vector<int32_t> islandWith; // by body; -1: it cannot move or touches nothing
+	std::vector<int32_t> islandOfBody; // by body; -1: it cannot move or touches nothing
 	std::vector<int32_t> islandOf; // of every contact; -1: between immobile bodies
 	std::vector<Island> islands;
 	std::vector<ResidualSum> sums; // of the islands

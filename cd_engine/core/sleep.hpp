@@ -3,9 +3,9 @@
 // A first guess within the tolerance is no rest. It leaves velocities of the tolerance's size, and impulses held fast are dead loads, under which
 // a packing is unstable: in one of 400 disks the error grows by a factor of 1.15 a step, from 1e-11 to 1e-6 in 80 steps, and some sweeps have to
 // bring it down again and again. Therefore islands that are slow under constant loads have to prove their rest now and then: a step is solved by
-// sweeps to a thousandth of the tolerance, if that takes no more than a few for each step since the last trial. Where every body comes to rest in it,
-// slower than a hundredth of what an error of the tolerance in its own contacts' impulses would leave, the velocities become zero. What rolls or
-// drifts goes on in such a step, and so is not stopped. The impulses are those of the same step without velocities before it. An island in which
+// sweeps to a thousandth of the tolerance, and to less where that does not do, since the error is a norm of the whole. Where every body comes to rest
+// in it, slower than a hundredth of what an error of the tolerance in its own contacts' impulses would leave, the velocities become zero. What rolls
+// or drifts goes on in such a step, and so is not stopped. The impulses are those of the same step without velocities before it. An island in which
 // nothing moves before a step, and whose impulses are found to keep it so, to a hundredth of the tolerance, sleeps: it is not solved again. Forces
 // smaller than that may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene goes on
 // alike. Those in which nothing changes at all are then not even looked at (sleepers.hpp).

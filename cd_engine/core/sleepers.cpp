@@ -29,8 +29,12 @@ namespace {
 
 void Sleepers::resize(std::size_t count)
 {
-	of.resize(count, -1);
-	place.resize(count);
+	if (count < nameOf.size())
+		list.clear(); // bodies are gone
+	if (list.empty())
+		nameOf.assign(count, -1);
+	nameOf.resize(count, -1);
+	indexOf.resize(count);
 	quiet.resize(count);
 	bodies.resize(count);
 	shapes.resize(count);
@@ -39,57 +43,71 @@ void Sleepers::resize(std::size_t count)
 void Sleepers::wakeAll(World& world)
 {
 	list.clear();
-	std::fill(of.begin(), of.end(), -1);
+	std::fill(nameOf.begin(), nameOf.end(), -1);
+	std::fill(quiet.begin(), quiet.end(), 0);
 	world.awake.resize(world.pairs.size());
 	std::iota(world.awake.begin(), world.awake.end(), 0);
 }
 
 void Sleepers::look(World& world)
 {
+	if (!none())
+		resize(world.bodies.size());
 	if (none()) {
 		if (world.awake.size() != world.pairs.size())
 			wakeAll(world);
 		return;
 	}
-	resize(world.bodies.size());
-	bool changes = false;
-	for (std::size_t i = 0; i < world.bodies.size(); i++) {
-		const Body& now = world.bodies[i];
-		const bool sleeps = of[i] >= 0, immobile = isImmobile(now);
-		const bool still = (sleeps || immobile) && isStill(now) && isSame(now, bodies[i]) && (now.radius > 0 || isSame(world.shapes[i], shapes[i]));
-		if (sleeps)
-			islandWith(static_cast<int32_t>(i)).changed |= !still;
-		else if (immobile) {
-			bodies[i] = now;
-			shapes[i] = world.shapes[i];
-		}
-		changes = changes || quiet[i] != still;
-		quiet[i] = still;
-	}
+	bool changes = compareBodies(world);
 	for (SleepingIsland& island : list)
 		for (const Push& push : island.onImmobile)
-			island.changed |= !quiet[push.body];
-	changes = removeChanged() || changes;
+			island.disturbed = island.disturbed || !quiet[push.body];
+	changes = remove([](const SleepingIsland& island) { return island.disturbed; }) || changes;
 	for (SleepingIsland& island : list)
 		island.found = false;
 	if (changes)
 		listAwake(world);
 }
 
-// Whether there were any.
-bool Sleepers::removeChanged()
+// Which bodies are quiet, and which islands disturbed; whether others are quiet than before.
+bool Sleepers::compareBodies(const World& world)
 {
-	const auto isChanged = [](const SleepingIsland& island) { return island.changed; };
-	if (std::none_of(list.begin(), list.end(), isChanged))
+	bool changes = false;
+	for (std::size_t i = 0; i < world.bodies.size(); i++) {
+		const Body& now = world.bodies[i];
+		const bool asleep = nameOf[i] >= 0, immobile = isImmobile(now);
+		const bool still = (asleep || immobile) && isStill(now) && isSame(now, bodies[i]) && (now.radius > 0 || isSame(world.shapes[i], shapes[i]));
+		if (asleep && !still)
+			islandOf(static_cast<int32_t>(i)).disturbed = true;
+		if (immobile && !asleep) {
+			bodies[i] = now;
+			shapes[i] = world.shapes[i];
+		}
+		changes = changes || quiet[i] != still;
+		quiet[i] = still;
+	}
+	return changes;
+}
+
+// Whether there were any.
+template <class Condition> bool Sleepers::remove(Condition condition)
+{
+	if (std::none_of(list.begin(), list.end(), condition))
 		return false;
-	for (std::size_t i = 0; i < of.size(); i++)
-		if (of[i] >= 0 && list[place[of[i]]].changed) {
-			of[i] = -1;
+	for (std::size_t i = 0; i < nameOf.size(); i++)
+		if (nameOf[i] >= 0 && condition(islandOf(static_cast<int32_t>(i)))) {
+			nameOf[i] = -1;
 			quiet[i] = false;
 		}
-	list.erase(std::remove_if(list.begin(), list.end(), isChanged), list.end());
-	sort();
+	list.erase(std::remove_if(list.begin(), list.end(), condition), list.end());
+	number();
 	return true;
+}
+
+void Sleepers::number()
+{
+	for (std::size_t k = 0; k < list.size(); k++)
+		indexOf[list[k].name] = static_cast<int32_t>(k);
 }
 
 // A pair between what is quiet stays as it is.
@@ -98,19 +116,9 @@ void Sleepers::listAwake(World& world) const
 	world.awake.clear();
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		const Pair& pair = world.pairs[i];
-		if (!quiet[pair.a] || !quiet[pair.b] || (of[pair.a] < 0 && of[pair.b] < 0))
+		if (!quiet[pair.a] || !quiet[pair.b] || (nameOf[pair.a] < 0 && nameOf[pair.b] < 0))
 			world.awake.push_back(static_cast<int32_t>(i));
 	}
-}
-
-bool Sleepers::wakeBeyond(double gap, World& world)
-{
-	for (SleepingIsland& island : list)
-		island.changed = gap < island.widest || gap >= island.next;
-	const bool any = removeChanged();
-	if (any)
-		listAwake(world);
-	return any;
 }
 
 bool Sleepers::wake(const std::vector<ContactRow>& contacts, World& world)
@@ -120,19 +128,36 @@ bool Sleepers::wake(const std::vector<ContactRow>& contacts, World& world)
 	for (const ContactRow& c : contacts)
 		for (const int32_t body : { c.a, c.b })
 			if (sleepsOn(body))
-				islandWith(body).changed = true;
-	const bool any = removeChanged();
+				islandOf(body).disturbed = true;
+	const bool any = remove([](const SleepingIsland& island) { return !island.found && island.disturbed; });
 	if (any)
 		listAwake(world);
 	return any;
 }
 
-void Sleepers::forgetFound(std::size_t count)
+void Sleepers::startSearch(std::size_t count)
 {
 	resize(count);
-	for (SleepingIsland& island : list)
-		island.changed = island.found;
-	removeChanged();
+	remove([](const SleepingIsland& island) { return island.found; });
+}
+
+void Sleepers::add(int32_t name, const ResidualSum& error)
+{
+	list.emplace_back();
+	list.back().name = name;
+	list.back().error = error;
+}
+
+void Sleepers::finishSearch()
+{
+	std::sort(list.begin(), list.end(), [](const SleepingIsland& a, const SleepingIsland& b) { return a.name < b.name; });
+	number();
+}
+
+void Sleepers::join(int32_t body, int32_t name, int unknowns)
+{
+	nameOf[body] = name;
+	islandOf(body).unknowns += unknowns;
 }
 
 void Sleepers::remember(const World& world)
@@ -147,28 +172,7 @@ void Sleepers::disturb(const Pair& pair)
 {
 	for (const int32_t body : { pair.a, pair.b })
 		if (sleeps(body))
-			islandWith(body).changed = true;
-}
-
-void Sleepers::add(int32_t name, int contacts, const ResidualSum& error)
-{
-	list.emplace_back();
-	list.back().name = name;
-	list.back().contacts = contacts;
-	list.back().error = error;
-}
-
-void Sleepers::addBody(int32_t body, int32_t name, int unknowns)
-{
-	of[body] = name;
-	islandWith(body).unknowns += unknowns;
-}
-
-void Sleepers::sort()
-{
-	std::sort(list.begin(), list.end(), [](const SleepingIsland& a, const SleepingIsland& b) { return a.name < b.name; });
-	for (std::size_t k = 0; k < list.size(); k++)
-		place[list[k].name] = static_cast<int32_t>(k);
+			islandOf(body).disturbed = true;
 }
 
 } // namespace cd

@@ -12,6 +12,8 @@ namespace {
 	// to round-off, and a sticking one lies this close by chance with negligible probability.
 	constexpr double onCone = 1e-9;
 
+	constexpr double nearby = 1e-3; // of a disk's radius: gaps as wide as this are contacts however slow the bodies are
+
 	constexpr size_t ahead = 12; // pairs whose bodies are asked for before they are wanted
 
 } // namespace
@@ -25,7 +27,7 @@ Reach reach(const World& world, double dt)
 		smallest = b.radius > 0 ? std::min(smallest, b.radius) : smallest;
 	}
 	const double way = dt * std::sqrt(fastest);
-	return { way, 4 * way + (std::isfinite(smallest) ? 1e-3 * smallest : 0), smallest };
+	return { way, 4 * way + (std::isfinite(smallest) ? nearby * smallest : 0), smallest };
 }
 
 void TimeStep::freeVelocities(const World& world, double dt)
@@ -59,8 +61,20 @@ void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 void TimeStep::locateBodies(const World& world, double dt)
 {
 	places.resize(world.bodies.size());
-	for (size_t i = 0; i < places.size(); i++)
-		places[i] = placeAhead(world.bodies[i], 0.5 * dt);
+	ways.resize(world.bodies.size());
+	for (size_t i = 0; i < places.size(); i++) {
+		const Body& b = world.bodies[i];
+		const double* v = system.bodies[i].v; // free
+		places[i] = placeAhead(b, 0.5 * dt);
+		ways[i] = dt * std::sqrt(std::max(v[0] * v[0] + v[1] * v[1], b.v[0] * b.v[0] + b.v[1] * b.v[1]));
+	}
+}
+
+// Up to which a pair is a contact. Of its two bodies alone, so that a fast one makes no contacts elsewhere.
+inline double TimeStep::contactGap(const Pair& pair) const
+{
+	const double a = places[pair.a].radius, b = places[pair.b].radius;
+	return 2 * (ways[pair.a] + ways[pair.b]) + nearby * (a > 0 ? std::min(a, b) : b);
 }
 
 inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings) const
@@ -125,6 +139,8 @@ inline void TimeStep::prefetchBodies(const Pair& pair) const
 {
 	__builtin_prefetch(&places[pair.a]);
 	__builtin_prefetch(&places[pair.b]);
+	__builtin_prefetch(&ways[pair.a]);
+	__builtin_prefetch(&ways[pair.b]);
 	__builtin_prefetch(&system.bodies[pair.a].w);
 	__builtin_prefetch(&system.bodies[pair.b].w);
 }
@@ -133,14 +149,13 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 {
 	freeVelocities(world, settings.dt);
 	locateBodies(world, settings.dt);
-	limit = reach(world, settings.dt).gap;
-	sleepers.wakeBeyond(limit, world);
 	rows = 0;
 	rowPair.clear();
 	rowTouch.clear();
 	solved.assign(world.pairs.size(), 0);
 	gaps.resize(world.pairs.size());
 	deepest = 0;
+	narrowest = std::numeric_limits<double>::infinity();
 	for (size_t k = 0; k < world.awake.size(); k++) {
 		if (k + ahead < world.awake.size())
 			prefetchBodies(world.pairs[world.awake[k + ahead]]);
@@ -149,16 +164,19 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 		const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 		double gap = pair.reference - touch.overlap;
 		if (pair.reference > 0 && touch.overlap <= 0) { // truly apart
-			gap -= pair.reference;
 			pair.reference = 0;
+			gap = -touch.overlap;
 			forgotten.push_back(i);
 		}
 		gaps[i] = gap;
-		if (gap <= limit && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
+		if (gap <= contactGap(pair) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
 			addRow(world, i, touch, gap, settings);
-		else
+		else {
 			pair.pn = pair.pt = 0;
+			narrowest = std::min(narrowest, gap);
+		}
 	}
+	assembled = rows;
 	system.contacts.resize(rows);
 	return system;
 }
@@ -173,34 +191,43 @@ void TimeStep::meanVelocities(const World& world)
 		const double* v = system.bodies[i].v;
 		for (int k = 0; k < 3; k++)
 			means[i].v[k] = 0.5 * (b.v[k] + v[k]);
-		square = std::max(square, v[0] * v[0] + v[1] * v[1]);
+		const double own = v[0] * v[0] + v[1] * v[1];
+		means[i].speed = std::sqrt(own);
+		square = std::max(square, own);
 		boundaryTurns = boundaryTurns || (b.radius == 0 && v[2] != 0);
 	}
 	fastest = std::sqrt(square);
 }
 
-// Whether two bodies are too slow to cross any gap that was left out; a boundary's points may be faster than itself if it turns.
-bool TimeStep::leftOutStayApart(double dt) const { return !boundaryTurns && 2.001 * dt * fastest < limit; }
+// Whether the solution lets a pair that was left out cross its gap within the step.
+bool TimeStep::crosses(size_t index, const World& world, double dt) const
+{
+	const Pair& pair = world.pairs[index];
+	// Most are too slow for that. A boundary's points may be faster than itself if it turns.
+	if (!boundaryTurns && gaps[index] > 1.001 * dt * (means[pair.a].speed + means[pair.b].speed))
+		return false;
+	const Place &a = places[pair.a], &b = places[pair.b];
+	const Touch touch = locateContact(a, b, world.shapes[pair.a]);
+	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
+	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
+	return gaps[index] + dt * un < 0;
+}
 
-// Adds the pairs left out whose gap the solution would cross within the step; says whether there were any.
+// If there are such pairs, adds them, and all that the fastest body could reach, since an impact may go on from body to body; says whether there were.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
-	if (leftOutStayApart(settings.dt))
+	if (!boundaryTurns && narrowest > 2.001 * settings.dt * fastest)
 		return false;
-	const size_t before = rows;
-	for (const int32_t i : world.awake) {
-		if (solved[i])
-			continue;
-		const Pair& pair = world.pairs[i];
-		const Place &a = places[pair.a], &b = places[pair.b];
-		const Touch touch = locateContact(a, b, world.shapes[pair.a]);
-		const double gap = pair.reference - touch.overlap;
-		const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
-		const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
-		if (gap + settings.dt * un < 0)
-			addRow(world, i, touch, gap, settings);
-	}
-	return rows > before;
+	const auto violated = [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); };
+	if (std::none_of(world.awake.begin(), world.awake.end(), violated))
+		return false;
+	const double wide = reach(world, settings.dt).gap;
+	for (const int32_t i : world.awake)
+		if (!solved[i] && (gaps[i] <= wide || violated(i))) {
+			const Pair& pair = world.pairs[i];
+			addRow(world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), gaps[i], settings);
+		}
+	return true;
 }
 
 // False if it would touch what sleeps on, which has been woken: then it has to be made anew.
@@ -234,12 +261,14 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	StepReport report;
 	forgotten.clear();
 	noteLoads(world, settings);
-	while (!attempt(world, settings, report)) { }
+	wokeSome = false;
+	while (!attempt(world, settings, report))
+		wokeSome = true;
 	report.dissipated += report.effort.stopped;
 	report.contacts = static_cast<int>(rows);
 	report.maxPenetration = deepest;
 	finishContacts(world, report);
-	finishSleepers(world, report);
+	finishSleepers(report);
 	finishBodies(world, settings.dt);
 	return report;
 }
@@ -267,6 +296,15 @@ inline void TimeStep::push(size_t row, const Pair& pair, SleepingIsland* asleep)
 	add(pair.b, x, y, -turnB);
 }
 
+// The sleeping island that a contact belongs to, if any.
+SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
+{
+	for (const int32_t body : { c.a, c.b })
+		if (sleepers.sleeps(body))
+			return &sleepers.islandOf(body);
+	return nullptr;
+}
+
 void TimeStep::finishContacts(World& world, StepReport& report)
 {
 	impulses.resize(world.bodies.size());
@@ -282,10 +320,11 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 		Pair& pair = world.pairs[rowPair[i]];
 		pair.pn = c.pn;
 		pair.pt = c.pt;
-		SleepingIsland* const asleep = sleepers.sleeps(c.a) ? &sleepers.islandWith(c.a) : sleepers.sleeps(c.b) ? &sleepers.islandWith(c.b) : nullptr;
+		SleepingIsland* const asleep = asleepAt(c);
 		if (asleep) {
-			asleep->widest = std::max(asleep->widest, gaps[rowPair[i]]);
+			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
+			asleep->disturbed = asleep->disturbed || i >= assembled; // one that was taken back is none in the next step
 		}
 		if (c.pn > 0 || asleep)
 			push(i, pair, asleep);
@@ -304,11 +343,9 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 }
 
 // What sleeping islands add, those that this step has looked at and the others.
-void TimeStep::finishSleepers(const World& world, StepReport& report)
+void TimeStep::finishSleepers(StepReport& report)
 {
-	bool found = false;
 	for (const SleepingIsland& island : sleepers.islands()) {
-		found = found || island.found;
 		report.contacts += island.found ? 0 : island.contacts;
 		report.loadedContacts += island.loaded;
 		report.slidingContacts += island.sliding;
@@ -317,13 +354,6 @@ void TimeStep::finishSleepers(const World& world, StepReport& report)
 			for (int k = 0; k < 3; k++)
 				impulses[push.body][k] += push.impulse[k];
 	}
-	if (!found)
-		return;
-	for (const int32_t i : world.awake)
-		if (gaps[i] > limit)
-			for (const int32_t body : { world.pairs[i].a, world.pairs[i].b })
-				if (sleepers.sleeps(body))
-					sleepers.islandWith(body).next = std::min(sleepers.islandWith(body).next, gaps[i]);
 }
 
 void TimeStep::finishBodies(World& world, double h)

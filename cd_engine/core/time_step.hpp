@@ -32,12 +32,10 @@ struct StepReport {
 	double solveSeconds = 0; // spent in the solver
 };
 
-// How far contacts reach in a step.
+// How far contacts reach in a step, at most.
 struct Reach {
 	double way = 0; // of the fastest body, under its external forces [m]
-	// Gaps wider than this [m] are left out of the problem of a step at first: four times the way of the fastest body, and a thousandth of the
-	// smallest disk. A pair left out that the solution would close is taken back and the step solved again.
-	double gap = 0;
+	double gap = 0; // widest that may be a contact [m]: four ways, and a thousandth of the smallest disk
 	double smallestRadius = 0; // of a disk [m]; infinite if there is none
 };
 Reach reach(const World&, double dt);
@@ -53,7 +51,9 @@ class TimeStep {
 	// velocity times h.
 	StepReport operator()(World&, const StepSettings&);
 
-	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved.
+	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose gap is
+	// at most twice the ways that both bodies go by themselves and a thousandth of the smaller disk. If the solution lets one cross its
+	// gap that was left out, the step is solved again with that and all that the fastest body could reach.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
 	// Of the last step: the pairs that had a contact, and where.
@@ -66,6 +66,9 @@ class TimeStep {
 	// Of all contacts on every body, those left out included.
 	const std::array<double, 3>& impulseOn(std::size_t body) const { return impulses[body]; }
 
+	// Whether the last step had to look at pairs that were not awake before it.
+	bool woke() const { return wokeSome; }
+
 	// What is asked before the pairs are read, and told what of the scene a step has changed.
 	Sleepers sleepers;
 
@@ -74,7 +77,8 @@ class TimeStep {
 	void noteLoads(const World&, const StepSettings&);
 	void locateBodies(const World&, double dt);
 	void meanVelocities(const World&);
-	bool leftOutStayApart(double dt) const;
+	double contactGap(const Pair&) const;
+	bool crosses(std::size_t pair, const World&, double dt) const;
 	void prefetchBodies(const Pair&) const;
 	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
 	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&) const;
@@ -82,12 +86,14 @@ class TimeStep {
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void finishContacts(World&, StepReport&);
+	SleepingIsland* asleepAt(const ContactRow&);
 	void push(std::size_t row, const Pair&, SleepingIsland*);
-	void finishSleepers(const World&, StepReport&);
+	void finishSleepers(StepReport&);
 	void finishBodies(World&, double dt);
 
 	struct Mean {
 		double v[3]; // of the velocities before and after the step
+		double speed; // after the step [m/s]
 	};
 
 	IslandSolver solveIslands;
@@ -96,12 +102,15 @@ class TimeStep {
 	std::vector<int> fingerprints; // of what forces add to them, if anybody wants to know
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies
-	double limit = 0; // gap up to which pairs are contacts [m]
+	std::vector<double> ways; // that the bodies go in the step without impulses [m]
+	double narrowest = 0; // gap that was left out [m]
 	double fastest = 0; // speed of a body after the step [m/s]
 	bool boundaryTurns = false; // after the step
 	std::vector<int32_t> forgotten;
 	double deepest = 0; // overlap beyond the reference one [m]
 	std::size_t rows = 0; // contacts of the system, while it is made
+	bool wokeSome = false;
+	std::size_t assembled = 0; // of these before any was taken back
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<Touch> rowTouch;
 	std::vector<char> solved; // whether a pair has a contact in the system

@@ -47,7 +47,7 @@ struct World {
 	std::vector<Body> bodies;
 	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
 	std::vector<Pair> pairs;
-	std::vector<int32_t> awake; // the pairs that a step looks at, in order: all but those between what sleeps on (sleepers.hpp)
+	std::vector<int32_t> awake; // the pairs that a step looks at, in order, no others: Sleepers::look lists them before every step
 };
 
 // Where a body is for the purpose of contacts: small, so that the places of many bodies stay in the nearest cache.

@@ -31,6 +31,10 @@ namespace {
 	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
 	constexpr double deep = 0.01;
 
+	// Steps between two trials of rest, and sweeps in one: about one for each step since the last, less than an island at rest costs while it is awake.
+	// Those that come to rest in a thousand sweeps mostly do so in a hundred, and others by chance in the next trial.
+	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
+
 	// Another random order in every step, the same in every repeat of a run.
 	unsigned stepSeed(int seed, long iteration)
 	{
@@ -45,7 +49,7 @@ void ContactDynamics::action()
 		advance();
 	} catch (...) {
 		rest.wake(); // whoever goes on from here must not find a sleeping collider
-		lastStep = -1;
+		last.iteration = -1;
 		throw;
 	}
 }
@@ -57,8 +61,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
-	// A sweep for each step since the last trial, less than an island at rest costs while it is awake; at first so many that they can do something.
-	s.trial = steps >= restTrialAt ? std::max(64, restTrialPause) : 0;
+	s.trial = steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
 	s.notesLoads = steps + 1 == restTrialAt;
 	s.solve = cd::findSolver(method);
@@ -77,6 +80,7 @@ void ContactDynamics::advance()
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
+	last = { settings, at<long>(scene, layout.scene_iter), at<long>(scene, layout.scene_stopAtIter) };
 	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), rest, colliderMargin, step.sleepers);
 	if (handover) {
 		link.takeOverlaps();
@@ -104,12 +108,11 @@ void ContactDynamics::advance()
 	unknowns = report.effort.unknowns;
 	islands = report.effort.islands;
 	resting = report.effort.resting;
-	sleeping = report.effort.sleeping;
 	loadsBeforeTrial.clear();
 	if (settings.notesLoads)
 		loadsBeforeTrial = step.loads();
-	if (settings.trial > 0)
-		planRestTrial(report.effort);
+	planRestTrial(report.effort, settings.trial > 0);
+	sleeping = report.effort.sleeping;
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;
@@ -125,27 +128,26 @@ void ContactDynamics::advance()
 	}
 }
 
-// Whether this step is like the last one, so that what left everything as it was then does so again. In between, or before a new run, somebody may
-// have changed forces that are not read while their island sleeps.
-bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now)
+// Whether this step is like the last one, so that what left everything as it was then does so again. Forces are not read while their island sleeps
+// on; what somebody has made of them before a run is looked at when it begins, and within a run, or where it goes on after a pause, now and then.
+bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
-	const long iteration = at<long>(scene, layout.scene_iter), stop = at<long>(scene, layout.scene_stopAtIter);
-	const bool likeLast = iteration == lastStep + 1 && stop == lastStop && now.dt == last.dt && now.restitution == last.restitution
-	    && now.gapCorrection == last.gapCorrection && now.solver.tolerance == last.solver.tolerance;
-	lastStep = iteration;
-	lastStop = stop;
-	last = now;
-	return likeLast && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart && !handover;
+	return steps % 256 != 0 && at<long>(scene, layout.scene_iter) == last.iteration + 1 && at<long>(scene, layout.scene_stopAtIter) == last.stop
+	    && now.dt == last.settings.dt && now.restitution == last.settings.restitution && now.gapCorrection == last.settings.gapCorrection
+	    && now.solver.tolerance == last.settings.solver.tolerance && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0
+	    && warmStart && !handover;
 }
 
-// One that fails is repeated later, with more sweeps.
-void ContactDynamics::planRestTrial(const cd::Effort& effort)
+// A trial that fails is repeated later; what has been woken may soon be at rest again.
+void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 {
-	constexpr int shortest = 16, longest = 16384;
-	if (effort.notAtRest > 0)
-		restTrialPause = std::min(longest, 2 * restTrialPause);
-	else if (effort.provenAtRest > 0)
-		restTrialPause = shortest;
+	const bool woken = effort.sleeping < sleeping;
+	if (!tried && !woken)
+		return;
+	if (woken || (effort.notAtRest == 0 && effort.provenAtRest > 0))
+		restTrialPause = shortestPause;
+	else if (effort.notAtRest > 0)
+		restTrialPause = std::min(2 * restTrialPause, longestPause);
 	restTrialAt = steps + restTrialPause;
 }
 

@@ -78,8 +78,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkEngines();
 	bool enginesChanged();
 	void advance();
-	void planRestTrial(const cd::Effort&);
-	bool sleepGoesOn(const cd::StepSettings&);
+	void planRestTrial(const cd::Effort&, bool tried);
+	bool sleepGoesOn(const cd::StepSettings&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength } }; }
 	bool looksAtOrder() const { return steps % 64 == 0; }
 	void warn(double error);
@@ -90,8 +90,10 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	cd::TimeStep step;
 	std::vector<std::pair<const yade::Engine*, bool>> checkedEngines; // the company at the last check, and whether it was dead
 	bool warned = false;
-	cd::StepSettings last; // of the last step
-	long lastStep = -1, lastStop = -1; // its iteration, and where its run was to stop
+	struct {
+		cd::StepSettings settings;
+		long iteration = -1, stop = -1; // of the scene, and where its run was to stop
+	} last; // step
 };
 
 inline const char* const ContactDynamics::documentation
@@ -165,16 +167,16 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("resting", &C::resting, Access::read, any,
 	    "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].");
 	visit("sleeping", &C::sleeping, Access::read, any,
-	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and not even "
-	    "their "
-	    "error is asked for [1].");
+	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing "
+	    "of "
+	    "them is looked at but their bodies. Forces that somebody sets on their contacts are looked at by the next run, or within 256 steps [1].");
 	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::read, any,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::read, any,
 	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
 	    "to a "
 	    "thousandth of the tolerance are stopped and sleep [1].");
-	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 16384: more after each that fails [1].");
+	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
 	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");

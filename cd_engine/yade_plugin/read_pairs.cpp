@@ -97,7 +97,7 @@ std::array<double, 2> SceneLink::impulseIn(const Forces& f, double dt) const
 	const double normal = n[0] * fn[0] + n[1] * fn[1], tangential = n[0] * ft[1] - n[1] * ft[0];
 	if (!(normal > 0) || !std::isfinite(tangential))
 		return { 0, 0 }; // springs may pull; a rigid contact does not
-	// n is a unit vector to its last digit only.
+	// n is a unit vector to its last digit only: without its length forces that are read and written again would grow by it, step by step.
 	const double square = n[0] * n[0] + n[1] * n[1];
 	return { dt * normal / square, dt * tangential / square };
 }
@@ -139,20 +139,42 @@ bool SceneLink::readPairs(double dt, bool impulses)
 	return true;
 }
 
+// Tells of contacts that are not read whose objects somebody has taken away or replaced.
+void SceneLink::disturbReplaced(cd::Sleepers& sleepers) const
+{
+	if (sleepers.none())
+		return;
+	constexpr std::size_t ahead = 12;
+	std::size_t next = 0; // in world.awake
+	for (std::size_t i = 0; i < world.pairs.size(); i++) {
+		if (i + ahead < world.pairs.size())
+			prefetch(interactions[i + ahead], layout.interaction_phys);
+		if (next < world.awake.size() && world.awake[next] == static_cast<int32_t>(i)) {
+			next++;
+			continue;
+		}
+		char* const interaction = reinterpret_cast<char*>(interactions[i]);
+		if (pointer<yade::IGeom>(interaction, layout.interaction_geom) != forces[i].geom
+		    || pointer<yade::IPhys>(interaction, layout.interaction_phys) != forces[i].phys)
+			sleepers.disturb(world.pairs[i]);
+	}
+}
+
 void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory, cd::Sleepers& sleepers)
 {
 	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	bool known = listUnchanged(container);
+	bool known = bodiesThen == bodies.size() && listUnchanged(container);
 	if (known) {
+		disturbReplaced(sleepers);
 		sleepers.look(world);
 		known = readPairs(dt, impulses);
 	}
 	if (!known) {
 		rebuildPairs(container, memory);
+		bodiesThen = bodies.size();
 		sleepers.wakeAll(world);
 		readPairs(dt, impulses);
 	}
-	pairsRead = world.awake.size();
 }
 
 void SceneLink::takeOverlaps()

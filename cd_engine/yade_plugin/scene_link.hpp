@@ -94,6 +94,7 @@ class SceneLink {
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
 	bool listUnchanged(yade::InteractionContainer*) const;
+	void disturbReplaced(cd::Sleepers&) const;
 	void rebuildPairs(yade::InteractionContainer*, const Memory&);
 	bool readPairs(double dt, bool impulses);
 	void findForces(std::size_t pair);
@@ -121,7 +122,7 @@ class SceneLink {
 	double layer = 0; // z of the disks
 	void* layerBody = nullptr; // the disk it was taken from
 	int layerId = -1;
-	std::size_t pairsRead = 0; // those awake at the last gather
+	std::size_t bodiesThen = 0; // how many there were when the pairs were listed
 };
 
 } // namespace cd_engine

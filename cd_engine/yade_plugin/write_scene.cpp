@@ -126,8 +126,8 @@ void SceneLink::writeMotion(std::size_t id)
 
 void SceneLink::scatterContacts(cd::TimeStep& step, long iteration, double dt)
 {
-	if (world.awake.size() != pairsRead)
-		for (const int32_t i : world.awake) { // some were woken by the step
+	if (step.woke())
+		for (const int32_t i : world.awake) { // some have not been read before the step
 			findForces(i);
 			checkForces(i);
 		}

@@ -148,6 +148,19 @@ TEST_CASE("what sleeps on is not looked at, and what touches it wakes it")
 	CHECK(steps * h == doctest::Approx(std::sqrt(2 * (0.1 - 7 * radius) / gravity)).epsilon(0.03));
 }
 
+TEST_CASE("what has been woken for one look is left alone again after it")
+{
+	Run run(Scene(10).world, false);
+	for (int i = 0; i < 50; i++)
+		run.go();
+	const std::size_t before = run.pairsLookedAt();
+	run.step.sleepers.wakeAll(run.world);
+	run.go();
+	CHECK(run.pairsLookedAt() == run.world.pairs.size());
+	run.go();
+	CHECK(run.pairsLookedAt() == before);
+}
+
 TEST_CASE("changes of every kind wake what they concern")
 {
 	Scene scene(4);

@@ -23,7 +23,7 @@ def heap(O, rows=6, **settings):
         for i in range(rows):
             plane.disk(((2 * i + 0.5 * (j % 2)) * r, r + 2 * j * r), r * (1 - 0.2 * draw.random()), mass=1 + draw.random(), mat=mat)
     O.forces.setPermF(pushed, (-200, 0, 0))
-    return plane.run(300, 2e-3, gravity=GRAVITY, tolerance=1e-10, **settings)
+    return plane.run(320, 2e-3, gravity=GRAVITY, tolerance=1e-10, **settings)
 
 
 def state(O):

@@ -287,34 +287,72 @@ def test_nothing_shows_of_what_sleeps_on(O, change):
     assert O.iter == 200 and left[0] == left[1]
 
 
-def test_forces_of_what_sleeps_on_are_not_looked_at_until_the_next_run(O):
-    """Nor are the objects that hold them, and a disk that falls on a column wakes it whatever has become of them."""
+def within(O, step, change, **settings):
+    """Engines with a change made within a run, after the step of that number; ContactDynamics."""
     import cd_engine
+    builtins.change_now = change
+    O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6, **settings),
+                 PyRunner(command="import builtins; builtins.change_now()", iterPeriod=1, firstIterRun=step, nDo=1)]
+    O.dt = 1e-3
+    return O.engines[-2]
+
+
+@pytest.mark.parametrize("go_on", ["a run", "256 steps"])
+def test_forces_of_what_sleeps_on_are_looked_at_by_the_next_run_and_now_and_then(O, go_on):
+    """They are not read in every step, which would be half of what an island costs."""
     mat = plane.material(0.5)
     plane.floor(mat)
     column(0, 3, mat)
-    faller = plane.disk((0, 0.15), 0.01, mat=mat)
-    O.dt = 1e-3
-
-    def replace():
-        i = O.interactions[0, 1]
-        i.phys = FrictPhys(normalForce=(0, 1e3, 0), tangensOfFrictionAngle=0.5)
-
-    builtins.change_now = replace
-    O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6),
-                 PyRunner(command="import builtins; builtins.change_now()", iterPeriod=1, firstIterRun=50, nDo=1)]
-    cd = O.engines[-2]
-    O.run(100, True)
-    assert cd.sleeping == 1 and O.interactions[0, 1].phys.normalForce[1] == 1e3
-    O.run(1, True)
+    cd = within(O, 50, lambda: setattr(O.interactions[0, 1].phys, "normalForce", (0, 1e3, 0)))
+    if go_on == "a run":
+        O.run(100, True)
+        assert cd.sleeping == 1 and O.interactions[0, 1].phys.normalForce[1] == 1e3
+        O.run(1, True)
+    else:
+        O.run(260, True)
     assert O.interactions[0, 1].phys.normalForce[1] == pytest.approx(3 * 9.81, rel=1e-6)
-    O.engines[-1].dead = True
-    O.run(20, True)
-    assert cd.sleeping == 1
-    O.engines[-1].dead, O.engines[-1].nDone, O.engines[-1].firstIterRun = False, 0, O.iter + 3
-    O.bodies[faller].state.pos, O.bodies[faller].state.vel = (0, 0.08, 0), (0, 0, 0)
-    O.run(400, True)
-    assert cd.sleeping == 1 and O.interactions[0, 1].phys.normalForce[1] == pytest.approx(4 * 9.81, rel=1e-6)
+
+
+@pytest.mark.parametrize("change", [lambda O: setattr(O.interactions[0, 1], "phys", FrictPhys(normalForce=(0, 1e3, 0))),
+                                    lambda O: O.interactions.erase(0, 1), lambda O: O.interactions.clear()], ids=["replaced", "erased", "all erased"])
+def test_objects_taken_from_what_sleeps_on_are_missed_at_once(O, change):
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    column(0, 3, mat)
+    cd = within(O, 50, lambda: change(O))
+    O.run(60, True)
+    assert O.interactions[0, 1].isReal and O.interactions[0, 1].phys.normalForce[1] == pytest.approx(3 * 9.81, rel=1e-5)
+    assert cd.loadedContacts == 3
+
+
+def test_contacts_that_cannot_push_are_counted_while_they_sleep(O):
+    """A press that moves up and down only, and a fixed disk at its side."""
+    left = []
+    for run in (1, 60):
+        O.reset()
+        mat = plane.material(0.5)
+        plane.floor(mat)
+        for x in (-0.1, 0.1):
+            plane.disk((x, 0.01), 0.01, mat=mat)
+        plane.box((0, 0.025), (0.2, 0.005), blocked="xzXYZ", mat=mat)
+        plane.disk((0.21, 0.025), 0.01, blocked="xyzXYZ", mat=mat)
+        cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-6)
+        for _ in range(60 // run):
+            O.run(run, True)
+        assert (cd.sleeping, cd.contacts) == (1, 5)
+        left.append(seen(O))
+    assert left[0] == left[1]
+
+
+@pytest.mark.parametrize("margin", [0, 0.1])
+def test_bodies_that_are_gone_are_no_contacts(O, margin):
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    for k in range(3):
+        column(0.1 * k, 3, mat)
+    cd = within(O, 50, lambda: [O.bodies.erase(k) for k in (7, 8, 9)], colliderMargin=margin)
+    O.run(80, True)
+    assert (cd.sleeping, cd.contacts) == (2, 6)
 
 
 @pytest.mark.parametrize("before", [10, 60, 300])

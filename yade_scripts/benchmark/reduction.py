@@ -69,9 +69,16 @@ def _fallen():
         bodies.append_disk((2.3 * RADIUS * (k % 15) + draw.uniform(0, 0.3 * RADIUS), 2.3 * RADIUS * (k // 15) + RADIUS), RADIUS, 1.0, "disk")
 
 
+def _boxed():
+    """The same between two walls."""
+    _fallen()
+    for side in (-2 * RADIUS, 2.3 * RADIUS * 15):
+        bodies.append_box((side, 0.5), (RADIUS / 2, 0.5), _ground())
+
+
 # Name: (bodies, gravity, step [s], steps before those that are timed).
 SCENES = {"columns at rest": (_columns, GRAVITY, 1e-3, 200), "the same disks touching nothing": (_apart, 0.0, 1e-3, 200),
-          "heap at rest": (_fallen, GRAVITY, 1e-3, 4000), "pyramid at rest": (_pyramid, GRAVITY, 1e-3, 300),
+          "box of disks at rest": (_boxed, GRAVITY, 1e-3, 9000), "pyramid at rest": (_pyramid, GRAVITY, 1e-3, 300),
           "disks falling on each other": (_fallen, GRAVITY, 1e-3, 20), "gas": (_gas, 0.0, 1e-4, 10)}
 
 
