@@ -347,8 +347,7 @@ SolverReport IslandSolver::operator()(
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
 			std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
-		report = conclude(system, solveInParts(system, method, settings), settings.tolerance,
-		    stillness ? &stillness->sleepers : nullptr);
+		report = conclude(system, solveInParts(system, method, settings), settings.tolerance, stillness ? &stillness->sleepers : nullptr);
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;

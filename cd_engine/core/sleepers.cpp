@@ -15,7 +15,8 @@ namespace {
 	{
 		bool same = b.x == c.x && b.y == c.y && b.radius == c.radius && b.friction == c.friction;
 		for (int k = 0; k < 3; k++)
-			same = same && b.v[k] == c.v[k] && b.inverseMass[k] == c.inverseMass[k] && (b.inverseMass[k] == 0 || b.force[k] == c.force[k]);
+			same
+			    = same && b.v[k] == c.v[k] && b.inverseMass[k] == c.inverseMass[k] && (b.inverseMass[k] == 0 || b.force[k] == c.force[k]);
 		return same;
 	}
 
@@ -76,7 +77,8 @@ bool Sleepers::compareBodies(const World& world)
 	for (std::size_t i = 0; i < world.bodies.size(); i++) {
 		const Body& now = world.bodies[i];
 		const bool asleep = nameOf[i] >= 0, immobile = isImmobile(now);
-		const bool still = (asleep || immobile) && isStill(now) && isSame(now, bodies[i]) && (now.radius > 0 || isSame(world.shapes[i], shapes[i]));
+		const bool still
+		    = (asleep || immobile) && isStill(now) && isSame(now, bodies[i]) && (now.radius > 0 || isSame(world.shapes[i], shapes[i]));
 		if (asleep && !still)
 			islandOf(static_cast<int32_t>(i)).disturbed = true;
 		if (immobile && !asleep) {

@@ -213,7 +213,8 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	return gaps[index] + dt * un < 0;
 }
 
-// If there are such pairs, adds them, and all that the fastest body could reach, since an impact may go on from body to body; says whether there were.
+// If there are such pairs, adds them, and all that the fastest body could reach, since an impact may go on from body to body; says whether there
+// were.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!boundaryTurns && narrowest > 2.001 * settings.dt * fastest)

@@ -42,17 +42,17 @@ Reach reach(const World&, double dt);
 
 class TimeStep {
     public:
-	// Moves the bodies by dt, of which the pairs in world.awake may touch: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4).
-	// Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0 keeps the next one from
-	// overlapping to first order: the gap may close within the step but not be crossed. An overlap is kept from growing; with
-	// gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
+	// Moves the bodies by dt, of which the pairs in world.awake may touch: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'
+	// (theta = 1/2; Jean 1999, section 4). Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0
+	// keeps the next one from overlapping to first order: the gap may close within the step but not be crossed. An overlap is kept from growing;
+	// with gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
 	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead, or what its
 	// overlap asks for where that is more; one that only other contacts' impulses close is left to the next step, overlapping by up to their
 	// velocity times h.
 	StepReport operator()(World&, const StepSettings&);
 
-	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose gap is
-	// at most twice the ways that both bodies go by themselves and a thousandth of the smaller disk. If the solution lets one cross its
+	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
+	// gap is at most twice the ways that both bodies go by themselves and a thousandth of the smaller disk. If the solution lets one cross its
 	// gap that was left out, the step is solved again with that and all that the fastest body could reach.
 	const ContactSystem& assemble(World&, const StepSettings&);
 

@@ -31,8 +31,8 @@ namespace {
 	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
 	constexpr double deep = 0.01;
 
-	// Steps between two trials of rest, and sweeps in one: about one for each step since the last, less than an island at rest costs while it is awake.
-	// Those that come to rest in a thousand sweeps mostly do so in a hundred, and others by chance in the next trial.
+	// Steps between two trials of rest, and sweeps in one: about one for each step since the last, less than an island at rest costs while it is
+	// awake. Those that come to rest in a thousand sweeps mostly do so in a hundred, and others by chance in the next trial.
 	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
 
 	// Another random order in every step, the same in every repeat of a run.

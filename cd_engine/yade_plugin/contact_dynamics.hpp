@@ -169,7 +169,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("sleeping", &C::sleeping, Access::read, any,
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing "
 	    "of "
-	    "them is looked at but their bodies. Forces that somebody sets on their contacts are looked at by the next run, or within 256 steps [1].");
+	    "them is looked at but their bodies. Forces that somebody sets on their contacts are looked at by the next run, or within 256 steps "
+	    "[1].");
 	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::read, any,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::read, any,

@@ -257,9 +257,8 @@ void SceneLink::checkScene(yade::Scene* scene, double dt) const
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
 }
 
-void SceneLink::gather(
-    yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest, double margin,
-    cd::Sleepers& sleepers)
+void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest,
+    double margin, cd::Sleepers& sleepers)
 {
 	checkScene(scene, dt);
 	gravity = g;

@@ -18,7 +18,7 @@ struct Scene {
 	int columns, fixed, press, flyer;
 
 	explicit Scene(int columns, int height = 3)
-	        : columns(columns)
+	    : columns(columns)
 	{
 		boundary(ShapeKind::wall);
 		for (int i = 0; i < columns; i++)
@@ -77,8 +77,8 @@ struct Run {
 	std::vector<int> loads; // of the last step
 
 	Run(const World& w, bool looksAtAll)
-	        : world(w)
-	        , looksAtAll(looksAtAll)
+	    : world(w)
+	    , looksAtAll(looksAtAll)
 	{
 		settings.dt = h;
 		settings.solve = findSolver("auto");
@@ -111,10 +111,11 @@ struct Run {
 		for (const Pair& pair : world.pairs)
 			all.insert(all.end(), { pair.pn, pair.pt });
 		const Effort& e = report.effort;
-		for (const int count : { report.contacts, report.loadedContacts, report.slidingContacts, report.solver.iterations, e.unknowns, e.islands,
-		         e.resting, e.sleeping, e.provenAtRest, e.notAtRest })
+		for (const int count : { report.contacts, report.loadedContacts, report.slidingContacts, report.solver.iterations, e.unknowns,
+			 e.islands, e.resting, e.sleeping, e.provenAtRest, e.notAtRest })
 			all.push_back(count);
-		all.insert(all.end(), { report.solver.residual, report.solver.residualMax, report.solver.error, report.maxPenetration, report.dissipated });
+		all.insert(
+		    all.end(), { report.solver.residual, report.solver.residualMax, report.solver.error, report.maxPenetration, report.dissipated });
 		return all;
 	}
 
@@ -213,18 +214,31 @@ TEST_CASE("nothing shows of what is not looked at, whatever happens")
 				if (!happens)
 					continue;
 				switch (kind) {
-				case 0: w.bodies[body].v[0] += size; break;
-				case 1: w.bodies[body].force[0] += size; break;
-				case 2: w.bodies[scene.press].force[1] -= size; break;
-				case 3: w.bodies[0].v[1] = -1e-2 * size; break;
-				case 4: w.bodies[body].friction = body % 2 ? 0.4 : 0.6; break;
+				case 0:
+					w.bodies[body].v[0] += size;
+					break;
+				case 1:
+					w.bodies[body].force[0] += size;
+					break;
+				case 2:
+					w.bodies[scene.press].force[1] -= size;
+					break;
+				case 3:
+					w.bodies[0].v[1] = -1e-2 * size;
+					break;
+				case 4:
+					w.bodies[body].friction = body % 2 ? 0.4 : 0.6;
+					break;
 				case 5:
 					w.bodies[scene.flyer].x = 0.01 * body;
 					w.bodies[scene.flyer].y = 0.2;
 					w.bodies[scene.flyer].v[1] = 10 * size;
 					break;
-				case 6: w.bodies[scene.fixed].x += 1e-2 * size; break;
-				default: w.bodies[0].y -= 1e-4 * size;
+				case 6:
+					w.bodies[scene.fixed].x += 1e-2 * size;
+					break;
+				default:
+					w.bodies[0].y -= 1e-4 * size;
 				}
 			}
 			all.go();

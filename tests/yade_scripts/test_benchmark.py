@@ -188,5 +188,9 @@ def test_quick_benchmark(root, tmp_path):
     assert {path.name for path in tmp_path.glob("*.png")} == {"error_against_time.png", "sweep_cost.png"}
     again = run()
     assert again.returncode == 0 and "[1/" not in again.stdout and again.stdout.splitlines()[-1].endswith(".png")
+    one = run("--table", "reduction", "--again")
+    rest = {row["scene"]: row for row in publish.read_csv(tmp_path / "reduction.csv")[1]}
+    assert one.returncode == 0 and "reduction" in json.loads((tmp_path / "provenance.json").read_text())["tables"]
+    assert float(rest["columns at rest"]["sweeps_with"]) == 0 and float(rest["box of disks at rest"]["sweeps_without"]) > 0
     missing = run(str(tmp_path / "nowhere.hdf5"))
     assert missing.returncode == 2 and "nowhere.hdf5" in missing.stderr and "Traceback" not in missing.stderr

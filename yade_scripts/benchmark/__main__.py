@@ -1,6 +1,6 @@
 """Measures the solvers beside Siconos's: `make bench`, or
 
-    /usr/bin/python3 -m yade_scripts.benchmark [--quick] [--again] [--publish] [FILE ...]
+    /usr/bin/python3 -m yade_scripts.benchmark [--quick] [--again] [--publish] [--table NAME] [FILE ...]
 
 FILE: problems to measure with the project's own, such as those of Siconos's library (text) or FCLIB's (HDF5).
 Pieces that were measured with the same build are kept: stop it and start it again at will; --again measures all anew. Times are processor
@@ -44,7 +44,10 @@ def main(arguments=None):
     busy = os.getloadavg()[0]
     if busy > 0.5:
         print(f"benchmark: {busy:.1f} processes are running already; the times will not mean much", file=sys.stderr)
-    tables, failed = run((pieces.quick if options.quick else pieces.full)(folder / "problems", options.files), folder, options.again)
+    todo = (pieces.quick if options.quick else pieces.full)(folder / "problems", options.files)
+    if options.table:
+        return _one_table(options, todo, folder, busy)
+    tables, failed = run(todo, folder, options.again)
     tables["goals"] = goals.table(*(tables[name] for name in ("solutions", "sweeps", "engine")))
     write(tables, folder, busy)
     show(tables)
@@ -62,6 +65,7 @@ def _parser():
     parser.add_argument("--quick", action="store_true", help="a small set, about a minute")
     parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
     parser.add_argument("--publish", action="store_true", help=f"copy tables and figures to {PUBLISHED.relative_to(problems.ROOT)}")
+    parser.add_argument("--table", choices=pieces.TABLES, help="measure this table only and leave the others as they are")
     parser.add_argument("-o", "--output", metavar="FOLDER", help="where to write (default: results/benchmark, or its folder quick)")
     return parser
 
@@ -94,12 +98,35 @@ def _say(what):
 def write(tables, folder, busy):
     """A CSV for each table, and what was measured where."""
     for name, rows in tables.items():
-        publish.write_csv(folder / f"{name}.csv", [{key: "" if value is None else value for key, value in row.items()} for row in rows])
+        _write_table(folder, name, rows)
+    (folder / "provenance.json").write_text(json.dumps(_provenance(busy), indent=1) + "\n")
+
+
+def _write_table(folder, name, rows):
+    publish.write_csv(folder / f"{name}.csv", [{key: "" if value is None else value for key, value in row.items()} for row in rows])
+
+
+def _provenance(busy):
     from cd_engine import core
-    (folder / "provenance.json").write_text(json.dumps({
-        "commit": commits.git_commit(), "processor": publish.processor(), "instruction_sets": core.instruction_sets(),
-        "processes_running_before": round(busy, 2), "siconos": _siconos_version(), "python": platform.python_version(),
-        "default_method": goals.default_method(), "methods": core.methods()}, indent=1) + "\n")
+    return {"commit": commits.git_commit(), "processor": publish.processor(), "instruction_sets": core.instruction_sets(),
+            "processes_running_before": round(busy, 2), "siconos": _siconos_version(), "python": platform.python_version(),
+            "default_method": goals.default_method(), "methods": core.methods()}
+
+
+def _one_table(options, todo, folder, busy):
+    """Measure one table and put it among the others, with a provenance of its own; exit status."""
+    name = options.table
+    tables, failed = run([piece for piece in todo if piece.table == name], folder, options.again)
+    if failed:
+        return EXIT_FAILED
+    for place in [folder] + [PUBLISHED] * options.publish:
+        _write_table(place, name, tables[name])
+        path = place / "provenance.json"
+        known = json.loads(path.read_text()) if path.exists() else {}
+        known.setdefault("tables", {})[name] = _provenance(busy)
+        path.write_text(json.dumps(known, indent=1) + "\n")
+    show({table: rows for table, rows in tables.items() if rows})
+    return 0
 
 
 def _siconos_version():
@@ -116,8 +143,9 @@ def _siconos_version():
 
 def show(tables):
     """The tables on the terminal: of the solutions what goals are about, everything else whole."""
-    solutions = [row for row in tables["solutions"] if row["target"] in (1e-4, 1e-6, 1e-8)]
-    print_table("Solutions", solutions, ("problem", "target", "method", "sweeps", "seconds", "residual", "residual_max", "status"))
+    solutions = [row for row in tables.get("solutions", []) if row["target"] in (1e-4, 1e-6, 1e-8)]
+    if solutions:
+        print_table("Solutions", solutions, ("problem", "target", "method", "sweeps", "seconds", "residual", "residual_max", "status"))
     for name in ("oracle", "sweeps", "engine", "reduction", "failures", "goals"):
         if tables.get(name):
             print_table(name.capitalize(), tables[name], list(tables[name][0]))
