@@ -139,20 +139,15 @@ bool SceneLink::readPairs(double dt, bool impulses)
 	return true;
 }
 
-// Tells of contacts that are not read whose objects somebody has taken away or replaced.
+// Tells of contacts whose objects somebody has taken away or replaced since the last step, which would not be read any more.
 void SceneLink::disturbReplaced(cd::Sleepers& sleepers) const
 {
 	if (sleepers.none())
 		return;
 	constexpr std::size_t ahead = 12;
-	std::size_t next = 0; // in world.awake
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + ahead < world.pairs.size())
 			prefetch(interactions[i + ahead], layout.interaction_phys);
-		if (next < world.awake.size() && world.awake[next] == static_cast<int32_t>(i)) {
-			next++;
-			continue;
-		}
 		char* const interaction = reinterpret_cast<char*>(interactions[i]);
 		if (pointer<yade::IGeom>(interaction, layout.interaction_geom) != forces[i].geom
 		    || pointer<yade::IPhys>(interaction, layout.interaction_phys) != forces[i].phys)

@@ -61,6 +61,7 @@ void SceneLink::makeUnreal(std::size_t index)
 	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
 	if (forces[index].geom)
 		spare[index] = { geom, phys };
+	forces[index] = { nullptr, nullptr, false };
 	geom.reset();
 	phys.reset();
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = -1;

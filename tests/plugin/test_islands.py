@@ -315,12 +315,14 @@ def test_forces_of_what_sleeps_on_are_looked_at_by_the_next_run_and_now_and_then
 
 @pytest.mark.parametrize("change", [lambda O: setattr(O.interactions[0, 1], "phys", FrictPhys(normalForce=(0, 1e3, 0))),
                                     lambda O: O.interactions.erase(0, 1), lambda O: O.interactions.clear()], ids=["replaced", "erased", "all erased"])
-def test_objects_taken_from_what_sleeps_on_are_missed_at_once(O, change):
+@pytest.mark.parametrize("step", (17, 18, 19, 50))
+def test_objects_taken_from_what_sleeps_are_missed_at_once(O, change, step):
+    """Also while it falls asleep, by the trial in the 17th step."""
     mat = plane.material(0.5)
     plane.floor(mat)
     column(0, 3, mat)
-    cd = within(O, 50, lambda: change(O))
-    O.run(60, True)
+    cd = within(O, step, lambda: change(O))
+    O.run(step + 4, True)
     assert O.interactions[0, 1].isReal and O.interactions[0, 1].phys.normalForce[1] == pytest.approx(3 * 9.81, rel=1e-5)
     assert cd.loadedContacts == 3
 
