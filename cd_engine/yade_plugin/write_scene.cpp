@@ -53,6 +53,7 @@ void SceneLink::makeReal(std::size_t index, long iteration)
 	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : surfaces[pair.a].radius;
 	at<double>(geom.get(), layout.geom_refR2) = radiusB;
 	at<Vector3r>(geom.get(), layout.geom_shearInc) = Vector3r::Zero();
+	at<Vector3r>(geom.get(), layout.geom_normal) = Vector3r::Zero(); // YADE leaves it as the memory was; no contact has it
 }
 
 void SceneLink::makeUnreal(std::size_t index)
