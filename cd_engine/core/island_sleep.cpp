@@ -9,8 +9,8 @@ namespace {
 	// An island that needed more in this step is in motion.
 	constexpr int fewSweeps = 16;
 	constexpr double proof = 1e-3; // error to which rest is proven, over the tolerance
-	constexpr double finest = 1e-14; // error asked for where that does not do; below is round-off
-	constexpr double sleeps = 1e-2; // the same with which an island may sleep: its bodies move by half a step of what they did when they stop
+	constexpr double finest = 1e-14; // error asked for where `proof` does not do; below is round-off
+	constexpr double sleeps = 1e-2; // error with which an island may sleep: bodies move for half a step while they stop
 	// Speeds of bodies, over what errors of the tolerance in the impulses of their own contacts make of them.
 	constexpr double slow = 1000; // at rest they are 0.5 to 100, the most where others carry far more; what is faster is not worth a trial
 	constexpr double stopped = 1e-2;
