@@ -106,7 +106,7 @@ void IslandSolver::judgeRest(double tolerance, double share)
 	findCalm(part, &partBodies, tolerance, stopped);
 	for (const int32_t k : partIsland) {
 		const Residual e = trial[k].of(static_cast<std::size_t>(islands[k].contacts));
-		islands[k].atRest = islands[k].calm && std::max(e.norm, e.energy) <= share * tolerance;
+		islands[k].atRest = islands[k].calm && e.error() <= share * tolerance;
 	}
 }
 

@@ -31,7 +31,7 @@ namespace {
 		SolverReport report;
 		report.residual = e.norm;
 		report.residualMax = e.maximum;
-		report.error = std::max(e.norm, e.energy);
+		report.error = e.error();
 		return report;
 	}
 

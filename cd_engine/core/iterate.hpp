@@ -118,7 +118,7 @@ template <class S> class Iteration {
 		const Residual e = sweep.error();
 		report.residual = e.norm;
 		report.residualMax = e.maximum;
-		report.error = error = std::max(e.norm, e.energy);
+		report.error = error = e.error();
 		impulse = e.impulse;
 		largest = std::max(largest, impulse);
 		distance = impulse > 0 ? error * impulse : e.difference;

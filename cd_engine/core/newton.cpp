@@ -108,7 +108,7 @@ namespace {
 			r.iterations = r.factorizations = problem.steps();
 			r.residual = e.norm;
 			r.residualMax = e.maximum;
-			r.error = std::max(e.norm, e.energy);
+			r.error = e.error();
 			r.status = problem.exhausted() ? Status::max_iterations : Status::stagnated;
 			if (std::isnan(r.error))
 				r.status = Status::diverged;
@@ -128,7 +128,7 @@ namespace {
 			}
 			form.store(projected);
 			const Residual e = form.error();
-			error = std::max(e.norm, e.energy);
+			error = e.error();
 			if (error < bestError) {
 				bestError = error;
 				best = projected;

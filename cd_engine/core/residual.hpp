@@ -11,6 +11,8 @@ struct Residual {
 	double energy; // the same as norm with every contact weighted by its W_nn: a light body's error is not drowned by a heavy one's impulses
 	double maximum; // the largest such difference of one contact over the root mean square of p
 	double difference, impulse; // the norms whose ratio `norm` is, ||p - P_K(...)||_2 and ||p||_2 [N s]
+
+	double error() const { return norm < energy ? energy : norm; } // what a tolerance is held against
 };
 
 // What the contacts of a part of a system add to its error; sums of parts are the sum of the whole.

@@ -16,7 +16,7 @@ namespace {
 
 const Solver solvers[] = { newton, automatic };
 
-double error(const Residual& e) { return std::max(e.norm, e.energy); }
+double error(const Residual& e) { return e.error(); }
 
 double errorOf(const ContactSystem& solved, const ContactSystem& given)
 {
