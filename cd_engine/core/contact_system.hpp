@@ -19,9 +19,9 @@ namespace cd {
 // One cache line: a contact needs a body's velocity and its inverse mass together.
 struct alignas(64) BodyVelocity {
 	double v[3]; // v_x, v_y [m/s], angular velocity about z [rad/s]
-	double free_v; // unused, keeps the two triples 32-byte aligned
+	double pushed; // size of the change of velocity that the external force makes in the step [m/s]; 0 where it is not known
 	double w[3]; // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
-	double free_w;
+	double twisted; // the same of the angular velocity [rad/s]
 };
 
 struct ContactRow {

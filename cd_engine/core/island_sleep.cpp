@@ -100,13 +100,12 @@ void IslandSolver::findCalm(const ContactSystem& system, const std::vector<int32
 void IslandSolver::judgeRest(double tolerance, double share)
 {
 	trial.assign(islands.size(), {});
-	addResiduals(part, partFree, partIsland, trial);
+	measurePart(trial);
 	for (const int32_t k : partIsland)
 		islands[k].calm = true;
 	findCalm(part, &partBodies, tolerance, stopped);
 	for (const int32_t k : partIsland) {
-		const Residual e = trial[k].of(static_cast<std::size_t>(islands[k].contacts));
-		islands[k].atRest = islands[k].calm && e.error() <= share * tolerance;
+		islands[k].atRest = islands[k].calm && trial[k].of().law() <= share * tolerance;
 	}
 }
 
@@ -133,15 +132,13 @@ int IslandSolver::markSlow(const ContactSystem& system, const Stillness& stillne
 	return marked;
 }
 
-// Solves the islands marked as not solved by sweeps, from free velocities less those given, and unmarks those that it does not leave at rest.
-void IslandSolver::dismissMoving(const ContactSystem& system, const std::vector<double>* less, const SolverSettings& settings)
+// Solves the islands marked as not solved by sweeps, from free velocities, and unmarks those that it does not leave at rest.
+void IslandSolver::dismissMoving(const ContactSystem& system, const SolverSettings& settings)
 {
 	takePart(system, [](const Island& island) { return !island.solved; });
 	for (std::size_t i = 0; i < part.bodies.size(); i++)
-		for (int k = 0; k < 3; k++) {
-			const std::size_t from = 3 * static_cast<std::size_t>(partBodies[i]) + k;
-			part.bodies[i].v[k] = partFree[3 * i + k] = less ? freeVelocity[from] - (*less)[from] : freeVelocity[from];
-		}
+		for (int k = 0; k < 3; k++)
+			part.bodies[i].v[k] = partFree[3 * i + k] = freeVelocity[3 * static_cast<std::size_t>(partBodies[i]) + k];
 	SolverSettings finer = settings;
 	for (;;) {
 		// Without Newton's method: a step of it costs as much as an island awake does in a hundred steps.
@@ -160,7 +157,9 @@ void IslandSolver::dismissMoving(const ContactSystem& system, const std::vector<
 		island.solved = island.solved || !island.atRest;
 }
 
-// Stops the slow islands that come to rest of themselves where this step is solved more exactly, and gives them the impulses that keep them there.
+// Stops the slow islands that come to rest of themselves where this step is solved more exactly. They keep the impulses that stop them, so that the
+// forces of the step are those that moved its bodies; only of an island that was at rest before the step these are the impulses of rest, under which
+// it is found asleep in the next. One that moved is tried again in the next step.
 void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	const int slowOnes = markSlow(system, stillness, settings.tolerance);
@@ -169,14 +168,13 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 	SolverSettings finer = settings;
 	finer.tolerance *= proof;
 	finer.maxIterations = std::min(settings.maxIterations, stillness.trial);
-	dismissMoving(system, nullptr, finer);
-	dismissMoving(system, &stillness.before, finer);
+	dismissMoving(system, finer);
 	for (std::size_t i = 0; i < partContacts.size(); i++)
 		if (!islands[partIsland[i]].solved) {
 			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
 			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
 		}
-	// From v to 0, while the impulses of rest, which change it by u, make of it v + u.
+	// From v to 0, while the impulses leave the next to nothing u: their work is taken as if they had stopped all, -p (v + 0)/2.
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
 		const int32_t k = islandOfBody[partBodies[i]];
 		if (k < 0 || islands[k].solved)
@@ -184,7 +182,8 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 		for (int j = 0; j < 3; j++)
 			if (part.bodies[i].w[j] > 0) {
 				const double v = stillness.before[3 * static_cast<std::size_t>(partBodies[i]) + j];
-				effort.stopped += 0.5 * v * (v + part.bodies[i].v[j]) / part.bodies[i].w[j];
+				effort.stopped += 0.5 * v * part.bodies[i].v[j] / part.bodies[i].w[j];
+				effort.stoppedMoving = effort.stoppedMoving || v != 0;
 			}
 	}
 	for (Island& island : islands) {

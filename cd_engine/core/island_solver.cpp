@@ -29,9 +29,7 @@ namespace {
 	SolverReport reportOf(const Residual& e)
 	{
 		SolverReport report;
-		report.residual = e.norm;
-		report.residualMax = e.maximum;
-		report.error = e.error();
+		report.measure(e);
 		return report;
 	}
 
@@ -162,6 +160,7 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 		island.solved = true;
 		c.pn = pn;
 		c.pt = pt;
+		lone.contacts++;
 		lone.square += pn * pn + pt * pt;
 		lone.squareEnergy += c.wnn * (pn * pn + pt * pt);
 	}
@@ -217,7 +216,7 @@ int IslandSolver::judge(double tolerance)
 	for (std::size_t k = 0; k < islands.size(); k++) {
 		if (islands[k].solved)
 			continue;
-		islands[k].solved = reportOf(sums[k].of(islands[k].contacts)).error <= tolerance;
+		islands[k].solved = sums[k].of().error() <= tolerance;
 		solved += islands[k].solved;
 	}
 	return solved;
@@ -255,6 +254,20 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 	copyVelocities(part, partFree);
 }
 
+// The errors of the islands of the part, in place of those they had.
+void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
+{
+	partSums.assign(islands.size(), {});
+	addResiduals(part, partFree, partIsland, partSums);
+	for (const int32_t k : partIsland)
+		if (partSums[k].contacts > 0) {
+			errors[k] = partSums[k];
+			partSums[k].contacts = 0; // the next contact of this island finds it done
+			if (errors[k].leastBody >= 0)
+				errors[k].leastBody = partBodies[errors[k].leastBody];
+		}
+}
+
 // Together until they are solved together, then on with those that are not solved by themselves. The bodies of the system keep their free velocities.
 Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
@@ -265,7 +278,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		addResiduals(system, freeVelocity, islandOf, sums);
 	else {
 		takePart(system, [](const Island& island) { return !island.asleep; });
-		addResiduals(part, partFree, partIsland, sums);
+		measurePart(sums);
 	}
 	judge(settings.tolerance);
 	Status status = Status::converged;
@@ -284,11 +297,9 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		}
 		factorizations += report.factorizations;
 		for (std::size_t k = 0; k < islands.size(); k++)
-			if (!islands[k].solved) {
+			if (!islands[k].solved)
 				islands[k].sweeps += report.iterations;
-				sums[k] = {};
-			}
-		addResiduals(part, partFree, partIsland, sums);
+		measurePart(sums);
 		if (report.status != Status::converged)
 			status = report.status;
 		if (judge(settings.tolerance) == 0)
@@ -299,23 +310,20 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 // Velocities and error of the whole.
 SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance, const Sleepers* sleepers)
 {
-	ResidualSum sum;
-	std::size_t contacts = system.contacts.size();
+	partSums.clear();
 	int sweeps = 0;
 	for (std::size_t k = 0; k < islands.size(); k++) {
 		if (!islands[k].asleep)
-			sum += sums[k];
+			partSums.push_back(sums[k]);
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
 	if (sleepers)
-		for (const SleepingIsland& island : sleepers->islands()) {
-			sum += island.error;
-			contacts += island.found ? 0 : static_cast<std::size_t>(island.contacts);
-		}
+		for (const SleepingIsland& island : sleepers->islands())
+			partSums.push_back(island.error);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (islandOf[i] >= 0 && !islands[islandOf[i]].asleep)
 			addImpulse(system, system.contacts[i]);
-	SolverReport report = reportOf(sum.of(contacts));
+	SolverReport report = reportOf(residual(partSums.data(), partSums.size()));
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
 	if (std::isnan(report.error))
@@ -354,8 +362,10 @@ SolverReport IslandSolver::operator()(
 	effort.sleeping = sleeping;
 	if (stillness) {
 		countSleepersOn(effort, stillness->sleepers);
-		if (stillness->trial > 0 && report.status == Status::converged)
-			prove(system, *stillness, settings, effort);
+		SolverSettings left = settings; // maxIterations bounds all that a step does
+		left.maxIterations -= report.iterations;
+		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0)
+			prove(system, *stillness, left, effort);
 		stop(system, stillness->sleepers);
 	}
 	return report;

@@ -28,6 +28,7 @@ struct Effort {
 	int sleeping = 0; // of these, islands at rest in which nothing changes
 	int provenAtRest = 0, notAtRest = 0; // islands that were slow when their rest was tried
 	double stopped = 0; // energy of what was stopped then, which the impulses have not taken [J]
+	bool stoppedMoving = false; // any of these moved before the step
 };
 
 // All the contacts at once.
@@ -70,6 +71,7 @@ class IslandSolver {
 	int judge(double tolerance);
 	void takePart(const ContactSystem&, bool (*wanted)(const Island&));
 	int32_t placeOf(const ContactSystem&, int32_t body);
+	void measurePart(std::vector<ResidualSum>&);
 	SolverReport conclude(ContactSystem&, Status, double tolerance, const Sleepers*);
 
 	// island_sleep.cpp
@@ -80,7 +82,7 @@ class IslandSolver {
 	void findCalm(const ContactSystem&, const std::vector<int32_t>* names, double tolerance, double share);
 	void judgeRest(double tolerance, double share);
 	int markSlow(const ContactSystem&, const Stillness&, double tolerance);
-	void dismissMoving(const ContactSystem&, const std::vector<double>* less, const SolverSettings&);
+	void dismissMoving(const ContactSystem&, const SolverSettings&);
 	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 	void stop(ContactSystem&, const Sleepers&);
 
@@ -91,6 +93,7 @@ class IslandSolver {
 	std::vector<int32_t> islandOf; // of every contact; -1: between immobile bodies
 	std::vector<Island> islands;
 	std::vector<ResidualSum> sums; // of the islands
+	std::vector<ResidualSum> partSums; // scratch
 	ResidualSum lone; // of the islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
 	ContactSystem part; // some of the islands, with bodies of its own numbers

@@ -41,7 +41,7 @@ template <class S> class Iteration {
 	template <class Improve> Status untilSolved(Improve& improve)
 	{
 		evaluate();
-		double reached = error, nearest = distance;
+		double reached = error;
 		int reachedAt = 0;
 		keep();
 		while (error > settings.tolerance) {
@@ -58,10 +58,9 @@ template <class S> class Iteration {
 			report.iterations += more;
 			sweep.storeImpulses();
 			evaluate();
-			if (distance < nearest) {
-				nearest = distance;
+			// Where impulses fall to next to nothing, so does what their error is relative to.
+			if (error < best.error || (distance < best.distance && impulse < best.impulse))
 				keep();
-			}
 			clearRoundOff();
 			if (error < 0.99 * reached) {
 				reached = error;
@@ -96,10 +95,11 @@ template <class S> class Iteration {
 
 	void keep()
 	{
-		best.values.resize(2 * sweep.size());
+		best = { error, distance, impulse };
+		bestImpulses.values.resize(2 * sweep.size());
 		sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
-			best.values[2 * i] = pn;
-			best.values[2 * i + 1] = pt;
+			bestImpulses.values[2 * i] = pn;
+			bestImpulses.values[2 * i + 1] = pt;
 		});
 	}
 
@@ -107,8 +107,8 @@ template <class S> class Iteration {
 	Status giveBest(Status status)
 	{
 		sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
-			pn = best.values[2 * i];
-			pt = best.values[2 * i + 1];
+			pn = bestImpulses.values[2 * i];
+			pt = bestImpulses.values[2 * i + 1];
 		});
 		return status;
 	}
@@ -116,28 +116,30 @@ template <class S> class Iteration {
 	void evaluate()
 	{
 		const Residual e = sweep.error();
-		report.residual = e.norm;
-		report.residualMax = e.maximum;
-		report.error = error = e.error();
+		report.measure(e);
+		error = report.error;
 		impulse = e.impulse;
 		largest = std::max(largest, impulse);
-		distance = impulse > 0 ? error * impulse : e.difference;
+		distance = impulse > 0 ? e.law() * impulse : e.difference;
 	}
 
 	S& sweep;
 	const SolverSettings& settings;
 	SolverReport report;
 	double error = 0; // what is held against the tolerance
-	double distance = 0; // the same without being relative [N s]: of two iterates the nearer to a solution, where impulses change by much
+	double distance = 0; // the error of the contacts without being relative [N s]
 	double impulse = 0, largest = 0; // |p| now, and the largest since velocities were last made from impulses [N s]
 	double lastError = 0; // when it was asked for before, after so many sweeps
 	int lastIterations = 0;
-	HandedOn<double, Iteration> best; // impulses of the nearest iterate
+	struct {
+		double error, distance, impulse;
+	} best {}; // iterate so far
+	HandedOn<double, Iteration> bestImpulses;
 };
 
 // `method(sweep)` gives an object whose () makes one sweep; after each call the sweep's impulses are the iterate.
-// Stops when the error e, and the same weighted by W_nn, are at most settings.tolerance, at settings.maxIterations sweeps, or when nothing is gained
-// any more; what has not been solved returns the best iterate met, that of the smallest error times |p|. With settings.fixedIterations it makes
+// Stops when the errors of residual.hpp are at most settings.tolerance, at settings.maxIterations sweeps, or when nothing is gained
+// any more; what has not been solved returns the best iterate met. With settings.fixedIterations it makes
 // exactly so many plain sweeps, whatever the method, and asks for the error at the end: what is known of under-converged contact dynamics (Unger &
 // Kertesz 2003) holds for plain Gauss-Seidel.
 template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)

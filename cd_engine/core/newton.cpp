@@ -106,9 +106,7 @@ namespace {
 			const Residual e = form.error();
 			SolverReport r;
 			r.iterations = r.factorizations = problem.steps();
-			r.residual = e.norm;
-			r.residualMax = e.maximum;
-			r.error = e.error();
+			r.measure(e);
 			r.status = problem.exhausted() ? Status::max_iterations : Status::stagnated;
 			if (std::isnan(r.error))
 				r.status = Status::diverged;
@@ -156,7 +154,7 @@ namespace {
 		const auto start = begin(system);
 		SolverSettings sweeps = settings;
 		sweeps.tolerance = std::max(settings.tolerance, coarse);
-		sweeps.maxIterations = std::min(settings.maxIterations, sweepsAtStart);
+		sweeps.maxIterations = std::min(settings.maxIterations / 4, sweepsAtStart);
 		const SolverReport first = accelerated(system, sweeps);
 		if (first.error <= settings.tolerance || first.status == Status::diverged || first.iterations == settings.maxIterations)
 			return first;

@@ -5,7 +5,8 @@
 // bring it down again and again. Therefore islands that are slow under constant loads have to prove their rest now and then: a step is solved by
 // sweeps to a thousandth of the tolerance, and to less where that does not do, since the error is a norm of the whole. Where every body comes to rest
 // in it, slower than a hundredth of what an error of the tolerance in its own contacts' impulses would leave, the velocities become zero. What rolls
-// or drifts goes on in such a step, and so is not stopped. The impulses are those of the same step without velocities before it. An island in which
+// or drifts goes on in such a step, and so is not stopped. What moved before that step is tried again in the next, in which nothing has to be
+// stopped, so that the impulses are those of rest. An island in which
 // nothing moves before a step, and whose impulses are found to keep it so, to a hundredth of the tolerance, sleeps: it is not solved again. Forces
 // smaller than that may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene goes on
 // alike. Those in which nothing changes at all are then not even looked at (sleepers.hpp).

@@ -3,6 +3,7 @@
 
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
+#include "residual.hpp"
 
 #include <limits>
 #include <string>
@@ -11,7 +12,7 @@
 namespace cd {
 
 struct SolverSettings {
-	double tolerance = 1e-6; // on the error e of residual.hpp
+	double tolerance = 1e-6; // on the errors of residual.hpp
 	int maxIterations = 10000; // sweeps and factorizations
 	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, no test on the way
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
@@ -25,9 +26,20 @@ struct SolverReport {
 	int iterations = 0; // sweeps made, and factorizations
 	int factorizations = 0; // of these; any: it was Newton's method that ended the search
 	double residual = 0; // e of the impulses returned
-	double error = 0; // the larger of e and e weighted by W_nn: what the tolerance is held against
 	double residualMax = 0; // its maximum over the contacts
+	double bodyError = 0; // the error of the bodies (residual.hpp)
+	int body = -1; // whose velocity may be the most wrong, where the error of the bodies is the largest; -1: none
+	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies: what the tolerance is held against
 	Status status = Status::converged;
+
+	void measure(const Residual& e)
+	{
+		residual = e.norm;
+		residualMax = e.maximum;
+		bodyError = e.bodies;
+		body = e.body;
+		error = e.error();
+	}
 };
 
 // Improves the impulses in `system.contacts` and leaves the velocities that belong to them in `system.bodies`.

@@ -42,6 +42,9 @@ void TimeStep::freeVelocities(const World& world, double dt)
 			before[3 * i + k] = b.v[k];
 			s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
 		}
+		const double ax = b.inverseMass[0] * b.force[0], ay = b.inverseMass[1] * b.force[1];
+		s.pushed = dt * std::sqrt(ax * ax + ay * ay);
+		s.twisted = dt * b.inverseMass[2] * std::abs(b.force[2]);
 	}
 }
 
@@ -237,14 +240,15 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	assemble(world, settings);
 	if (sleepers.wake(system.contacts, world))
 		return false;
-	report.solver = {};
 	static const std::vector<int> unknown;
 	const Stillness stillness { sleepers, before, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
-		report.solver = settings.reduce ? solveIslands(system, settings.solve, settings.solver, report.effort, &stillness)
-						: solveWhole(system, settings.solve, settings.solver, report.effort);
+		SolverSettings left = settings.solver;
+		left.maxIterations -= previous;
+		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
+						: solveWhole(system, settings.solve, left, report.effort);
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		meanVelocities(world);

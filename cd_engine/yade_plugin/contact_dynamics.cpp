@@ -101,7 +101,9 @@ void ContactDynamics::advance()
 	iterations = report.solver.iterations;
 	residual = report.solver.residual;
 	residualMax = report.solver.residualMax;
-	converged = report.solver.status == cd::Status::converged || (fixedIterations > 0 && residual <= tolerance);
+	bodyError = report.solver.bodyError;
+	worstBody = report.solver.body;
+	converged = report.solver.status == cd::Status::converged || (fixedIterations > 0 && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
@@ -109,7 +111,7 @@ void ContactDynamics::advance()
 	islands = report.effort.islands;
 	resting = report.effort.resting;
 	loadsBeforeTrial.clear();
-	if (settings.notesLoads)
+	if (settings.notesLoads || report.effort.stoppedMoving)
 		loadsBeforeTrial = step.loads();
 	planRestTrial(report.effort, settings.trial > 0);
 	sleeping = report.effort.sleeping;
@@ -124,7 +126,7 @@ void ContactDynamics::advance()
 	solveTime += report.solveSeconds;
 	if (!converged && fixedIterations == 0) {
 		unconvergedSteps++;
-		warn(report.solver.error);
+		warn();
 	}
 }
 
@@ -148,18 +150,21 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 		restTrialPause = shortestPause;
 	else if (effort.notAtRest > 0)
 		restTrialPause = std::min(2 * restTrialPause, longestPause);
-	restTrialAt = steps + restTrialPause;
+	restTrialAt = steps + (effort.stoppedMoving ? 1 : restTrialPause);
 }
 
 // One line a run; the count goes on in unconvergedSteps and is shown once more when YADE ends (cd_engine/__init__.py).
-void ContactDynamics::warn(double error)
+void ContactDynamics::warn()
 {
 	if (warned)
 		return;
 	warned = true;
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " not solved: error " << error << " after " << iterations
-		  << " iterations, tolerance " << tolerance << " (" << status
-		  << "). Further such steps are counted in unconvergedSteps; raise maxIterations or tolerance, or take a smaller O.dt.\n";
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
+		  << " iterations): the contact law is missed by " << residual << " of all impulses";
+	if (worstBody >= 0)
+		std::cerr << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
+	std::cerr << "; the tolerance is " << tolerance
+		  << ". Further such steps are counted in unconvergedSteps. Raise maxIterations or tolerance, or take a smaller O.dt.\n";
 }
 
 // One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,

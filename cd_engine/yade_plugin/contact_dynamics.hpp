@@ -29,6 +29,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int iterations = 0;
 	double residual = 0;
 	double residualMax = 0;
+	double bodyError = 0;
+	int worstBody = -1;
 	bool converged = false;
 	std::string status = "no step yet";
 	std::string solvedBy = "none";
@@ -82,7 +84,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool sleepGoesOn(const cd::StepSettings&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength } }; }
 	bool looksAtOrder() const { return steps % 64 == 0; }
-	void warn(double error);
+	void warn();
 	void watchPenetration();
 
 	SceneLink link;
@@ -115,7 +117,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	const Range any, positive { 0, std::numeric_limits<double>::max(), true };
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access::set, positive,
-	    "The step is solved when the error e (see *residual*), and the same weighted by W_nn, are at most this [1].");
+	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by W_nn, "
+	    "and *bodyError*) [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. },
 	    "Sweeps and factorizations after which a step is left unconverged [1].");
 	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
@@ -156,7 +159,14 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
 	    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
 	visit("residualMax", &C::residualMax, Access::read, any, "The same for the worst contact, over the root mean square of p [1].");
-	visit("converged", &C::converged, Access::read, any, "Whether the last step's *residual* is at most *tolerance*.");
+	visit("bodyError", &C::bodyError, Access::read, any,
+	    "How far off the velocity changes of the last step may be, relative to what acts on the body: its contacts' impulses and its external "
+	    "one [1]. Of all islands of contacts the largest. In packings, where some disks always carry next to nothing, relative to the mean over "
+	    "the mass of the island (cd_engine/core/residual.hpp has the formula).");
+	visit("worstBody", &C::worstBody, Access::read, any, "Id of the body whose velocity may be the most wrong; -1: none.");
+	visit("converged", &C::converged, Access::read, any,
+	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change of "
+	    "every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
 	visit("status", &C::status, Access::read, any,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated or diverged.");
 	visit("solvedBy", &C::solvedBy, Access::read, any, "The method that brought the last step to its tolerance, or none.");

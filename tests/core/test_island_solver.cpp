@@ -130,7 +130,7 @@ TEST_CASE("islands are joined by bodies that can move, not by those that cannot"
 
 // Every impulse is known: the weight of what is above. An error e of the equations is one of the impulses by the smallest eigenvalue of a stack of
 // ten over W_nn, 1 - cos(pi/21) = 1/90.
-TEST_CASE("stacks of masses far apart are each solved to the tolerance, which the whole problem does not ask for")
+TEST_CASE("stacks of masses far apart are each solved to the tolerance, apart or together")
 {
 	const auto build = [] {
 		ContactSystem s = floorOnly();
@@ -164,7 +164,8 @@ TEST_CASE("stacks of masses far apart are each solved to the tolerance, which th
 		CHECK(sandError(parted) < 90 * 1e-4);
 		const SolverReport before = solveWhole(whole, method, to(1e-4), effort);
 		CHECK(before.status == Status::converged);
-		CHECK(sandError(whole) > 0.1); // it was never asked for
+		CHECK(sandError(whole) < 90 * 1e-4); // by the error of the bodies; e of the whole does not see it
+		CHECK(before.residual < 1e-8);
 	}
 }
 
