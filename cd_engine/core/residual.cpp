@@ -7,7 +7,8 @@ namespace cd {
 namespace {
 
 	constexpr double roundOff = 4 * std::numeric_limits<double>::epsilon();
-	constexpr double manyLoops = 100; // of an island in which the mean over the mass counts in full
+	constexpr double manyLoops = 200; // of an island in which the mean over the mass counts in full
+	constexpr double nothing = 1e-6; // of that mean: a body on which less acts counts as if this did
 	constexpr double single = 10; // by how much more than their root mean square one contact may miss there: in a packing it is 5 to 20 times
 
 	// Euclidean projection of (pn, pt) on the cone |p_t| <= mu p_n.
@@ -131,8 +132,10 @@ namespace {
 			const double ofVelocities = roundOff
 			    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
 				+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
+			const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
 			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance),
-			    beyond(difference, ofVelocities / compliance) * compliance * compliance, c.pn * c.pn + c.pt * c.pt, compliance);
+			    std::max(beyond(difference, ofVelocities / compliance) * compliance * compliance, least * least),
+			    c.pn * c.pn + c.pt * c.pt, compliance);
 			// As the contacts meet them: sums then do not depend on how bodies are numbered.
 			for (const int32_t body : { c.a, c.b })
 				if (!met[body]) {
@@ -148,11 +151,12 @@ double ResidualSum::bodies() const
 {
 	if (missed == 0)
 		return 0;
-	const double every = std::sqrt(missed) / least;
+	const double root = mass > 0 ? weighted / mass : 0, mean = root * root;
+	const double every = std::sqrt(missed) / std::max(least, nothing * mean);
 	if (contacts <= touched)
 		return every;
-	const double mean = weighted / mass, loops = std::min(1., static_cast<double>(contacts - touched) / manyLoops);
-	const double typical = std::max(std::sqrt(missed / static_cast<double>(contacts)), std::sqrt(mostMissed) / single) / (mean * mean * loops);
+	const double loops = std::min(1., static_cast<double>(contacts - touched) / manyLoops);
+	const double typical = std::max(std::sqrt(missed / static_cast<double>(contacts)), std::sqrt(mostMissed) / single) / (mean * loops);
 	return typical < every ? typical : every; // `every` where `typical` is not a number
 }
 

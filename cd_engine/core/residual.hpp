@@ -11,11 +11,12 @@
 // 1 kg carries one of 1e8 kg, impulses that let the heavy disk fall freely differ from the law by 1e-8 of themselves. A contact misses the velocity
 //   g = W_nn |p - P_K(...)| [m/s],
 // and on a body acts the velocity s = (sum of the sizes of its contacts' impulses, and its external one)/m. The bodies of an island are right to
-//   min( ||g||_2 / min s,  max(rms g, max g / 10) / (S min(1, l/100)) ),   S = (sum m sqrt(s) / sum m)^2,   l = contacts - bodies.
+//   min( ||g||_2 / min s,  max(rms g, max g / 10) / (S min(1, l/200)) ),   S = (sum m sqrt(s) / sum m)^2,   l = contacts - bodies.
 // The first number holds for every body: what the contacts of a chain miss adds up, and the body on which least acts feels all of it. A packing
 // always has disks that carry next to nothing, and to ask the first of it takes a hundred times the sweeps (400 disks, mu = 0.1, tolerance 1e-6:
 // 9800 instead of 60), since its impulses are not determined. There, where the contacts make many loops (l), the second serves: relative to the
-// mean over the mass, so that one heavy body counts for what it is.
+// mean over the mass, so that one heavy body counts for what it is. s counts as a millionth of S at least. Impulses are known to their round-off, which
+// is an error of the bodies, too: under a disk r times as heavy at least 2e-16 r.
 #pragma once
 
 #include "contact_system.hpp"
