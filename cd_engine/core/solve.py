@@ -19,7 +19,9 @@ class Report:
     residual: float           # the error e of `residual`
     residual_max: float       # that of the worst contact over the root mean square of the impulses
     converged: bool
-    status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged
+    status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite
+    contact: object           # where there is no solution, the contact that closes or grows most (diverged: one that is no number); else None
+    bodies: object            # of a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of processor time, spent in the solver
 
@@ -104,9 +106,11 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
     settings = method, float(tolerance), max_iterations, fixed_iterations, seed
     found = core.solve_bodies(arrays, p, *settings) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
-    iterations, factorizations, e, worst, status, solved_by, seconds = found
+    iterations, factorizations, e, worst, status, contact, solved_by, seconds = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
-    return Report(p, iterations, factorizations, e, worst, converged, status, solved_by, seconds)
+    contact = contact if contact >= 0 else None
+    bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
+    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds)
 
 
 def residual(problem, impulses):

@@ -18,7 +18,8 @@ struct SolverSettings {
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
 };
 
-enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged };
+// no_solution: none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
+enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
 
 struct SolverReport {
@@ -28,6 +29,7 @@ struct SolverReport {
 	double error = 0; // the larger of e and e weighted by W_nn: what the tolerance is held against
 	double residualMax = 0; // its maximum over the contacts
 	Status status = Status::converged;
+	int32_t contact = -1; // row of the contact that speaks most against the impulses, where one does: for no_solution, indefinite, diverged
 };
 
 // Improves the impulses in `system.contacts` and leaves the velocities that belong to them in `system.bodies`.
@@ -38,7 +40,9 @@ using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 // Which method brought a problem given to `method` to its tolerance; "none" if none did.
 std::string solvedBy(const std::string& method, const SolverReport&);
 
-// Null if there is no such method.
+// Null if there is no such method. What they return is judged: whatever the method's own error says, impulses that verdict.hpp finds to solve nothing
+// do not count as converged, and what has no solution is called so. At most a tenth of maxIterations is kept for finding that out where the bodies
+// do not tell beforehand.
 Solver findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
 std::vector<std::string> solverNames();
