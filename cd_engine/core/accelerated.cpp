@@ -95,9 +95,55 @@ SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
 	return iterate<Sweep>(system, settings, [](Sweep& sweep) { return Momentum(sweep); });
 }
 
+// Where contacts couple with very many others, momentum of each group for itself can swing for ever: W = 1 + 0.02, all entries, 1000 contacts,
+// stays at an error of 0.6, and plain sweeps need 250. They are therefore tried beside it: brought to as many sweeps after 100, and again each time
+// the leading way has made four times theirs; the one with the smaller error leads on. In a packing, where momentum leads, that is a quarter more
+// work, and the way it takes is the same to the last bit.
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
 {
-	return iterate<DelassusSweep>(system, settings, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
+	constexpr int firstTrial = 100, share = 4;
+	const auto ahead = [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; };
+	if (settings.fixedIterations > 0 || settings.maxIterations <= firstTrial)
+		return iterate<DelassusSweep>(system, settings, ahead);
+	const std::vector<double> guess = system.p;
+	DelassusSweep withMomentum(system, settings.seed);
+	auto improve = ahead(withMomentum);
+	Iteration<DelassusSweep> first(withMomentum, settings);
+	first.begin();
+	if (first.advance(improve, firstTrial, settings.maxIterations))
+		return first.conclude();
+	system.p = guess;
+	DelassusSweep plain(system, settings.seed);
+	Iteration<DelassusSweep> second(plain, settings);
+	second.begin();
+	const auto toFirst = [&](int until) { return first.advance(improve, until, settings.maxIterations - second.iterations()); };
+	const auto toSecond = [&](int until) { return second.advance(plain, until, settings.maxIterations - first.iterations()); };
+	const auto end = [&](bool usesPlain) {
+		SolverReport report = usesPlain ? second.conclude() : first.conclude();
+		report.iterations = first.iterations() + second.iterations();
+		report.plain = usesPlain;
+		return report;
+	};
+	// Whoever ends without a solution leaves the rest to the other; of two that do, the nearer is taken.
+	const int all = settings.maxIterations;
+	const auto nearer = [&] { return second.status() == Status::converged || second.least() < first.least(); };
+	for (;;) {
+		if (toSecond(first.iterations()))
+			return end(second.status() == Status::converged || (toFirst(all) && first.status() != Status::converged && nearer()));
+		const bool plainLeads = second.least() < first.least();
+		if (plainLeads ? toSecond(share * first.iterations()) : toFirst(share * second.iterations())) {
+			const Status led = plainLeads ? second.status() : first.status();
+			if (led == Status::converged)
+				return end(plainLeads);
+			if (plainLeads)
+				toFirst(all);
+			else
+				toSecond(all);
+			return end(first.status() != Status::converged && nearer());
+		}
+		if (plainLeads && toFirst(second.iterations()))
+			return end(first.status() != Status::converged && (toSecond(all), nearer()));
+	}
 }
 
 } // namespace cd

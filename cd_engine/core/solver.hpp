@@ -28,6 +28,7 @@ struct SolverReport {
 	double residual = 0; // e of the impulses returned
 	double error = 0; // the larger of e and e weighted by W_nn: what the tolerance is held against
 	double residualMax = 0; // its maximum over the contacts
+	bool plain = false; // plain Gauss-Seidel sweeps ended the search of a method that has better ones
 	Status status = Status::converged;
 	int32_t contact = -1; // row of the contact that speaks most against the impulses, where one does: for no_solution, indefinite, diverged
 };

@@ -11,6 +11,8 @@ namespace {
 	// Share of the power p . q that solved contacts may keep: solutions have about the tolerance times the growth of their impulses, what cannot
 	// be solved nearly all of it.
 	constexpr double suspicious = 0.01;
+	constexpr double least = 3; // growth of impulses that are to be looked at
+	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
 	// Growth from which no velocity is known to a thousandth of those that the impulses are to stop. Masses in contact of 1 : 1e8 make 1e8.
 	constexpr double beyond = 1e12;
 	// A self-stress makes no velocity but the round-off of its sums.
@@ -140,6 +142,20 @@ namespace {
 		return sum;
 	}
 
+	// Of impulses p from those that Coulomb's cone leaves of p - u: what the error of residual.hpp is made of.
+	double distance(double pn, double pt, double un, double ut, double mu)
+	{
+		double n = pn - un, t = pt - ut;
+		const double size = std::abs(t);
+		if (mu * size <= -n)
+			n = t = 0;
+		else if (n < 0 || size > mu * n) {
+			n = (n + mu * size) / (1 + mu * mu);
+			t = std::copysign(mu * n, t);
+		}
+		return std::sqrt((pn - n) * (pn - n) + (pt - t) * (pt - t));
+	}
+
 	template <class Form> class Judgement {
 	    public:
 		explicit Judgement(Form& f)
@@ -173,10 +189,10 @@ namespace {
 				}
 				energy += pn * u[2 * i] + pt * u[2 * i + 1];
 				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
-				offered += pn * qn + pt * qt;
+				offered += std::abs(pn * qn + pt * qt);
 				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form.data[i]);
-				const double speed = std::abs(un) + (1 + form.mu(i)) * std::abs(ut);
-				const double power = speed > floor ? std::abs(pn * (un + form.mu(i) * std::abs(ut)) + pt * ut) : 0;
+				const double amiss = own * distance(pn, pt, (un + form.mu(i) * std::abs(ut)) / own, ut / own, form.mu(i));
+				const double power = amiss > floor ? amiss * std::sqrt(pn * pn + pt * pt) : 0;
 				kept += power;
 				if (power > mostKept) {
 					mostKept = power;
@@ -186,13 +202,16 @@ namespace {
 			Verdict v;
 			v.growth = alone > 0 ? std::sqrt(square / alone) : 0;
 			const bool grown = v.growth > beyond && std::sqrt(square) > 10 * guess;
-			if (!grown && !(kept > suspicious * std::abs(offered)))
+			if (!grown && !(kept > suspicious * offered && v.growth > least))
 				return v;
 			v.contact = form.row(mostKept > 0 ? worst : strongest);
-			v.finding = grown || proven() ? Finding::no_solution : Finding::doubtful;
 			// Files that print six digits miss a positive semidefinite W by less than this.
-			if (v.finding == Finding::no_solution ? energy < -1e-5 * terms : negative)
+			if (energy < -1e-5 * terms)
 				v.finding = Finding::indefinite;
+			else if (proven())
+				v.finding = Finding::no_solution;
+			else
+				v.finding = negative ? Finding::indefinite : grown ? Finding::beyond : Finding::doubtful;
 			return v;
 		}
 
@@ -219,11 +238,12 @@ namespace {
 				x[2 * i] = pn * root[2 * i] / scale;
 				x[2 * i + 1] = state[i] == State::stick ? pt * root[2 * i] / scale : 0;
 			}
+			const double whole = dot(x, x);
 			for (int k = 0; k < rounds; k++) {
 				for (std::size_t i = 0; i < n; i++)
 					if (state[i] == State::open)
 						x[2 * i] = x[2 * i + 1] = 0;
-				if (!removeWhatMoves())
+				if (!removeWhatMoves() || !(dot(x, x) > kernel * kernel * whole))
 					return false;
 				if (!leaveTheCone())
 					return worksAgainst();

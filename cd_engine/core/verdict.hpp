@@ -1,9 +1,8 @@
 // Whether impulses that are within the tolerance can be a solution, and of what is not solved, whether anything could solve it.
 //
 // The error e is relative to the impulses. Two walls that close in on a body press it with impulses that grow without end while its contacts close
-// as before: e falls below every tolerance and nothing is solved. What gives it away are the velocities: at a solution the power of every contact,
-//   p . (u + mu |u_t| n),
-// vanishes, while there it stays what the free velocities have, p . q.
+// as before: e falls below every tolerance and nothing is solved. What gives it away are the velocities: what they miss of the contact law, times the
+// impulses, is a power that vanishes at a solution, while there it stays as large as that of the free velocities, p . q.
 //   The proof that no impulses solve it is a self-stress: impulses d within friction whose velocities W d vanish, with d . q < 0. Whatever p is,
 // d . (W p + q) = d . q then stays negative, which no contact law allows as long as nothing slides. (With friction a motion in which contacts of d
 // slide could be a solution all the same; the sweeps have then found none.)
@@ -18,8 +17,9 @@ namespace cd {
 enum class Finding {
 	nothing, // that speaks against the impulses
 	doubtful, // contacts still close with the power that the free velocities have: not solved, or the tolerance is too large to tell
-	no_solution, // proven by a self-stress, or the impulses are beyond what double precision can hold velocities to
-	indefinite, // the same, where W gives impulses a negative energy
+	beyond, // so large that double precision cannot hold the velocities to anything: a method that diverges, or no solution within every bound
+	no_solution, // proven by a self-stress
+	indefinite, // W gives the impulses, or some along them, a negative energy; else one of the three before
 	not_finite,
 };
 
