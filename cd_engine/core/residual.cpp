@@ -65,8 +65,8 @@ namespace {
 			const double *va = &v[3 * c.a], *vb = &v[3 * c.b];
 			const double compliance
 			    = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
-			if (compliance <= 0)
-				continue; // two immobile bodies
+			if (ContactRow::held(compliance, c.freedom(ma, mb)))
+				continue; // nothing that can move along n
 			const double ux = vb[0] - va[0], uy = vb[1] - va[1];
 			const double ut = uy * c.nx - ux * c.ny + vb[2] * c.bt - va[2] * c.at;
 			const double un = ux * c.nx + uy * c.ny + vb[2] * c.bn - va[2] * c.an + c.bias;

@@ -1,7 +1,7 @@
 """Solves a problem, and tells how well one is solved."""
-import math
 import numbers
 import operator
+import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,6 +60,8 @@ def _arrays(problem):
     if isinstance(problem, BodyProblem):
         problem = replace(problem)
         return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
+    if not isinstance(problem, Problem):
+        raise ValueError(f"{problem!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
     problem = Problem(problem.W, problem.q, problem.mu)
     if problem.contacts == 0:
         empty = np.zeros(0)
@@ -94,9 +96,9 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     once.
     """
     core = _core()
-    if method not in core.methods():
+    if not isinstance(method, str) or method not in core.methods():
         raise ValueError(f"method={method!r} is not known; there is {', '.join(map(repr, core.methods()))}")
-    if not (isinstance(tolerance, numbers.Real) and math.isfinite(tolerance) and tolerance > 0):
+    if not (isinstance(tolerance, numbers.Real) and 0 < tolerance <= sys.float_info.max):
         raise ValueError(f"tolerance={tolerance!r} is out of range: it must be a positive number")
     max_iterations = _count("max_iterations", max_iterations, 1)
     fixed_iterations = _count("fixed_iterations", fixed_iterations, 0)

@@ -13,8 +13,6 @@ namespace {
 	constexpr double suspicious = 0.01;
 	constexpr double least = 3; // growth of impulses that are to be looked at
 	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
-	// Growth from which no velocity is known to a thousandth of those that the impulses are to stop. Masses in contact of 1 : 1e8 make 1e8.
-	constexpr double beyond = 1e12;
 	// A self-stress makes no velocity but the round-off of its sums.
 	constexpr double selfStress = 256 * epsilon;
 	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
@@ -47,6 +45,7 @@ namespace {
 		double pn(std::size_t i) const { return system.contacts[rows[i]].pn; }
 		double pt(std::size_t i) const { return system.contacts[rows[i]].pt; }
 		double own(std::size_t i) const { return system.contacts[rows[i]].wnn; }
+		double ownTangential(std::size_t i) const { return system.contacts[rows[i]].wtt > 0 ? system.contacts[rows[i]].wtt : own(i); }
 
 		void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes)
 		{
@@ -111,6 +110,7 @@ namespace {
 		double pn(std::size_t i) const { return system.p[2 * i]; }
 		double pt(std::size_t i) const { return system.p[2 * i + 1]; }
 		double own(std::size_t i) const { return system.blocks[system.diagonal[i]].nn; }
+		double ownTangential(std::size_t i) const { return system.blocks[system.diagonal[i]].tt; }
 
 		void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes)
 		{
@@ -156,6 +156,17 @@ namespace {
 		return std::sqrt((pn - n) * (pn - n) + (pt - t) * (pt - t));
 	}
 
+	template <class Form> double growthOf(const Form& form)
+	{
+		double square = 0, alone = 0;
+		for (std::size_t i = 0; i < form.contacts(); i++) {
+			const double closing = std::min(form.q[2 * i], 0.);
+			square += form.own(i) * (form.pn(i) * form.pn(i) + form.pt(i) * form.pt(i));
+			alone += closing * closing / form.own(i);
+		}
+		return alone > 0 ? std::sqrt(square / alone) : 0;
+	}
+
 	template <class Form> class Judgement {
 	    public:
 		explicit Judgement(Form& f)
@@ -174,7 +185,7 @@ namespace {
 					return { Finding::not_finite, form.row(i), std::numeric_limits<double>::infinity() };
 			}
 			form.product(p, u, sizes);
-			double square = 0, alone = 0, largest = -1, mostKept = 0, kept = 0, offered = 0, energy = 0, terms = 0;
+			double square = 0, largest = -1, mostKept = 0, kept = 0, offered = 0, energy = 0, terms = 0;
 			std::size_t strongest = 0, worst = 0;
 			for (std::size_t i = 0; i < n; i++) {
 				const double own = form.own(i), pn = p[2 * i], pt = p[2 * i + 1], qn = form.q[2 * i], qt = form.q[2 * i + 1];
@@ -182,7 +193,6 @@ namespace {
 				if (!std::isfinite(un) || !std::isfinite(ut) || !std::isfinite(strength))
 					return { Finding::not_finite, form.row(i), std::numeric_limits<double>::infinity() };
 				square += strength;
-				alone += std::min(qn, 0.) * std::min(qn, 0.) / own;
 				if (strength > largest) {
 					largest = strength;
 					strongest = i;
@@ -200,8 +210,8 @@ namespace {
 				}
 			}
 			Verdict v;
-			v.growth = alone > 0 ? std::sqrt(square / alone) : 0;
-			const bool grown = v.growth > beyond && std::sqrt(square) > 10 * guess;
+			v.growth = growthOf(form);
+			const bool grown = v.growth > mostGrowth && std::sqrt(square) > 10 * guess;
 			if (!grown && !(kept > suspicious * offered && v.growth > least))
 				return v;
 			v.contact = form.row(mostKept > 0 ? worst : strongest);
@@ -229,14 +239,15 @@ namespace {
 				scale = std::max(scale, std::sqrt(form.own(i)) * p[2 * i]);
 			for (std::size_t i = 0; i < n; i++) {
 				const double pn = p[2 * i], pt = p[2 * i + 1], bound = form.mu(i) * pn;
-				root[2 * i] = root[2 * i + 1] = std::sqrt(form.own(i));
+				root[2 * i] = std::sqrt(form.own(i));
+				root[2 * i + 1] = std::sqrt(form.ownTangential(i));
 				state[i] = State::stick;
 				if (!(pn > 0))
 					state[i] = State::open;
 				else if (std::abs(pt) >= (1 - 1e-6) * bound)
 					state[i] = pt > 0 ? State::slidePlus : State::slideMinus;
 				x[2 * i] = pn * root[2 * i] / scale;
-				x[2 * i + 1] = state[i] == State::stick ? pt * root[2 * i] / scale : 0;
+				x[2 * i + 1] = state[i] == State::stick ? pt * root[2 * i + 1] / scale : 0;
 			}
 			const double whole = dot(x, x);
 			for (int k = 0; k < rounds; k++) {
@@ -251,7 +262,7 @@ namespace {
 			return false;
 		}
 
-		// Impulses of the unknowns x: normal and tangential where a contact sticks, normal where it slides, times the root of W_nn.
+		// Impulses of the unknowns x: normal and tangential where a contact sticks, normal where it slides, times the roots of W_nn and W_tt.
 		void impulses(const std::vector<double>& from, std::vector<double>& d) const
 		{
 			d.assign(2 * n, 0);
@@ -259,7 +270,7 @@ namespace {
 				if (state[i] == State::open)
 					continue;
 				d[2 * i] = from[2 * i] / root[2 * i];
-				d[2 * i + 1] = state[i] == State::stick ? from[2 * i + 1] / root[2 * i] : slope(i) * d[2 * i];
+				d[2 * i + 1] = state[i] == State::stick ? from[2 * i + 1] / root[2 * i + 1] : slope(i) * d[2 * i];
 			}
 		}
 		double slope(std::size_t i) const { return state[i] == State::slidePlus ? form.mu(i) : -form.mu(i); }
@@ -275,7 +286,7 @@ namespace {
 					continue;
 				const bool stick = state[i] == State::stick;
 				to[2 * i] = (u[2 * i] + (stick ? 0 : slope(i) * u[2 * i + 1])) / root[2 * i];
-				to[2 * i + 1] = stick ? u[2 * i + 1] / root[2 * i] : 0;
+				to[2 * i + 1] = stick ? u[2 * i + 1] / root[2 * i + 1] : 0;
 			}
 		}
 
@@ -299,8 +310,8 @@ namespace {
 					const double curvature = dot(along, w);
 					if (curvature < -1e-5 * dot(along, along))
 						return !(negative = true);
-					if (!(curvature > 0))
-						break;
+					if (!(curvature > 1e-13 * dot(along, along)))
+						break; // nothing but round-off is left
 					const double step = rr / curvature;
 					for (std::size_t i = 0; i < x.size(); i++) {
 						x[i] += step * along[i];
@@ -329,7 +340,7 @@ namespace {
 				if (x[2 * i] < 1e-11 * largest) {
 					changed = changed || x[2 * i] != 0 || x[2 * i + 1] != 0;
 					state[i] = State::open;
-				} else if (state[i] == State::stick && std::abs(x[2 * i + 1]) > form.mu(i) * x[2 * i] * (1 + 1e-12)) {
+				} else if (state[i] == State::stick && std::abs(x[2 * i + 1]) * root[2 * i] > form.mu(i) * x[2 * i] * root[2 * i + 1] * (1 + 1e-12)) {
 					state[i] = x[2 * i + 1] > 0 ? State::slidePlus : State::slideMinus;
 					x[2 * i + 1] = 0;
 					changed = true;
@@ -346,8 +357,9 @@ namespace {
 			for (std::size_t i = 0; i < n; i++) {
 				work += d[2 * i] * form.q[2 * i] + d[2 * i + 1] * form.q[2 * i + 1];
 				terms += (std::abs(d[2 * i]) + std::abs(d[2 * i + 1])) * form.data[i];
-				stress += (sizes[2 * i] * sizes[2 * i] + sizes[2 * i + 1] * sizes[2 * i + 1]) / form.own(i);
-				moved += (u[2 * i] * u[2 * i] + u[2 * i + 1] * u[2 * i + 1]) / form.own(i);
+				const double nn = form.own(i), tt = form.ownTangential(i);
+				stress += sizes[2 * i] * sizes[2 * i] / nn + sizes[2 * i + 1] * sizes[2 * i + 1] / tt;
+				moved += u[2 * i] * u[2 * i] / nn + u[2 * i + 1] * u[2 * i + 1] / tt;
 			}
 			return stress > 0 && moved <= selfStress * selfStress * stress && work < -1e-8 * terms;
 		}
@@ -356,7 +368,7 @@ namespace {
 		const std::size_t n;
 		std::vector<double> p, u, sizes;
 		std::vector<State> state;
-		std::vector<double> root; // of W_nn
+		std::vector<double> root; // of W_nn and W_tt
 		std::vector<double> x, r, along, w, d;
 		bool negative = false; // a direction of negative energy was met
 	};
@@ -374,6 +386,9 @@ Verdict judge(const DelassusSystem& system, double guess)
 	Matrix form(system);
 	return Judgement<Matrix>(form)(guess);
 }
+
+double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(Bodies(system, freeVelocity)); }
+double growth(const DelassusSystem& system) { return growthOf(Matrix(system)); }
 
 double weighted(const ContactSystem& system)
 {

@@ -35,6 +35,12 @@ struct Verdict {
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess);
 Verdict judge(const DelassusSystem& system, double guess);
 
+// Impulses of a larger `growth` leave no velocity known to a thousandth of those that they are to stop. Masses in contact of 1 : 1e8 make 1e8.
+constexpr double mostGrowth = 1e12;
+// Alone, without a judgement.
+double growth(const ContactSystem& system, const std::vector<double>& freeVelocity);
+double growth(const DelassusSystem& system);
+
 // The norm that `guess` is.
 double weighted(const ContactSystem& system);
 double weighted(const DelassusSystem& system);
