@@ -105,7 +105,8 @@ SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
 	const auto ahead = [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; };
 	if (settings.fixedIterations > 0 || settings.maxIterations <= firstTrial)
 		return iterate<DelassusSweep>(system, settings, ahead);
-	const std::vector<double> guess = system.p;
+	static thread_local std::vector<double> guess;
+	guess = system.p;
 	DelassusSweep withMomentum(system, settings.seed);
 	auto improve = ahead(withMomentum);
 	Iteration<DelassusSweep> first(withMomentum, settings);
@@ -124,25 +125,19 @@ SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
 		report.plain = usesPlain;
 		return report;
 	};
-	// Whoever ends without a solution leaves the rest to the other; of two that do, the nearer is taken.
 	const int all = settings.maxIterations;
-	const auto nearer = [&] { return second.status() == Status::converged || second.least() < first.least(); };
 	for (;;) {
-		if (toSecond(first.iterations()))
-			return end(second.status() == Status::converged || (toFirst(all) && first.status() != Status::converged && nearer()));
-		const bool plainLeads = second.least() < first.least();
-		if (plainLeads ? toSecond(share * first.iterations()) : toFirst(share * second.iterations())) {
-			const Status led = plainLeads ? second.status() : first.status();
-			if (led == Status::converged)
-				return end(plainLeads);
-			if (plainLeads)
-				toFirst(all);
-			else
-				toSecond(all);
-			return end(first.status() != Status::converged && nearer());
+		const bool plainEnded = toSecond(first.iterations()), plainLeads = second.solved() || second.least() < first.least();
+		if (plainEnded && !plainLeads)
+			toFirst(all);
+		if (plainEnded || (plainLeads ? toSecond(share * first.iterations()) : toFirst(share * second.iterations())))
+			return end(plainLeads);
+		if (plainLeads && toFirst(second.iterations())) {
+			if (first.solved())
+				return end(false);
+			toSecond(all);
+			return end(true);
 		}
-		if (plainLeads && toFirst(second.iterations()))
-			return end(first.status() != Status::converged && (toSecond(all), nearer()));
 	}
 }
 

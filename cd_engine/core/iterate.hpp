@@ -88,7 +88,7 @@ template <class S> class Iteration {
 	}
 
 	int iterations() const { return report.iterations; }
-	Status status() const { return report.status; }
+	bool solved() const { return error <= settings.tolerance; }
 	double least() const { return reached; } // error, to a hundredth
 
     private:

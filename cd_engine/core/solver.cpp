@@ -79,7 +79,8 @@ namespace {
 	{
 		if (method == static_cast<Method<System>>(nsgs) || report.status != Status::stagnated || report.iterations >= settings.maxIterations)
 			return;
-		System other = system;
+		static thread_local System other; // its memory serves every step
+		other = system;
 		start.guess(other);
 		SolverReport plain = goOn<System>(other, start, settings, report, nsgs);
 		report.iterations = plain.iterations;
@@ -110,7 +111,8 @@ namespace {
 		plain.fixedIterations = std::min(sweepsToTell, settings.maxIterations - report.iterations);
 		if (plain.fixedIterations <= 0)
 			return;
-		System other = system;
+		static thread_local System other;
+		other = system;
 		start.free(other);
 		clearImpulses(other);
 		report.iterations += nsgs(other, plain).iterations;
