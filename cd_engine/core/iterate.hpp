@@ -90,6 +90,7 @@ template <class S> class Iteration {
 	int iterations() const { return report.iterations; }
 	bool solved() const { return error <= settings.tolerance; }
 	double least() const { return reached; } // error, to a hundredth
+	int idle() const { return report.iterations - reachedAt; } // sweeps since that fell
 
     private:
 	// Sweeps before the error is asked for again, which costs five: as many as the fall since it was last asked for would need to reach the
