@@ -85,14 +85,17 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     """Impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
     method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
-                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more)
-    max_iterations    sweeps and factorizations together; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
-    impulses          first guess [N s]; none: zero
+                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more). Where one of the last
+                      three gains nothing, plain sweeps are tried, too
+    max_iterations    sweeps and factorizations together, never exceeded; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
+    impulses          first guess [N s]; none: zero. One 1e12 times larger than what would stop each closing contact alone is not used
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
 
-    A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. Input that makes no sense is a
-    ValueError. A sweep reads about 7 n blocks of W for disks in a dense packing, or as a `BodyProblem` the n contacts alone; the arrays are copied
+    A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. `no_solution`: the impulses grow
+    for ever along a self-stress against which the free velocities work, as where two walls close in on a body, or only some 1e12 times larger than
+    what would stop each closing contact alone would do. Without friction that is a proof; with friction another motion may exist that the method
+    has not found. `indefinite`: W gives impulses a negative energy, which no mechanics does. Input that makes no sense is a ValueError. A sweep reads about 7 n blocks of W for disks in a dense packing, or as a `BodyProblem` the n contacts alone; the arrays are copied
     once.
     """
     core = _core()
