@@ -117,7 +117,7 @@ namespace {
 	SolverReport besidePlain(typename S::System& system, const SolverSettings& settings, int firstTrial, bool always, const Method& method)
 	{
 		constexpr int share = 4;
-		constexpr double drifting = 1e-4; // drifts are met at errors below a hundredth of it
+		constexpr double drifting = 1e-2; // below it momentum that stands still has mostly met a drift, and goes on
 		const int all = settings.maxIterations;
 		if (settings.fixedIterations > 0 || all <= firstTrial)
 			return iterate<S>(system, settings, method);
