@@ -3,6 +3,7 @@
 #include "../core/group_kernel.hpp"
 #include "../core/residual.hpp"
 #include "../core/solver.hpp"
+#include "../core/verdict.hpp"
 
 #include <boost/python.hpp>
 
@@ -165,7 +166,7 @@ double processorTime()
 	return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// (iterations, factorizations, residual, residual_max, status, solved_by, seconds) of a solution.
+// (iterations, factorizations, residual, residual_max, status, contact, solved_by, seconds) of a solution.
 template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const std::string& method, const cd::SolverSettings& settings)
 {
 	cd::SolverReport report;
@@ -177,7 +178,7 @@ template <class System, class Solver> py::tuple solved(System& system, Solver* s
 		seconds = processorTime() - begin;
 	}
 	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status),
-	    cd::solvedBy(method, report), seconds);
+	    report.contact, cd::solvedBy(method, report), seconds);
 }
 
 // Improves `impulses` in place. Returns what `solved` does.
@@ -188,6 +189,8 @@ py::tuple solve(const py::object& start, const py::object& column, const py::obj
 	require(solver != nullptr, "there is no such method");
 	const Lent<double> p(impulses, "impulses", true);
 	cd::DelassusSystem system = build(start, column, blocks, q, mu, p);
+	if (!(cd::growth(system) <= cd::mostGrowth)) // a guess that tells nothing, and would stay where nothing resists it
+		std::fill(system.p.begin(), system.p.end(), 0.);
 	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed });
 	std::copy(system.p.begin(), system.p.end(), p.begin());
 	return report;
@@ -200,7 +203,11 @@ py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const
 	const cd::Solver solver = cd::findSolver(method);
 	require(solver != nullptr, "there is no such method");
 	const Lent<double> p(impulses, "impulses", true);
-	cd::ContactSystem system = Bodies(arrays).build(p);
+	const Bodies bodies(arrays);
+	cd::ContactSystem system = bodies.build(p);
+	if (!(cd::growth(system, { bodies.v.begin(), bodies.v.end() }) <= cd::mostGrowth)) // as above
+		for (cd::ContactRow& c : system.contacts)
+			c.pn = c.pt = 0;
 	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed });
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		p.begin()[2 * i] = system.contacts[i].pn;

@@ -6,6 +6,7 @@ from scipy import sparse
 
 from .problem import Problem, array, place, refuse_negative
 
+HELD = 1e-29  # as in contact_system.hpp: of what two bodies can move by, a share along the normal that is round-off of the normal, such as cos(pi/2)
 UNIT = 1e-9  # by how much the length of a normal may miss 1: far above round-off, far below what changes a problem
 
 
@@ -50,7 +51,8 @@ class BodyProblem:
         wrong = np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)
         if wrong.size:
             raise ValueError(f"normals[{wrong[0]}] has the length {np.hypot(*self.normals[wrong[0]]):.12g}, not 1")
-        wrong = np.flatnonzero(self._normals().power(2).T @ self.inverse_masses.ravel() <= 0)
+        along, across = (H.power(2).T @ self.inverse_masses.ravel() for H in (self._normals(), self._tangents()))
+        wrong = np.flatnonzero(along <= HELD * (along + across))
         if wrong.size:
             a, b = self.pairs[wrong[0]]
             raise ValueError(f"contact {wrong[0]}: neither of its bodies {a} and {b} can move along its normal, as inverse_masses has it")
@@ -107,6 +109,8 @@ def _length(name, values):
 
 def _pairs(values, n, bodies):
     """The pairs as 32-bit integers, each of two different bodies that are there."""
+    if np.ma.is_masked(values):
+        raise ValueError("pairs is not an array of whole numbers: some of them are masked")
     pairs = np.asarray(values)
     if pairs.shape == (0,):
         pairs = pairs.reshape(0, 2).astype(int)

@@ -37,7 +37,15 @@ struct ContactRow {
 	// No coupling between the two directions: true for disks, and for boundaries whose free directions are along n or t.
 	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
 
-	// Fills wnn, wnt, wtt from the arms and the bodies' inverse masses; W = 0 between two immobile bodies.
+	// Whether neither body can move along the normal: a compliance of `along` that is round-off of what both can move by at all is none. The normal
+	// of a body blocked along x, had as (1, cos(pi/2)), has 6e-17 along y, and 1e32 times its mass would have to push it out of the way.
+	static bool held(double along, double all) { return along <= 1e-29 * all; } // (14 epsilon)^2
+	double freedom(const double* a, const double* b) const
+	{
+		return a[0] + a[1] + b[0] + b[1] + (an * an + at * at) * a[2] + (bn * bn + bt * bt) * b[2];
+	}
+
+	// Fills wnn, wnt, wtt from the arms and the bodies' inverse masses; wnn = 0 between bodies that are immobile along n: solvers pass them over.
 	void assembleBlock(const BodyVelocity& A, const BodyVelocity& B)
 	{
 		// A body that neither turns nor can be turned makes its arms irrelevant; zeroing them keeps the contact on the diagonal kernel.
@@ -49,6 +57,8 @@ struct ContactRow {
 		wnn = nx * nx * wx + ny * ny * wy + an * an * A.w[2] + bn * bn * B.w[2];
 		wtt = ny * ny * wx + nx * nx * wy + at * at * A.w[2] + bt * bt * B.w[2];
 		wnt = nx * ny * (wy - wx) + an * at * A.w[2] + bn * bt * B.w[2];
+		if (wnn > 0 && held(wnn, freedom(A.w, B.w)))
+			wnn = wnt = pn = pt = 0;
 	}
 };
 

@@ -27,32 +27,34 @@ template <class S> class Iteration {
 			for (; report.iterations < settings.fixedIterations; report.iterations++)
 				sweep();
 			report.status = Status::fixed_iterations;
-		} else
-			report.status = untilSolved(improve);
-		sweep.restoreVelocities();
-		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was asked for
-			evaluate();
-		if (std::isnan(report.residual))
-			report.status = Status::diverged;
-		return report;
+		} else {
+			begin();
+			advance(improve, settings.maxIterations, settings.maxIterations);
+		}
+		return conclude();
 	}
 
-    private:
-	template <class Improve> Status untilSolved(Improve& improve)
+	void begin()
 	{
 		evaluate();
-		double reached = error;
-		int reachedAt = 0;
+		reached = error;
 		keep();
+	}
+
+	// Goes on until it has ended, or at the first look at the error after `until` sweeps. Never more than `most`. Whether it has ended.
+	template <class Improve> bool advance(Improve& improve, int until, int most)
+	{
 		while (error > settings.tolerance) {
-			if (report.iterations >= settings.maxIterations)
+			if (report.iterations >= most)
 				return giveBest(Status::max_iterations);
 			// No gain of a hundredth while the number of sweeps doubled and three thousand more were made, which outlasts most drifts
 			// (see accelerated.cpp): waiting on is in vain.
 			const int inVain = 3000 + 2 * reachedAt;
 			if (report.iterations >= inVain)
 				return giveBest(Status::stagnated);
-			const int more = std::min({ settings.maxIterations - report.iterations, inVain - report.iterations, untilNext() });
+			if (report.iterations >= until)
+				return false;
+			const int more = std::min({ most - report.iterations, inVain - report.iterations, untilNext() });
 			for (int i = 0; i < more; i++)
 				improve();
 			report.iterations += more;
@@ -67,9 +69,28 @@ template <class S> class Iteration {
 				reachedAt = report.iterations;
 			}
 		}
-		return std::isnan(error) ? giveBest(Status::diverged) : Status::converged;
+		if (std::isnan(error))
+			return giveBest(Status::diverged);
+		report.status = Status::converged;
+		return true;
 	}
 
+	SolverReport conclude()
+	{
+		sweep.restoreVelocities();
+		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was asked for
+			evaluate();
+		if (std::isnan(report.residual))
+			report.status = Status::diverged;
+		return report;
+	}
+
+	int iterations() const { return report.iterations; }
+	bool solved() const { return error <= settings.tolerance; }
+	double least() const { return reached; } // error, to a hundredth
+	int idle() const { return report.iterations - reachedAt; } // sweeps since that fell
+
+    private:
 	// Sweeps before the error is asked for again, which costs five: as many as the fall since it was last asked for would need to reach the
 	// tolerance, at least four, at most a quarter of those already made, and of many made the number at which asking costs half of what is made
 	// in vain on average, sqrt(2 x 5 x made): with momentum the error rises and falls on its way.
@@ -104,13 +125,14 @@ template <class S> class Iteration {
 	}
 
 	// With momentum the last iterate may be far from the best.
-	Status giveBest(Status status)
+	bool giveBest(Status status)
 	{
+		report.status = status;
 		sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
 			pn = bestImpulses.values[2 * i];
 			pt = bestImpulses.values[2 * i + 1];
 		});
-		return status;
+		return true;
 	}
 
 	void evaluate()
@@ -129,6 +151,8 @@ template <class S> class Iteration {
 	double error = 0; // what is held against the tolerance
 	double distance = 0; // the error of the contacts without being relative [N s]
 	double impulse = 0, largest = 0; // |p| now, and the largest since velocities were last made from impulses [N s]
+	double reached = 0; // the least error met
+	int reachedAt = 0; // sweeps
 	double lastError = 0; // when it was asked for before, after so many sweeps
 	int lastIterations = 0;
 	struct {

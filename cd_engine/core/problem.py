@@ -1,4 +1,6 @@
 """A contact problem given by its Delassus matrix, and what makes one well posed enough to be solved."""
+from numbers import Real
+
 import numpy as np
 from scipy import sparse
 
@@ -40,13 +42,13 @@ def _matrix(W):
             if hasattr(W, "check_format"):
                 W.check_format(full_check=True)
         else:
-            W = np.asarray(W)
+            W = real(W)
             if W.ndim != 2:
                 raise ValueError(f"it has {W.ndim} dimensions, not 2")
         if np.iscomplexobj(W):
             raise ValueError("its numbers are complex")
-        rows = sparse.csr_matrix(W, dtype=float)
-    except (TypeError, ValueError) as error:
+        rows = sparse.csr_matrix(W.astype(float))
+    except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"W is not a matrix of numbers: {error}") from None
     if rows.shape[0] != rows.shape[1]:
         raise ValueError(f"W is {rows.shape[0]} x {rows.shape[1]}; it must be square")
@@ -67,14 +69,26 @@ def _matrix(W):
     return rows
 
 
+def real(values):
+    """`values` as a NumPy array if they are real numbers, none of them masked; else a ValueError with what they are."""
+    if np.ma.is_masked(values):
+        raise ValueError("some of its numbers are masked")
+    numbers = np.asarray(values)
+    if numbers.dtype == object:
+        wrong = [value for value in numbers.flat if not isinstance(value, Real)]
+        if wrong:
+            raise ValueError(f"it holds {str(wrong[0])[:40]!r}")
+    elif numbers.dtype.kind not in "biuf":
+        raise ValueError("its numbers are complex" if numbers.dtype.kind == "c" else f"it holds values of the type {numbers.dtype}")
+    return numbers
+
+
 def array(name, values, shape, expected=None):
     """`values` as an array of finite numbers of that shape; `expected`: what to say of another shape."""
     try:
-        if np.iscomplexobj(values):
-            raise ValueError("complex")
-        numbers = np.ascontiguousarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} is not an array of numbers") from None
+        numbers = np.ascontiguousarray(real(values), dtype=float).reshape(np.shape(values))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"{name} is not an array of numbers: {error}") from None
     if numbers.shape != shape:
         raise ValueError(f"{name} has the shape {numbers.shape}; {expected or f'{shape} is expected'}")
     wrong = np.argwhere(~np.isfinite(numbers))

@@ -119,8 +119,8 @@ namespace {
 			const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
 			const double compliance
 			    = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
-			if (!sum || compliance <= 0)
-				continue; // compliance 0: two immobile bodies
+			if (!sum || ContactRow::held(compliance, c.freedom(ma, mb)))
+				continue; // nothing can move along n
 			const Moved &a = moved[c.a], &b = moved[c.b];
 			const double ux = b.v[0] - a.v[0], uy = b.v[1] - a.v[1];
 			const double ut = uy * c.nx - ux * c.ny + b.v[2] * c.bt - a.v[2] * c.at;

@@ -1,7 +1,7 @@
 """Solves a problem, and tells how well one is solved."""
-import math
 import numbers
 import operator
+import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,9 @@ class Report:
     residual: float           # the error e of `residual`
     residual_max: float       # that of the worst contact over the root mean square of the impulses
     converged: bool
-    status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged
+    status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite
+    contact: object           # where there is no solution, the contact that closes or grows most (diverged: one that is no number); else None
+    bodies: object            # of a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of processor time, spent in the solver
 
@@ -58,6 +60,8 @@ def _arrays(problem):
     if isinstance(problem, BodyProblem):
         problem = replace(problem)
         return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
+    if not isinstance(problem, Problem):
+        raise ValueError(f"{problem!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
     problem = Problem(problem.W, problem.q, problem.mu)
     if problem.contacts == 0:
         empty = np.zeros(0)
@@ -81,20 +85,23 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     """Impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
     method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
-                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more)
-    max_iterations    sweeps and factorizations together; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
-    impulses          first guess [N s]; none: zero
+                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more). Where one of the last
+                      three gains nothing, plain sweeps are tried, too
+    max_iterations    sweeps and factorizations together, never exceeded; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
+    impulses          first guess [N s]; none: zero. One 1e12 times larger than what would stop each closing contact alone is not used
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
 
-    A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. Input that makes no sense is a
-    ValueError. A sweep reads about 7 n blocks of W for disks in a dense packing, or as a `BodyProblem` the n contacts alone; the arrays are copied
+    A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. `no_solution`: the impulses grow
+    for ever along a self-stress against which the free velocities work, as where two walls close in on a body, or only some 1e12 times larger than
+    what would stop each closing contact alone would do. Without friction that is a proof; with friction another motion may exist that the method
+    has not found. `indefinite`: W gives impulses a negative energy, which no mechanics does. Input that makes no sense is a ValueError. A sweep reads about 7 n blocks of W for disks in a dense packing, or as a `BodyProblem` the n contacts alone; the arrays are copied
     once.
     """
     core = _core()
-    if method not in core.methods():
+    if not isinstance(method, str) or method not in core.methods():
         raise ValueError(f"method={method!r} is not known; there is {', '.join(map(repr, core.methods()))}")
-    if not (isinstance(tolerance, numbers.Real) and math.isfinite(tolerance) and tolerance > 0):
+    if not (isinstance(tolerance, numbers.Real) and 0 < tolerance <= sys.float_info.max):
         raise ValueError(f"tolerance={tolerance!r} is out of range: it must be a positive number")
     max_iterations = _count("max_iterations", max_iterations, 1)
     fixed_iterations = _count("fixed_iterations", fixed_iterations, 0)
@@ -104,9 +111,11 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
     settings = method, float(tolerance), max_iterations, fixed_iterations, seed
     found = core.solve_bodies(arrays, p, *settings) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
-    iterations, factorizations, e, worst, status, solved_by, seconds = found
+    iterations, factorizations, e, worst, status, contact, solved_by, seconds = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
-    return Report(p, iterations, factorizations, e, worst, converged, status, solved_by, seconds)
+    contact = contact if contact >= 0 else None
+    bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
+    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds)
 
 
 def residual(problem, impulses):

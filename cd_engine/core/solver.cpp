@@ -1,17 +1,170 @@
+#include "handed_on.hpp"
 #include "solver.hpp"
+#include "verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace cd {
 namespace {
+
+	// Growth of impulses from which a small error alone is no sign of a solution; loosely solved piles of 10 000 disks stay below.
+	constexpr double largeGrowth = 1e4;
+	constexpr double refinement = 1e-3; // of the tolerance, where doubts have to be cleared
+	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
+	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
+
+	// The free velocities and the first guess: what a method changes.
+	class Start {
+	    public:
+		explicit Start(const ContactSystem& s)
+		{
+			velocities.values.resize(3 * s.bodies.size());
+			impulses.values.resize(2 * s.contacts.size());
+			for (std::size_t i = 0; i < s.bodies.size(); i++)
+				std::copy_n(s.bodies[i].v, 3, &velocities.values[3 * i]);
+			for (std::size_t i = 0; i < s.contacts.size(); i++) {
+				impulses.values[2 * i] = s.contacts[i].pn;
+				impulses.values[2 * i + 1] = s.contacts[i].pt;
+			}
+		}
+		explicit Start(const DelassusSystem& s) { impulses.values = s.p; }
+
+		void free(ContactSystem& s) const
+		{
+			for (std::size_t i = 0; i < s.bodies.size(); i++)
+				std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
+		}
+		void free(DelassusSystem&) const { }
+		void guess(ContactSystem& s) const
+		{
+			for (std::size_t i = 0; i < s.contacts.size(); i++) {
+				s.contacts[i].pn = impulses.values[2 * i];
+				s.contacts[i].pt = impulses.values[2 * i + 1];
+			}
+		}
+		void guess(DelassusSystem& s) const { s.p = impulses.values; }
+
+		Verdict verdict(const ContactSystem& s, double guess) const { return judge(s, velocities.values, guess); }
+		Verdict verdict(const DelassusSystem& s, double guess) const { return judge(s, guess); }
+
+	    private:
+		HandedOn<double, Start> velocities;
+		HandedOn<double, const Start> impulses;
+	};
+
+	void clearImpulses(ContactSystem& s)
+	{
+		for (ContactRow& c : s.contacts)
+			c.pn = c.pt = 0;
+	}
+	void clearImpulses(DelassusSystem& s) { std::fill(s.p.begin(), s.p.end(), 0.); }
+
+	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
+
+	// Goes on from the impulses in the system with `method`, in what is left of `settings.maxIterations`.
+	template <class System>
+	SolverReport goOn(System& system, const Start& start, SolverSettings settings, const SolverReport& before, Method<System> method)
+	{
+		settings.maxIterations -= before.iterations;
+		start.free(system);
+		SolverReport report = method(system, settings);
+		report.iterations += before.iterations;
+		report.factorizations += before.factorizations;
+		return report;
+	}
+
+	// No method ends without a solution where plain sweeps find one, as they do wherever W is positive definite and friction not too large.
+	template <class System> void tryPlain(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, Method<System> method)
+	{
+		if (method == static_cast<Method<System>>(nsgs) || report.status != Status::stagnated || report.iterations >= settings.maxIterations)
+			return;
+		static thread_local System other; // its memory serves every step
+		other = system;
+		start.guess(other);
+		SolverReport plain = goOn<System>(other, start, settings, report, nsgs);
+		report.iterations = plain.iterations;
+		if (plain.status != Status::converged)
+			return;
+		plain.plain = true;
+		report = plain;
+		std::swap(system, other);
+	}
+
+	// Whether it is proven that there is no solution, or whether what counts as solved is beyond every bound; the report then says so.
+	bool named(const Verdict& v, SolverReport& report)
+	{
+		const bool solved = report.status == Status::converged;
+		if (v.finding == Finding::nothing || v.finding == Finding::doubtful || (v.finding == Finding::beyond && !solved))
+			return false;
+		report.contact = v.contact;
+		report.status = v.finding == Finding::not_finite ? Status::diverged
+		    : v.finding == Finding::indefinite           ? Status::indefinite
+								 : Status::no_solution;
+		return true;
+	}
+
+	// What was kept are the best impulses, which may be none at all; those of plain sweeps show whether they grow.
+	template <class System> void findOut(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	{
+		SolverSettings plain = settings;
+		plain.fixedIterations = std::min(sweepsToTell, settings.maxIterations - report.iterations);
+		if (plain.fixedIterations <= 0)
+			return;
+		static thread_local System other;
+		other = system;
+		start.free(other);
+		clearImpulses(other);
+		report.iterations += nsgs(other, plain).iterations;
+		const Verdict verdict = start.verdict(other, 0);
+		if (verdict.finding != Finding::not_finite) // as sweeps may end where others do not
+			named(verdict, report);
+	}
+
+	template <class System, Method<System> method> SolverReport judged(System& system, const SolverSettings& settings)
+	{
+		const Start start(system);
+		const bool fixed = settings.fixedIterations > 0, solvable = surelySolvable(system);
+		const double guess = weighted(system);
+		SolverSettings part = settings;
+		if (!solvable && !fixed)
+			part.maxIterations -= std::min(sweepsToTell, settings.maxIterations / 10);
+		SolverReport report = method(system, part);
+		tryPlain(system, start, part, report, method);
+		if (solvable) {
+			if (!std::isfinite(weighted(system)))
+				report.status = Status::diverged;
+			return report;
+		}
+		Verdict verdict = start.verdict(system, guess);
+		const auto doubtful = [&] {
+			return report.status == Status::converged && verdict.finding == Finding::doubtful && verdict.growth > largeGrowth;
+		};
+		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
+			part.tolerance = std::max(finest, refinement * part.tolerance);
+			part.maxIterations = settings.maxIterations;
+			report = goOn<System>(system, start, part, report, method);
+			verdict = start.verdict(system, guess);
+		}
+		if (doubtful()) {
+			report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
+			report.contact = verdict.contact;
+		}
+		if (!named(verdict, report) && !fixed && report.status != Status::converged)
+			findOut(system, start, settings, report);
+		return report;
+	}
+
 	struct Entry {
 		const char* name;
 		Solver solver;
 		DelassusSolver delassusSolver;
 	};
 	const Entry entries[] = {
-		{ "nsgs", nsgs, nsgs },
-		{ "accelerated", accelerated, accelerated },
-		{ "newton", newton, newton },
-		{ "auto", automatic, automatic },
+		{ "nsgs", judged<ContactSystem, nsgs>, judged<DelassusSystem, nsgs> },
+		{ "accelerated", judged<ContactSystem, accelerated>, judged<DelassusSystem, accelerated> },
+		{ "newton", judged<ContactSystem, newton>, judged<DelassusSystem, newton> },
+		{ "auto", judged<ContactSystem, automatic>, judged<DelassusSystem, automatic> },
 	};
 
 	const Entry* find(const std::string& method)
@@ -47,6 +200,8 @@ std::string solvedBy(const std::string& method, const SolverReport& report)
 {
 	if (report.status != Status::converged)
 		return "none";
+	if (report.plain)
+		return "nsgs";
 	if (report.factorizations > 0)
 		return "newton";
 	return method == "newton" || method == "auto" ? "accelerated" : method; // both begin with these sweeps
@@ -65,6 +220,10 @@ const char* name(Status s)
 		return "stagnated";
 	case Status::diverged:
 		return "diverged";
+	case Status::no_solution:
+		return "no_solution";
+	case Status::indefinite:
+		return "indefinite";
 	}
 	return "unknown";
 }

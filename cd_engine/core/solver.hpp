@@ -19,7 +19,8 @@ struct SolverSettings {
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
 };
 
-enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged };
+// no_solution: none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
+enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
 
 struct SolverReport {
@@ -30,7 +31,9 @@ struct SolverReport {
 	double bodyError = 0; // the error of the bodies (residual.hpp)
 	int body = -1; // whose velocity may be the most wrong, where the error of the bodies is the largest; -1: none
 	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies: what the tolerance is held against
+	bool plain = false; // plain Gauss-Seidel sweeps ended the search of a method that has better ones
 	Status status = Status::converged;
+	int32_t contact = -1; // row of the contact that speaks most against the impulses, where one does: for no_solution, indefinite, diverged
 
 	void measure(const Residual& e)
 	{
@@ -50,7 +53,9 @@ using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 // Which method brought a problem given to `method` to its tolerance; "none" if none did.
 std::string solvedBy(const std::string& method, const SolverReport&);
 
-// Null if there is no such method.
+// Null if there is no such method. What they return is judged: whatever the method's own error says, impulses that verdict.hpp finds to solve nothing
+// do not count as converged, and what has no solution is called so. At most a tenth of maxIterations is kept for finding that out where the bodies
+// do not tell beforehand.
 Solver findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
 std::vector<std::string> solverNames();

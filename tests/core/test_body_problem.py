@@ -170,3 +170,29 @@ def test_a_problem_spoilt_later_is_refused_too():
         core.solve(problem)
     with pytest.raises(ValueError, match="title"):
         core.write_problem("nowhere", drawn(), title="bodies")
+
+
+@pytest.mark.parametrize("normal", [(1, np.cos(np.pi / 2)), (np.sin(np.pi), -1), (np.cos(np.pi / 2), 1)])
+def test_freedom_by_round_off_is_none(normal):
+    """A body that can move along one axis alone, pushed along the other by a normal that is turned: the two products of this normal and the axis are
+    6e-17 or 1e-16, and impulses of 1e32 N s would solve it."""
+    free = [0, 1, 0] if abs(normal[1]) < 0.5 else [1, 0, 0]
+    with pytest.raises(ValueError, match="contact 0: neither of its bodies 0 and 1 can move along its normal"):
+        core.BodyProblem([[0, 0, 0], free], [[0, 0, 0], [-1, -1, 0]], [[0, 1]], [normal], [[0, 1, 0, -1]], [0], [0.3])
+    # A slope of 1e-10 is one.
+    slope = (1e-10, 1) if free[0] else (1, 1e-10)
+    assert core.solve(core.BodyProblem([[0, 0, 0], free], [[0, 0, 0], [-1, -1, 0]], [[0, 1]], [slope], [[0, 1, 0, -1]], [0], [0])).converged
+
+
+@pytest.mark.parametrize("method", core.methods())
+def test_bodies_of_what_has_no_solution_are_named(method):
+    """Two disks between walls that close in at 1 m/s: bodies 0 and 3."""
+    problem = core.BodyProblem([[0, 0, 0], [1, 1, 2], [1, 1, 2], [0, 0, 0]], [[1, 0, 0], [0, 0, 0], [0, 0, 0], [-1, 0, 0]], [[0, 1], [1, 2], [2, 3]],
+                               [[1, 0]] * 3, [[0, 1, 0, -1]] * 3, [0] * 3, [0.3] * 3)
+    for tolerance in (1e-2, 1e-8):
+        report = core.solve(problem, method, tolerance)
+        assert not report.converged and report.status == "no_solution" and report.bodies == tuple(problem.pairs[report.contact])
+    apart = core.BodyProblem(problem.inverse_masses, np.abs(problem.free_velocities), problem.pairs, problem.normals, problem.arms, problem.bias,
+                             problem.mu)
+    report = core.solve(apart, method)
+    assert report.converged and report.contact is None and report.bodies is None

@@ -1,0 +1,433 @@
+#include "verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cd {
+namespace {
+
+	constexpr double epsilon = std::numeric_limits<double>::epsilon();
+	// Share of the power p . q that solved contacts may keep: solutions have about the tolerance times the growth of their impulses, what cannot
+	// be solved nearly all of it.
+	constexpr double suspicious = 0.01;
+	constexpr double least = 3; // growth of impulses that are to be looked at
+	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
+	// A self-stress makes no velocity but the round-off of its sums.
+	constexpr double selfStress = 256 * epsilon;
+	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
+	constexpr int mostProducts = 400;
+
+	// A problem in one form: which rows it has, and products with W. `sizes` are the sums of the absolute values of the terms. Memory is kept from
+	// one problem of a thread to the next.
+	class Bodies {
+	    public:
+		const Bodies& of(const ContactSystem& s, const std::vector<double>& free)
+		{
+			system = &s;
+			rows.clear();
+			for (std::size_t i = 0; i < s.contacts.size(); i++)
+				if (s.contacts[i].wnn > 0)
+					rows.push_back(static_cast<int32_t>(i));
+			data.resize(rows.size());
+			v = free;
+			size.resize(free.size());
+			std::transform(free.begin(), free.end(), size.begin(), [](double x) { return std::abs(x); });
+			collect(q, sums);
+			for (std::size_t i = 0; i < rows.size(); i++) {
+				const double bias = s.contacts[rows[i]].bias;
+				q[2 * i] += bias;
+				data[i] = std::max(sums[2 * i], sums[2 * i + 1]) + std::abs(bias);
+			}
+			return *this;
+		}
+		std::size_t contacts() const { return rows.size(); }
+		int32_t row(std::size_t i) const { return rows[i]; }
+		double mu(std::size_t i) const { return system->contacts[rows[i]].mu; }
+		double pn(std::size_t i) const { return system->contacts[rows[i]].pn; }
+		double pt(std::size_t i) const { return system->contacts[rows[i]].pt; }
+		double own(std::size_t i) const { return system->contacts[rows[i]].wnn; }
+		double ownTangential(std::size_t i) const { return system->contacts[rows[i]].wtt > 0 ? system->contacts[rows[i]].wtt : own(i); }
+
+		void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes) const
+		{
+			std::fill(v.begin(), v.end(), 0.);
+			std::fill(size.begin(), size.end(), 0.);
+			for (std::size_t i = 0; i < rows.size(); i++) {
+				const ContactRow& c = system->contacts[rows[i]];
+				const double n = p[2 * i], t = p[2 * i + 1];
+				add(c.a, -(c.nx * n - c.ny * t), -(c.ny * n + c.nx * t), -(c.an * n + c.at * t));
+				add(c.b, c.nx * n - c.ny * t, c.ny * n + c.nx * t, c.bn * n + c.bt * t);
+			}
+			collect(u, sizes);
+		}
+
+		std::vector<double> q;
+		std::vector<double> data; // size of the terms of q, one a contact
+
+	    private:
+		void add(int32_t body, double x, double y, double turn) const
+		{
+			const double* const w = system->bodies[body].w;
+			const double dv[3] = { w[0] * x, w[1] * y, w[2] * turn };
+			for (int k = 0; k < 3; k++) {
+				v[3 * body + k] += dv[k];
+				size[3 * body + k] += std::abs(dv[k]);
+			}
+		}
+		void collect(std::vector<double>& u, std::vector<double>& sizes) const
+		{
+			u.resize(2 * rows.size());
+			sizes.resize(2 * rows.size());
+			for (std::size_t i = 0; i < rows.size(); i++) {
+				const ContactRow& c = system->contacts[rows[i]];
+				const double *a = &v[3 * c.a], *b = &v[3 * c.b], *sa = &size[3 * c.a], *sb = &size[3 * c.b];
+				const double dx = b[0] - a[0], dy = b[1] - a[1];
+				u[2 * i] = c.nx * dx + c.ny * dy + (c.bn * b[2] - c.an * a[2]);
+				u[2 * i + 1] = c.nx * dy - c.ny * dx + (c.bt * b[2] - c.at * a[2]);
+				const double sum = sa[0] + sa[1] + sb[0] + sb[1];
+				sizes[2 * i] = sum + std::abs(c.bn) * sb[2] + std::abs(c.an) * sa[2];
+				sizes[2 * i + 1] = sum + std::abs(c.bt) * sb[2] + std::abs(c.at) * sa[2];
+			}
+		}
+
+		const ContactSystem* system = nullptr;
+		std::vector<int32_t> rows;
+		mutable std::vector<double> v, size; // of the bodies
+		std::vector<double> sums;
+	};
+
+	class Matrix {
+	    public:
+		const Matrix& of(const DelassusSystem& s)
+		{
+			system = &s;
+			q = s.q;
+			data.resize(s.contacts());
+			for (std::size_t i = 0; i < data.size(); i++)
+				data[i] = std::max(std::abs(q[2 * i]), std::abs(q[2 * i + 1]));
+			return *this;
+		}
+		std::size_t contacts() const { return system->contacts(); }
+		int32_t row(std::size_t i) const { return static_cast<int32_t>(i); }
+		double mu(std::size_t i) const { return system->mu[i]; }
+		double pn(std::size_t i) const { return system->p[2 * i]; }
+		double pt(std::size_t i) const { return system->p[2 * i + 1]; }
+		double own(std::size_t i) const { return system->blocks[system->diagonal[i]].nn; }
+		double ownTangential(std::size_t i) const { return system->blocks[system->diagonal[i]].tt; }
+
+		void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes) const
+		{
+			u.assign(2 * contacts(), 0);
+			sizes.assign(2 * contacts(), 0);
+			for (std::size_t i = 0; i < contacts(); i++)
+				for (std::size_t k = system->start[i]; k < system->start[i + 1]; k++) {
+					const Block& w = system->blocks[k];
+					const double n = p[2 * system->column[k]], t = p[2 * system->column[k] + 1];
+					u[2 * i] += w.nn * n + w.nt * t;
+					u[2 * i + 1] += w.tn * n + w.tt * t;
+					sizes[2 * i] += std::abs(w.nn * n) + std::abs(w.nt * t);
+					sizes[2 * i + 1] += std::abs(w.tn * n) + std::abs(w.tt * t);
+				}
+		}
+
+		std::vector<double> q;
+		std::vector<double> data;
+
+	    private:
+		const DelassusSystem* system = nullptr;
+	};
+
+	double dot(const std::vector<double>& a, const std::vector<double>& b)
+	{
+		double sum = 0;
+		for (std::size_t i = 0; i < a.size(); i++)
+			sum += a[i] * b[i];
+		return sum;
+	}
+
+	// Of impulses p from those that Coulomb's cone leaves of p - u: what the error of residual.hpp is made of.
+	double distance(double pn, double pt, double un, double ut, double mu)
+	{
+		double n = pn - un, t = pt - ut;
+		const double size = std::abs(t);
+		if (mu * size <= -n)
+			n = t = 0;
+		else if (n < 0 || size > mu * n) {
+			n = (n + mu * size) / (1 + mu * mu);
+			t = std::copysign(mu * n, t);
+		}
+		return std::sqrt((pn - n) * (pn - n) + (pt - t) * (pt - t));
+	}
+
+	template <class Form> double growthOf(const Form& form)
+	{
+		double square = 0, alone = 0;
+		for (std::size_t i = 0; i < form.contacts(); i++) {
+			const double closing = std::min(form.q[2 * i], 0.);
+			square += form.own(i) * (form.pn(i) * form.pn(i) + form.pt(i) * form.pt(i));
+			alone += closing * closing / form.own(i);
+		}
+		return alone > 0 ? std::sqrt(square / alone) : 0;
+	}
+
+	template <class Form> class Judgement {
+	    public:
+		Verdict operator()(const Form& judged, double guess)
+		{
+			form = &judged;
+			n = judged.contacts();
+			negative = false;
+			p.resize(2 * n);
+			for (std::size_t i = 0; i < n; i++) {
+				p[2 * i] = form->pn(i);
+				p[2 * i + 1] = form->pt(i);
+				if (!std::isfinite(p[2 * i]) || !std::isfinite(p[2 * i + 1]))
+					return { Finding::not_finite, form->row(i), std::numeric_limits<double>::infinity() };
+			}
+			form->product(p, u, sizes);
+			double square = 0, largest = -1, mostKept = 0, kept = 0, offered = 0, energy = 0, terms = 0;
+			std::size_t strongest = 0, worst = 0;
+			for (std::size_t i = 0; i < n; i++) {
+				const double own = form->own(i), pn = p[2 * i], pt = p[2 * i + 1], qn = form->q[2 * i], qt = form->q[2 * i + 1];
+				const double strength = own * (pn * pn + pt * pt), un = u[2 * i] + qn, ut = u[2 * i + 1] + qt;
+				if (!std::isfinite(un) || !std::isfinite(ut) || !std::isfinite(strength))
+					return { Finding::not_finite, form->row(i), std::numeric_limits<double>::infinity() };
+				square += strength;
+				if (strength > largest) {
+					largest = strength;
+					strongest = i;
+				}
+				energy += pn * u[2 * i] + pt * u[2 * i + 1];
+				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
+				offered += std::abs(pn * qn + pt * qt);
+				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
+				const double amiss = own * distance(pn, pt, (un + form->mu(i) * std::abs(ut)) / own, ut / own, form->mu(i));
+				const double power = amiss > floor ? amiss * std::sqrt(pn * pn + pt * pt) : 0;
+				kept += power;
+				if (power > mostKept) {
+					mostKept = power;
+					worst = i;
+				}
+			}
+			Verdict v;
+			v.growth = growthOf(*form);
+			const bool grown = v.growth > mostGrowth && std::sqrt(square) > 10 * guess;
+			if (!grown && !(kept > suspicious * offered && v.growth > least))
+				return v;
+			v.contact = form->row(mostKept > 0 ? worst : strongest);
+			// Files that print six digits miss a positive semidefinite W by less than this.
+			if (energy < -1e-5 * terms)
+				v.finding = Finding::indefinite;
+			else if (proven())
+				v.finding = Finding::no_solution;
+			else
+				v.finding = negative ? Finding::indefinite : grown ? Finding::beyond : Finding::doubtful;
+			return v;
+		}
+
+	    private:
+		enum class State : int8_t { open, stick, slidePlus, slideMinus };
+
+		// Whether there is a self-stress along the impulses against which the free velocities work.
+		bool proven()
+		{
+			root.resize(2 * n);
+			state.resize(n);
+			x.assign(2 * n, 0);
+			double scale = 0;
+			for (std::size_t i = 0; i < n; i++)
+				scale = std::max(scale, std::sqrt(form->own(i)) * p[2 * i]);
+			for (std::size_t i = 0; i < n; i++) {
+				const double pn = p[2 * i], pt = p[2 * i + 1], bound = form->mu(i) * pn;
+				root[2 * i] = std::sqrt(form->own(i));
+				root[2 * i + 1] = std::sqrt(form->ownTangential(i));
+				state[i] = State::stick;
+				if (!(pn > 0))
+					state[i] = State::open;
+				else if (std::abs(pt) >= (1 - 1e-6) * bound)
+					state[i] = pt > 0 ? State::slidePlus : State::slideMinus;
+				x[2 * i] = pn * root[2 * i] / scale;
+				x[2 * i + 1] = state[i] == State::stick ? pt * root[2 * i + 1] / scale : 0;
+			}
+			const double whole = dot(x, x);
+			for (int k = 0; k < rounds; k++) {
+				for (std::size_t i = 0; i < n; i++)
+					if (state[i] == State::open)
+						x[2 * i] = x[2 * i + 1] = 0;
+				if (!removeWhatMoves() || !(dot(x, x) > kernel * kernel * whole))
+					return false;
+				if (!leaveTheCone())
+					return worksAgainst();
+			}
+			return false;
+		}
+
+		// Impulses of the unknowns x: normal and tangential where a contact sticks, normal where it slides, times the roots of W_nn and W_tt.
+		void impulses(const std::vector<double>& from, std::vector<double>& d) const
+		{
+			d.assign(2 * n, 0);
+			for (std::size_t i = 0; i < n; i++) {
+				if (state[i] == State::open)
+					continue;
+				d[2 * i] = from[2 * i] / root[2 * i];
+				d[2 * i + 1] = state[i] == State::stick ? from[2 * i + 1] / root[2 * i + 1] : slope(i) * d[2 * i];
+			}
+		}
+		double slope(std::size_t i) const { return state[i] == State::slidePlus ? form->mu(i) : -form->mu(i); }
+
+		// What the impulses of `from` make of the unknowns' velocities.
+		void answer(const std::vector<double>& from, std::vector<double>& to)
+		{
+			impulses(from, d);
+			form->product(d, u, sizes);
+			to.assign(2 * n, 0);
+			for (std::size_t i = 0; i < n; i++) {
+				if (state[i] == State::open)
+					continue;
+				const bool stick = state[i] == State::stick;
+				to[2 * i] = (u[2 * i] + (stick ? 0 : slope(i) * u[2 * i + 1])) / root[2 * i];
+				to[2 * i + 1] = stick ? u[2 * i + 1] / root[2 * i + 1] : 0;
+			}
+		}
+
+		// Conjugate gradients for W d = 0 from x, which keep what W does not see. Begun anew from exact remainders until these are round-off.
+		bool removeWhatMoves()
+		{
+			int products = 0;
+			for (int again = 0; again < 6; again++) {
+				answer(x, r);
+				for (double& e : r)
+					e = -e;
+				double rr = dot(r, r);
+				const double goal = rr * 1e-20;
+				if (rr <= selfStress * selfStress * 1e-4 * dot(x, x))
+					return true;
+				along = r;
+				while (rr > goal && rr > 1e-34 * dot(x, x)) {
+					if (++products > mostProducts)
+						return again > 0;
+					answer(along, w);
+					const double curvature = dot(along, w);
+					if (curvature < -1e-5 * dot(along, along))
+						return !(negative = true);
+					if (!(curvature > 1e-13 * dot(along, along)))
+						break; // nothing but round-off is left
+					const double step = rr / curvature;
+					for (std::size_t i = 0; i < x.size(); i++) {
+						x[i] += step * along[i];
+						r[i] -= step * w[i];
+					}
+					const double next = dot(r, r);
+					for (std::size_t i = 0; i < x.size(); i++)
+						along[i] = r[i] + next / rr * along[i];
+					rr = next;
+				}
+			}
+			return true;
+		}
+
+		// Opens contacts that now pull and lets those slide that are beyond friction; whether there were any.
+		bool leaveTheCone()
+		{
+			double largest = 0;
+			for (std::size_t i = 0; i < n; i++)
+				largest = std::max(largest, x[2 * i]);
+			bool changed = false;
+			for (std::size_t i = 0; i < n; i++) {
+				if (state[i] == State::open)
+					continue;
+				// What is round-off beside the others is no part of the self-stress.
+				if (x[2 * i] < 1e-11 * largest) {
+					changed = changed || x[2 * i] != 0 || x[2 * i + 1] != 0;
+					state[i] = State::open;
+				} else if (state[i] == State::stick && std::abs(x[2 * i + 1]) * root[2 * i] > form->mu(i) * x[2 * i] * root[2 * i + 1] * (1 + 1e-12)) {
+					state[i] = x[2 * i + 1] > 0 ? State::slidePlus : State::slideMinus;
+					x[2 * i + 1] = 0;
+					changed = true;
+				}
+			}
+			return changed;
+		}
+
+		bool worksAgainst()
+		{
+			impulses(x, d);
+			form->product(d, u, sizes);
+			double work = 0, terms = 0, stress = 0, moved = 0;
+			for (std::size_t i = 0; i < n; i++) {
+				work += d[2 * i] * form->q[2 * i] + d[2 * i + 1] * form->q[2 * i + 1];
+				terms += (std::abs(d[2 * i]) + std::abs(d[2 * i + 1])) * form->data[i];
+				const double nn = form->own(i), tt = form->ownTangential(i);
+				stress += sizes[2 * i] * sizes[2 * i] / nn + sizes[2 * i + 1] * sizes[2 * i + 1] / tt;
+				moved += u[2 * i] * u[2 * i] / nn + u[2 * i + 1] * u[2 * i + 1] / tt;
+			}
+			return stress > 0 && moved <= selfStress * selfStress * stress && work < -1e-8 * terms;
+		}
+
+		const Form* form = nullptr;
+		std::size_t n = 0;
+		std::vector<double> p, u, sizes;
+		std::vector<State> state;
+		std::vector<double> root; // of W_nn and W_tt
+		std::vector<double> x, r, along, w, d;
+		bool negative = false; // a direction of negative energy was met
+	};
+
+	template <class Form> Verdict judged(const Form& form, double guess)
+	{
+		static thread_local Judgement<Form> judgement;
+		return judgement(form, guess);
+	}
+
+	const Bodies& form(const ContactSystem& system, const std::vector<double>& freeVelocity)
+	{
+		static thread_local Bodies one;
+		return one.of(system, freeVelocity);
+	}
+
+	const Matrix& form(const DelassusSystem& system)
+	{
+		static thread_local Matrix one;
+		return one.of(system);
+	}
+
+} // namespace
+
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess) { return judged(form(system, freeVelocity), guess); }
+Verdict judge(const DelassusSystem& system, double guess) { return judged(form(system), guess); }
+
+double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }
+double growth(const DelassusSystem& system) { return growthOf(form(system)); }
+
+double weighted(const ContactSystem& system)
+{
+	double square = 0;
+	for (const ContactRow& c : system.contacts)
+		square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
+	return std::sqrt(square);
+}
+
+double weighted(const DelassusSystem& system)
+{
+	double square = 0;
+	for (std::size_t i = 0; i < system.contacts(); i++) {
+		const double* const p = &system.p[2 * i];
+		square += system.blocks[system.diagonal[i]].nn * (p[0] * p[0] + p[1] * p[1]);
+	}
+	return std::sqrt(square);
+}
+
+bool surelySolvable(const ContactSystem& system)
+{
+	for (const BodyVelocity& b : system.bodies)
+		for (int k = 0; k < 3; k++)
+			if (!(b.w[k] > 0) && b.v[k] != 0)
+				return false;
+	for (const ContactRow& c : system.contacts)
+		if (!(c.bias >= 0))
+			return false;
+	return true;
+}
+
+} // namespace cd

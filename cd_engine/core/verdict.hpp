@@ -1,0 +1,53 @@
+// Whether impulses that are within the tolerance can be a solution, and of what is not solved, whether anything could solve it.
+//
+// The error e is relative to the impulses. Two walls that close in on a body press it with impulses that grow without end while its contacts close
+// as before: e falls below every tolerance and nothing is solved. What gives it away are the velocities: what they miss of the contact law, times the
+// impulses, is a power that vanishes at a solution, while there it stays as large as that of the free velocities, p . q.
+//   The proof that no impulses solve it is a self-stress: impulses d within friction whose velocities W d vanish, with d . q < 0. Whatever p is,
+// d . (W p + q) = d . q then stays negative, which no contact law allows as long as nothing slides. (With friction a motion in which contacts of d
+// slide could be a solution all the same; the sweeps have then found none.)
+//   From impulses that have grown along a self-stress it is found by removing from them, by conjugate gradients, what does make velocities.
+#pragma once
+
+#include "contact_system.hpp"
+#include "delassus_system.hpp"
+
+namespace cd {
+
+enum class Finding {
+	nothing, // that speaks against the impulses
+	doubtful, // contacts still close with the power that the free velocities have: not solved, or the tolerance is too large to tell
+	beyond, // so large that double precision cannot hold the velocities to anything: a method that diverges, or no solution within every bound
+	no_solution, // proven by a self-stress
+	indefinite, // W gives the impulses, or some along them, a negative energy; else one of the three before
+	not_finite,
+};
+
+struct Verdict {
+	Finding finding = Finding::nothing;
+	int32_t contact = -1; // row of the system; of those that speak against the impulses the one with most power, or with the largest number
+	double growth = 0; // |p| over that of the impulses which would stop each closing contact alone, both weighted by W_nn
+};
+
+// Judges the impulses in system.contacts. freeVelocity: as in residual.hpp. guess: |p| of the first guess weighted by W_nn, sqrt(sum W_nn |p|^2): a
+// self-stress that was there before and now has nothing to carry is no sign of growth. Costs about a look at the error; where the finding is not
+// `nothing`, up to some hundred products with W.
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess);
+Verdict judge(const DelassusSystem& system, double guess);
+
+// Impulses of a larger `growth` leave no velocity known to a thousandth of those that they are to stop. Masses in contact of 1 : 1e8 make 1e8.
+constexpr double mostGrowth = 1e12;
+// Alone, without a judgement.
+double growth(const ContactSystem& system, const std::vector<double>& freeVelocity);
+double growth(const DelassusSystem& system);
+
+// The norm that `guess` is.
+double weighted(const ContactSystem& system);
+double weighted(const DelassusSystem& system);
+
+// Whether a motion is at hand that holds every contact open or closed, so that a solution exists: all that cannot move is at rest and no bias
+// asks for distance; then no velocity at all is one. Costs a look at every body and contact.
+bool surelySolvable(const ContactSystem& system);
+inline bool surelySolvable(const DelassusSystem&) { return false; } // a matrix does not tell
+
+} // namespace cd

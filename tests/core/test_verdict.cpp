@@ -1,0 +1,156 @@
+// What counts as solved, and what is named as having no solution, of every method and in both forms of a problem.
+#include "lattice.hpp"
+#include "residual.hpp"
+#include "verdict.hpp"
+
+#include <cmath>
+#include <doctest/doctest.h>
+#include <limits>
+
+using namespace cd;
+
+namespace {
+
+// Disks of mass 1 in a row between two walls that close in on them at 1 m/s each; the first and last body are the walls.
+ContactSystem squeezed(int disks, double mu)
+{
+	ContactSystem s;
+	s.bodies.resize(static_cast<std::size_t>(disks) + 2);
+	for (std::size_t i = 0; i < s.bodies.size(); i++) {
+		BodyVelocity& b = s.bodies[i];
+		if (i == 0 || i + 1 == s.bodies.size()) {
+			b.v[0] = i == 0 ? 1 : -1;
+			continue;
+		}
+		b.w[0] = b.w[1] = 1;
+		b.w[2] = 2;
+	}
+	for (int i = 0; i <= disks; i++) {
+		ContactRow c {};
+		c.a = i;
+		c.b = i + 1;
+		c.nx = 1;
+		c.at = 1;
+		c.bt = -1;
+		c.mu = mu;
+		s.contacts.push_back(c);
+	}
+	s.assembleBlocks();
+	return s;
+}
+
+std::vector<double> velocities(const ContactSystem& s)
+{
+	std::vector<double> v;
+	for (const BodyVelocity& b : s.bodies)
+		v.insert(v.end(), b.v, b.v + 3);
+	return v;
+}
+
+} // namespace
+
+TEST_CASE("what two walls press together has no solution, whatever the tolerance; the contact is named")
+{
+	for (const std::string& method : solverNames())
+		for (const double tolerance : { 1e-2, 1e-6, 1e-10 })
+			for (const int disks : { 1, 2, 10 })
+				for (const double mu : { 0., 0.5 }) {
+					const auto settings = tests::to(tolerance);
+					ContactSystem s = squeezed(disks, mu);
+					const SolverReport report = findSolver(method)(s, settings);
+					CAPTURE(method);
+					CAPTURE(tolerance);
+					CAPTURE(disks);
+					CHECK(name(report.status) == std::string("no_solution"));
+					CHECK(report.contact >= 0);
+					CHECK(report.contact <= disks);
+					CHECK(report.iterations <= settings.maxIterations);
+					DelassusSystem d = assembleDelassus(squeezed(disks, mu));
+					const SolverReport ofMatrix = findDelassusSolver(method)(d, settings);
+					CHECK(name(ofMatrix.status) == std::string("no_solution"));
+					CHECK(ofMatrix.contact >= 0);
+				}
+}
+
+TEST_CASE("walls that move without squeezing, and heavy loads on light disks, are solved as before")
+{
+	for (const std::string& method : solverNames()) {
+		ContactSystem s = squeezed(4, 0.5);
+		for (const std::size_t wall : { std::size_t(0), s.bodies.size() - 1 })
+			s.bodies[wall].v[0] = 1; // both push to the right
+		CHECK(findSolver(method)(s, tests::to(1e-8)).status == Status::converged);
+		for (std::size_t i = 1; i + 1 < s.bodies.size(); i++)
+			CHECK(s.bodies[i].v[0] == doctest::Approx(1).epsilon(1e-6)); // a hundred times the tolerance, over five contacts
+		DelassusSystem pile = assembleDelassus(tests::lattice(4, 0.3, 1e4, true));
+		CHECK(findDelassusSolver("auto")(pile, tests::to(1e-6)).status == Status::converged);
+	}
+}
+
+TEST_CASE("a self-stress that was there and has nothing to carry is no sign against a solution")
+{
+	ContactSystem s = squeezed(3, 0);
+	s.bodies.front().v[0] = 1e-17; // round-off of a step before
+	s.bodies.back().v[0] = 1e-17;
+	for (ContactRow& c : s.contacts)
+		c.pn = 1;
+	for (const std::string& method : solverNames()) {
+		ContactSystem again = s;
+		CHECK(findSolver(method)(again, tests::to(1e-8)).status == Status::converged);
+		CHECK(again.contacts[1].pn == 1);
+	}
+}
+
+TEST_CASE("the judgement alone: nothing, doubtful, no solution, numbers that are none")
+{
+	ContactSystem s = squeezed(2, 0);
+	const std::vector<double> free = velocities(s);
+	CHECK(judge(s, free, 0).finding == Finding::nothing); // no impulses: nothing has grown
+	for (ContactRow& c : s.contacts)
+		c.pn = 1e3;
+	const Verdict grown = judge(s, free, 0);
+	CHECK(grown.finding == Finding::no_solution);
+	CHECK(grown.growth == doctest::Approx(1e3 * std::sqrt(4. / 2)).epsilon(1e-12)); // W_nn = 1, 2, 1; alone 1 N s at each wall
+	s.contacts[1].pn = std::numeric_limits<double>::quiet_NaN();
+	CHECK(judge(s, free, 0).finding == Finding::not_finite);
+	CHECK(judge(s, free, 0).contact == 1);
+	s.contacts[1].pn = 1e200;
+	CHECK(judge(s, free, 0).finding == Finding::not_finite); // its square is none
+}
+
+TEST_CASE("a contact that is free along its normal by round-off alone is not solved, and does not spoil the others")
+{
+	ContactSystem s = squeezed(1, 0.3);
+	s.bodies[0].v[0] = 0;
+	s.bodies[2].v[0] = 0;
+	s.bodies[1].v[0] = -1;
+	s.bodies.push_back(s.bodies[1]); // blocked along x
+	s.bodies.back().w[0] = s.bodies.back().w[2] = 0;
+	ContactRow c = s.contacts[0];
+	c.b = 3;
+	c.ny = std::cos(std::acos(-1) / 2);
+	s.contacts.push_back(c);
+	s.assembleBlocks();
+	CHECK(s.contacts.back().wnn == 0);
+	const std::vector<double> free = velocities(s);
+	for (const std::string& method : solverNames()) {
+		ContactSystem solved = s;
+		CHECK(findSolver(method)(solved, tests::to(1e-10)).status == Status::converged);
+		CHECK(solved.contacts[0].pn == doctest::Approx(1));
+		CHECK(solved.contacts.back().pn == 0);
+		CHECK(residual(solved, free).norm <= 1e-10);
+	}
+}
+
+TEST_CASE("no more sweeps and factorizations than asked for, in any method and form")
+{
+	for (const std::string& method : solverNames())
+		for (const int most : { 1, 2, 3, 7, 12, 50, 101, 130, 600, 1500 }) {
+			CAPTURE(method);
+			CAPTURE(most);
+			for (ContactSystem s : { tests::lattice(5, 0.5, 1e6), squeezed(3, 0.3) }) {
+				DelassusSystem d = assembleDelassus(s);
+				CHECK(findSolver(method)(s, tests::to(1e-14, most)).iterations <= most);
+				CHECK(findDelassusSolver(method)(d, tests::to(1e-14, most)).iterations <= most);
+			}
+		}
+}
