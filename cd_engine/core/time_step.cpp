@@ -113,7 +113,7 @@ inline double TimeStep::contactGap(const Pair& pair) const
 	return 2 * (ways[pair.a] + ways[pair.b]) + nearby * (a > 0 ? std::min(a, b) : b);
 }
 
-inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings) const
+inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings)
 {
 	const Place& place = places[pair.a];
 	c.a = pair.a;
@@ -138,8 +138,11 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pai
 	if (settings.restitution > 0) {
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 		const double un = touch.nx * (b.v[0] - a.v[0]) + touch.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
-		if (un < 0 && gap + turned + settings.dt * un <= 0)
-			c.bias = std::min(c.bias, settings.restitution * un);
+		const bool hit = un < 0 && gap + turned + settings.dt * un <= 0, parts = gap <= 0 && un > 0;
+		const double rebound = hit || parts ? settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
+		rebounds.add(c.bias, rebound);
+		if (hit || parts)
+			c.bias = Rebounds::bias(c.bias, rebound);
 	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
@@ -198,6 +201,7 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 void TimeStep::findContacts(World& world, const StepSettings& settings)
 {
 	rows = 0;
+	rebounds.clear();
 	rowPair.clear();
 	rowTouch.clear();
 	solved.assign(world.pairs.size(), 0);
@@ -293,8 +297,15 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		meanVelocities(world);
-		// With restitution a contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
-		if (settings.restitution > 0 || !addViolated(world, settings))
+		if (settings.restitution > 0) {
+			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
+			const bool judged = report.solver.status == Status::converged && settings.gapCorrection == 0; // which adds energy by itself
+			if (!judged || !rebounds.any() || !rebounds.lower(system, before, settings.solver.tolerance))
+				return true;
+			freeVelocities(world, settings.dt);
+			continue;
+		}
+		if (!addViolated(world, settings))
 			return true;
 		if (sleepers.wake(system.contacts, world))
 			return false;

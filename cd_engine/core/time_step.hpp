@@ -2,6 +2,7 @@
 #pragma once
 
 #include "island_solver.hpp"
+#include "rebounds.hpp"
 #include "sleepers.hpp"
 #include "world.hpp"
 
@@ -49,9 +50,9 @@ class TimeStep {
 	// with gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
 	// Only velocities that somebody has just given can take the centre of a disk into a boundary, or through it, before contact is looked at, in
 	// the first half of a step: its way ends at the face then.
-	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead, or what its
-	// overlap asks for where that is more; one that only other contacts' impulses close is left to the next step, overlapping by up to their
-	// velocity times h.
+	// Restitution e > 0: a contact that is closed, or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or
+	// what its overlap asks for where that is more (rebounds.hpp); one that only other contacts' impulses close is left to the next step,
+	// overlapping by up to their velocity times h.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
@@ -87,7 +88,7 @@ class TimeStep {
 	bool crosses(std::size_t pair, const World&, double dt) const;
 	void prefetchBodies(const Pair&) const;
 	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
-	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&) const;
+	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
@@ -103,6 +104,7 @@ class TimeStep {
 	};
 
 	IslandSolver solveIslands;
+	Rebounds rebounds;
 	ContactSystem system;
 	std::vector<double> before; // velocities of the bodies before the step
 	std::vector<int> fingerprints; // of what forces add to them, if anybody wants to know
