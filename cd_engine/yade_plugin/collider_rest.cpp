@@ -110,7 +110,8 @@ bool ColliderRest::widen(const cd::Reach& reach, double leastMargin)
 // The first body, by its id, that does not lie within its bounds by the width, or has none; -1 if all do.
 int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) const
 {
-	constexpr double roundOff = 8 * std::numeric_limits<double>::epsilon();
+	// A box's corners are known as well as the quaternion of its orientation is a unit one.
+	constexpr double roundOff = 8 * std::numeric_limits<double>::epsilon(), unit = 1e-9;
 	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
 		char* const bound = boundOf(scene, id);
 		if (!bound && bounded(id))
@@ -118,11 +119,12 @@ int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) cons
 		if (!bound)
 			continue;
 		const cd::Body& b = world.bodies[id];
-		const Half half = halfSides(b, world.shapes[id]);
+		const cd::Shape& shape = world.shapes[id];
+		const Half half = halfSides(b, shape);
 		const auto& low = at<yade::Vector3r>(bound, layout.bound_min);
 		const auto& high = at<yade::Vector3r>(bound, layout.bound_max);
 		const auto within = [&](int axis, double place, double side) {
-			const double wide = side + width - roundOff * (std::abs(place) + side + width);
+			const double wide = side + width - roundOff * (std::abs(place) + side + width) - unit * (shape.ex + shape.ey);
 			return std::isinf(side) || (low[axis] <= place - wide && high[axis] >= place + wide);
 		};
 		if (!within(0, b.x, half.x) || !within(1, b.y, half.y))
