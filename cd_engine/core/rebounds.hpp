@@ -29,9 +29,11 @@ class Rebounds {
 	// Whether any contact has a part in an impact.
 	bool any() const { return impacts; }
 
-	// Lowers the biases in the islands whose impulses have done work on their bodies by more than round-off and `tolerance` leave open, given the
-	// velocities before the step and the solution; says whether there are such islands. To be asked again after the next solution.
-	bool lower(ContactSystem&, const std::vector<double>& before, double tolerance);
+	// Lowers the biases in the islands whose impulses have added energy by more than round-off and `tolerance` leave open; says whether there are
+	// such islands. To be asked again after the next solution. `before`: the velocities before the step, `free`: those that the external forces
+	// alone would leave. The energy is that over the step and that over the impulses alone: if only one of them grows, by what the forces do in
+	// a step, that is not the rebounds' doing.
+	bool lower(ContactSystem&, const std::vector<double>& before, const std::vector<double>& free, double tolerance);
 
     private:
 	int32_t islandOf(int32_t body);
@@ -42,7 +44,8 @@ class Rebounds {
 	};
 	// Of an island, kept where the body stands that names it.
 	struct Account {
-		double work = 0, scale = 0; // [J]
+		double sinceBefore = 0, sinceFree = 0, scale = 0; // work of its impulses [J]
+		bool gains = false;
 		int lowered = 0; // how often
 	};
 	bool impacts = false;

@@ -188,6 +188,10 @@ inline void TimeStep::prefetchBodies(const Pair& pair) const
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
 	freeVelocities(world, settings.dt);
+	free.clear();
+	if (settings.restitution > 0)
+		for (const BodyVelocity& b : system.bodies)
+			free.insert(free.end(), b.v, b.v + 3);
 	locateBodies(world, settings.dt);
 	shifts.clear();
 	std::size_t stopped;
@@ -300,7 +304,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		if (settings.restitution > 0) {
 			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
 			const bool judged = report.solver.status == Status::converged && settings.gapCorrection == 0; // which adds energy by itself
-			if (!judged || !rebounds.any() || !rebounds.lower(system, before, settings.solver.tolerance))
+			if (!judged || !rebounds.any() || !rebounds.lower(system, before, free, settings.solver.tolerance))
 				return true;
 			freeVelocities(world, settings.dt);
 			continue;

@@ -107,6 +107,7 @@ class TimeStep {
 	Rebounds rebounds;
 	ContactSystem system;
 	std::vector<double> before; // velocities of the bodies before the step
+	std::vector<double> free; // with restitution: those that forces alone would leave
 	std::vector<int> fingerprints; // of what forces add to them, if anybody wants to know
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies

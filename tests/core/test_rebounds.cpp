@@ -125,35 +125,44 @@ TEST_CASE("clusters of rubbing, spinning disks of unequal mass that hit a wall: 
 			}
 }
 
-TEST_CASE("a disk thrown into a groove rebounds without gain, whatever the friction")
+// Where friction couples two impacts energy is made by the law itself (Kane and Levinson 1985), so e is lowered there, and only there.
+TEST_CASE("a spinning disk thrown into a groove rebounds without gain; one that hits a floor beside it keeps its e")
 {
-	for (const double e : { 0.9, 0.95, 1. })
-		for (const double mu : { 0.1, 0.3, 0.5, 1. }) {
-			CAPTURE(e);
+	std::mt19937 random(1);
+	std::uniform_real_distribution<double> unit(-1, 1);
+	for (const double mu : { 0., 0.1, 0.3, 0.5, 1. })
+		for (int trial = 0; trial < 60; trial++) {
 			CAPTURE(mu);
+			CAPTURE(trial);
 			Scene s;
-			s.restitution = e;
 			s.mu = mu;
+			// Steeper ones wedge the disk: impulses that hold each other have no bound then.
+			const double steepest = mu > 0 ? std::min(1.2, std::atan(0.9 / mu)) : 1.2, slope = steepest * (0.6 + 0.4 * unit(random));
 			for (const double side : { -1., 1. }) {
 				const int wall = s.wall();
 				Shape& shape = s.world.shapes[wall];
 				shape.kind = ShapeKind::box;
-				shape.ex = 1;
-				shape.ey = 0.1;
-				const double slope = side * 0.9;
-				shape.cosine = std::cos(slope);
-				shape.sine = std::sin(slope);
-				s.world.bodies[wall].x = side * (radius + 0.1) * std::sin(0.9);
-				s.world.bodies[wall].y = -(radius + 0.1) * std::cos(0.9);
+				shape.ex = 5 * radius;
+				shape.ey = 0.5 * radius;
+				shape.cosine = std::cos(side * slope);
+				shape.sine = std::sin(side * slope);
+				s.world.bodies[wall].x = side * 1.5 * radius * std::sin(slope);
+				s.world.bodies[wall].y = -1.5 * radius * std::cos(slope);
 			}
-			s.disk(1e-4, 0.6 * h, 0.3, -1, 5);
-			s.pairUp();
+			s.disk(0, 1e-6 * radius, 0.5 * unit(random), -1, 3 * unit(random) / radius);
+			s.world.pairs = { { 0, 2, mu }, { 1, 2, mu } };
+			const int floor = s.wall();
+			s.world.shapes[floor].axis = 1;
+			s.world.bodies[floor].y = -10;
+			s.disk(10, -10 + radius + 0.5 * h, 0, -1);
+			s.world.pairs.push_back({ floor, 4, mu });
 			double last = s.energy();
 			TimeStep t;
-			for (int k = 0; k < 50; k++) {
+			for (int k = 0; k < 6; k++) {
 				s.step(t);
 				CHECK(s.energy() <= last * (1 + 1e-9));
 				last = s.energy();
 			}
+			CHECK(s.world.bodies[4].v[1] == doctest::Approx(1).epsilon(1e-12));
 		}
 }
