@@ -72,8 +72,7 @@ namespace {
 
 } // namespace
 
-bool comesThrough(
-    const Shape& shape, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face)
+bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face)
 {
 	const double fx = diskBefore.x - boundaryBefore.x, fy = diskBefore.y - boundaryBefore.y, dx = disk.x - boundary.x, dy = disk.y - boundary.y;
 	if (shape.kind == ShapeKind::wall) {
@@ -95,8 +94,8 @@ bool comesThrough(
 // In the axes (n, t) of the face at first the disk's centre lies at (b, s) from that of the box, and after the step at (b', s'), the box having
 // turned by w: it is as far from the face as it was to be if b' cos w + s' sin w = touching. With b' from that, and h u_n = b' - b + w s,
 // the condition h u_n + gap + change >= 0 gives the change.
-double gapByTurning(const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox,
-    const double* vDisk, double h)
+double gapByTurning(
+    const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox, const double* vDisk, double h)
 {
 	const double w = h * vBox[2], dx = disk.x - box.x, dy = disk.y - box.y;
 	const Axes axes(shape, box.turned);

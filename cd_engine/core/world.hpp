@@ -79,7 +79,8 @@ bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBe
 
 // What the turning of a box changes in the gap to a disk within a step h [s], beyond gap + h u_n [m]: exact for a given way along its face.
 // touching: the distance of the disk's centre from that of the box, along the normal, that is to be kept [m].
-double gapByTurning(const Shape&, const Place& box, const Place& disk, const Touch&, double touching, const double* vBox, const double* vDisk, double h);
+double gapByTurning(
+    const Shape&, const Place& box, const Place& disk, const Touch&, double touching, const double* vBox, const double* vDisk, double h);
 
 inline Touch touchAt(const Foot& foot, const Place& disk)
 {

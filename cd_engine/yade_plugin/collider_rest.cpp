@@ -19,8 +19,8 @@ namespace {
 		return is;
 	}
 
-	// Whether the collider makes bounds as wide as its verletDist; YADE's own does, where it has a NewtonIntegrator, which it asks how fast bodies
-	// are. One that moves nothing says 0 for ever, which is to it that it does not know, so it runs whenever it is called.
+	// Whether the collider makes bounds as wide as its verletDist; YADE's own does, where it has a NewtonIntegrator, which it asks how fast
+	// bodies are. One that moves nothing says 0 for ever, which is to it that it does not know, so it runs whenever it is called.
 	bool takesVerletDist(const boost::shared_ptr<yade::Engine>& collider)
 	{
 		namespace py = boost::python;
@@ -142,11 +142,13 @@ void ColliderRest::run(const cd::World& world, yade::Scene* scene)
 		return;
 	const std::string body = "ContactDynamics: body #" + std::to_string(id);
 	if (!boundOf(scene, id))
-		throw SceneError(body + " has no bounds, so others would pass through it. Give the collider a functor for its shape (Bo1_Sphere_Aabb, "
-		    "Bo1_Box_Aabb, Bo1_Wall_Aabb), as cd_engine.engines() does, or say that it touches nothing: O.bodies["
+		throw SceneError(body
+		    + " has no bounds, so others would pass through it. Give the collider a functor for its shape (Bo1_Sphere_Aabb, "
+		      "Bo1_Box_Aabb, Bo1_Wall_Aabb), as cd_engine.engines() does, or say that it touches nothing: O.bodies["
 		    + std::to_string(id) + "].bounded=False");
-	throw SceneError(body + " has narrower bounds than a step needs, so contacts would be found late. Use the collider of cd_engine.engines(), and "
-	    "no Bo1_Sphere_Aabb whose aabbEnlargeFactor is below 1");
+	throw SceneError(body
+	    + " has narrower bounds than a step needs, so contacts would be found late. Use the collider of cd_engine.engines(), and "
+	      "no Bo1_Sphere_Aabb whose aabbEnlargeFactor is below 1");
 }
 
 void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)

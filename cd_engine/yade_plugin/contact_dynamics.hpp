@@ -129,7 +129,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("warmStart", &C::warmStart, Access::set, any,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
 	visit("restitution", &C::restitution, Access::set, Range { 0, 1 },
-	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together take "
+	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
+	    "take "
 	    "a smaller one in a step in which this one would add energy.");
 	visit("gapCorrection", &C::gapCorrection, Access::set, Range { 0, 1 },
 	    "Share of an overlap, beyond the reference one, that a step pushes out [1]; 0: overlaps are only kept from growing. The velocity of "
