@@ -65,16 +65,16 @@ def engines(**settings):
     """The list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
     settings: attributes of `ContactDynamics`. Engines that push bodies (ForceEngine, PyRunner) go in front of the last.
-    The collider reports pairs a tenth of a radius before they touch, since a rigid contact must be known before it closes; while all
-    bodies keep within that margin ContactDynamics lets it rest (`colliderMargin`).
+    The collider reports pairs before they touch, by a tenth of the smallest radius and more for fast bodies, since a rigid contact must be
+    known before it closes. ContactDynamics sees to that (`colliderMargin`), and lets the collider rest while all bodies keep within the margin.
     """
     _plugin()
     from yade import wrapper as w
-    margin = settings.setdefault("colliderMargin", 0.1)
+    settings.setdefault("colliderMargin", 0.1)
     return [
         w.ForceResetter(),
-        # verletDist > 0 would ask a NewtonIntegrator for the velocities.
-        w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=1 + margin), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
+        # ContactDynamics sets verletDist; any but 0 would ask for a NewtonIntegrator before that.
+        w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
         w.ContactDynamics(**settings),
     ]
 

@@ -7,13 +7,25 @@
 namespace cd {
 namespace {
 
-	// `turned`: rotation of the box beyond the orientation stored in its shape [rad].
+	// The axes of a box; `turned`: rotation beyond the orientation stored in its shape [rad].
+	struct Axes {
+		double cosine, sine;
+
+		Axes(const Shape& box, double turned)
+		{
+			const double c = std::cos(turned), s = std::sin(turned);
+			cosine = box.cosine * c - box.sine * s;
+			sine = box.sine * c + box.cosine * s;
+		}
+		double along(double dx, double dy) const { return cosine * dx + sine * dy; }
+		double across(double dx, double dy) const { return -sine * dx + cosine * dy; }
+		Foot foot(double nx, double ny, double distance) const { return { cosine * nx - sine * ny, sine * nx + cosine * ny, distance }; }
+	};
+
 	Foot footOnBox(const Shape& box, double turned, double dx, double dy)
 	{
-		const double c = std::cos(turned), s = std::sin(turned);
-		const double cosine = box.cosine * c - box.sine * s, sine = box.sine * c + box.cosine * s;
-		// Into the box's own axes.
-		const double lx = cosine * dx + sine * dy, ly = -sine * dx + cosine * dy;
+		const Axes axes(box, turned);
+		const double lx = axes.along(dx, dy), ly = axes.across(dx, dy);
 		const double ox = lx - std::clamp(lx, -box.ex, box.ex), oy = ly - std::clamp(ly, -box.ey, box.ey);
 		double nx, ny, distance;
 		if (ox != 0 && oy != 0) { // beyond a corner
@@ -28,7 +40,7 @@ namespace {
 			nx = alongX ? std::copysign(1., lx) : 0.;
 			ny = alongX ? 0. : std::copysign(1., ly);
 		}
-		return { cosine * nx - sine * ny, sine * nx + cosine * ny, distance };
+		return axes.foot(nx, ny, distance);
 	}
 
 	Foot footOnWall(const Shape& wall, double dx, double dy)
@@ -38,7 +50,63 @@ namespace {
 		return { wall.axis == 0 ? side : 0., wall.axis == 0 ? 0. : side, side * d };
 	}
 
+	// Where on its way from `from` to `to`, both in the axes of a box of half lengths e, a point comes in: the axis of the face; -1: it does not.
+	int faceEntered(const double* from, const double* to, const double* e)
+	{
+		double latest = -1;
+		int face = -1;
+		for (const int k : { 0, 1 }) {
+			if (std::abs(from[k]) <= e[k])
+				continue;
+			const double share = (std::copysign(e[k], from[k]) - from[k]) / (to[k] - from[k]);
+			if (share > latest) {
+				latest = share;
+				face = k;
+			}
+			if (!(share >= 0 && share <= 1))
+				return -1;
+		}
+		const int other = 1 - face;
+		return face >= 0 && std::abs(from[other] + latest * (to[other] - from[other])) <= e[other] ? face : -1;
+	}
+
 } // namespace
+
+bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face)
+{
+	const double fx = diskBefore.x - boundaryBefore.x, fy = diskBefore.y - boundaryBefore.y, dx = disk.x - boundary.x, dy = disk.y - boundary.y;
+	if (shape.kind == ShapeKind::wall) {
+		const double from = shape.axis == 0 ? fx : fy, to = shape.axis == 0 ? dx : dy, side = std::copysign(1., from);
+		face = { shape.axis == 0 ? side : 0., shape.axis == 0 ? 0. : side, side * to };
+		return side * to < 0 && shape.sense * side >= 0;
+	}
+	const Axes then(shape, boundaryBefore.turned), now(shape, boundary.turned);
+	const double from[2] = { then.along(fx, fy), then.across(fx, fy) }, to[2] = { now.along(dx, dy), now.across(dx, dy) };
+	const double e[2] = { shape.ex, shape.ey };
+	const int k = faceEntered(from, to, e);
+	if (k < 0)
+		return false;
+	const double side = std::copysign(1., from[k]);
+	face = now.foot(k == 0 ? side : 0., k == 1 ? side : 0., side * to[k] - e[k]);
+	return true;
+}
+
+// In the axes (n, t) of the face at first the disk's centre lies at (b, s) from that of the box, and after the step at (b', s'), the box having
+// turned by w: it is as far from the face as it was to be if b' cos w + s' sin w = touching. With b' from that, and h u_n = b' - b + w s,
+// the condition h u_n + gap + change >= 0 gives the change.
+double gapByTurning(
+    const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox, const double* vDisk, double h)
+{
+	const double w = h * vBox[2], dx = disk.x - box.x, dy = disk.y - box.y;
+	const Axes axes(shape, box.turned);
+	if (std::abs(axes.along(dx, dy)) > shape.ex && std::abs(axes.across(dx, dy)) > shape.ey)
+		return 0; // over a corner: a point, whose way bends away from the disk
+	if (!(std::abs(w) < 1))
+		return 0; // more than a radian a step: no face is met then
+	const double s = touch.nx * dy - touch.ny * dx;
+	const double after = s + h * (touch.nx * (vDisk[1] - vBox[1]) - touch.ny * (vDisk[0] - vBox[0]));
+	return touching * (1 - 1 / std::cos(w)) + after * std::tan(w) - w * s;
+}
 
 Foot footOnBoundary(const Shape& shape, double turned, double dx, double dy)
 {

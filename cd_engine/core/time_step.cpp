@@ -21,12 +21,15 @@ namespace {
 Reach reach(const World& world, double dt)
 {
 	double fastest = 0, smallest = std::numeric_limits<double>::infinity();
-	for (const Body& b : world.bodies) {
-		const double vx = b.v[0] + dt * b.inverseMass[0] * b.force[0], vy = b.v[1] + dt * b.inverseMass[1] * b.force[1];
-		fastest = std::max({ fastest, vx * vx + vy * vy, b.v[0] * b.v[0] + b.v[1] * b.v[1] });
+	for (size_t i = 0; i < world.bodies.size(); i++) {
+		const Body& b = world.bodies[i];
+		double v[3]; // free
+		for (int k = 0; k < 3; k++)
+			v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
+		fastest = std::max({ fastest, outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]) });
 		smallest = b.radius > 0 ? std::min(smallest, b.radius) : smallest;
 	}
-	const double way = dt * std::sqrt(fastest);
+	const double way = dt * fastest;
 	return { way, 4 * way + (std::isfinite(smallest) ? nearby * smallest : 0), smallest };
 }
 
@@ -69,8 +72,41 @@ void TimeStep::locateBodies(const World& world, double dt)
 		const Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v; // free
 		places[i] = placeAhead(b, 0.5 * dt);
-		ways[i] = dt * std::sqrt(std::max(v[0] * v[0] + v[1] * v[1], b.v[0] * b.v[0] + b.v[1] * b.v[1]));
+		ways[i] = dt * std::max(outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
 	}
+}
+
+// Takes a disk back to the face by which its centre has come into a boundary in the half step; says whether it has. The end of a step before is no
+// place at which contact was required, nor is the place half a step before it where the velocities are new: both have to tell the same.
+bool TimeStep::stopAtFace(const Pair& pair, const World& world, const Touch& touch, double dt)
+{
+	const Place& a = places[pair.a];
+	Place& b = places[pair.b];
+	if (a.radius > 0 || b.radius - touch.overlap > 0.5 * (ways[pair.a] + ways[pair.b]))
+		return false;
+	Foot face, same;
+	const auto through = [&](double ahead, Foot& by) {
+		return comesThrough(world.shapes[pair.a], placeAhead(world.bodies[pair.a], ahead), placeAhead(world.bodies[pair.b], ahead), a, b, by);
+	};
+	if (!through(0, face) || !through(-0.5 * dt, same) || face.nx != same.nx || face.ny != same.ny)
+		return false;
+	const double back = b.radius - face.distance;
+	shifts.push_back({ pair.b, back * face.nx, back * face.ny });
+	b.x += back * face.nx;
+	b.y += back * face.ny;
+	return true;
+}
+
+// What the turning of a pair's boundary adds to its gap within the step.
+inline double TimeStep::turning(const Pair& pair, const World& world, const Touch& touch, double gap, double dt) const
+{
+	const Shape& shape = world.shapes[pair.a];
+	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
+	const Place &a = places[pair.a], &b = places[pair.b];
+	if (a.radius > 0 || shape.kind != ShapeKind::box || va[2] == 0)
+		return 0;
+	const double distance = touch.nx * (b.x - a.x) + touch.ny * (b.y - a.y);
+	return gapByTurning(shape, a, b, touch, distance - std::max(gap, 0.), va, vb, dt);
 }
 
 // Up to which a pair is a contact. Of its two bodies alone, so that a fast one makes no contacts elsewhere.
@@ -80,7 +116,7 @@ inline double TimeStep::contactGap(const Pair& pair) const
 	return 2 * (ways[pair.a] + ways[pair.b]) + nearby * (a > 0 ? std::min(a, b) : b);
 }
 
-inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings) const
+inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings)
 {
 	const Place& place = places[pair.a];
 	c.a = pair.a;
@@ -99,13 +135,17 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pai
 		c.an = ax * touch.ny - ay * touch.nx;
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
+	const double turned = turning(pair, world, touch, gap, settings.dt);
 	const double share = gap > 0 ? 1 : settings.gapCorrection;
-	c.bias = share > 0 ? share * gap / settings.dt : 0;
+	c.bias = ((share > 0 ? share * gap : 0) + turned) / settings.dt;
 	if (settings.restitution > 0) {
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
 		const double un = touch.nx * (b.v[0] - a.v[0]) + touch.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
-		if (un < 0 && gap + settings.dt * un <= 0)
-			c.bias = std::min(c.bias, settings.restitution * un);
+		const bool hit = un < 0 && gap + turned + settings.dt * un <= 0, parts = gap <= 0 && un > 0;
+		const double rebound = hit || parts ? settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
+		rebounds.add(c.bias, rebound);
+		if (hit || parts)
+			c.bias = Rebounds::bias(c.bias, rebound);
 	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
@@ -134,7 +174,7 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 	    = [&](const double* a, const double* b) { return touch.nx * (b[0] - a[0] + a[2] * ay) + touch.ny * (b[1] - a[1] - a[2] * ax); };
 	const double before = approach(world.bodies[pair.a].v, world.bodies[pair.b].v);
 	const double after = approach(system.bodies[pair.a].v, system.bodies[pair.b].v);
-	return gap + dt * std::min(before, after) <= 0;
+	return gap + turning(pair, world, touch, gap, dt) + dt * std::min(before, after) <= 0;
 }
 
 // In a large scene the bodies of a pair are seldom in the nearest cache.
@@ -151,8 +191,24 @@ inline void TimeStep::prefetchBodies(const Pair& pair) const
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
 	freeVelocities(world, settings.dt);
+	free.clear();
+	if (settings.restitution > 0)
+		for (const BodyVelocity& b : system.bodies)
+			free.insert(free.end(), b.v, b.v + 3);
 	locateBodies(world, settings.dt);
+	shifts.clear();
+	std::size_t stopped;
+	do { // again for the other pairs of a disk that was stopped
+		stopped = shifts.size();
+		findContacts(world, settings);
+	} while (shifts.size() > stopped && shifts.size() <= world.bodies.size());
+	return system;
+}
+
+void TimeStep::findContacts(World& world, const StepSettings& settings)
+{
 	rows = 0;
+	rebounds.clear();
 	rowPair.clear();
 	rowTouch.clear();
 	solved.assign(world.pairs.size(), 0);
@@ -164,7 +220,9 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 			prefetchBodies(world.pairs[world.awake[k + ahead]]);
 		const int32_t i = world.awake[k];
 		Pair& pair = world.pairs[i];
-		const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+		Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+		if (stopAtFace(pair, world, touch, settings.dt))
+			touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 		double gap = pair.reference - touch.overlap;
 		if (pair.reference > 0 && touch.overlap <= 0) { // truly apart
 			pair.reference = 0;
@@ -181,46 +239,41 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	}
 	assembled = rows;
 	system.contacts.resize(rows);
-	return system;
 }
 
 void TimeStep::meanVelocities(const World& world)
 {
 	means.resize(world.bodies.size());
-	double square = 0;
-	boundaryTurns = false;
+	fastest = 0;
 	for (size_t i = 0; i < means.size(); i++) {
 		const Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v;
 		for (int k = 0; k < 3; k++)
 			means[i].v[k] = 0.5 * (b.v[k] + v[k]);
-		const double own = v[0] * v[0] + v[1] * v[1];
-		means[i].speed = std::sqrt(own);
-		square = std::max(square, own);
-		boundaryTurns = boundaryTurns || (b.radius == 0 && v[2] != 0);
+		means[i].speed = outlineSpeed(v, b, world.shapes[i]);
+		fastest = std::max(fastest, means[i].speed);
 	}
-	fastest = std::sqrt(square);
 }
 
 // Whether the solution lets a pair that was left out cross its gap within the step.
 bool TimeStep::crosses(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
-	// Most are too slow for that. A boundary's points may be faster than itself if it turns.
-	if (!boundaryTurns && gaps[index] > 1.001 * dt * (means[pair.a].speed + means[pair.b].speed))
+	// Most are too slow for that.
+	if (gaps[index] > 1.001 * dt * (means[pair.a].speed + means[pair.b].speed))
 		return false;
-	const Place &a = places[pair.a], &b = places[pair.b];
-	const Touch touch = locateContact(a, b, world.shapes[pair.a]);
+	const Place& a = places[pair.a];
+	const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
-	return gaps[index] + dt * un < 0;
+	return gaps[index] + turning(pair, world, touch, gaps[index], dt) + dt * un < 0;
 }
 
 // If there are such pairs, adds them, and all that the fastest body could reach, since an impact may go on from body to body; says whether there
 // were.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
-	if (!boundaryTurns && narrowest > 2.001 * settings.dt * fastest)
+	if (narrowest > 2.001 * settings.dt * fastest)
 		return false;
 	const auto violated = [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); };
 	if (std::none_of(world.awake.begin(), world.awake.end(), violated))
@@ -252,8 +305,15 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		meanVelocities(world);
-		// With restitution a contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
-		if (settings.restitution > 0 || !addViolated(world, settings))
+		if (settings.restitution > 0) {
+			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
+			const bool judged = report.solver.status == Status::converged && settings.gapCorrection == 0; // which adds energy by itself
+			if (!judged || !rebounds.any() || !rebounds.lower(system, before, free, settings.solver.tolerance))
+				return true;
+			freeVelocities(world, settings.dt);
+			continue;
+		}
+		if (!addViolated(world, settings))
 			return true;
 		if (sleepers.wake(system.contacts, world))
 			return false;
@@ -370,6 +430,10 @@ void TimeStep::finishBodies(World& world, double h)
 		b.y += 0.5 * h * (b.v[1] + v[1]);
 		b.turn = 0.5 * h * (b.v[2] + v[2]);
 		std::copy_n(v, 3, b.v);
+	}
+	for (const Shift& shift : shifts) {
+		world.bodies[shift.body].x += shift.x;
+		world.bodies[shift.body].y += shift.y;
 	}
 	sleepers.remember(world);
 }

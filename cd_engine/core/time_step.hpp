@@ -2,6 +2,7 @@
 #pragma once
 
 #include "island_solver.hpp"
+#include "rebounds.hpp"
 #include "sleepers.hpp"
 #include "world.hpp"
 
@@ -34,7 +35,7 @@ struct StepReport {
 
 // How far contacts reach in a step, at most.
 struct Reach {
-	double way = 0; // of the fastest body, under its external forces [m]
+	double way = 0; // of the fastest body, under its external forces; of a boundary that turns, of its farthest point [m]
 	double gap = 0; // widest that may be a contact [m]: four ways, and a thousandth of the smallest disk
 	double smallestRadius = 0; // of a disk [m]; infinite if there is none
 };
@@ -44,11 +45,14 @@ class TimeStep {
     public:
 	// Moves the bodies by dt, of which the pairs in world.awake may touch: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'
 	// (theta = 1/2; Jean 1999, section 4). Contact is required at the mid-configurations, which are a step apart, so u_n + max(gap, 0)/h >= 0
-	// keeps the next one from overlapping to first order: the gap may close within the step but not be crossed. An overlap is kept from growing;
+	// keeps the next one from overlapping to first order: the gap may close within the step but not be crossed. Where the face of a box turns,
+	// what that changes in the gap within the step is added, so that it meets disks as one does that only moves. An overlap is kept from growing;
 	// with gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
-	// Restitution e > 0: a contact that the velocities before the step would close within it takes u_n' >= -e u_n instead, or what its
-	// overlap asks for where that is more; one that only other contacts' impulses close is left to the next step, overlapping by up to their
-	// velocity times h.
+	// Only velocities that somebody has just given can take the centre of a disk into a boundary, or through it, before contact is looked at, in
+	// the first half of a step: its way ends at the face then.
+	// Restitution e > 0: a contact that is closed, or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or
+	// what its overlap asks for where that is more (rebounds.hpp); one that only other contacts' impulses close is left to the next step,
+	// overlapping by up to their velocity times h.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
@@ -78,10 +82,13 @@ class TimeStep {
 	void locateBodies(const World&, double dt);
 	void meanVelocities(const World&);
 	double contactGap(const Pair&) const;
+	void findContacts(World&, const StepSettings&);
+	bool stopAtFace(const Pair&, const World&, const Touch&, double dt);
+	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;
 	bool crosses(std::size_t pair, const World&, double dt) const;
 	void prefetchBodies(const Pair&) const;
 	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
-	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&) const;
+	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
@@ -93,19 +100,25 @@ class TimeStep {
 
 	struct Mean {
 		double v[3]; // of the velocities before and after the step
-		double speed; // after the step [m/s]
+		double speed; // after the step, of the fastest point of its outline [m/s]
 	};
 
 	IslandSolver solveIslands;
+	Rebounds rebounds;
 	ContactSystem system;
 	std::vector<double> before; // velocities of the bodies before the step
+	std::vector<double> free; // with restitution: those that forces alone would leave
 	std::vector<int> fingerprints; // of what forces add to them, if anybody wants to know
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies
-	std::vector<double> ways; // that the bodies go in the step without impulses [m]
+	std::vector<double> ways; // that the bodies go in the step without impulses, those that turn with their farthest point [m]
+	struct Shift {
+		int32_t body;
+		double x, y; // [m]
+	};
+	std::vector<Shift> shifts; // of disks that were stopped at a face, at the mid-configuration
 	double narrowest = 0; // gap that was left out [m]
 	double fastest = 0; // speed of a body after the step [m/s]
-	bool boundaryTurns = false; // after the step
 	std::vector<int32_t> forgotten;
 	double deepest = 0; // overlap beyond the reference one [m]
 	std::size_t rows = 0; // contacts of the system, while it is made

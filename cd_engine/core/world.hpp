@@ -60,6 +60,13 @@ struct Place {
 // The place of a body after `ahead` [s] at its present velocities.
 inline Place placeAhead(const Body& b, double ahead) { return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.radius }; }
 
+// The largest speed of any point of a body's outline that moves the outline there [m/s]: a disk's does not when it spins. v: of the body.
+inline double outlineSpeed(const double* v, const Body& b, const Shape& shape)
+{
+	const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
+	return b.radius > 0 || shape.kind != ShapeKind::box ? speed : speed + std::abs(v[2]) * std::hypot(shape.ex, shape.ey);
+}
+
 // Surface point of a boundary nearest to a disk: its outward normal, and the signed distance of the disk's centre from it [m].
 struct Foot {
 	double nx, ny, distance;
@@ -67,6 +74,21 @@ struct Foot {
 
 // (dx, dy): the disk's centre from the boundary's [m].
 Foot footOnBoundary(const Shape&, double turned, double dx, double dy);
+// Whether the centre of a disk came into a boundary, or right through it, on its way from a place before to one now; if so, by which face.
+bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face);
+
+// What the turning of a box changes in the gap to a disk within a step h [s], beyond gap + h u_n [m]: exact for a given way along its face.
+// touching: the distance of the disk's centre from that of the box, along the normal, that is to be kept [m].
+double gapByTurning(
+    const Shape&, const Place& box, const Place& disk, const Touch&, double touching, const double* vBox, const double* vDisk, double h);
+
+inline Touch touchAt(const Foot& foot, const Place& disk)
+{
+	const double gap = foot.distance - disk.radius;
+	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
+	const double arm = disk.radius + 0.5 * gap;
+	return { foot.nx, foot.ny, disk.x - arm * foot.nx, disk.y - arm * foot.ny, -gap };
+}
 
 // `shape` is that of `a`, read if it is a boundary.
 inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
@@ -78,10 +100,7 @@ inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
 		foot = { dx * inverse, dy * inverse, centres - a.radius };
 	} else
 		foot = footOnBoundary(shape, a.turned, dx, dy);
-	const double gap = foot.distance - b.radius;
-	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
-	const double arm = b.radius + 0.5 * gap;
-	return { foot.nx, foot.ny, b.x - arm * foot.nx, b.y - arm * foot.ny, -gap };
+	return touchAt(foot, b);
 }
 
 } // namespace cd

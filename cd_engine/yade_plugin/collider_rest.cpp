@@ -1,16 +1,68 @@
 #include "collider_rest.hpp"
+#include "scene_error.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cd_engine {
+namespace {
 
-void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine, boost::shared_ptr<yade::Factorable> functor)
+	// Whether a body has bounds to YADE's mind: it exists, and nobody has taken it out of all contacts.
+	bool bounded(int id)
+	{
+		namespace py = boost::python;
+		const PyGILState_STATE gil = PyGILState_Ensure();
+		const py::object body = py::import("yade").attr("O").attr("bodies")[id];
+		const bool is = !body.is_none() && py::extract<bool>(body.attr("bounded"));
+		PyGILState_Release(gil);
+		return is;
+	}
+
+	// Whether the collider makes bounds as wide as its verletDist; YADE's own does, where it has a NewtonIntegrator, which it asks how fast
+	// bodies are. One that moves nothing says 0 for ever, which is to it that it does not know, so it runs whenever it is called.
+	bool takesVerletDist(const boost::shared_ptr<yade::Engine>& collider)
+	{
+		namespace py = boost::python;
+		if (collider->getClassName() != "InsertionSortCollider")
+			return false;
+		const PyGILState_STATE gil = PyGILState_Ensure();
+		py::object(collider).attr("newton") = py::import("yade.wrapper").attr("NewtonIntegrator")();
+		PyGILState_Release(gil);
+		return true;
+	}
+
+	// The bounds of a body; null if it has none, or does not exist.
+	char* boundOf(yade::Scene* scene, int id)
+	{
+		char* const body = reinterpret_cast<char*>((*at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies))[id].get());
+		return body ? static_cast<char*>(pointer<yade::Bound>(body, layout.body_bound)) : nullptr;
+	}
+
+	// Half the sides of the box, parallel to the axes, around a body [m].
+	struct Half {
+		double x, y;
+	};
+
+	Half halfSides(const cd::Body& body, const cd::Shape& shape)
+	{
+		constexpr double endless = std::numeric_limits<double>::infinity();
+		if (body.radius > 0)
+			return { body.radius, body.radius };
+		if (shape.kind == cd::ShapeKind::wall)
+			return { shape.axis == 0 ? 0 : endless, shape.axis == 1 ? 0 : endless };
+		const double c = std::abs(shape.cosine), s = std::abs(shape.sine);
+		return { c * shape.ex + s * shape.ey, s * shape.ex + c * shape.ey };
+	}
+
+} // namespace
+
+void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine)
 {
 	wake();
 	collider = std::move(engine);
-	bounds = std::move(functor);
-	margin = 0;
+	widens = takesVerletDist(collider);
+	width = 0;
 	seen.clear();
 }
 
@@ -37,48 +89,92 @@ bool ColliderRest::stillComplete(const cd::World& world, const cd::Reach& reach)
 			if (now.kind == cd::ShapeKind::box)
 				way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
 		}
-		// Half the margin of a disk is for its own way, half for its partner's; a boundary shares with the smallest disk.
-		const double radius = b.radius > 0 ? b.radius : reach.smallestRadius;
-		if (!(way <= 0.5 * (margin * radius - reach.gap)))
+		if (!(way <= width - 0.5 * reach.gap)) // each of two bodies for half of the gap
 			return false;
 	}
 	return true;
 }
 
-// Sets the bounds so wide that no two bodies can meet within the step unless they are a pair: contact is required half a step ahead
-// and kept for one more, so each of two bodies may go 1.5 ways. True if the bounds have changed.
+// Sets the bounds so wide that all pairs that a step may take for contacts are listed. True if the width has changed.
 bool ColliderRest::widen(const cd::Reach& reach, double leastMargin)
 {
-	const double needed = 3 * reach.way / reach.smallestRadius;
-	if (margin >= std::max(needed, leastMargin) && margin <= std::max(4 * needed, leastMargin))
+	const double least = leastMargin * reach.smallestRadius, needed = 0.5 * reach.gap;
+	if (width >= std::max(needed, least) && width <= std::max(4 * needed, least))
 		return false;
-	margin = std::max(1.5 * needed, leastMargin);
-	at<double>(bounds.get(), layout.bounds_aabbEnlargeFactor) = 1 + margin;
+	width = std::max(1.5 * needed, least);
+	at<double>(collider.get(), layout.collider_verletDist) = width;
+	at<int>(collider.get(), layout.collider_targetInterv) = -1; // the width is not to be guessed from the ways made before
 	return true;
 }
 
-bool ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+// The first body, by its id, that does not lie within its bounds by the width, or has none; -1 if all do.
+int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) const
 {
-	if (!collider || !bounds || leastMargin <= 0) {
-		wake();
-		return false;
+	// A box's corners are known as well as the quaternion of its orientation is a unit one.
+	constexpr double roundOff = 8 * std::numeric_limits<double>::epsilon(), unit = 1e-9;
+	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
+		char* const bound = boundOf(scene, id);
+		if (!bound && bounded(id))
+			return id;
+		if (!bound)
+			continue;
+		const cd::Body& b = world.bodies[id];
+		const cd::Shape& shape = world.shapes[id];
+		const Half half = halfSides(b, shape);
+		const auto& low = at<yade::Vector3r>(bound, layout.bound_min);
+		const auto& high = at<yade::Vector3r>(bound, layout.bound_max);
+		const auto within = [&](int axis, double place, double side) {
+			const double wide = side + width - roundOff * (std::abs(place) + side + width) - unit * (shape.ex + shape.ey);
+			return std::isinf(side) || (low[axis] <= place - wide && high[axis] >= place + wide);
+		};
+		if (!within(0, b.x, half.x) || !within(1, b.y, half.y))
+			return id;
 	}
+	return -1;
+}
+
+void ColliderRest::run(const cd::World& world, yade::Scene* scene)
+{
+	collider->scene = scene;
+	collider->action();
+	const int id = narrowlyBound(world, scene);
+	if (id < 0)
+		return;
+	const std::string body = "ContactDynamics: body #" + std::to_string(id);
+	if (!boundOf(scene, id))
+		throw SceneError(body
+		    + " has no bounds, so others would pass through it. Give the collider a functor for its shape (Bo1_Sphere_Aabb, "
+		      "Bo1_Box_Aabb, Bo1_Wall_Aabb), as cd_engine.engines() does, or say that it touches nothing: O.bodies["
+		    + std::to_string(id) + "].bounded=False");
+	throw SceneError(body
+	    + " has narrower bounds than a step needs, so contacts would be found late. Use the collider of cd_engine.engines(), and "
+	      "no Bo1_Sphere_Aabb whose aabbEnlargeFactor is below 1");
+}
+
+void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+{
 	const cd::Reach reach = cd::reach(world, dt);
-	const bool widened = widen(reach, leastMargin);
-	const bool awake = !collider->dead;
-	const bool runs = widened || (!awake && (listChanged || !stillComplete(world, reach)));
-	if (runs) {
-		collider->scene = scene;
-		collider->action();
+	if (!collider || leastMargin <= 0 || std::isinf(reach.smallestRadius)) { // without disks nothing touches
+		wake();
+		return;
 	}
-	if (runs || awake) {
-		seen.clear();
-		for (const cd::Body& b : world.bodies)
-			seen.push_back({ b.x, b.y, b.radius });
-		seenShapes = world.shapes;
-	}
+	const bool widened = widens && widen(reach, leastMargin);
+	const bool awake = !collider->dead; // so it has run in this step, with the bounds asked for before
+	if (widened || (awake ? narrowlyBound(world, scene) >= 0 : listChanged || !stillComplete(world, reach)))
+		run(world, scene);
+	else if (!awake)
+		return rest(scene);
+	seen.clear();
+	for (const cd::Body& b : world.bodies)
+		seen.push_back({ b.x, b.y, b.radius });
+	seenShapes = world.shapes;
+	rest(scene);
+}
+
+// Until the last step of O.run(n).
+void ColliderRest::rest(yade::Scene* scene)
+{
 	collider->dead = resting = at<long>(scene, layout.scene_stopAtIter) > at<long>(scene, layout.scene_iter) + 1;
-	return runs;
 }
 
 } // namespace cd_engine

@@ -1,4 +1,4 @@
-// Lets the collider rest while no body has moved far enough to matter.
+// Keeps the bounds of the bodies as wide as a step needs, and lets the collider rest while no body has moved far enough to matter.
 #pragma once
 
 #include "../core/time_step.hpp"
@@ -8,22 +8,24 @@
 
 namespace cd_engine {
 
-// The bounds of disks are larger than the disks by `margin` times their radius, so the pairs found stay complete until the
-// displacements since then use the margin up. Until then the collider is dead to YADE's loop; when they have, it is run here,
+// The bounds of all bodies, boundaries too, are `width` larger on every side than the bodies, so the pairs found stay complete until the
+// displacements since then use the width up. Until then the collider is dead to YADE's loop; when they have, it is run here,
 // at once, before any pair is read. It rests only within O.run(n) and is given back at its last step or by a refusal, so that
 // whoever uses it next, perhaps with springs, finds it awake. (Not after O.pause() in mid-run, while the
 // engine lives.) Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
+//
+// The width is the collider's own verletDist. The factor of Bo1_Sphere_Aabb would not do: every shape keeps the first functor that ever
+// bounded it, perhaps one of an earlier collider, whose factor nobody can set any more.
 class ColliderRest {
     public:
 	~ColliderRest() { wake(); }
 
-	// bounds: the functor that makes the disks' bounds, whose aabbEnlargeFactor is this class's to set; null: nobody's, nothing is done.
-	void attach(boost::shared_ptr<yade::Engine> collider, boost::shared_ptr<yade::Factorable> bounds);
+	void attach(boost::shared_ptr<yade::Engine> collider);
 	// To be called with the bodies as they are now, before the pairs are read.
 	// listChanged: somebody has changed the list of pairs since the last step.
-	// leastMargin: as a fraction of the radius; bodies faster than that allows for get a wider one. dt [s]: of the step.
-	// Whether it has run the collider.
-	bool refresh(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
+	// leastMargin: the width as a fraction of the smallest radius; bodies faster than that allows for get a wider one. 0: nothing is done.
+	// dt [s]: of the step. Throws SceneError if a body's bounds stay too narrow, or missing, after the collider has run.
+	void refresh(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
 	const yade::Engine* engine() const { return collider.get(); }
 	// Gives the collider back to YADE's loop.
 	void wake();
@@ -34,10 +36,13 @@ class ColliderRest {
 	};
 	bool stillComplete(const cd::World&, const cd::Reach&) const;
 	bool widen(const cd::Reach&, double leastMargin);
+	int narrowlyBound(const cd::World&, yade::Scene*) const;
+	void run(const cd::World&, yade::Scene*);
+	void rest(yade::Scene*);
 
 	boost::shared_ptr<yade::Engine> collider;
-	boost::shared_ptr<yade::Factorable> bounds;
-	double margin = 0;
+	bool widens = false; // whether the collider takes a width; of another one the bounds are only looked at
+	double width = 0; // of the bounds beyond the bodies [m]
 	bool resting = false;
 	std::vector<Place> seen; // the bodies when the collider ran last
 	std::vector<cd::Shape> seenShapes; // those of boundaries

@@ -7,27 +7,6 @@
 namespace cd_engine {
 namespace {
 
-	namespace py = boost::python;
-
-	// The functor of a collider that bounds disks, null if it has none.
-	boost::shared_ptr<yade::Factorable> sphereBounds(const boost::shared_ptr<yade::Engine>& collider)
-	{
-		boost::shared_ptr<yade::Factorable> found;
-		const PyGILState_STATE gil = PyGILState_Ensure();
-		try {
-			const py::object functors = py::object(collider).attr("boundDispatcher").attr("functors");
-			for (py::ssize_t i = 0; i < py::len(functors); i++) {
-				yade::Serializable& functor = py::extract<yade::Serializable&>(functors[i]);
-				if (functor.getClassName() == "Bo1_Sphere_Aabb")
-					found = functor.shared_from_this();
-			}
-		} catch (const py::error_already_set&) {
-			PyErr_Clear(); // another kind of collider
-		}
-		PyGILState_Release(gil);
-		return found;
-	}
-
 	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
 	constexpr double deep = 0.01;
 
@@ -211,7 +190,7 @@ void ContactDynamics::checkEngines()
 		if (name.find("Collider") != std::string::npos && before && !finds) {
 			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
 			finds = !engine->dead || colliderMargin > 0;
-			rest.attach(engine, sphereBounds(engine));
+			rest.attach(engine);
 			continue;
 		}
 		if (engine.get() == this || engine->dead)

@@ -131,8 +131,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "step and more.");
 	visit("warmStart", &C::warmStart, Access::set, any,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
-	visit(
-	    "restitution", &C::restitution, Access::set, Range { 0, 1 }, "Newton's coefficient of normal restitution [1]; 0 for quasi-static work.");
+	visit("restitution", &C::restitution, Access::set, Range { 0, 1 },
+	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
+	    "take "
+	    "a smaller one in a step in which this one would add energy.");
 	visit("gapCorrection", &C::gapCorrection, Access::set, Range { 0, 1 },
 	    "Share of an overlap, beyond the reference one, that a step pushes out [1]; 0: overlaps are only kept from growing. The velocity of "
 	    "pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it needs "
@@ -147,12 +149,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
 	    "Reset to False by that step; set it again after an interlude with springs.");
 	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 },
-	    "By how much, as a fraction of the radius, the collider's bounds are at least larger than the disks [1]. This engine sets "
-	    "aabbEnlargeFactor of the "
-	    "collider's Bo1_Sphere_Aabb to that or, for fast bodies, to what a step needs, lets the collider rest (dead=True) within O.run(n) while "
-	    "displacements "
-	    "stay within the margin, and runs it when they do not. 0: the collider is left alone and runs in every step; its bounds must then be "
-	    "wide enough.");
+	    "By how much the bounds of all bodies are at least larger than the bodies, as a fraction of the smallest radius [1]. This engine sets "
+	    "the collider's verletDist to that or, for fast bodies, to what a step needs, checks the bounds that come of it, lets the collider rest "
+	    "(dead=True) within O.run(n) while displacements stay within the margin, and runs it when they do not. 0: the collider is left alone and "
+	    "runs in every step; its bounds must then be wide enough.");
 	visit("iterations", &C::iterations, Access::read, any,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,

@@ -59,6 +59,7 @@ namespace {
 		s.published<Shared<yade::Material>>(&Layout::body_material, "Body", "material");
 		s.published<Shared<yade::State>>(&Layout::body_state, "Body", "state");
 		s.published<Shared<yade::Shape>>(&Layout::body_shape, "Body", "shape");
+		s.published<Shared<yade::Bound>>(&Layout::body_bound, "Body", "bound");
 		s.published<int>(&Layout::body_clumpId, "Body", "clumpId");
 		s.published<Vector3r>(&Layout::state_vel, "State", "vel");
 		s.published<Vector3r>(&Layout::state_angVel, "State", "angVel");
@@ -80,7 +81,10 @@ namespace {
 		s.published<double>(&Layout::phys_ks, "NormShearPhys", "ks");
 		s.published<Vector3r>(&Layout::phys_shearForce, "NormShearPhys", "shearForce");
 		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
-		s.published<double>(&Layout::bounds_aabbEnlargeFactor, "Bo1_Sphere_Aabb", "aabbEnlargeFactor");
+		s.published<Vector3r>(&Layout::bound_min, "Bound", "min");
+		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
+		s.published<double>(&Layout::collider_verletDist, "InsertionSortCollider", "verletDist");
+		s.published<int>(&Layout::collider_targetInterv, "InsertionSortCollider", "targetInterv");
 		s.published<double>(&Layout::sphere_radius, "Sphere", "radius");
 		s.published<Vector3r>(&Layout::box_extents, "Box", "extents");
 		s.published<int>(&Layout::wall_sense, "Wall", "sense");

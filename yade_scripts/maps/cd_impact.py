@@ -15,11 +15,11 @@ def searches(full):
 
 MAP = Map(
     title="Rigid contacts: restitution with friction",
-    question="Where does Newton's restitution together with friction make energy?",
+    question="Where does restitution together with friction make energy?",
     criterion="A disk with spin is thrown at the bottom of a groove, so that it hits both sides at once; 60 draws of angle, velocity and spin. Unstable: its "
               "kinetic energy exceeds the first by more than 1e-9 after one of the next six steps.",
-    remedy="Newton's law of impact makes energy in simultaneous impacts with friction (Kane and Levinson 1985) as e comes close to "
-           "1; dissipatedEnergy then falls. Without friction, or below the boundary, it does not.",
+    remedy="Laws of impact make energy in simultaneous impacts with friction (Kane and Levinson 1985) as e comes close to 1. The engine takes a smaller "
+           "e in the islands of contacts that would make some, so there is no such boundary; what rebounds there is slower than e says.",
     x=Axis("restitution", "restitution e"), y=Axis("friction", r"friction $\mu$"), panels="",
     measures={"energy_gain": ("1", "largest kinetic energy over the first, less 1"), "draws_that_gain": ("1", "share of the draws")},
     grid=grid, searches=searches)

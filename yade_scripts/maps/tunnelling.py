@@ -27,9 +27,9 @@ MAP = Map(
     question="How fast must a disk be to get through a wall?",
     criterion="A disk flies at a fixed box without gravity, from four distances of two to three ways of a step (from near: 0.1 to 0.4); springs without dashpots, md_dt_factor 0.2. Unstable: it is beyond the box. Inaccurate: it overlaps the box by more "
               "than half its radius on the way.",
-    remedy="With colliderMargin above 0, as cd_engine.engines sets it, a rigid disk is stopped at any speed, unless its flight begins, or another "
-           "engine gives it its speed, within half a step's way of the wall: contact is looked for at mid-step, where it has then passed. Keep v dt/2 "
-           "below 2 R there. Springs need v sqrt(m/k_n) below R, and an overlap below a tenth of it to mean anything: k_n above 100 m v^2/R^2.",
+    remedy="With colliderMargin above 0, as cd_engine.engines sets it, a rigid disk is stopped at any speed. Contact is looked for at mid-step: if its "
+           "flight begins, or another engine gives it its speed, within half a step's way of the wall, it overlaps the wall by up to its radius from "
+           "then on. Springs need v sqrt(m/k_n) below R, and an overlap below a tenth of it to mean anything: k_n above 100 m v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
     measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},
     grid=grid, searches=searches, theory=turning,

@@ -1,0 +1,98 @@
+#include "rebounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace cd {
+namespace {
+
+	// Shares of e that are tried after each other. Islands that make energy mostly do so near e = 1 only, and a little.
+	constexpr double shares[] = { 15. / 16, 7. / 8, 3. / 4, 1. / 2, 0 };
+
+	constexpr double roundOff = 1e-13; // of the work of a contact's impulse, which is a sum
+
+	bool isMobile(const BodyVelocity& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
+
+} // namespace
+
+void Rebounds::clear()
+{
+	impacts = false;
+	asked.clear();
+	parent.clear();
+}
+
+void Rebounds::add(double plain, double rebound)
+{
+	impacts = impacts || (!std::isnan(rebound) && bias(plain, rebound) != bias(plain, 0));
+	asked.push_back({ plain, rebound });
+}
+
+int32_t Rebounds::islandOf(int32_t body)
+{
+	while (parent[body] != body)
+		body = parent[body] = parent[parent[body]];
+	return body;
+}
+
+// Joined by every body that can move.
+void Rebounds::findIslands(const ContactSystem& system)
+{
+	parent.resize(system.bodies.size());
+	std::iota(parent.begin(), parent.end(), 0);
+	accounts.assign(system.bodies.size(), {});
+	for (const ContactRow& c : system.contacts)
+		if (isMobile(system.bodies[c.a]) && isMobile(system.bodies[c.b]))
+			parent[islandOf(c.a)] = islandOf(c.b);
+}
+
+bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, const std::vector<double>& free, double tolerance)
+{
+	if (parent.empty())
+		findIslands(system);
+	const auto accountOf = [&](const ContactRow& c) -> Account& { return accounts[islandOf(isMobile(system.bodies[c.a]) ? c.a : c.b)]; };
+	for (Account& account : accounts)
+		account.sinceBefore = account.sinceFree = account.scale = 0;
+	for (const ContactRow& c : system.contacts) {
+		if (!(c.pn > 0))
+			continue;
+		const auto power = [&](BodyVelocity a, BodyVelocity b, const std::vector<double>* then) {
+			if (then) {
+				std::copy_n(&(*then)[3 * c.a], 3, a.v);
+				std::copy_n(&(*then)[3 * c.b], 3, b.v);
+			}
+			double un, ut;
+			relativeVelocity(c, a, b, un, ut);
+			return 0.5 * (c.pn * un + c.pt * ut);
+		};
+		const BodyVelocity &a = system.bodies[c.a], &b = system.bodies[c.b];
+		const double after = power(a, b, nullptr);
+		Account& account = accountOf(c);
+		account.sinceBefore += after + power(a, b, &before);
+		account.sinceFree += after + power(a, b, &free);
+		account.scale += c.wnn * (c.pn * c.pn + c.pt * c.pt);
+	}
+	bool any = false;
+	for (Account& account : accounts) {
+		const double gain = std::min(account.sinceBefore, account.sinceFree);
+		account.gains = gain > std::max(tolerance, roundOff) * account.scale && account.lowered < static_cast<int>(std::size(shares));
+		account.lowered += account.gains;
+		any = any || account.gains;
+	}
+	if (!any)
+		return false;
+	bool changed = false;
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		ContactRow& c = system.contacts[i];
+		const Account& account = accountOf(c);
+		if (!account.gains || std::isnan(asked[i].rebound))
+			continue;
+		const double lowered = bias(asked[i].plain, shares[account.lowered - 1] * asked[i].rebound);
+		changed = changed || lowered != c.bias;
+		c.bias = lowered;
+	}
+	return changed;
+}
+
+} // namespace cd

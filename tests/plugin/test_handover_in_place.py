@@ -1,0 +1,117 @@
+"""Springs and rigid contacts that take one scene over from each other in one process: what ran before must not decide which contacts are found."""
+import random
+
+import pytest
+
+from . import plane
+
+RADIUS = 0.01
+THIN = 0.5e-3  # half the thickness of a box that a disk at 30 m/s crosses sixty times a step
+MARGIN = 0.1  # of cd_engine.engines
+
+
+def springs(O, steps, **collider):
+    """YADE's own engines and steps, with a collider of their own."""
+    import cd_engine
+    from yade import wrapper as w
+    cd_engine.release()
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb()], **collider),
+                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()],
+                                   [w.Ip2_FrictMat_FrictMat_FrictPhys()], [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                 w.NewtonIntegrator(damping=0.3)]
+    O.dt = 1e-5
+    O.run(steps, True)
+
+
+def rigid(O, steps, gravity=0.0):
+    """The documented hand-over; the ContactDynamics engine."""
+    return plane.run(steps, 1e-3, gravity=(0, -gravity, 0), tolerance=1e-9, maxIterations=100000)
+
+
+BEFORE = {
+    "nothing": lambda O: None,
+    "springs": lambda O: springs(O, 3),
+    "springs without a Verlet distance": lambda O: springs(O, 3, verletDist=0),
+    "rigid": lambda O: rigid(O, 3),
+    "rigid, springs": lambda O: (rigid(O, 3), springs(O, 3)),
+    "springs, rigid, springs": lambda O: (springs(O, 3), rigid(O, 3), springs(O, 3)),
+}
+
+
+def deepest(O):
+    """Largest overlap of two disks, or of a disk and the floor, over the smaller radius: from places and radii alone."""
+    disks = [(b.state.pos[0], b.state.pos[1], b.shape.radius) for b in O.bodies if type(b.shape).__name__ == "Sphere"]
+    worst = max((r - y) / r for _, y, r in disks)
+    for i, (x, y, r) in enumerate(disks):
+        for u, v, s in disks[:i]:
+            worst = max(worst, (r + s - ((x - u)**2 + (y - v)**2)**0.5) / min(r, s))
+    return worst
+
+
+@pytest.mark.parametrize("before", BEFORE)
+@pytest.mark.parametrize("speed", [0.01, 30])
+def test_bounds_reach_beyond_the_disks_by_what_is_asked(O, before, speed):
+    """In every step: those of boundaries and disks by the margin of the smallest disk, and by the two ways that contacts may reach."""
+    mat = plane.material(0)
+    small = RADIUS / 5
+    plane.floor(mat)
+    plane.box((0, 5), (0.3, 0.1), angle=0.3, mat=mat)
+    ids = [plane.disk((0.1 * k, 1), RADIUS, mat=mat) for k in range(3)]
+    ids.append(plane.disk((1, 1), small, mat=mat))
+    BEFORE[before](O)
+    O.bodies[ids[0]].state.vel = (0, speed, 0)
+    rigid(O, 1)
+    for _ in range(20):
+        places = [b.state.pos for b in O.bodies]  # at which the collider, if it runs, runs in the next step
+        O.run(1, True)
+        asked = max(MARGIN * small, 2 * speed * O.dt) * (1 - 1e-9)
+        for b, place in zip(O.bodies, places):
+            if b.id in ids:
+                half = [b.shape.radius] * 2
+            elif type(b.shape).__name__ == "Wall":
+                half = [float("inf"), 0]
+            else:
+                half = [0.3 * 0.955336489125606 + 0.1 * 0.29552020666133955, 0.3 * 0.29552020666133955 + 0.1 * 0.955336489125606]
+            for k in (0, 1):
+                assert b.bound.max[k] >= place[k] + half[k] + asked, (b.id, k)
+                assert b.bound.min[k] <= place[k] - half[k] - asked, (b.id, k)
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_a_fast_disk_is_stopped_by_a_thin_box(O, before):
+    mat = plane.material(0)
+    plane.box((0, 0), (1, THIN), mat=mat)
+    disk = plane.disk((0, 0.5), RADIUS, mat=mat)
+    BEFORE[before](O)
+    O.bodies[disk].state.vel = (0, -30, 0)
+    rigid(O, 40)
+    assert O.bodies[disk].state.pos[1] == pytest.approx(THIN + RADIUS, abs=1e-12)
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_falling_disks_do_not_pass_into_each_other(O, before):
+    """Two hundred of them, of unequal size. A thousandth of a radius: what the curvature of their paths leaves, a few 1e-4."""
+    draw = random.Random(4)
+    mat = plane.material(0.3)
+    plane.floor(mat)
+    for k in range(200):
+        plane.disk((0.03 * (k % 10) + draw.uniform(-.003, .003), 0.03 * (k // 10 + 1)), draw.uniform(0.6, 1) * RADIUS, mat=mat)
+    BEFORE[before](O)
+    for b in O.bodies:
+        if b.id > 0:
+            b.state.vel = (0, -2, 0)
+    rigid(O, 200, gravity=9.81)
+    assert deepest(O) < 1e-3
+
+
+def test_a_collider_that_does_not_bound_a_shape_is_refused(O):
+    """The box would be passed through in silence."""
+    import cd_engine
+    from yade import wrapper as w
+    mat = plane.material(0)
+    plane.box((0, 0), (1, THIN), mat=mat)
+    plane.disk((0, 0.5), RADIUS, velocity=(0, -1), mat=mat)
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=0), cd_engine.ContactDynamics(colliderMargin=0.1)]
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match="body #0 .*Bo1_Box_Aabb"):
+        O.run(1, True)
