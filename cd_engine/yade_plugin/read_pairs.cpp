@@ -3,7 +3,9 @@
 #include "scene_link.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <functional>
 #include <set>
 
 namespace cd_engine {
@@ -33,6 +35,13 @@ namespace {
 		return std::abs(tangential) > most * (1 + 1e-9) ? std::copysign(most, tangential) : tangential;
 	}
 
+	// In order, each once, of so many.
+	[[maybe_unused]] bool isSelection(const std::vector<int32_t>& chosen, std::size_t of)
+	{
+		return std::adjacent_find(chosen.begin(), chosen.end(), std::greater_equal<int32_t>()) == chosen.end()
+		    && (chosen.empty() || (chosen.front() >= 0 && static_cast<std::size_t>(chosen.back()) < of));
+	}
+
 	// Different pairs may have one key; their ids decide then.
 	template <class Candidate> bool comesFirst(const Candidate& p, const Candidate& q)
 	{
@@ -51,12 +60,12 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 {
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
 	candidates.clear();
-	const int count = static_cast<int>(bodies.size());
+	const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
 	for (const auto& shared : listed) {
 		yade::Interaction* const interaction = shared.get();
 		int& id1 = at<int>(interaction, layout.interaction_id1);
 		int& id2 = at<int>(interaction, layout.interaction_id2);
-		if (id1 >= count || id2 >= count || !bodies[id1].exists || !bodies[id2].exists)
+		if (!exists(id1) || !exists(id2))
 			continue;
 		if ((bodies[id1].boundary && bodies[id2].boundary) || !bodies[id1].inPlane || !bodies[id2].inPlane)
 			continue;
@@ -77,6 +86,7 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 	spare.assign(candidates.size(), {});
 	forces.resize(candidates.size());
 	for (const Candidate& c : candidates) {
+		assert(c.a != c.b && !bodies[c.b].boundary);
 		world.pairs.push_back({ c.a, c.b });
 		world.pairs.back().reference = memory.overlaps.of(c.a, c.b);
 		interactions.push_back(c.interaction);
@@ -132,6 +142,7 @@ bool SceneLink::readPairs(double dt, bool impulses)
 {
 	constexpr std::size_t ahead = 12;
 	const std::size_t count = world.awake.size();
+	assert(isSelection(world.awake, world.pairs.size()) && interactions.size() == world.pairs.size() && forces.size() == world.pairs.size());
 	for (std::size_t i = 0; i < count + 2 * ahead; i++) {
 		if (i < count) {
 			prefetch(interactions[world.awake[i]], layout.interaction_id1);
