@@ -28,7 +28,8 @@ namespace {
 
 	std::string className(const void* serializable) { return static_cast<const yade::Serializable*>(serializable)->getClassName(); }
 
-	// Whether they own one body. What owns it lives as long as it is remembered, so, unlike the address, it cannot be another body's.
+	// Whether both are of one body. The count of its owners outlives it while it is remembered here, so, unlike its address, it cannot be another
+	// one's.
 	bool isSame(const boost::weak_ptr<yade::Body>& known, const boost::shared_ptr<yade::Body>& now)
 	{
 		return !known.owner_before(now) && !now.owner_before(known);
@@ -100,8 +101,8 @@ void SceneLink::checkMotion(int id) const
 	}
 	constexpr unsigned outside = dofZ | rotX | rotY;
 	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside)
-		refuseBody(id, "is free to leave the plane",
-		    "Set " + ofBody(id) + ".state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+		refuseBody(
+		    id, "is free to leave the plane", "Set " + ofBody(id) + ".state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
 	if (velocity[2] != 0 || spin[0] != 0 || spin[1] != 0)
 		refuseBody(id, "moves out of the plane", "Set its z velocity and its x and y angular velocities to 0");
 }
@@ -121,8 +122,7 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces,
 	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);
 	const double mass = at<double>(state, layout.state_mass), inertia = at<Vector3r>(state, layout.state_inertia)[2];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
-		refuseBody(id, "is free to move but has the mass " + text(mass) + " kg",
-		    "Set " + ofBody(id) + ".state.mass, or block its freedoms");
+		refuseBody(id, "is free to move but has the mass " + text(mass) + " kg", "Set " + ofBody(id) + ".state.mass, or block its freedoms");
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
 		refuseBody(id, "is free to turn but has the moment of inertia " + text(inertia) + " kg m^2 about z",
 		    "Set " + ofBody(id) + ".state.inertia, or block 'Z'");

@@ -28,8 +28,9 @@ namespace {
 		return first >> 5 << 40 | h >> 24;
 	}
 
-	// What friction of now can carry of a first guess made with that of before; a guess within the tolerance becomes the step's solution. Impulses on
-	// the cone, which lie beside it by the round-off of dt times force and back, stay as they are: cut, they would be written anew step by step.
+	// What friction of now can carry of a first guess made with that of before; a guess within the tolerance becomes the step's solution.
+	// Impulses on the cone, which lie beside it by the round-off of dt times force and back, stay as they are: cut, they would be written anew
+	// step by step.
 	double withinCone(double tangential, double most)
 	{
 		return std::abs(tangential) > most * (1 + 1e-9) ? std::copysign(most, tangential) : tangential;
