@@ -18,11 +18,13 @@ namespace {
 
 	std::string ofBody(int id) { return "O.bodies[" + std::to_string(id) + "]"; }
 
-	// A clump is a body itself, so its members are never reached.
+	const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";
+
+	// A clump is a body itself and comes behind its members, which need not be looked at for that.
 	[[noreturn]] void refuseShape(int id, const std::string& name)
 	{
 		if (name == "Clump")
-			refuseBody(id, "is a clump", "Release it (O.bodies.releaseClump) or use single disks");
+			refuseBody(id, "is a clump", releaseClump);
 		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
 	}
 
@@ -100,9 +102,12 @@ void SceneLink::checkMotion(int id) const
 		mustBeFinite(id, "angular velocity", spin);
 	}
 	constexpr unsigned outside = dofZ | rotX | rotY;
-	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside)
+	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside) {
+		if (at<int>(bodies[id].body, layout.body_clumpId) >= 0)
+			refuseBody(id, "belongs to a clump", releaseClump);
 		refuseBody(
 		    id, "is free to leave the plane", "Set " + ofBody(id) + ".state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+	}
 	if (velocity[2] != 0 || spin[0] != 0 || spin[1] != 0)
 		refuseBody(id, "moves out of the plane", "Set its z velocity and its x and y angular velocities to 0");
 }
