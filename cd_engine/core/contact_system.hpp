@@ -23,6 +23,7 @@ struct alignas(64) BodyVelocity {
 	double w[3]; // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
 	double twisted; // the same of the angular velocity [rad/s]
 };
+static_assert(sizeof(BodyVelocity) == 64 && offsetof(BodyVelocity, w) == 32);
 
 struct ContactRow {
 	int32_t a = 0, b = 0; // indices of the bodies
@@ -61,6 +62,7 @@ struct ContactRow {
 			wnn = wnt = pn = pt = 0;
 	}
 };
+static_assert(sizeof(ContactRow) == 8 + 13 * 8);
 
 struct ContactSystem {
 	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit

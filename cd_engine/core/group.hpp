@@ -5,6 +5,7 @@
 // which its inverse inertia is 1/m, too.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace cd {
@@ -13,6 +14,7 @@ struct alignas(32) PackedBody {
 	double vx, vy, spin; // [m/s], spin = k omega
 	double w; // 1/m along x and y, and of the spin [1/kg]; 0: immobile
 };
+static_assert(sizeof(PackedBody) == 32);
 
 // Contacts without coupling of n and t between bodies of equal mass in both directions; lanes not needed are without normal and impulse.
 struct alignas(64) Group {
@@ -24,10 +26,12 @@ struct alignas(64) Group {
 	double inverseWnn[lanes], inverseWtt[lanes];
 	double pn[lanes], pt[lanes];
 };
+static_assert(sizeof(Group) == 11 * 64 && offsetof(Group, nx) == 64); // no gaps: each member begins on a boundary of its own size
 
 // The impulses of a group one sweep ago.
 struct alignas(64) GroupBefore {
 	double pn[Group::lanes], pt[Group::lanes];
 };
+static_assert(sizeof(GroupBefore) == 2 * 64);
 
 } // namespace cd

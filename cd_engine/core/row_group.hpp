@@ -17,19 +17,23 @@ struct alignas(64) RowGroup {
 	double mu[lanes];
 	double nn[lanes], nt[lanes], tn[lanes], tt[lanes]; // the contacts' own blocks [1/kg]; lanes not needed: nn = tt = 1
 };
+static_assert(sizeof(RowGroup) == 7 * 64);
 
 // Lane l: a block of row l of the group, or any of the row that is spread; zero where there are no more.
 struct alignas(64) BlockSlice {
 	double nn[RowGroup::lanes], nt[RowGroup::lanes], tn[RowGroup::lanes], tt[RowGroup::lanes];
 };
+static_assert(sizeof(BlockSlice) == 4 * 64);
 struct alignas(32) SliceColumns {
 	int32_t pair[RowGroup::lanes]; // twice the place of the contact whose impulses the block multiplies
 };
+static_assert(sizeof(SliceColumns) == 32);
 
 // Impulses (p_n, p_t) of eight places, one group's [N s].
 struct alignas(64) ImpulsePairs {
 	double p[2 * RowGroup::lanes];
 };
+static_assert(sizeof(ImpulsePairs) == 2 * 64);
 
 // What a sweep from an extrapolated point did to a group [N^2 s^2]: y the point, p before, p+ after the sweep.
 struct GroupStep {

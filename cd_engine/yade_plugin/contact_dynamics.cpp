@@ -22,12 +22,41 @@ namespace {
 
 } // namespace
 
+std::atomic<ContactDynamics*> ContactDynamics::latest { nullptr };
+
+ContactDynamics::~ContactDynamics()
+{
+	ContactDynamics* self = this;
+	latest.compare_exchange_strong(self, nullptr);
+}
+
+// YADE never destroys an engine that was in O.engines: its setter takes a reference to each that it does not give back. With every O.reset() and new
+// list of engines the memory of a scene would be lost, so an engine gives it back when the next one begins to work.
+void ContactDynamics::takeOver()
+{
+	ContactDynamics* const before = latest.exchange(this);
+	if (before && before != this)
+		before->forget();
+}
+
+void ContactDynamics::forget()
+{
+	const PyGILState_STATE gil = PyGILState_Ensure(); // the last to hold an object made in Python gives that back, too
+	link = SceneLink();
+	rest.emplace();
+	step = cd::TimeStep();
+	checkedEngines = {};
+	last.iteration = -1;
+	PyGILState_Release(gil);
+}
+
 void ContactDynamics::action()
 {
 	try {
+		takeOver();
 		advance();
 	} catch (...) {
-		rest.wake(); // whoever goes on from here must not find a sleeping collider
+		rest->wake(); // whoever goes on from here must not find a sleeping collider
 		last.iteration = -1;
 		throw;
 	}
@@ -60,7 +89,7 @@ void ContactDynamics::advance()
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
 	last = { settings, at<long>(scene, layout.scene_iter), at<long>(scene, layout.scene_stopAtIter) };
-	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), rest, colliderMargin, step.sleepers);
+	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers);
 	if (handover) {
 		link.takeOverlaps();
 		link.collectOverlaps(memory().overlaps);
@@ -169,7 +198,7 @@ bool ContactDynamics::enginesChanged()
 	bool changed = engines.size() != checkedEngines.size();
 	for (std::size_t i = 0; !changed && i < engines.size(); i++)
 		changed = checkedEngines[i].first != engines[i].get()
-		    || (checkedEngines[i].second != engines[i]->dead && engines[i].get() != rest.engine());
+		    || (checkedEngines[i].second != engines[i]->dead && engines[i].get() != rest->engine());
 	if (!changed)
 		return false;
 	checkedEngines.clear();
@@ -190,7 +219,7 @@ void ContactDynamics::checkEngines()
 		if (name.find("Collider") != std::string::npos && before && !finds) {
 			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
 			finds = !engine->dead || colliderMargin > 0;
-			rest.attach(engine);
+			rest->attach(engine);
 			continue;
 		}
 		if (engine.get() == this || engine->dead)

@@ -4,12 +4,17 @@
 #include "registered_engine.hpp"
 #include "scene_link.hpp"
 
+#include <atomic>
+#include <optional>
+
 namespace cd_engine {
 
 class ContactDynamics : public RegisteredEngine<ContactDynamics> {
     public:
 	static constexpr const char* name = "ContactDynamics";
 	static const char* const documentation;
+
+	~ContactDynamics() override;
 
 	// Set by the user.
 	Vector3r gravity = Vector3r::Zero();
@@ -79,6 +84,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	cd::StepSettings settings(yade::Scene*) const;
 	void checkEngines();
 	bool enginesChanged();
+	void takeOver();
+	void forget();
 	void advance();
 	void planRestTrial(const cd::Effort&, bool tried);
 	bool sleepGoesOn(const cd::StepSettings&) const;
@@ -87,9 +94,11 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void warn();
 	void watchPenetration();
 
+	// Of the scene, from step to step; all of it can be found again. Kept by the engine that has made the last step, no other.
 	SceneLink link;
-	ColliderRest rest;
+	std::optional<ColliderRest> rest { std::in_place };
 	cd::TimeStep step;
+	static std::atomic<ContactDynamics*> latest; // that engine
 	std::vector<std::pair<const yade::Engine*, bool>> checkedEngines; // the company at the last check, and whether it was dead
 	bool warned = false;
 	struct {

@@ -14,6 +14,17 @@ namespace {
 		    py::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(v.data()), static_cast<Py_ssize_t>(v.size() * sizeof(T)))));
 	}
 
+	// Whether a run goes on in the background, changing the scene meanwhile. What an engine of it calls (PyRunner) holds the run up: its thread
+	// is YADE's own, of which Python's threading knows no more than that it is there.
+	bool runsBesides()
+	{
+		if (!py::extract<bool>(py::import("yade").attr("O").attr("running")))
+			return false;
+		const py::object threading = py::import("threading");
+		const py::object here = threading.attr("current_thread")();
+		return PyObject_IsInstance(here.ptr(), py::object(threading.attr("_DummyThread")).ptr()) != 1;
+	}
+
 	// The system as it stands, short of contacts between two immobile bodies.
 	void writeBodies(const std::string& path, const cd::ContactSystem& system)
 	{
@@ -41,6 +52,10 @@ namespace {
 
 void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 {
+	if (runsBesides())
+		throw SceneError(
+		    "ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
+		    "engine of the run (PyRunner)");
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Everything that remembers is a copy: this engine and the scene stay as they are.
 	const cd::StepSettings settings = this->settings(now);

@@ -16,7 +16,26 @@ namespace {
 		throw SceneError("ContactDynamics: body #" + std::to_string(id) + " " + what + ". " + remedy);
 	}
 
-	std::string className(void* serializable) { return static_cast<yade::Serializable*>(serializable)->getClassName(); }
+	std::string ofBody(int id) { return "O.bodies[" + std::to_string(id) + "]"; }
+
+	const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";
+
+	// A clump is a body itself and comes behind its members, which need not be looked at for that.
+	[[noreturn]] void refuseShape(int id, const std::string& name)
+	{
+		if (name == "Clump")
+			refuseBody(id, "is a clump", releaseClump);
+		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
+	}
+
+	std::string className(const void* serializable) { return static_cast<const yade::Serializable*>(serializable)->getClassName(); }
+
+	// Whether both are of one body. The count of its owners outlives it while it is remembered here, so, unlike its address, it cannot be another
+	// one's.
+	bool isSame(const boost::weak_ptr<yade::Body>& known, const boost::shared_ptr<yade::Body>& now)
+	{
+		return !known.owner_before(now) && !now.owner_before(known);
+	}
 
 	// One test for several vectors, since nearly always all are well: a product with 0 is 0 unless there is an infinity or a NaN.
 	template <class... V> bool allFinite(const V&... v) { return ((v[0] * 0 + v[1] * 0 + v[2] * 0) + ...) == 0; }
@@ -32,81 +51,46 @@ namespace {
 	{
 		if (!v.allFinite())
 			refuseBody(id, std::string("has a ") + what + " that is not a number",
-			    "Look for what set O.bodies[" + std::to_string(id) + "] to it, or for a failed step before");
+			    "Look for what set " + ofBody(id) + " to it, or for a failed step before");
 	}
 
 } // namespace
 
-// What a body is, looked at once: which of the shapes, whether the engine can move it.
-void SceneLink::inspect(int id, void* body)
+// Which of cd::ShapeKind a shape is, -1: none of them. Its class is told by its vtable, whose name is asked for once: the address of a shape tells
+// nothing, since another one may come to lie where the last one was.
+int SceneLink::kindOf(const void* shape)
 {
-	KnownBody known;
-	char* const raw = static_cast<char*>(body);
-	known.body = body;
-	known.exists = true;
-	known.state = static_cast<char*>(pointer<yade::State>(raw, layout.body_state));
-	known.shape = pointer<yade::Shape>(raw, layout.body_shape);
-	known.material = pointer<yade::Material>(raw, layout.body_material);
-	const std::string name = "O.bodies[" + std::to_string(id) + "]";
-	if (at<int>(raw, layout.body_clumpId) >= 0)
-		refuseBody(id, "belongs to a clump", "Release the clump (O.bodies.releaseClump) or use single disks");
-	if (!known.state)
-		refuseBody(id, "has no state", "Give it one: " + name + ".state=State()");
-	if (!known.shape)
-		refuseBody(id, "has no shape", "Use Sphere, Box or Wall, or erase it");
-	const std::string shape = className(known.shape);
-	if (shape == "Sphere")
-		known.kind = cd::ShapeKind::disk;
-	else if (shape == "Box")
-		known.kind = cd::ShapeKind::box;
-	else if (shape == "Wall")
-		known.kind = cd::ShapeKind::wall;
-	else
-		refuseBody(id, "has the shape " + shape, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
-	known.boundary = known.kind != cd::ShapeKind::disk;
-	if (!known.material || !inherits(known.material, Base::FrictMat))
-		refuseBody(id, "has a material without friction angle", "Use FrictMat or a material derived from it");
-
-	known.inPlane = true;
-	if (known.kind == cd::ShapeKind::disk) {
-		const double z = at<Vector3r>(known.state, layout.state_se3)[2], radius = at<double>(known.shape, layout.sphere_radius);
-		if (!(radius > 0))
-			refuseBody(id, "has the radius " + text(radius) + " m", "A disk needs a positive one");
-		if (!(std::abs(z - layer) <= 1e-9 * radius))
-			refuseBody(id, "has z = " + text(z) + " m but body #" + std::to_string(layerId) + " has z = " + text(layer) + " m",
-			    "Put all disks in one plane");
-	} else if (known.kind == cd::ShapeKind::wall)
-		known.inPlane = at<int>(known.shape, layout.wall_axis) != 2;
-	bodies[id] = known;
-	world.bodies[id] = {};
-	world.shapes[id] = {};
-	world.shapes[id].kind = known.kind;
+	static const char* const names[] = { "Sphere", "Box", "Wall" };
+	const void* const vtable = *static_cast<const void* const*>(shape);
+	for (std::size_t kind = 0; kind < vtables.size(); kind++)
+		if (vtables[kind] == vtable)
+			return static_cast<int>(kind);
+	const std::string name = className(shape);
+	for (std::size_t kind = 0; kind < vtables.size(); kind++)
+		if (name == names[kind]) {
+			vtables[kind] = vtable;
+			return static_cast<int>(kind);
+		}
+	return -1;
 }
 
-// The plane of the disks is that of the first one; if that one is gone, everything is looked at anew.
+// The plane of the disks is that of the first one.
 void SceneLink::findLayer(yade::BodyContainer& container)
 {
-	if (layerId >= 0 && layerId < static_cast<int>(container.size()) && container[layerId].get() == layerBody)
-		return;
 	layerId = -1;
-	layerBody = nullptr;
-	bodies.assign(container.size(), KnownBody());
-	for (std::size_t id = 0; id < container.size(); id++) {
-		void* const body = container[id].get();
-		if (!body)
-			continue;
-		void* const shape = pointer<yade::Shape>(static_cast<char*>(body), layout.body_shape);
-		if (!shape || className(shape) != "Sphere")
+	for (std::size_t id = 0; id < container.size() && layerId < 0; id++) {
+		char* const body = reinterpret_cast<char*>(container[id].get());
+		const void* const shape = body ? pointer<yade::Shape>(body, layout.body_shape) : nullptr;
+		void* const state = body ? pointer<yade::State>(body, layout.body_state) : nullptr;
+		if (!shape || !state || kindOf(shape) != static_cast<int>(cd::ShapeKind::disk))
 			continue;
 		layerId = static_cast<int>(id);
-		layerBody = body;
-		layer = at<Vector3r>(pointer<yade::State>(static_cast<char*>(body), layout.body_state), layout.state_se3)[2];
-		return;
+		layer = at<Vector3r>(state, layout.state_se3)[2];
 	}
 }
 
 // Whether the freedoms and velocities the body has now are those of a plane motion.
-void SceneLink::inspectMotion(int id) const
+void SceneLink::checkMotion(int id) const
 {
 	char* const state = bodies[id].state;
 	const Vector3r& velocity = at<Vector3r>(state, layout.state_vel);
@@ -118,9 +102,12 @@ void SceneLink::inspectMotion(int id) const
 		mustBeFinite(id, "angular velocity", spin);
 	}
 	constexpr unsigned outside = dofZ | rotX | rotY;
-	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside)
-		refuseBody(id, "is free to leave the plane",
-		    "Set O.bodies[" + std::to_string(id) + "].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside) {
+		if (at<int>(bodies[id].body, layout.body_clumpId) >= 0)
+			refuseBody(id, "belongs to a clump", releaseClump);
+		refuseBody(
+		    id, "is free to leave the plane", "Set " + ofBody(id) + ".state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+	}
 	if (velocity[2] != 0 || spin[0] != 0 || spin[1] != 0)
 		refuseBody(id, "moves out of the plane", "Set its z velocity and its x and y angular velocities to 0");
 }
@@ -140,11 +127,10 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces,
 	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);
 	const double mass = at<double>(state, layout.state_mass), inertia = at<Vector3r>(state, layout.state_inertia)[2];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
-		refuseBody(id, "is free to move but has the mass " + text(mass) + " kg",
-		    "Set O.bodies[" + std::to_string(id) + "].state.mass, or block its freedoms");
+		refuseBody(id, "is free to move but has the mass " + text(mass) + " kg", "Set " + ofBody(id) + ".state.mass, or block its freedoms");
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
 		refuseBody(id, "is free to turn but has the moment of inertia " + text(inertia) + " kg m^2 about z",
-		    "Set O.bodies[" + std::to_string(id) + "].state.inertia, or block 'Z'");
+		    "Set " + ofBody(id) + ".state.inertia, or block 'Z'");
 	body.inverseMass[0] = blocked & dofX ? 0 : 1 / mass;
 	body.inverseMass[1] = blocked & dofY ? 0 : 1 / mass;
 	body.inverseMass[2] = blocked & rotZ ? 0 : 1 / inertia;
@@ -168,39 +154,111 @@ void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Ve
 	body.force[2] = torque[2];
 }
 
-// The shape, whose size and orientation may change at any time, and the friction.
+// Class, size and orientation of the shape, any of which may change at any time.
 void SceneLink::readShape(int id, cd::Body& body)
 {
 	KnownBody& known = bodies[id];
+	const int found = kindOf(known.shape);
+	if (found < 0)
+		refuseShape(id, className(known.shape));
+	const auto kind = static_cast<cd::ShapeKind>(found);
 	cd::Shape& shape = world.shapes[id];
-	if (known.kind == cd::ShapeKind::disk)
-		body.radius = at<double>(known.shape, layout.sphere_radius);
-	else if (known.kind == cd::ShapeKind::box) {
-		const Vector3r& extents = at<Vector3r>(known.shape, layout.box_extents);
-		const double* q = &at<double>(known.state, layout.state_orientation);
-		const double norm = q[2] * q[2] + q[3] * q[3];
-		if (std::abs(q[0]) > 1e-9 || std::abs(q[1]) > 1e-9)
-			refuseBody(id, "is a box turned out of the plane", "Turn it about z only");
-		if (!(norm > 0.5 && norm < 2))
-			refuseBody(id, "has an orientation that is not a rotation",
-			    "Set O.bodies[" + std::to_string(id) + "].state.ori to a unit quaternion");
-		// A box that the disks' plane does not cut (a front or back wall) is never touched.
-		known.inPlane = layerId < 0 || std::abs(at<Vector3r>(known.state, layout.state_se3)[2] - layer) <= extents[2] * (1 + 1e-9);
-		shape.ex = extents[0];
-		shape.ey = extents[1];
-		shape.cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
-		shape.sine = 2 * q[2] * q[3] / norm;
-	} else {
-		shape.axis = at<int>(known.shape, layout.wall_axis);
-		shape.sense = at<int>(known.shape, layout.wall_sense);
+	if (shape.kind != kind) {
+		shape = {};
+		shape.kind = kind;
 	}
-	const double angle = at<double>(known.material, layout.frictMat_frictionAngle);
-	if (angle != known.frictionAngle) {
-		if (!(angle >= 0 && angle < 1.5707963267948966))
-			refuseBody(id, "has the friction angle " + text(angle) + " rad", "It must lie in [0, pi/2)");
-		known.frictionAngle = angle;
-		known.friction = std::tan(angle);
-	}
+	known.boundary = kind != cd::ShapeKind::disk;
+	body.radius = 0;
+	if (kind == cd::ShapeKind::disk)
+		readDisk(id, body);
+	else if (kind == cd::ShapeKind::box)
+		readBox(id, shape);
+	else
+		readWall(id, shape);
+}
+
+void SceneLink::readDisk(int id, cd::Body& body)
+{
+	KnownBody& known = bodies[id];
+	const double z = at<Vector3r>(known.state, layout.state_se3)[2], radius = at<double>(known.shape, layout.sphere_radius);
+	if (!(radius > 0 && std::isfinite(radius)))
+		refuseBody(id, "has the radius " + text(radius) + " m", "Set " + ofBody(id) + ".shape.radius to a positive number");
+	if (!(std::abs(z - layer) <= 1e-9 * radius))
+		refuseBody(id, "has z = " + text(z) + " m but body #" + std::to_string(layerId) + " has z = " + text(layer) + " m",
+		    "Put all disks in one plane: set the third component of their state.pos");
+	known.inPlane = true;
+	body.radius = radius;
+}
+
+void SceneLink::readBox(int id, cd::Shape& shape)
+{
+	KnownBody& known = bodies[id];
+	const Vector3r& extents = at<Vector3r>(known.shape, layout.box_extents);
+	if (!allFinite(extents) || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
+		refuseBody(id, "is a box with the extents " + text(extents[0]) + ", " + text(extents[1]) + ", " + text(extents[2]) + " m",
+		    "Set " + ofBody(id) + ".shape.extents, the halves of its edges, to numbers that are not negative");
+	const double* q = &at<double>(known.state, layout.state_orientation);
+	const double norm = q[2] * q[2] + q[3] * q[3];
+	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
+		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: " + ofBody(id) + ".state.ori");
+	if (!(norm > 0.5 && norm < 2))
+		refuseBody(id, "has an orientation that is not a rotation", "Set " + ofBody(id) + ".state.ori to a unit quaternion");
+	// A box that the disks' plane does not cut (a front or back wall) is never touched.
+	known.inPlane = layerId < 0 || std::abs(at<Vector3r>(known.state, layout.state_se3)[2] - layer) <= extents[2] * (1 + 1e-9);
+	shape.ex = extents[0];
+	shape.ey = extents[1];
+	shape.cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
+	shape.sine = 2 * q[2] * q[3] / norm;
+}
+
+void SceneLink::readWall(int id, cd::Shape& shape)
+{
+	KnownBody& known = bodies[id];
+	shape.axis = at<int>(known.shape, layout.wall_axis);
+	shape.sense = at<int>(known.shape, layout.wall_sense);
+	if (shape.axis < 0 || shape.axis > 2)
+		refuseBody(id, "is a wall with the axis " + std::to_string(shape.axis),
+		    "Set " + ofBody(id) + ".shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
+	if (shape.sense < -1 || shape.sense > 1)
+		refuseBody(id, "is a wall with the sense " + std::to_string(shape.sense), "Set " + ofBody(id) + ".shape.sense to -1, 0 or 1");
+	known.inPlane = shape.axis != 2;
+}
+
+void SceneLink::readFriction(int id, void* material)
+{
+	KnownBody& known = bodies[id];
+	if (!material || !inherits(material, Base::FrictMat))
+		refuseBody(id, "has a material without friction angle", "Set " + ofBody(id) + ".mat to a FrictMat or a material derived from it");
+	const double angle = at<double>(material, layout.frictMat_frictionAngle);
+	if (angle == known.frictionAngle)
+		return;
+	if (!(angle >= 0 && angle < 1.5707963267948966))
+		refuseBody(id, "has the friction angle " + text(angle) + " rad", "Set " + ofBody(id) + ".mat.frictionAngle within [0, pi/2)");
+	known.frictionAngle = angle;
+	known.friction = std::tan(angle);
+}
+
+// All that a step asks of a body. Whatever it asks is looked at in every step, since anybody may have changed it since the last one.
+void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yade::ForceContainer& forces, const Vector3r& g)
+{
+	KnownBody& known = bodies[id];
+	char* const body = reinterpret_cast<char*>(owned.get());
+	if (!isSame(known.identity, owned))
+		known.identity = owned;
+	known.state = static_cast<char*>(pointer<yade::State>(body, layout.body_state));
+	known.shape = pointer<yade::Shape>(body, layout.body_shape);
+	known.body = body;
+	known.exists = true;
+	if (!known.state)
+		refuseBody(id, "has no state", "Give it one: " + ofBody(id) + ".state=State()");
+	if (!known.shape)
+		refuseBody(id, "has no shape", "Set " + ofBody(id) + ".shape to a Sphere, Box or Wall, or erase the body");
+	checkMotion(id);
+	readShape(id, world.bodies[id]);
+	readFriction(id, pointer<yade::Material>(body, layout.body_material));
+	readMotion(id, world.bodies[id], forces, g);
+	world.bodies[id].friction = known.friction;
+	surfaces[id] = { known.friction, world.bodies[id].radius };
 }
 
 // The lines of memory that a step reads of a body's objects, asked for before they are wanted.
@@ -210,6 +268,7 @@ void SceneLink::prefetchBody(const KnownBody& known) const
 		return;
 	prefetch(known.body, layout.body_material);
 	prefetch(known.body, layout.body_shape);
+	prefetch(known.shape, 0);
 	prefetch(known.shape, layout.sphere_radius);
 	for (const long member : { layout.state_se3, layout.state_vel, layout.state_angVel, layout.state_inertia, layout.state_blockedDOFs })
 		prefetch(known.state, member);
@@ -220,8 +279,12 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	constexpr int ahead = 6;
 	auto& container = *at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies);
 	auto& forces = at<yade::ForceContainer>(scene, layout.scene_forces);
-	const int count = static_cast<int>(container.size());
 	findLayer(container);
+	const int count = static_cast<int>(container.size());
+	bool changed = outdated || bodies.size() != container.size();
+	outdated = true; // if a body is refused
+	for (std::size_t id = container.size(); id < bodies.size(); id++)
+		gone.push_back(static_cast<int>(id));
 	bodies.resize(count);
 	surfaces.resize(count);
 	world.bodies.resize(count);
@@ -230,23 +293,20 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
-		char* const body = reinterpret_cast<char*>(container[id].get());
+		const boost::shared_ptr<yade::Body>& body = container[id];
 		KnownBody& known = bodies[id];
-		if (!body) {
+		if (known.exists && !isSame(known.identity, body))
+			gone.push_back(id);
+		const bool boundary = known.boundary, inPlane = known.inPlane;
+		if (body)
+			readBody(id, body, forces, g);
+		else {
 			known = KnownBody();
 			world.bodies[id] = cd::Body();
-			continue;
 		}
-		if (known.body != body || known.state != pointer<yade::State>(body, layout.body_state)
-		    || known.shape != pointer<yade::Shape>(body, layout.body_shape)
-		    || known.material != pointer<yade::Material>(body, layout.body_material))
-			inspect(id, body);
-		inspectMotion(id);
-		readShape(id, world.bodies[id]);
-		readMotion(id, world.bodies[id], forces, g);
-		world.bodies[id].friction = known.friction;
-		surfaces[id] = { known.friction, world.bodies[id].radius };
+		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
 	}
+	outdated = changed || !gone.empty();
 }
 
 void SceneLink::checkScene(yade::Scene* scene, double dt) const
@@ -263,8 +323,9 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	checkScene(scene, dt);
 	gravity = g;
 	gatherBodies(scene, g);
-	if (cd::renewOrder(world, memory.order, look))
-		listed.clear();
+	memory.overlaps.forgetBodies(gone);
+	gone.clear();
+	outdated = cd::renewOrder(world, memory.order, look) || outdated;
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
 	rest.refresh(
 	    world, scene, dt, margin, !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));

@@ -3,7 +3,10 @@
 #include "scene_link.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <functional>
+#include <set>
 
 namespace cd_engine {
 namespace {
@@ -25,24 +28,45 @@ namespace {
 		return first >> 5 << 40 | h >> 24;
 	}
 
+	// What friction of now can carry of a first guess made with that of before; a guess within the tolerance becomes the step's solution.
+	// Impulses on the cone, which lie beside it by the round-off of dt times force and back, stay as they are: cut, they would be written anew
+	// step by step.
+	double withinCone(double tangential, double most)
+	{
+		return std::abs(tangential) > most * (1 + 1e-9) ? std::copysign(most, tangential) : tangential;
+	}
+
+	// In order, each once, of so many.
+	[[maybe_unused]] bool isSelection(const std::vector<int32_t>& chosen, std::size_t of)
+	{
+		return std::adjacent_find(chosen.begin(), chosen.end(), std::greater_equal<int32_t>()) == chosen.end()
+		    && (chosen.empty() || (chosen.front() >= 0 && static_cast<std::size_t>(chosen.back()) < of));
+	}
+
+	// Different pairs may have one key; their ids decide then.
+	template <class Candidate> bool comesFirst(const Candidate& p, const Candidate& q)
+	{
+		return p.key != q.key ? p.key < q.key : std::minmax(p.a, p.b) < std::minmax(q.a, q.b);
+	}
+
 } // namespace
 
-// Whether the list holds the same interactions as before. They are held on to, so that none can be another one at the same address.
+// Whether the pairs are still those of the scene's list. Its interactions are held on to, so that none can be another one at the same address.
 bool SceneLink::listUnchanged(yade::InteractionContainer* container) const
 {
-	return at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear) == listed;
+	return !outdated && at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear) == listed;
 }
 
 void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory& memory)
 {
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
 	candidates.clear();
-	const int count = static_cast<int>(bodies.size());
+	const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
 	for (const auto& shared : listed) {
 		yade::Interaction* const interaction = shared.get();
 		int& id1 = at<int>(interaction, layout.interaction_id1);
 		int& id2 = at<int>(interaction, layout.interaction_id2);
-		if (id1 >= count || id2 >= count || !bodies[id1].exists || !bodies[id2].exists)
+		if (!exists(id1) || !exists(id2))
 			continue;
 		if ((bodies[id1].boundary && bodies[id2].boundary) || !bodies[id1].inPlane || !bodies[id2].inPlane)
 			continue;
@@ -56,13 +80,14 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 		candidates.push_back(
 		    { sweepKey(id1, id2, memory.order.rank), interaction, turned && inspecting ? id2 : id1, turned && inspecting ? id1 : id2 });
 	}
-	std::sort(candidates.begin(), candidates.end(), [](const Candidate& p, const Candidate& q) { return p.key < q.key; });
+	std::sort(candidates.begin(), candidates.end(), comesFirst<Candidate>);
 	world.pairs.clear();
 	interactions.clear();
 	collectSpares();
 	spare.assign(candidates.size(), {});
 	forces.resize(candidates.size());
 	for (const Candidate& c : candidates) {
+		assert(c.a != c.b && !bodies[c.b].boundary);
 		world.pairs.push_back({ c.a, c.b });
 		world.pairs.back().reference = memory.overlaps.of(c.a, c.b);
 		interactions.push_back(c.interaction);
@@ -118,6 +143,7 @@ bool SceneLink::readPairs(double dt, bool impulses)
 {
 	constexpr std::size_t ahead = 12;
 	const std::size_t count = world.awake.size();
+	assert(isSelection(world.awake, world.pairs.size()) && interactions.size() == world.pairs.size() && forces.size() == world.pairs.size());
 	for (std::size_t i = 0; i < count + 2 * ahead; i++) {
 		if (i < count) {
 			prefetch(interactions[world.awake[i]], layout.interaction_id1);
@@ -134,7 +160,7 @@ bool SceneLink::readPairs(double dt, bool impulses)
 		pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
 		const std::array<double, 2> guess = impulses ? impulseIn(forces[now], dt) : std::array<double, 2> { 0, 0 };
 		pair.pn = guess[0];
-		pair.pt = guess[1];
+		pair.pt = withinCone(guess[1], pair.mu * guess[0]);
 	}
 	return true;
 }
@@ -158,7 +184,7 @@ void SceneLink::disturbReplaced(cd::Sleepers& sleepers) const
 void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory, cd::Sleepers& sleepers)
 {
 	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	bool known = bodiesThen == bodies.size() && listUnchanged(container);
+	bool known = listUnchanged(container);
 	if (known) {
 		disturbReplaced(sleepers);
 		sleepers.look(world);
@@ -166,7 +192,7 @@ void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const 
 	}
 	if (!known) {
 		rebuildPairs(container, memory);
-		bodiesThen = bodies.size();
+		outdated = false;
 		sleepers.wakeAll(world);
 		readPairs(dt, impulses);
 	}
@@ -227,6 +253,22 @@ void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::ve
 	for (const int32_t i : which)
 		if (const std::size_t found = find(pairs[i].a, pairs[i].b); found < overlaps.size())
 			overlaps[found] = 0;
+	dropZeros();
+}
+
+void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
+{
+	if (which.empty() || overlaps.empty())
+		return;
+	const std::set<int> bodies(which.begin(), which.end());
+	for (std::size_t i = 0; i < overlaps.size(); i++)
+		if (bodies.count(ids[2 * i]) > 0 || bodies.count(ids[2 * i + 1]) > 0)
+			overlaps[i] = 0;
+	dropZeros();
+}
+
+void ReferenceOverlaps::dropZeros() const
+{
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < overlaps.size(); i++) {
 		if (overlaps[i] == 0)

@@ -7,6 +7,8 @@
 #include "layout.hpp"
 #include "scene_error.hpp"
 
+#include <boost/weak_ptr.hpp>
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -23,9 +25,11 @@ struct ReferenceOverlaps {
 
 	double of(int id1, int id2) const; // 0 if the pair has none
 	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which);
+	void forgetBodies(const std::vector<int>& ids) const;
 
     private:
 	std::size_t find(int id1, int id2) const; // overlaps.size() if the pair has none
+	void dropZeros() const;
 };
 
 // What the engine keeps of the pairs from step to step, saved with it.
@@ -53,14 +57,15 @@ class SceneLink {
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 
     private:
+	// A body of this step. Its addresses hold for the step only; the next one, before it looks, does no more than ask for their memory ahead.
 	struct KnownBody {
-		void *body = nullptr, *shape = nullptr, *material = nullptr; // as last looked at
+		boost::weak_ptr<yade::Body> identity;
+		void *body = nullptr, *shape = nullptr;
 		char* state = nullptr;
 		bool exists = false;
 		bool inPlane = false; // takes part in contacts
 		bool boundary = false;
 		double frictionAngle = 0, friction = 0; // [rad] and its tangent
-		cd::ShapeKind kind = cd::ShapeKind::disk;
 	};
 	// What every pair asks of its bodies, together in little memory.
 	struct Surface {
@@ -87,9 +92,14 @@ class SceneLink {
 	void gatherBodies(yade::Scene*, const Vector3r& gravity);
 	void prefetchBody(const KnownBody&) const;
 	void findLayer(yade::BodyContainer&);
-	void inspect(int id, void* body);
-	void inspectMotion(int id) const;
+	int kindOf(const void* shape);
+	void readBody(int id, const boost::shared_ptr<yade::Body>&, yade::ForceContainer&, const Vector3r& gravity);
+	void checkMotion(int id) const;
 	void readShape(int id, cd::Body&);
+	void readDisk(int id, cd::Body&);
+	void readBox(int id, cd::Shape&);
+	void readWall(int id, cd::Shape&);
+	void readFriction(int id, void* material);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
@@ -109,8 +119,10 @@ class SceneLink {
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
 
+	std::array<const void*, 3> vtables {}; // of the classes of shapes, once met
 	std::vector<KnownBody> bodies;
 	std::vector<Surface> surfaces; // of the bodies
+	std::vector<int> gone; // ids whose body of the last step is no more, or is another one now
 	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	std::vector<Candidate> candidates; // scratch
 	std::vector<yade::Interaction*> interactions; // of world.pairs
@@ -120,9 +132,8 @@ class SceneLink {
 	std::vector<Spare> pool; // of pairs that are no more, for others
 	Vector3r gravity = Vector3r::Zero();
 	double layer = 0; // z of the disks
-	void* layerBody = nullptr; // the disk it was taken from
-	int layerId = -1;
-	std::size_t bodiesThen = 0; // how many there were when the pairs were listed
+	int layerId = -1; // the disk it was taken from
+	bool outdated = true; // the pairs have to be listed anew though the scene's list may be the same
 };
 
 } // namespace cd_engine

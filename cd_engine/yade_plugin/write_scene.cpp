@@ -1,6 +1,7 @@
 #include "scene_link.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd_engine {
@@ -134,9 +135,11 @@ void SceneLink::scatterContacts(cd::TimeStep& step, long iteration, double dt)
 			checkForces(i);
 		}
 	const std::vector<int32_t>& solved = step.pairs();
+	assert(solved.size() == step.touches().size() && spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
 	for (std::size_t i = 0; i < solved.size(); i++) {
 		if (i + ahead < solved.size())
 			prefetchContact(forces[solved[i + ahead]]);
+		assert(static_cast<std::size_t>(solved[i]) < world.pairs.size());
 		const cd::Pair& pair = world.pairs[solved[i]];
 		if (!(pair.pn > 0))
 			continue;
@@ -156,6 +159,7 @@ void SceneLink::scatterContacts(cd::TimeStep& step, long iteration, double dt)
 
 void SceneLink::scatter(yade::Scene* scene, cd::TimeStep& step, double dt)
 {
+	assert(world.bodies.size() == bodies.size());
 	scatterContacts(step, at<long>(scene, layout.scene_iter), dt);
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	const double rate = 1 / dt;

@@ -47,6 +47,13 @@ def clump(O, mat):
     O.bodies.appendClumped([utils.sphere((1, 1, 0), 0.1, material=mat), utils.sphere((1, 1.1, 0), 0.1, material=mat)])
 
 
+def flat_clump(O, mat):
+    from yade import utils
+    O.bodies.appendClumped([utils.sphere((1, y, 0), 0.1, material=mat) for y in (1, 1.1)])
+    for body in O.bodies:
+        body.state.blockedDOFs = "zXY"
+
+
 def periodic(O, mat):
     O.periodic = True
 
@@ -83,7 +90,8 @@ NAN = float("nan")
     (append(lambda u, m: u.facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)], material=m)), ["#2", "Facet", "Sphere"]),
     (append(tilted_box), ["#2", "turned out of the plane"]),
     (append(lambda u, m: u.wall(1, axis=0, material="elastic")), ["#2", "friction angle", "FrictMat"]),
-    (clump, ["clump"]),
+    (clump, ["#2", "belongs to a clump"]),
+    (flat_clump, ["#4", "is a clump"]),
     (periodic, ["periodic"]),
     (bad_dt(0), ["O.dt", "0 s"]),
     (bad_dt(NAN), ["O.dt"]),

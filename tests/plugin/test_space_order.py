@@ -1,6 +1,10 @@
 """Contacts are ordered by where their bodies are, in scenes too large for the cache; that belongs to the saved state."""
+import numpy as np
 import pytest
+from yade import utils
 
+from . import plane
+from .test_export_problem import ids
 from .test_invariants import cloud, digest
 
 DISKS = 2100  # more than 2048, from which on the order is used
@@ -68,3 +72,34 @@ def test_few_bodies_keep_their_numbers(O):
     O.engines = cd_engine.engines()
     O.run(2, True)
     assert len(O.engines[-1].bodyOrder) == 0
+
+
+def pairs_of_one_key(most):
+    """Two pairs of ids below `most` to which read_pairs.cpp gives one key where their disks are among the first 32 of the order."""
+    low, high = np.triu_indices(most, 1)
+    h = (low.astype(np.uint64) << np.uint64(32) | high.astype(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+    h ^= h >> np.uint64(32)
+    h = h * np.uint64(0xD6E8FEB86659FD93) >> np.uint64(24)
+    order = np.argsort(h, kind="stable")
+    for k in np.flatnonzero(h[order][1:] == h[order][:-1]):
+        pairs = [(int(low[i]), int(high[i])) for i in order[k:k + 2]]
+        if len({*pairs[0], *pairs[1]}) == 4:
+            return sorted(pairs)
+
+
+def test_pairs_of_one_key_are_ordered_by_their_ids(O, tmp_path):
+    """Whichever the collider, which goes along x, finds first."""
+    import cd_engine
+    pairs = pairs_of_one_key(2800)
+    for side in (1, -1):
+        O.reset()
+        mat = plane.material()
+        places = {pair[i]: (side * k, 0.2 * i, 0) for k, pair in enumerate(pairs) for i in (0, 1)}
+        for body, place in {**places, 2799: (9, 9, 0)}.items():
+            sphere = utils.sphere(place, 0.1, material=mat)
+            sphere.state.blockedDOFs = "zXY"
+            O.bodies.insertAtId(sphere, body)
+        O.engines, O.dt = cd_engine.engines(), 1e-3
+        O.run(1, True)
+        O.engines[-1].exportProblem(str(tmp_path / "a"))
+        assert list(map(tuple, ids(tmp_path / "a"))) == pairs

@@ -1,4 +1,4 @@
-"""The plug-in in YADE with every access to memory watched: by the compiler's sanitizers in all of its tests, by valgrind in a run."""
+"""The plug-in in YADE with every access to memory watched: by the compiler's sanitizers in its tests, by valgrind in a run."""
 import collections
 import os
 import pathlib
@@ -36,6 +36,18 @@ def library(name):
     return subprocess.run(["g++", f"-print-file-name={name}"], capture_output=True, text=True, check=True).stdout.strip()
 
 
+def watched_copy(root, folder, kind):
+    """A copy of the repository whose plug-in is the watched one of that kind."""
+    copy = folder / "copy"
+    names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines()
+    for name in (name for name in names if (root / name).is_file()):
+        (copy / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(root / name, copy / name)
+    shutil.copy2(root / "cd_engine" / "core" / "_core.so", copy / "cd_engine" / "core")
+    shutil.copy2(root / "cd_engine" / "build" / kind / PLUGIN, copy / "cd_engine")
+    return copy
+
+
 @pytest.mark.timeout(3600)
 def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tmp_path):
     """All of tests/plugin in a copy of the repository whose plug-in is the watched one. The first fault ends the process that made it.
@@ -44,13 +56,7 @@ def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tm
     live to the end of the process (test_memory looks at what grows).
     """
     subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), "sanitized_plugin"], check=True)
-    copy = tmp_path / "copy"
-    names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines()
-    for name in (name for name in names if (root / name).is_file()):
-        (copy / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(root / name, copy / name)
-    shutil.copy2(root / "cd_engine" / "core" / "_core.so", copy / "cd_engine" / "core")
-    shutil.copy2(root / "cd_engine" / "build" / "sanitized" / PLUGIN, copy / "cd_engine")
+    copy = watched_copy(root, tmp_path, "sanitized")
     preloaded = ":".join(map(library, ("libasan.so", "libubsan.so", "libstdc++.so")))
     options = f"detect_leaks=0:suppressions={HERE / 'sanitizers.txt'}:log_path={tmp_path / 'fault'}"
     # Those left out preload a library of their own or build it anew.
@@ -60,6 +66,21 @@ def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tm
     faults = [path.read_text() for path in tmp_path.glob("fault*")]
     assert not faults, faults[0]
     assert done.returncode == 0 and " passed" in done.stdout, done.stdout[-3000:]
+
+
+@pytest.mark.timeout(3600)
+def test_runs_in_the_background_with_the_thread_sanitizer(root, tmp_path):
+    """What tests/plugin/test_background.py does. YADE, Python and OpenMP are not watched themselves, so that only those reports count in which
+    both accesses are the plug-in's."""
+    subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), "threaded_plugin"], check=True)
+    copy = watched_copy(root, tmp_path, "threaded")
+    options = f"ignore_noninstrumented_modules=1:exitcode=0:log_path={tmp_path / 'fault'}"
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/plugin/test_background.py"], cwd=copy,
+                          env=os.environ | {"LD_PRELOAD": library("libtsan.so"), "TSAN_OPTIONS": options, "OMP_NUM_THREADS": "1"},
+                          capture_output=True, text=True)
+    faults = [fault for path in tmp_path.glob("fault*") for fault in path.read_text().split("==================") if PLUGIN in fault]
+    assert done.returncode == 0 and " passed" in done.stdout, done.stdout[-3000:] + done.stderr[-3000:]
+    assert not faults, faults[0]
 
 
 @pytest.mark.timeout(3600)

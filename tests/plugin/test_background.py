@@ -1,0 +1,53 @@
+"""What Python may do while a run goes on in the background."""
+import builtins
+import time
+
+import pytest
+from yade import wrapper
+
+from cd_engine import core
+
+from . import plane
+from .test_export_problem import ids
+
+
+def columns(O):
+    """Fifty columns of disks on a floor, a step of which takes a while; ContactDynamics."""
+    mat = plane.material()
+    plane.floor(mat)
+    for k in range(50):
+        for j in range(10):
+            plane.disk((0.03 * k, 0.01 + 0.02 * j), 0.01, mat=mat)
+    return plane.run(2, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-10)
+
+
+def test_no_problem_is_exported_beside_a_run(O, tmp_path):
+    """The scene would be read while it changes."""
+    cd = columns(O)
+    O.run(10**9)
+    try:
+        before = cd.steps
+        for _ in range(20):
+            with pytest.raises(RuntimeError, match=r"run goes on.*O\.pause\(\)"):
+                cd.exportProblem(str(tmp_path / "a"))
+        deadline = time.monotonic() + 60
+        while cd.steps == before and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert cd.steps > before  # it was a run
+    finally:
+        O.pause()
+        O.wait()
+    assert not (tmp_path / "a").exists()
+    cd.exportProblem(str(tmp_path / "a"))
+    assert core.read_problem(tmp_path / "a").contacts == 500
+
+
+@pytest.mark.parametrize("place", ["before", "after"])
+def test_an_engine_of_the_run_may_export(O, tmp_path, place):
+    """PyRunner holds the run up."""
+    cd = columns(O)
+    builtins.export_now = lambda: cd.exportProblem(str(tmp_path / "a"))
+    runner = wrapper.PyRunner(command="import builtins; builtins.export_now()", iterPeriod=1, nDo=1)
+    O.engines = [runner, *O.engines] if place == "before" else [*O.engines, runner]
+    O.run(3, True)
+    assert len(ids(tmp_path / "a")) == 500
