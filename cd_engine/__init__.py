@@ -37,12 +37,17 @@ def _plugin():
     except ImportError as error:
         if error.path is None:  # the module itself has refused
             raise
-        raise ImportError(f"cd_engine is built for another system than this one ({error}): run `make build` at the top of the repository.") from None
+        raise ImportError(f"cd_engine's compiled module does not load into YADE {config.version} ({error}): run `make build` at the top of the "
+                          f"repository; if that does not help, this YADE lacks what the engine needs. Tested with {_tested()}.") from None
     if config.version not in TESTED:
-        print(f"cd_engine: not tested with YADE {config.version}, but every check of its binary interface has passed. "
-              f"Tested: {', '.join(f'{version} (Debian {debian})' for version, debian in TESTED.items())}.", file=sys.stderr)
+        print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
+              file=sys.stderr)
     _report_at_exit()
     return module
+
+
+def _tested():
+    return ", ".join(f"{version} (Debian {debian})" for version, debian in TESTED.items())
 
 
 def _report_at_exit():
