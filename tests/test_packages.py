@@ -90,10 +90,12 @@ def test_each_package_is_named_once_with_its_reason():
 
 
 def test_imports_come_from_these_packages():
-    uses = []
+    uses, absent = [], {name for name, _, _ in listed()} - set(installed())
     for file in sources():
         for name in set(imported(ast.parse((ROOT / file).read_text()))) - OURS - sys.stdlib_module_names:
             found = importlib.util.find_spec(name)
+            if found is None and f"python3-{name}" in absent:  # this release has no such package
+                continue
             uses.append((file, name, found.origin if found else "not there"))
     assert len(uses) > 20
     assert missing(uses) == []
