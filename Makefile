@@ -40,9 +40,9 @@ report: deps ## one HTML page of the studies run so far; FULL=1 of the full tabl
 test: build ## all tests and the short regression run
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/regression.py --short
-	$(PYTHON) -m pytest tests -n 2
+	$(PYTHON) -m pytest tests -n 2 -rs
 
-soak: build ## what takes too long for `make test`: runs killed many times, damaged files by the thousand, long runs
+soak: build ## what takes too long for `make test`: runs killed many times, damaged files by the thousand, long runs, the other releases of Debian
 	@.ci/install-packages test soak
 	$(PYTHON) -m pytest tests/soak
 

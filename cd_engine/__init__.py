@@ -11,7 +11,11 @@ Import this module before `O.load` of a scene that contains either: `cd_engine.C
 """
 import sys
 
-__all__ = ["ContactDynamics", "PathIndependentShear", "engines", "methods", "release"]
+__all__ = ["ContactDynamics", "PathIndependentShear", "TESTED", "engines", "methods", "release"]
+
+# Versions of YADE that all tests were run with, by the Debian that packages them. What decides is the binary interface, which the compiled
+# module compares with the running YADE: any other version that passes runs, too, and says that nobody has tested it.
+TESTED = {"2023.02a": "12", "2025.2.0": "13", "2026.1.0": "testing"}
 
 
 def _plugin():
@@ -22,17 +26,28 @@ def _plugin():
     if "yade" not in sys.modules:
         raise ImportError("an engine of cd_engine needs a running YADE: use it in a script run by `yade`, at YADE's console, or after `import yade`.")
     from yade import config
-    if config.version != "2023.02a" or "-double" not in config.libDir:
-        raise ImportError(
-            f"cd_engine is written for YADE 2023.02a in double precision (`yade`, Debian 12); this is {config.version} from {config.libDir}. "
-            "Start `yade` or `yade-double`.")
+    if config.highPrecisionName != "PrecisionDouble":
+        raise ImportError(f"cd_engine computes in double precision; this is YADE {config.version} with {config.highPrecisionDecimalPlaces} decimal places, "
+                          f"from {config.libDir}. Start `yade` or `yade-double`.")
     import importlib
     try:
         module = importlib.import_module(name)
     except ModuleNotFoundError:
         raise ImportError("cd_engine is not built: run `make build` at the top of the repository.") from None
+    except ImportError as error:
+        if error.path is None:  # the module itself has refused
+            raise
+        raise ImportError(f"cd_engine's compiled module does not load into YADE {config.version} ({error}): run `make build` at the top of the "
+                          f"repository; if that does not help, this YADE lacks what the engine needs. Tested with {_tested()}.") from None
+    if config.version not in TESTED:
+        print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
+              file=sys.stderr)
     _report_at_exit()
     return module
+
+
+def _tested():
+    return ", ".join(f"{version} (Debian {debian})" for version, debian in TESTED.items())
 
 
 def _report_at_exit():

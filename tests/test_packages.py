@@ -1,11 +1,15 @@
-"""Every dependency is a package of Debian 12, named once in .debian-packages with its reason; .ci/clean-root proves that they are enough."""
+"""Every dependency is a package of Debian, named once in .debian-packages with its reason; .ci/clean-root proves that they are enough."""
 import ast
 import functools
+import glob
 import importlib.util
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
+
+import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PURPOSES = ("run", "test", "soak", "lint")
@@ -86,10 +90,12 @@ def test_each_package_is_named_once_with_its_reason():
 
 
 def test_imports_come_from_these_packages():
-    uses = []
+    uses, absent = [], {name for name, _, _ in listed()} - set(installed())
     for file in sources():
         for name in set(imported(ast.parse((ROOT / file).read_text()))) - OURS - sys.stdlib_module_names:
             found = importlib.util.find_spec(name)
+            if found is None and f"python3-{name}" in absent:  # this release has no such package
+                continue
             uses.append((file, name, found.origin if found else "not there"))
     assert len(uses) > 20
     assert missing(uses) == []
@@ -102,3 +108,48 @@ def test_programs_come_from_these_packages():
             uses.append((file, name, shutil.which(name, path="/usr/sbin:/usr/bin")))
     assert len({name for _, name, _ in uses}) > 5
     assert missing([use for use in uses if use[2] is not None]) == []  # what is not here cannot be asked for its package
+
+
+# What the programs say that .ci/install-packages asks: nothing is installed, apt offers all but {lacking}.
+STUBS = {"dpkg-query": "exit 1", "id": "echo 0",
+         "apt-cache": 'shift; for name; do case " {lacking} " in *" $name "*) ;; *) echo "$name | 1 | source" ;; esac; done',
+         "apt-get": 'echo "$*" >> {log}; case "$* " in *" yade "*) [ "{lacking}" != yade ] ;; esac'}
+
+
+@pytest.mark.parametrize("lacking, status, left_out", [("", 0, []), ("python3-siconos libfclib0", 0, ["python3-siconos", "libfclib0"]), ("yade", 1, [])])
+def test_what_a_release_does_not_package_is_left_out_unless_it_is_needed_to_run(tmp_path, lacking, status, left_out):
+    log = tmp_path / "log"
+    for name, text in STUBS.items():
+        program = tmp_path / name
+        program.write_text("#!/bin/sh\n" + text.replace("{lacking}", lacking).replace("{log}", str(log)) + "\n")
+        program.chmod(0o755)
+    done = subprocess.run([ROOT / ".ci" / "install-packages", "run", "test"], env={"PATH": f"{tmp_path}:/usr/bin:/bin"}, capture_output=True, text=True)
+    assert done.returncode == status, done.stderr
+    assert [line.split()[5][:-1] for line in done.stdout.splitlines() if line.endswith("what needs it is left out.")] == left_out
+    assert log.read_text().splitlines()[0] == "-y update"
+    asked = log.read_text().splitlines()[1].split()
+    assert asked[:3] == ["-y", "install", "--no-install-recommends"]
+    assert sorted(asked[3:]) == sorted(name for name, purpose, _ in listed() if purpose in ("run", "test") and name not in left_out)
+    assert status == 0 or "apt-get failed" in done.stderr
+
+
+def test_the_engine_is_linked_to_the_boost_of_yade_and_of_this_python():
+    """No library is spelled out with its version: the build finds the Boost.Python of the Python it is given."""
+    def boost(library):
+        said = subprocess.run(["readelf", "-dW", library], capture_output=True, text=True, check=True).stdout
+        return {name for name in re.findall(r"NEEDED.*\[(.*)\]", said) if name.startswith(("libboost_python", "libboost_serialization"))}
+    yade, = glob.glob("/usr/lib/*/yade-double/libpkg_common.so")
+    plugin = boost(ROOT / "cd_engine" / "_yade_plugin.so")
+    assert plugin and plugin <= boost(yade)
+    python, = boost(ROOT / "cd_engine" / "core" / "_core.so")
+    assert python in plugin and python.startswith("libboost_python{}{}.so.".format(*sys.version_info))
+
+
+def test_objects_made_with_other_tools_are_made_anew(tmp_path):
+    """After an upgrade of Debian a build starts over: files alone do not tell, since the system's are no older than ours."""
+    def up_to_date():
+        return subprocess.run(["make", "-q", "-C", tmp_path / "cd_engine", f"PYTHON={sys.executable}"], capture_output=True).returncode == 0
+    shutil.copytree(ROOT / "cd_engine", tmp_path / "cd_engine")  # times of change are copied, too
+    assert up_to_date()
+    (tmp_path / "cd_engine" / "build" / "tools").write_text("g++ 1 Python 1 BOOST 1\n")
+    assert not up_to_date()

@@ -5,6 +5,7 @@ from yade import O, Quaternion, utils
 from yade.wrapper import FrictViscoMat, Sphere
 
 from yade_scripts import parameters, walls
+from yade_scripts.sums import total
 
 
 def append_material(label, mu, full):
@@ -47,13 +48,13 @@ def disks():
 def mean_mass():
     """Mean mass of the disks [kg]."""
     masses = [b.state.mass for b in disks()]
-    return sum(masses) / len(masses)
+    return total(masses) / len(masses)
 
 
 def solid_fraction():
     """Area of the disks over the area of the box."""
     length_x, length_y = walls.sides()
-    return sum(math.pi * b.shape.radius**2 for b in disks()) / (length_x * length_y)
+    return total(math.pi * b.shape.radius**2 for b in disks()) / (length_x * length_y)
 
 
 def contacts_per_disk():

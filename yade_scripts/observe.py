@@ -6,6 +6,7 @@ from yade import O, utils
 
 from analysis.schema import is_sliding
 from yade_scripts import bodies, walls
+from yade_scripts.sums import total
 
 
 class Contacts:
@@ -42,7 +43,7 @@ def kinetic_energy():
 
 def weight_energy(gravity):
     """Potential energy of the weights [J]."""
-    return gravity * sum(b.state.mass * b.state.pos[1] for b in bodies.disks()) if gravity else 0.0
+    return gravity * total(b.state.mass * b.state.pos[1] for b in bodies.disks()) if gravity else 0.0
 
 
 def angle(body):

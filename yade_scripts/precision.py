@@ -4,6 +4,6 @@
 def check():
     """ImportError unless this YADE computes in double precision, as results, prepared states and the engine do."""
     from yade import config
-    if "-double" not in config.libDir:
-        raise ImportError(f"scenes, states and results are of YADE in double precision; this one is {config.version} from {config.libDir}. "
-                          "Start `yade` or `yade-double`.")
+    if config.highPrecisionName != "PrecisionDouble":
+        raise ImportError(f"scenes, states and results are of YADE in double precision; this is {config.version} with "
+                          f"{config.highPrecisionDecimalPlaces} decimal places, from {config.libDir}. Start `yade` or `yade-double`.")

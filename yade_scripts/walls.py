@@ -6,6 +6,8 @@ are compression positive; a wall force over (other side times depth).
 from yade import O, utils
 from yade.wrapper import TriaxialStressController
 
+from yade_scripts.sums import total
+
 X_LOW, X_HIGH, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH = range(6)
 # (axis, low wall, high wall) of the two loaded directions.
 DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
@@ -43,7 +45,7 @@ def areas():
 
 def _contact_force(wall, axis):
     """Size of the force [N] that the disks put on a wall along `axis`; walls have no friction."""
-    return abs(sum(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal))
+    return abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal))
 
 
 def stresses():
@@ -120,7 +122,7 @@ class ServoLoad(Load):
 
     def work(self):
         """Work on the sample so far [J]: trapezoidal rule on the contact forces on the four walls."""
-        return self._sum - sum((f + g) / 2 * x for f, g, x in zip(self._forces, self._contact_forces(), self._moved()))
+        return self._sum - total((f + g) / 2 * x for f, g, x in zip(self._forces, self._contact_forces(), self._moved()))
 
 
 class ForceLoad(Load):
@@ -134,4 +136,4 @@ class ForceLoad(Load):
 
     def work(self):
         """Work on the sample and the walls' mass so far [J]: force of the last step times the displacement it made."""
-        return self._sum + sum(f * x for f, x in zip(self._forces, self._moved()))
+        return self._sum + total(f * x for f, x in zip(self._forces, self._moved()))

@@ -1,4 +1,4 @@
-// YADE 2023.02a's classes as far as the plug-in touches them, declared from the binary's own evidence (see layout.hpp).
+// YADE's classes as far as the plug-in touches them, declared from the binary's own evidence (see layout.hpp).
 //
 // Nothing here is defined: every function and vtable is YADE's own, found in the running process. Virtual functions stand in the
 // order of the vtable relocations of libyade.so; the order is checked when the module loads and again by tests/plugin.

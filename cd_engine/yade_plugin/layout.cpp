@@ -1,4 +1,5 @@
 #include "layout.hpp"
+#include "loaded_once.hpp"
 #include "published_member.hpp"
 #include "safe_memory.hpp"
 
@@ -114,6 +115,19 @@ namespace {
 		if (!object)
 			refuse(className, "a class YADE can create", "none of that name");
 		return object;
+	}
+
+	// The plug-in takes a pointer to an object for one to its Factorable and back: that base must come first.
+	void surveyBases(Survey& s)
+	{
+		for (const char* const name : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictMat", "Sphere", "Box", "Wall",
+			 "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
+			const Shared<yade::Factorable> object = make(name);
+			const long offset = reinterpret_cast<char*>(object.get()) - static_cast<char*>(dynamic_cast<void*>(object.get()));
+			const long expected = s.declared(std::string(name) + ".Factorable", 0);
+			if (offset != expected)
+				refuse(std::string(name) + ".Factorable", "offset " + std::to_string(expected), "offset " + std::to_string(offset));
+		}
 	}
 
 	// State: written through Python's accessors, read at the declared offsets.
@@ -351,7 +365,9 @@ namespace {
 void establishLayout(const std::map<std::string, Lie>& lies)
 {
 	Survey survey { lies };
+	mustBeLoadedOnce();
 	surveyVtable(survey);
+	surveyBases(survey);
 	surveyPublished(survey);
 	surveyEngine(survey);
 	surveyState(survey);

@@ -11,7 +11,7 @@ namespace py = boost::python;
 void refuse(const std::string& what, const std::string& expected, const std::string& found)
 {
 	throw LayoutError("cd_engine does not fit the running YADE: " + what + ": expected " + expected + ", found " + found
-	    + ". It is written for Debian 12's yade 2023.02a-1 in double precision: run that one (`yade`), or rebuild with `make build`.");
+	    + ". Run the `yade` that Debian packages, in double precision; if this is it, rebuild with `make build`.");
 }
 
 long publishedOffset(const char* className, const char* member, const std::string& type)

@@ -7,6 +7,7 @@ import pytest
 from scipy import sparse
 
 from cd_engine import core
+from tests import needs
 
 from .test_problem import packed
 
@@ -72,7 +73,7 @@ def test_siconos_text(tmp_path, storage):
 @pytest.mark.parametrize("storage", ["dense", "blocks"])
 def test_siconos_reads_the_same(tmp_path, storage):
     """The texts of this file are Siconos's: it reads them, and writes a problem that reads as the same."""
-    numerics = pytest.importorskip("siconos.numerics")
+    numerics = needs.siconos()
     path, again = tmp_path / "problem.dat", tmp_path / "again.dat"
     path.write_text(siconos_text(storage))
     theirs = numerics.frictionContact_new_from_filename(str(path))
@@ -116,7 +117,7 @@ class FclibLocal(ctypes.Structure):
 
 
 def test_libfclib_reads_it(written):
-    library = ctypes.CDLL("libfclib.so.0")
+    library = needs.libfclib()
     library.fclib_read_local.restype = ctypes.POINTER(FclibLocal)
     read = library.fclib_read_local(str(written).encode())
     assert read

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
 #include <execinfo.h>
@@ -90,6 +91,13 @@ void countStart()
 	void* first[1];
 	backtrace(first, 1); // loads what it needs, once
 	counting = true;
+}
+
+// A request that has to be counted.
+void askForMemory()
+{
+	void* volatile some = std::malloc(100000);
+	std::free(some);
 }
 
 void countStop() { counting = false; }

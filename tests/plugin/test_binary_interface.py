@@ -47,7 +47,7 @@ def test_every_wrong_type_is_found_out(plugin):
     confirmed_by_round_trip = {"State.pos", "State.ori", "State.blockedDOFs", "Scene.engines", "Scene.bodies", "Scene.interactions", "Scene.forces", "InteractionContainer.linear",
                                "GlobalEngine.sizeof", "Engine.scene", "Engine.timingInfo"}
     for name, _ in layout_claims(plugin):
-        if name in confirmed_by_round_trip:
+        if name in confirmed_by_round_trip or name.endswith(".Factorable"):  # the place of a base class has no type of its own
             continue
         with pytest.raises(ImportError, match=re.escape(name)):
             plugin.verify_layout({name: "float"})

@@ -6,6 +6,7 @@ import pytest
 
 import cd_engine
 from cd_engine import core
+from tests import needs
 
 from . import plane
 
@@ -147,7 +148,7 @@ def test_one_disk_by_hand(O, tmp_path):
 def test_siconos_agrees(O, tmp_path):
     """Siconos's own Gauss-Seidel solves what is exported, by our error too. The impulses of a packing with friction need not be determined, so
     they are compared by the error (here they differ by 2 %); the relative velocities are determined here, to what the tolerance allows."""
-    numerics = pytest.importorskip("siconos.numerics")
+    numerics = needs.siconos()
     # Coulomb's law can have several solutions, with different velocities. The heap that sweeps alone lead to has one that both find.
     heap(O, method="accelerated").exportProblem(str(tmp_path / "a"))
     problem = core.read_problem(tmp_path / "a")

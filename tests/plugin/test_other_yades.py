@@ -1,6 +1,9 @@
-"""In another YADE than the one it is written for the engine says so, and the process lives on: the real binaries, and claims about versions."""
+"""In another YADE than those it was tested with the engine says so, and the process lives on: the real binaries, and claims about them."""
+import importlib
+import re
 import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -47,7 +50,7 @@ def test_another_precision_refuses_every_way_in(precision, root, tmp_path):
     done = subprocess.run([f"yade-{precision}", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
     said = done.stdout + done.stderr
     assert done.returncode == 0, said
-    assert "engine refused: cd_engine is written for YADE 2023.02a in double precision" in said and "Start `yade`" in said
+    assert "engine refused: cd_engine computes in double precision; this is YADE " in said and "Start `yade`" in said
     assert "the compiled module alone refused: " in said and "loaded" not in said
     assert all(f"{what} status 2" in said for what in ("MD", "CD", "packing")) and said.count("of YADE in double precision") == 3, said
     assert "alive after step 1" in said
@@ -55,17 +58,79 @@ def test_another_precision_refuses_every_way_in(precision, root, tmp_path):
     assert not list(tmp_path.glob("results/**/*.h5")) + list(tmp_path.glob("results/**/*.gz"))
 
 
-@pytest.mark.parametrize("attribute, value", [("version", "2022.01a"), ("version", "2025.2.0"), ("libDir", "/usr/lib/x86_64-linux-gnu/yade-float128")])
-def test_another_version_is_named(monkeypatch, attribute, value):
-    """What the binary of another Debian says of itself; the module is already loaded in this process, so it must be forgotten first."""
-    import sys
-
+@pytest.fixture
+def forgotten(monkeypatch):
+    """cd_engine in a running YADE, its compiled module not loaded yet as far as Python knows."""
     import yade
     assert yade.O is not None
     import cd_engine
     for name in [name for name in sys.modules if name.endswith("._yade_plugin")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setattr(yade.config, attribute, value)
-    with pytest.raises(ImportError, match="written for YADE 2023.02a in double precision") as caught:
-        cd_engine.ContactDynamics
-    assert value in str(caught.value)
+    return cd_engine
+
+
+def test_what_yade_says_of_its_precision_decides_and_not_its_folder(forgotten, monkeypatch):
+    """A YADE that somebody has built lies in a folder of any name."""
+    from yade import config
+    monkeypatch.setattr(config, "libDir", "/opt/yade")
+    forgotten.ContactDynamics
+    monkeypatch.setattr(config, "highPrecisionName", "PrecisionFloat")
+    monkeypatch.delitem(sys.modules, "cd_engine._yade_plugin")
+    with pytest.raises(ImportError, match="computes in double precision.* /opt/yade"):
+        forgotten.ContactDynamics
+
+
+UNTESTED = """\
+import sys
+sys.path.insert(0, {root!r})
+from yade import config
+config.version = {version!r} or config.version
+import cd_engine
+cd_engine.ContactDynamics
+O.engines = cd_engine.engines()
+O.dt = 1e-3
+O.step()
+cd_engine.release()
+print("steps", O.iter)
+"""
+
+
+@pytest.mark.parametrize("version", ["2099.1", ""])
+def test_an_untested_version_that_fits_runs_and_says_so_once(version, root, tmp_path):
+    import yade
+
+    import cd_engine
+    script = tmp_path / "script.py"
+    script.write_text(UNTESTED.format(root=str(root), version=version))
+    done = subprocess.run(["yade", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0 and "steps 1" in done.stdout, done.stderr
+    running = version or yade.config.version
+    assert done.stderr.count(f"nobody has tested it with YADE {running},") == (running not in cd_engine.TESTED), done.stderr
+    if version:
+        assert all(f"{tested} (Debian {debian})" in done.stderr for tested, debian in cd_engine.TESTED.items())
+
+
+def test_a_module_that_does_not_load_says_what_to_do(forgotten, monkeypatch):
+    """After an upgrade of Debian, or in a YADE without a function that is called: what the loader says, and the remedy."""
+    def load(name):
+        raise ImportError("undefined symbol: _ZN4yade5Omega5otherEv", name=name, path="_yade_plugin.so")
+    monkeypatch.setattr(importlib, "import_module", load)
+    with pytest.raises(ImportError, match="does not load into YADE .*_ZN4yade5Omega5otherEv.*make build"):
+        forgotten.ContactDynamics
+
+
+def test_two_boosts_in_one_process_are_refused(root, tmp_path):
+    """A plug-in built with another Boost than YADE would register its engines where YADE never looks."""
+    other = tmp_path / "libboost_python00.so.1.0"
+    subprocess.run(["g++", "-shared", "-x", "c++", "-o", str(other), "-"], input="", text=True, check=True)
+    script = tmp_path / "script.py"
+    script.write_text(f"import ctypes, sys\nctypes.CDLL({str(other)!r})\nsys.path.insert(0, {str(root)!r})\nimport cd_engine\n"
+                      "try:\n    cd_engine.ContactDynamics\nexcept ImportError as error:\n    print('refused:', error)\n")
+    done = subprocess.run(["yade", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+    assert re.search("refused: .*libboost_python: expected one .* and libboost_python00.so.1.0|refused: .*found libboost_python00.so.1.0 and ", done.stdout), done.stdout + done.stderr
+
+
+def test_tested_versions_stand_in_the_readme(root):
+    import cd_engine
+    text = (root / "README.md").read_text()
+    assert all(re.search(rf"^\| {debian}\b.*\| {re.escape(version)} \|", text, re.M) for version, debian in cd_engine.TESTED.items())

@@ -43,7 +43,7 @@ def digest():
 
 def main(methods, *options):
     """{name: [digest, steps]} and the number of threads, as JSON."""
-    from yade import O
+    from yade import O, config
 
     import cd_engine
     from yade_scripts import hooks
@@ -57,7 +57,7 @@ def main(methods, *options):
         scene = scenes.build(parameters.complete(row), "results")
         hooks.simulate(min(STEPS, scene.every * scene.samples))
         found[name] = [digest(), O.iter]
-    print(json.dumps({"threads": O.numThreads, "instruction_set": used, "instruction_sets": list(_yade_plugin.instruction_sets()),
+    print(json.dumps({"yade": config.version, "threads": O.numThreads, "instruction_set": used, "instruction_sets": list(_yade_plugin.instruction_sets()),
                       "digests": found}))
 
 

@@ -1,15 +1,20 @@
-"""One set of bits a scene: across processes, repeats, instruction sets and, by CD, numbers of threads.
+"""One set of bits a scene: across processes, repeats, instruction sets, releases of Debian and, by CD, numbers of threads.
 
 MD's sums of forces depend on the number of threads, so its runs are made with one.
 """
+import json
+import pathlib
+
 import pytest
 
+import cd_engine
 from yade_scripts import scenes
 
 from .conftest import SCRIPTS
 
 WITHOUT_AVX512 = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ,-AVX512CD", OPENBLAS_CORETYPE="Haswell",
                       NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL")
+STORED = pathlib.Path(__file__).with_name("digests.json")  # the first 16 digits of each
 PROGRAM = SCRIPTS.parent / "tests" / "yade_scripts" / "digests.py"
 
 
@@ -26,6 +31,19 @@ def digests(yade60):
 def reference(digests):
     """By one thread and the fastest instruction set."""
     return digests(1, "MD,CD")
+
+
+def test_same_bits_as_stored(reference):
+    """On every release the same, but for what tests/releases.md explains: digests.json holds all, and a version's own where they differ.
+
+    A change that is meant to change bits writes them anew: `yade -n -x -j1 tests/yade_scripts/digests.py MD,CD`, on each release.
+    """
+    if reference["yade"] not in cd_engine.TESTED:
+        pytest.skip(f"nothing is known of the bits of YADE {reference['yade']}")
+    stored = json.loads(STORED.read_text())
+    expected = stored["all"] | stored.get(reference["yade"], {})
+    found = {name: digest[:16] for name, (digest, _) in reference["digests"].items()}
+    assert {name for name in found if found[name] != expected.get(name)} == set() and set(found) == set(expected)
 
 
 def differing(found, reference):

@@ -57,6 +57,10 @@ def _stamp(path):
     return facts.st_ino, facts.st_mtime_ns, facts.st_size
 
 
+# Among what a task prints: slurmstepd with its node up to Slurm 24, the time from 26 on.
+SLURM_SAYS = re.compile(r"(slurmstepd\S*:|\[[-\dT:.]+\]) error: ")
+
+
 def _packings_first(jobs):
     """One row of each packing, then the second ones, and so on: those that start together do not wait for the same packing."""
     seen, turn = collections.Counter(), {}
@@ -125,8 +129,8 @@ class Sweep:
 
     def _explain(self):
         """What Slurm said of the tasks that have left rows without a result."""
-        said = [re.sub(r"^slurmstepd\S*: error: ", "", line) for path in sorted(self.folder.glob("task-*.out"))
-                for line in path.read_text(errors="replace").splitlines() if re.match(r"slurmstepd\S*: error: ", line)]
+        said = [line[found.end():] for path in sorted(self.folder.glob("task-*.out"))
+                for line in path.read_text(errors="replace").splitlines() if (found := SLURM_SAYS.match(line))]
         print(f"{self.name}: {len(self.rows.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
 
 

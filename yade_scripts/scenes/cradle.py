@@ -10,6 +10,7 @@ The gaps make every collision one of two disks, the rest of the row looking on. 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter, ParameterError
 from yade_scripts.scenes import Known
+from yade_scripts.sums import total
 
 TITLE = "Newton's cradle: momentum through a row of disks"
 METHODS = ("MD", "CD")
@@ -56,7 +57,7 @@ def build(full, folder):
         return [O.bodies[k].state.vel[0] / speed for k in ids]
 
     known = [Known("last_speed", "speed", last_speed(full), lambda: speeds()[-1], scale=1.0, source="binary collisions, one after the other"),
-             Known("momentum", "m speed", 1.0, lambda: sum(speeds()), source=MOMENTUM)]
+             Known("momentum", "m speed", 1.0, lambda: total(speeds()), source=MOMENTUM)]
     if e in (0, 1):
         left = e == 0 and 1 / count
         known.append(Known("fastest_deviation", "speed", 0.0, lambda: max(abs(v - left) for v in speeds()[:-1]), scale=1.0,

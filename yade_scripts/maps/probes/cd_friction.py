@@ -5,6 +5,7 @@ from yade import O
 
 from yade_scripts.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE, Outcome
 from yade_scripts.maps.probes import rigid
+from yade_scripts.sums import total
 
 FRICTION, DISKS, STEPS, SETTLING, DT = 0.5, 5, 200, 10, 1e-3
 ERROR = 0.1
@@ -29,7 +30,7 @@ def probe(case):
     O.run(STEPS, True)
     unit = FRICTION * case["distance"] * rigid.GRAVITY * math.cos(math.atan(tangent)) * STEPS * DT
     exact = unit if sign > 0 else 0.0
-    error = (sum(O.bodies[k].state.vel[0] for k in row) / DISKS - exact) / unit
+    error = (total(O.bodies[k].state.vel[0] for k in row) / DISKS - exact) / unit
     measures = {"speed_error": error, "unconverged": engine.unconvergedSteps / (STEPS + SETTLING)}
     if engine.unconvergedSteps:
         return Outcome(NOT_SOLVED, "non-convergence", rigid.told(engine), measures)

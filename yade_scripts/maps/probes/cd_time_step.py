@@ -7,6 +7,7 @@ from yade import O, utils
 from yade_scripts import bodies, hooks
 from yade_scripts.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE, Outcome
 from yade_scripts.maps.probes import rigid
+from yade_scripts.sums import total
 
 COLUMNS, ROWS, DURATION = 6, 5, 20
 GROWTH = 1e-5  # what the tolerance leaves
@@ -19,10 +20,10 @@ def probe(case):
     pour(case["friction"])
     unit = math.sqrt(rigid.RADIUS / rigid.GRAVITY)
     dt = case["dt"] * unit
-    fall = rigid.GRAVITY * sum(b.state.mass for b in bodies.disks()) * ROWS * rigid.RADIUS
+    fall = rigid.GRAVITY * total(b.state.mass for b in bodies.disks()) * ROWS * rigid.RADIUS
 
     def energy():
-        return utils.kineticEnergy() + rigid.GRAVITY * sum(b.state.mass * b.state.pos[1] for b in bodies.disks())
+        return utils.kineticEnergy() + rigid.GRAVITY * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
 
     first, most = energy(), [-math.inf]
 

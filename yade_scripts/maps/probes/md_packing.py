@@ -7,6 +7,7 @@ from yade import O, utils
 
 from yade_scripts import bodies, hooks, md, md_step, parameters, prepare, results
 from yade_scripts.maps import STABLE, UNSTABLE, Outcome
+from yade_scripts.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
 PUSH = 1e-5  # of the mean overlap
@@ -28,7 +29,7 @@ def probe(case):
     except parameters.ParameterError as error:
         refusal = str(error)
     overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in O.interactions if i.isReal]
-    speed = PUSH * sum(overlaps) / len(overlaps) / unit
+    speed = PUSH * total(overlaps) / len(overlaps) / unit
     draw = random.Random(1)
     for body in bodies.disks():
         body.state.vel = (draw.uniform(-speed, speed), draw.uniform(-speed, speed), 0)

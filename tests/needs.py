@@ -1,0 +1,32 @@
+"""What not every Debian packages: a test that needs it skips where the package is not installed, and names the package.
+
+A package that is installed and does not load is a failure.
+"""
+import ctypes
+import importlib
+import subprocess
+
+import pytest
+
+
+def installed(package):
+    """Whether Debian's package is here."""
+    said = subprocess.run(["dpkg-query", "-W", "-f", "${db:Status-Status}", package], capture_output=True, text=True)
+    return said.stdout == "installed"
+
+
+def _package(name):
+    if not installed(name):
+        pytest.skip(f"{name} is not installed")
+
+
+def siconos():
+    """Siconos's solvers, a Python module."""
+    _package("python3-siconos")
+    return importlib.import_module("siconos.numerics")
+
+
+def libfclib():
+    """The library of the FCLIB format."""
+    _package("libfclib0")
+    return ctypes.CDLL("libfclib.so.0")
