@@ -1,0 +1,189 @@
+"""Random scenes under random changes, every step watched:  /usr/bin/python3 -m tests.plugin.fuzz 7 20-39
+
+runs the scenes of these seeds, each in a process of its own, and says of each what was seen and how it ended. `--here` runs them in this process,
+for a debugger. The last line counts those that broke a law. What a scene is and what is done to it follows from its seed alone.
+"""
+import argparse
+import glob
+import importlib
+import os
+import pathlib
+import random
+import sys
+import tempfile
+import time
+import traceback
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PHASES = 7
+SECONDS = 120  # for a scene that takes one: what takes longer hangs
+
+
+class Run:
+    """A scene on its way: the changes made, the engines, what watches."""
+
+    def __init__(self, seed, folder):
+        from . import fuzz_laws, fuzz_scene
+        self.r = random.Random(seed)
+        self.folder = pathlib.Path(folder)
+        self.watch = fuzz_laws.Watch()
+        self.changes, self.planned, self.stop_at, self.failed = [], {}, None, None
+        self.scene = fuzz_scene.build(self.r)
+        self.set_engines()
+
+    def set_engines(self):
+        """Contact Dynamics, watched, its company in any order that is allowed."""
+        import cd_engine
+        import yade
+        from yade_scripts import hooks
+        reset, collider, cd = cd_engine.engines(**self.scene.settings)
+        first = [reset, collider] if self.r.random() < 0.7 else [collider, reset]
+        if self.r.random() < 0.2:
+            first.insert(1, hooks.runner(lambda: None, iterPeriod=3))
+        push = []
+        if self.r.random() < 0.2 and len(yade.O.bodies):
+            free = [b for b in yade.O.bodies if b.state.blockedDOFs == "zXY"]
+            if free:
+                pushed = self.r.choice(free)
+                push = [yade.wrapper.ForceEngine(ids=[pushed.id], force=(3 * pushed.state.mass, 0, 0))]
+        yade.O.engines = [hooks.runner(self.begin, iterPeriod=1, initRun=True), *first, *push, hooks.runner(lambda: self.watch.before(), iterPeriod=1, initRun=True), cd,
+                          hooks.runner(self.after, iterPeriod=1, initRun=True)]
+
+    def begin(self):
+        import yade
+        for change in self.planned.pop(yade.O.iter, ()):
+            change(self)
+
+    def after(self):
+        import yade
+        from yade_scripts import hooks
+        self.watch.after()
+        if self.stop_at is not None and yade.O.iter >= self.stop_at:
+            self.stop_at = None
+            hooks.stop()
+
+    def after_load(self):
+        """What YADE does not save."""
+        import yade
+        for k, force in self.scene.permanent.items():
+            if yade.O.bodies[k]:
+                yade.O.forces.setPermF(k, force)
+
+    def steps(self, count):
+        from yade_scripts import hooks
+        if count:
+            hooks.simulate(count)
+
+    def step(self):
+        import yade
+        yade.O.step()
+        if self.watch.wrong:
+            raise self.watch.wrong
+
+    def refused(self):
+        """What the next step says instead of being made; None if it is made."""
+        import yade
+        self.watch.before = self.watch.after = lambda: None
+        try:
+            yade.O.step()
+        except RuntimeError as error:
+            return str(error)
+        finally:
+            del self.watch.after, self.watch.before
+            for runner in (e for e in yade.O.engines if type(e).__name__ == "PyRunner"):
+                runner.iterLast = -1  # the step is made again, under the same number
+        return None
+
+    def go(self):
+        """All phases: each a change and some steps. The sentence that ended it, if the engine refused a change that it may refuse."""
+        from . import fuzz_changes, fuzz_twins
+        import yade
+        self.steps(self.r.randrange(1, 60))
+        for _ in range(PHASES):
+            may_refuse = None
+            if self.r.random() < 0.4:
+                change, when = self.r.choice(fuzz_changes.WITHIN), self.r.randrange(0, 12)
+                self.planned.setdefault(yade.O.iter + when, []).append(change)
+                self.changes.append(f"{change.__name__} at {yade.O.iter + when}")
+            else:
+                change = self.r.choice(fuzz_changes.BETWEEN)
+                self.changes.append(f"{change.__name__} before {yade.O.iter}")
+                may_refuse = change(self)
+            try:
+                self.steps(self.r.choice((2, 15, 50)))
+            except RuntimeError as error:
+                if may_refuse and may_refuse in str(error) and "#" in str(error):
+                    return str(error)
+                raise
+            self.planned.clear()
+        self.twins = fuzz_twins.compare(self)
+        return None
+
+
+def scene(seed):
+    """One scene from its seed: (whether it held, what to say)."""
+    run = None
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            run = Run(seed, folder)
+            end = run.go()
+        except BaseException as error:
+            from .fuzz_laws import Broken
+            what = str(error) if isinstance(error, (Broken, RuntimeError)) else "".join(traceback.format_exception(error))
+            return False, f"{what}\n    changes: {', '.join(run.changes) if run else 'none'}"
+    w = run.watch
+    worst = ", ".join(f"{name} {share:.2g}" for name, share in sorted(w.worst.items(), key=lambda x: -x[1])[:3])
+    return True, f"{w.steps} steps, {w.unsolved} unsolved, {w.loaded} loaded contacts, {w.exact} exact; nearest to its bound: {worst}{'; refused: ' + end if end else ''}"
+
+
+def apart(seed):
+    """The same in a child process, which may die or hang."""
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(read)
+        held, said = scene(seed)
+        os.write(write, f"{'held' if held else 'BROKEN'} {said}".encode()[:60000])
+        os._exit(0)
+    os.close(write)
+    ends = time.monotonic() + SECONDS
+    while os.waitpid(child, os.WNOHANG) == (0, 0):
+        if time.monotonic() > ends:
+            os.kill(child, 9)
+            os.waitpid(child, 0)
+            return False, f"hangs: not done in {SECONDS} s"
+        time.sleep(0.005)
+    with os.fdopen(read, "rb") as pipe:
+        word, _, said = pipe.read().decode().partition(" ")
+    return word == "held", said or "the process ended without a word"
+
+
+def seeds(text):
+    """Those that `7` or `20-39` stand for."""
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
+
+
+def main():
+    sys.path[:0] = [str(ROOT), *glob.glob("/usr/lib/*/yade-double/py")]
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("seeds", nargs="+", type=seeds, help="a number, or first-last")
+    parser.add_argument("--here", action="store_true", help="in this process")
+    asked = parser.parse_args()
+    # Before children are made: it takes longer than a scene.
+    for module in ("yade", "cd_engine", "tests.plugin.fuzz_changes", "tests.plugin.fuzz_twins"):
+        importlib.import_module(module)
+    sys.modules["cd_engine"].methods()
+    wanted, broken = [seed for some in asked.seeds for seed in some], []
+    for seed in wanted:
+        held, said = scene(seed) if asked.here else apart(seed)
+        print(f"seed {seed}: {'held' if held else 'BROKEN'}: {said}", flush=True)
+        if not held:
+            broken.append(seed)
+    print(f"{len(wanted)} scenes, {len(broken)} broken: {broken}", flush=True)
+    os._exit(bool(broken))
+
+
+if __name__ == "__main__":
+    main()

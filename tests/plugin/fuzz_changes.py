@@ -1,0 +1,235 @@
+"""What may happen to a scene between two steps. Each change takes the run and its body of numbers; some say what the next step must refuse."""
+import math
+
+import yade
+from yade import wrapper
+from yade.wrapper import Box, FrictMat, Sphere, Wall
+
+from . import fuzz_laws
+from .fuzz_geometry import BOX, DISK, KINDS, WALL
+
+NAN = float("nan")
+
+
+def pick(run, *kinds, free=None):
+    """A body of these kinds, or None."""
+    some = [b for b in yade.O.bodies if KINDS[type(b.shape).__name__] in (kinds or KINDS.values()) and (free is None or free == (b.state.blockedDOFs != "xyzXYZ"))]
+    return run.r.choice(some) if some else None
+
+
+def add(run):
+    """A disk where nothing is."""
+    run.scene.disk()
+
+
+def erase(run):
+    if (b := pick(run)) and len([c for c in yade.O.bodies if type(c.shape) is Sphere]) > 1:
+        run.scene.permanent.pop(b.id, None)
+        yade.O.bodies.erase(b.id)
+
+
+def radius(run):
+    if b := pick(run, DISK):
+        b.shape.radius *= run.r.choice((0.3, 0.9, 1.001, 1.1))
+
+
+def place(run):
+    if b := pick(run, DISK):
+        if run.r.random() < 0.5:
+            run.scene.put_free(b.id)
+        else:
+            b.state.pos += (run.r.gauss(0, 0.1) * b.shape.radius, run.r.gauss(0, 0.1) * b.shape.radius, 0)
+
+
+def kick(run):
+    if b := pick(run, DISK, free=True):
+        b.state.vel, b.state.angVel = (*run.scene.velocity(), 0), (0, 0, run.r.gauss(0, 10))
+
+
+def boundary_s_velocity(run):
+    if b := pick(run, BOX, WALL, free=False):
+        b.state.vel = run.r.choice([(0, 0, 0), (*run.scene.velocity(), 0)])
+        if type(b.shape) is Box:
+            b.state.angVel = (0, 0, run.r.choice((0, 1)) * run.r.gauss(0, min(5, 0.2 / yade.O.dt)))
+
+
+def boundary_s_size(run):
+    if b := pick(run, BOX):
+        b.shape.extents = (b.shape.extents[0] * run.r.uniform(0.5, 1.05), b.shape.extents[1] * run.r.uniform(0.5, 1.05), b.shape.extents[2])
+
+
+def mass(run):
+    if b := pick(run, free=True):
+        factor = 10 ** run.r.uniform(-2, 2)
+        b.state.mass *= factor
+        b.state.inertia = [factor * i for i in b.state.inertia]
+
+
+def freedom(run):
+    if b := pick(run, DISK):
+        b.state.blockedDOFs = run.r.choice(("zXY", "xyzXYZ", "zXYZ", "xzXY"))
+
+
+def friction(run):
+    """Of a material that bodies share or do not."""
+    if b := pick(run):
+        b.mat.frictionAngle = math.atan(run.r.choice((0, 0.05, 0.5, 2)))
+
+
+def material(run):
+    if b := pick(run):
+        b.mat = FrictMat(young=1e6, poisson=0.3, density=1000, frictionAngle=math.atan(run.r.choice((0, 0.05, 0.5, 2))))
+
+
+def shape(run):
+    """Another object of the same or of another class, twice at times, so that one may come to lie where another was."""
+    for _ in range(run.r.choice((1, 1, 2, 3))):
+        if b := pick(run, DISK, BOX):
+            size = b.shape.radius if type(b.shape) is Sphere else min(b.shape.extents[0], b.shape.extents[1])
+            b.shape = None
+            fixed = b.state.blockedDOFs == "xyzXYZ"
+            b.shape = run.r.choice([Sphere(radius=size), Box(extents=(size, 0.6 * size, 0.5))] + fixed * [Wall(axis=1, sense=run.r.choice((0, 1)))])
+            if type(b.shape) is Wall:
+                b.state.pos = (0, -0.3, 0)
+                b.state.angVel, b.state.ori = (0, 0, 0), yade.Quaternion((0, 0, 1), 0)
+
+
+def step_length(run):
+    yade.O.dt = run.scene.dt * 10 ** run.r.uniform(-1, 0.3)
+
+
+def gravity(run):
+    turn, cd = run.r.uniform(-3, 3), fuzz_laws.engine()
+    cd.gravity = (9.81 * math.sin(turn), -9.81 * math.cos(turn), 0)
+    run.scene.settings["gravity"] = tuple(cd.gravity)
+
+
+def settings(run):
+    from .fuzz_scene import settings as draw
+    for name, value in draw(run.r).items():
+        setattr(fuzz_laws.engine(), name, value)
+        run.scene.settings[name] = value
+
+
+def force(run):
+    from .fuzz_scene import load
+    if b := pick(run, free=True):
+        load(run.scene, b.id, tuple(b.state.mass * run.r.gauss(0, 10) for _ in range(2)) + (0,))
+
+
+def contacts(run):
+    """Interactions taken away, or the forces on them."""
+    some = [i for i in yade.O.interactions]
+    if some and run.r.random() < 0.7:
+        i = run.r.choice(some)
+        if i.isReal and run.r.random() < 0.5:
+            i.phys.normalForce = (0, 1e3, 0)
+        else:
+            yade.O.interactions.erase(i.id1, i.id2)
+    else:
+        yade.O.interactions.clear()
+
+
+def save_and_load(run):
+    """In memory or in a file; YADE keeps no permanent forces."""
+    references = dict(run.watch.references)
+    if run.r.random() < 0.5:
+        yade.O.saveTmp()
+        run.steps(run.r.choice((0, 5)))
+        yade.O.loadTmp()
+    else:
+        path = str(run.folder / f"scene{run.r.choice(('.yade.gz', '.xml'))}")
+        yade.O.save(path)
+        run.steps(run.r.choice((0, 5)))
+        yade.O.load(path)
+        if run.r.random() < 0.5:
+            run.after_load()
+            run.steps(5)
+            yade.O.reload()
+    run.watch.references = references
+    run.after_load()
+
+
+def new_engines(run):
+    """Contact Dynamics again: overlaps count anew, and may have become too deep for that."""
+    run.set_engines()
+    return "overlap"
+
+
+def springs(run):
+    """YADE's own springs for a while, and back."""
+    import cd_engine
+    cd_engine.release()
+    w, scene = wrapper, yade.O
+    scene.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()]),
+                     w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
+                                       [w.Ip2_FrictMat_FrictMat_FrictPhys()], [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                     w.NewtonIntegrator(gravity=run.scene.settings["gravity"], damping=0.2)]
+    lightest = min((b.state.mass for b in scene.bodies if b.state.blockedDOFs != "xyzXYZ"), default=1)
+    dt, scene.dt = scene.dt, min(scene.dt, 0.1 * math.sqrt(lightest / 1e6))
+    scene.run(run.r.choice((1, 50, 400)), True)
+    scene.dt = dt
+    run.set_engines()
+    return "overlap"
+
+
+def interlude(run):
+    """Steps one by one."""
+    for _ in range(run.r.choice((1, 3))):
+        run.step()
+
+
+def pause(run):
+    """The run ends before its end."""
+    run.stop_at = yade.O.iter + 3
+    run.steps(50)
+
+
+def bad(run):
+    """What the next step must refuse, naming the body; it is mended afterwards."""
+    b = pick(run, DISK)
+    kind = run.r.choice(("radius", "z", "velocity", "mass", "friction", "extents", "axis"))
+    if kind in ("extents", "axis"):
+        b = pick(run, BOX if kind == "extents" else WALL)
+    if not b or (kind == "mass" and b.state.blockedDOFs == "xyzXYZ"):
+        return None
+    run.changes[-1] += f" ({kind} of #{b.id})"
+    s, m = b.state, b.mat
+    if kind == "radius":
+        old, b.shape.radius = b.shape.radius, run.r.choice((0, -0.01, NAN))
+        mend = lambda: setattr(b.shape, "radius", old)
+    elif kind == "z":
+        old = s.pos
+        s.pos = (old[0], old[1], 5)
+        mend = lambda: setattr(s, "pos", old)
+    elif kind == "velocity":
+        old, s.vel = tuple(s.vel), (NAN, 0, 0)
+        mend = lambda: setattr(s, "vel", old)
+    elif kind == "mass":
+        old, s.mass = s.mass, run.r.choice((0, -1, NAN))
+        mend = lambda: setattr(s, "mass", old)
+    elif kind == "friction":
+        old, m.frictionAngle = m.frictionAngle, run.r.choice((-0.1, 1.6, NAN))
+        mend = lambda: setattr(m, "frictionAngle", old)
+    elif kind == "extents":
+        old, b.shape.extents = tuple(b.shape.extents), (NAN, 0.1, 0.5)
+        mend = lambda: setattr(b.shape, "extents", old)
+    else:
+        old, b.shape.sense = b.shape.sense, 5
+        mend = lambda: setattr(b.shape, "sense", old)
+    said = run.refused()
+    mend()
+    users = [c.id for c in yade.O.bodies if c.mat.id == m.id] if kind == "friction" and m.id >= 0 else [b.id]
+    if kind == "z" and said:
+        users = [c.id for c in yade.O.bodies]  # the first disk says which plane it is
+    if not said:
+        raise fuzz_laws.Broken(f"{kind} of {type(b.shape).__name__} #{b.id} is not refused, step {yade.O.iter}")
+    if not any(f"#{k}" in said for k in users) or "\n" in said.strip():
+        raise fuzz_laws.Broken(f"refusal of {kind} of #{b.id} says: {said}")
+    return None
+
+
+# Those that can be made within a run, by an engine ahead of the others, and those that cannot.
+WITHIN = (add, erase, radius, place, kick, boundary_s_velocity, boundary_s_size, mass, freedom, friction, material, shape, step_length, gravity,
+          settings, force, contacts)
+BETWEEN = WITHIN + (save_and_load, save_and_load, new_engines, springs, interlude, pause, bad)

@@ -1,0 +1,362 @@
+"""What every step has to keep, asked of YADE's objects before and after it (Watch): each law with the tolerance that its derivation gives.
+
+h: the step; v, v': velocities before and after; P: contact impulses (YADE's forces times h); S: what acts on a body, the sum of its |P| and of its
+external impulses. A step that says converged has every velocity change right to the tolerance times S/m; `SLACK` is how far what is asked here may
+add up. Gaps count at the mid-configurations x + h/2 v, where the scheme requires contact.
+"""
+import math
+
+import numpy as np
+import yade
+from scipy.optimize import nnls
+
+from . import fuzz_geometry
+from .fuzz_geometry import BOX, DISK, Picture
+
+EPS = np.finfo(float).eps
+SLACK = 10         # a contact's own error, in what the tolerance allows both of its bodies: the cone couples normal and tangential errors
+# A body's error against the exact solution, in what acts on the most loaded body of its island: the errors of all contacts, of which there are up
+# to 60, passed on through wedges, rows that roll together and such (270 has been met in a packing of equal masses). Free fall that counts as
+# solved is off by all of what acts, 1/tolerance times as much as is allowed a single contact.
+SLACK_WHOLE = 3000
+ONLY_SLIDING = 1e-9  # of the cone: where "sliding" begins
+STATUS = {"converged", "fixed_iterations", "max_iterations", "stagnated"}
+
+
+class Broken(AssertionError):
+    """A law that a step has broken."""
+
+
+def engine():
+    """The ContactDynamics among O.engines."""
+    return next(e for e in yade.O.engines if type(e).__name__ == "ContactDynamics")
+
+
+class Watch:
+    """Looks before and after every step; `references` are the overlaps taken over from springs, by pair of ids."""
+
+    def __init__(self):
+        self.references = {}
+        self.steps = self.unsolved = self.loaded = self.exact = 0
+        self.worst = {}  # by law: the largest share of its tolerance that was met
+        self.wrong = None
+
+    def before(self):
+        cd = engine()
+        self.restarted = cd.handover
+        self.picture = Picture(cd.gravity)
+        self.dissipated = cd.dissipatedEnergy
+
+    def after(self):
+        try:
+            self._look(engine())
+        except Broken as broken:
+            self.wrong = self.wrong or broken
+            raise
+
+    def hold(self, law, found, allowed, what):
+        """Raises where |found| exceeds what is allowed; both are arrays, what(i) says which body or contact number i is."""
+        found, allowed = np.abs(np.atleast_1d(found)), np.atleast_1d(allowed) + 1e-100  # what dies out loses its digits
+        if found.size == 0:
+            return
+        share = np.where(found > 0, found / np.maximum(allowed, np.finfo(float).tiny), 0)
+        worst = int(np.argmax(np.where(np.isnan(share), np.inf, share)))
+        self.worst[law] = max(self.worst.get(law, 0), share[worst])
+        if not share[worst] <= 1:
+            cd = engine()
+            raise Broken(f"{law}: {what(worst)}: {found[worst]:.3g}, allowed {allowed[worst]:.3g}; step {yade.O.iter}, dt {self.picture.dt:g}, {cd.method}, "
+                         f"tolerance {cd.tolerance:g}, status {cd.status}, error {cd.residual:.3g}")
+
+    def _look(self, cd):
+        self.steps += 1
+        p = self.picture
+        self.body = lambda k: f"body #{k} ({'disk box wall'.split()[p.kind[k]]})"
+        self.v, self.x = _motion(len(p.kind))
+        if not (np.isfinite(self.v).all() and np.isfinite(self.x).all()):
+            raise Broken(f"a number that is not finite at step {yade.O.iter}, status {cd.status}")
+        if cd.status not in STATUS or cd.converged != (cd.status == "converged" or (cd.fixedIterations > 0 and cd.residual <= cd.tolerance)):
+            raise Broken(f"status {cd.status}, converged {cd.converged}, error {cd.residual:.3g} do not agree at step {yade.O.iter}")
+        if cd.iterations > (cd.fixedIterations or cd.maxIterations):
+            raise Broken(f"bound of work: {cd.iterations} iterations of {cd.fixedIterations or cd.maxIterations} at step {yade.O.iter}")
+        self._find_pairs(cd)
+        self._read_contacts()
+        self._cone()
+        self._momentum(cd)
+        self._motion()
+        self.hold("maxPenetration tells of the deepest overlap", max(0, self.deepest - cd.maxPenetration), 64 * EPS * self.extent, lambda _: "overlap")
+        if cd.converged and cd.restitution == 0:
+            self._contact_law(cd)
+            self._penetration(cd)
+            self._exact(cd)
+            if cd.gapCorrection == 0:
+                self._energy(cd)
+        if cd.converged and not cd.residual <= cd.tolerance * (1 + 1e-6):  # of parts on the edge, sums round
+            raise Broken(f"converged with the error {cd.residual:.3g}, tolerance {cd.tolerance:.3g}, {cd.method}, at step {yade.O.iter}")
+        self.unsolved += not cd.converged
+
+    def _find_pairs(self, cd):
+        """All pairs that could touch, whether the engine knows them or not, at the mid-configuration."""
+        p = self.picture
+        a, b = self.a, self.b = p.pairs()
+        self.mid = p.ahead(p.dt / 2)
+        if self.restarted:
+            overlaps = -fuzz_geometry.touch(p, p.x, a, b)[1]
+            self.references = {(i, j): o for i, j, o in zip(a, b, overlaps) if o > 0}
+        self.normal, self.gap, self.point = fuzz_geometry.touch(p, self.mid, a, b)
+        apart = self.gap >= 0
+        for i, j in zip(a[apart], b[apart]):
+            self.references.pop((i, j), None)
+        self.reference = np.array([self.references.get(pair, 0.) for pair in zip(a, b)]) if self.references else np.zeros(len(a))
+        self.gap = self.gap + self.reference
+        self.deepest = max(0, -self.gap.min()) if len(a) else 0
+        self.extent = np.abs(self.mid[:, :2]).max() + p.size.max()
+        self.bias = np.where(self.gap > 0, 1, cd.gapCorrection) * self.gap / p.dt
+        self.rows = fuzz_geometry.rows(p, self.normal, self.point, self.mid, a, b)
+        self.inverse = np.stack([p.w[a], p.w[b]], axis=1)  # (pair, side, freedom)
+        self.number = {pair: k for k, pair in enumerate(zip(a.tolist(), b.tolist()))}
+
+    def _read_contacts(self):
+        """Impulses of YADE's real interactions, and what acts on every body."""
+        p = self.picture
+        self.pn, self.pt = np.zeros(len(self.a)), np.zeros(len(self.a))
+        self.total = np.zeros_like(p.x)
+        self.acts = np.hypot(p.push[:, 0], p.push[:, 1]) + np.abs(p.push[:, 2]) / np.where(p.size > 0, p.size, 1)
+        self.count = np.zeros(len(p.kind))
+        for i in yade.O.interactions:
+            if not i.isReal:
+                continue
+            g, f = i.geom, i.phys
+            first, second = i.id1, i.id2
+            n, fn, ft, c = g.normal, f.normalForce, f.shearForce, g.contactPoint
+            sign = 1
+            if (first, second) not in self.number:
+                first, second, sign = second, first, -1
+            k = self.number.get((first, second))
+            if k is None:
+                if p.w[[first, second]].any() or fn.norm() > 0 or ft.norm() > 0:
+                    raise Broken(f"a contact between #{i.id1} and #{i.id2}, of which one is gone or both are boundaries, at step {yade.O.iter}")
+                continue
+            n = sign * np.array(n)[:2]
+            impulse = sign * p.dt * np.array(fn + ft)[:2]
+            self.hold("normal of a contact", np.hypot(*(n - self.normal[k])), 64 * EPS * (1 + self.extent / p.radius[second]) + 1e-12, lambda _: f"#{first}, #{second}")
+            self.pn[k], self.pt[k] = sign * p.dt * np.dot(np.array(fn)[:2], n), sign * p.dt * (n[0] * ft[1] - n[1] * ft[0])
+            size = np.hypot(*impulse)
+            for body, way in ((first, -1), (second, 1)):
+                arm = np.array(c)[:2] - self.mid[body, :2]
+                self.total[body] += way * np.array([*impulse, arm[0] * impulse[1] - arm[1] * impulse[0]])
+                self.acts[body] += size
+                self.count[body] += 1
+        self.loaded += int((self.pn > 0).sum())
+
+    def pair(self, k):
+        return f"{self.body(self.a[k])} and #{self.b[k]}"
+
+    def _cone(self):
+        """No tension; |p_t| <= mu p_n, mu the smaller friction of the two at the time of the step."""
+        p = self.picture
+        mu = np.minimum(p.mu[self.a], p.mu[self.b])
+        self.mu = mu
+        self.hold("no tension", np.minimum(self.pn, 0), 0 * mu, self.pair)
+        self.hold("Coulomb's cone", np.maximum(0, np.abs(self.pt) - mu * self.pn * (1 + ONLY_SLIDING)), 16 * EPS * self.pn, self.pair)
+
+    def _momentum(self, cd):
+        """m (v' - v) = external impulse + P, linear and angular, to the round-off of the sums; and O.forces says the same.
+
+        Only what is at rest before and after, and stays so since an island sleeps, has forces that balance to the tolerance instead.
+        """
+        p = self.picture
+        free = p.w > 0
+        m = np.where(free, 1 / np.where(free, p.w, 1), 0)
+        arm = np.stack([np.ones(len(p.kind)), np.ones(len(p.kind)), p.size], axis=1)
+        size = self.acts[:, None] * arm + m * (np.abs(p.v) + np.abs(self.v))
+        # Arms are differences of places.
+        size[:, 2] += self.acts * self.extent
+        allowed = 8 * (4 + self.count)[:, None] * EPS * size
+        rests = (self.v == 0).all(axis=1)
+        allowed[rests] += cd.tolerance * (self.acts[:, None] * arm)[rests]
+        off = (m * (self.v - p.v) - p.push - self.total) * free
+        self.hold("balance of momentum", off.ravel(), allowed.ravel(), lambda k: f"{self.body(k // 3)}, {'x y turn'.split()[k % 3]}")
+        self.hold("a prescribed velocity", (self.v - p.v)[~free], 0 * p.v[~free], lambda k: "one of the bodies")
+        total = np.zeros_like(p.x)
+        for k in np.flatnonzero(p.kind >= 0).tolist():
+            f, t = yade.O.forces.f(k, True), yade.O.forces.t(k, True)
+            total[k] = f[0], f[1], t[2]
+        weight = p.mass[:, None] * np.array([cd.gravity[0], cd.gravity[1], 0])
+        size = (np.abs(p.forces) + np.abs(weight)) * p.dt + self.acts[:, None] * arm
+        size[:, 2] += self.acts * self.extent
+        allowed = 8 * (4 + self.count)[:, None] * EPS * size
+        self.hold("O.forces holds the total", (p.dt * (total - p.forces - weight) - self.total).ravel(), allowed.ravel(),
+                  lambda k: f"{self.body(k // 3)}, {'x y turn'.split()[k % 3]}")
+
+    def _motion(self):
+        """x' = x + h (v + v')/2."""
+        p = self.picture
+        off = self.x - p.x - 0.5 * p.dt * (p.v + self.v)
+        off[:, 2] = (off[:, 2] + math.pi) % (2 * math.pi) - math.pi
+        size = np.abs(p.x) + np.abs(self.x) + p.dt * (np.abs(p.v) + np.abs(self.v))
+        size[:, 2] += math.pi
+        self.hold("positions follow velocities", off.ravel(), (16 * EPS * size).ravel(), lambda k: self.body(k // 3))
+
+    def _relative(self, row, v):
+        return (row[:, 0] * v[self.a]).sum(axis=1) + (row[:, 1] * v[self.b]).sum(axis=1)
+
+    def _allowed(self, cd, row):
+        """Error of a relative velocity that the tolerance allows, and its round-off: of velocities, and of gaps over the step."""
+        p = self.picture
+        acts = np.stack([self.acts[self.a], self.acts[self.b]], axis=1)
+        given = ((row ** 2 * self.inverse).sum(axis=2) * acts).sum(axis=1)
+        size = sum((np.abs(row) * np.stack([u[self.a], u[self.b]], axis=1)).sum(axis=(1, 2)) for u in (np.abs(p.v), np.abs(self.v)))
+        return SLACK * cd.tolerance * given + 64 * EPS * (size + given + np.abs(self.bias) + self.extent / p.dt)
+
+    def _contact_law(self, cd):
+        """Signorini's and Coulomb's law in the velocities after the step: of each pair of complementary numbers one is zero to the tolerance."""
+        p = self.picture
+        h = p.dt
+        row_n, row_t = self.rows
+        free_v = p.v + p.w * p.push
+        self.free_v = free_v
+        way = h * np.maximum(np.hypot(p.v[:, 0], p.v[:, 1]), np.hypot(free_v[:, 0], free_v[:, 1]))
+        least = np.where(p.kind[self.a] == DISK, np.minimum(p.radius[self.a], p.radius[self.b]), p.radius[self.b])
+        self.near = (self.gap <= 2 * (way[self.a] + way[self.b]) + 1e-3 * least) | (self.pn > 0)
+        self.wn, self.wt = ((row ** 2 * self.inverse).sum(axis=(1, 2)) for row in (row_n, row_t))
+        self.un, self.ut = self._relative(row_n, self.v) + self.bias, self._relative(row_t, self.v)
+        self.allow_n, self.allow_t = self._allowed(cd, row_n), self._allowed(cd, row_t)
+        # What neither body can give way to, but for the last digit of a sine, pushes nothing.
+        self.near &= self.wn > 1e-20 * np.maximum(self.inverse.max(axis=(1, 2)), 1e-300)
+        off = np.where(self.near, np.minimum(self.pn * self.wn, self.un), 0)
+        self.hold("gap closed or force zero", off, self.allow_n, self.pair)
+        limit = self.mu * self.pn
+        wt = np.where(self.wt > 0, self.wt, 1)
+        off = np.where(self.pn > 0, (self.pt - np.clip(self.pt - self.ut / wt, -limit, limit)) * self.wt, 0)
+        self.hold("sticks, or slides against the velocity", off, self.allow_t, self.pair)
+
+    def _penetration(self, cd):
+        """No pair overlaps more, or passes through, on the straight ways to the next mid-configuration.
+
+        Distances to convex bodies are convex, so a gap that closes by its velocity at most stays open all the way. Beside a box that turns, the
+        disk's way in the box's frame bends by h^2/2 (spin^2 r + 2 spin |u|).
+        """
+        p = self.picture
+        h, a, b = p.dt, self.a, self.b
+        speed = np.hypot(self.v[:, 0], self.v[:, 1])
+        far = np.hypot(*(self.mid[b, :2] - self.mid[a, :2]).T)
+        spin = np.where(p.kind[a] == BOX, np.abs(self.v[a, 2]), 0)
+        reach = h * (speed[a] + speed[b] + spin * far)
+        geometric = self.gap - self.reference
+        before = np.maximum(0, np.maximum(-geometric, self.reference))
+        bend = 0.5 * h * h * (spin ** 2 * (far + reach) + 2 * spin * (speed[a] + speed[b]))
+        acts = np.stack([self.acts[a], self.acts[b]], axis=1)
+        allowed = h * SLACK * cd.tolerance * (acts * self.inverse.max(axis=2)).sum(axis=1) + 64 * EPS * (self.extent + reach)
+        # The others stay above their tangent.
+        tangent = geometric + h * np.minimum(0, self._relative(self.rows[0], self.v))
+        some = np.flatnonzero((geometric < reach) & (tangent < -before - allowed))
+        if not len(some):
+            return
+        least = fuzz_geometry.closest(p, self.mid, self.v, a[some], b[some], h)
+        off, allowed = np.maximum(0, -least - before[some]), allowed + bend
+        self.hold("no penetration", off, allowed[some], lambda k: self.pair(some[k]))
+
+    def _exact(self, cd):
+        """Velocities against the exact ones of the same contacts.
+
+        With tangential impulses of sliding contacts held fast and the others sticking, the law is a convex quadratic problem, whose velocities are
+        unique: the least kinetic energy of the change under u_n >= -gap/h, u_t = 0 (least distance programming, Lawson & Hanson 1974, ch. 23).
+        """
+        p = self.picture
+        k = np.flatnonzero(self.near)
+        if not len(k) or len(k) > 80:
+            return
+        row_n, row_t = (row[k] for row in self.rows)
+        limit = self.mu[k] * self.pn[k]
+        sticks = limit - np.abs(self.pt[k]) > SLACK * cd.tolerance * np.minimum(
+            *(np.where(p.w[body[k]].any(axis=1), self.acts[body[k]], np.inf) for body in (self.a, self.b)))
+        given = np.where(sticks, 0, self.pt[k])
+        start = self.free_v.copy()
+        for side, body in ((0, self.a[k]), (1, self.b[k])):
+            np.add.at(start, body, p.w[body] * row_t[:, side] * given[:, None])
+        normal_only = self._least_distance(k, row_n, -(self._of(k, row_n, start) + self.bias[k]))
+        if normal_only is None:
+            pushing = ", ".join(self.pair(i) for i in k if self.pn[i] > 0)
+            raise Broken(f"converged where no solution is: bodies cannot give way, step {yade.O.iter}, contacts {pushing[:200]}")
+        if sticks.any():
+            needs = [-(self._of(k, row_n, start) + self.bias[k]), -self._of(k, row_t, start)[sticks], self._of(k, row_t, start)[sticks]]
+            change = self._least_distance(np.concatenate([k, k[sticks], k[sticks]]), np.concatenate([row_n, row_t[sticks], -row_t[sticks]]), np.concatenate(needs))
+            if change is None:
+                return  # sticking everywhere is impossible to the last digit, though not to the tolerance
+        else:
+            change = normal_only
+        self.exact += 1
+        free = p.w > 0
+        m = np.where(free, 1 / np.where(free, p.w, 1), 0)
+        arm = np.stack([np.ones(len(p.kind)), np.ones(len(p.kind)), p.size], axis=1)
+        off = m * (self.v - start - np.sqrt(p.w) * change)
+        largest = max(np.abs(change).max(), (np.sqrt(m) * np.abs(start)).max())
+        allowed = SLACK_WHOLE * cd.tolerance * self._acts_nearby()[:, None] * arm + 1e-9 * np.sqrt(m) * largest
+        self.hold("the exact velocity", off.ravel(), allowed.ravel(), lambda i: f"{self.body(i // 3)}, {'x y turn'.split()[i % 3]}")
+
+    def _acts_nearby(self):
+        """The most that acts on any body of the same island: bodies that move on together share the error of those that bear most."""
+        free = self.picture.w.any(axis=1)
+        k = np.flatnonzero((self.pn > 0) & free[self.a] & free[self.b])
+        most, before = self.acts.copy(), None
+        while before is None or (most != before).any():
+            before = most.copy()
+            both = np.maximum(most[self.a[k]], most[self.b[k]])
+            np.maximum.at(most, self.a[k], both)
+            np.maximum.at(most, self.b[k], both)
+        return most
+
+    def _of(self, k, row, v):
+        return (row[:, 0] * v[self.a[k]]).sum(axis=1) + (row[:, 1] * v[self.b[k]]).sum(axis=1)
+
+    def _least_distance(self, k, row, needed):
+        """The shortest x with G x >= needed, G the rows over the roots of the masses; None if there is none."""
+        p = self.picture
+        n = len(p.kind)
+        matrix = np.zeros((len(k), n, 3))
+        for side, body in ((0, self.a[k]), (1, self.b[k])):
+            matrix[np.arange(len(k)), body] += row[:, side] * np.sqrt(p.w[body])
+        matrix = matrix.reshape(len(k), -1)
+        length = np.sqrt((matrix ** 2).sum(axis=1))
+        moves = length > 0
+        if not moves.any():
+            return np.zeros((n, 3))
+        matrix, needed = matrix[moves] / length[moves, None], needed[moves] / length[moves]
+        scale = needed.max()
+        if scale <= 0:
+            return np.zeros((n, 3))
+        columns = np.flatnonzero(matrix.any(axis=0))
+        tall = np.vstack([matrix[:, columns].T, needed / scale])
+        target = np.zeros(len(columns) + 1)
+        target[-1] = 1
+        u, distance = nnls(tall, target, maxiter=30 * tall.shape[1])
+        if distance < 1e-7:
+            return None
+        r = tall @ u - target
+        x = np.zeros(3 * n)
+        x[columns] = -r[:-1] / r[-1] * scale
+        return x.reshape(n, 3)
+
+    def _energy(self, cd):
+        """Contacts give no energy but what the scheme's own mean may: Sum P.(u + u')/2 <= Sum (h F)^2/(8 m), since P.u' <= 0 and
+        (u + u')/2 = u' - (W P + h H' F/M)/2. The engine's sum says the same where nothing is stopped."""
+        p = self.picture
+        mean = 0.5 * (p.v + self.v)
+        un, ut = self._relative(self.rows[0], mean), self._relative(self.rows[1], mean)
+        given = float((self.pn * un + self.pt * ut).sum())
+        own = float((p.push ** 2 * p.w).sum()) / 8
+        error = float((2 * self.pn * self.allow_n + 2 * np.abs(self.pt) * self.allow_t).sum())
+        self.hold("no energy from contacts", max(0, given), own + error, lambda _: "all contacts")
+        if not ((self.v == 0) & (p.v != 0) & (p.w > 0)).any():
+            size = float((self.pn * np.abs(un) + np.abs(self.pt * ut)).sum()) + abs(self.dissipated)
+            self.hold("dissipatedEnergy", cd.dissipatedEnergy - self.dissipated + given, 1e-10 * size + error, lambda _: "all contacts")
+
+
+def _motion(n):
+    v, x = np.zeros((n, 3)), np.zeros((n, 3))
+    for b in yade.O.bodies:
+        s = b.state
+        q = s.ori
+        v[b.id] = s.vel[0], s.vel[1], s.angVel[2]
+        x[b.id] = s.pos[0], s.pos[1], 2 * math.atan2(q[2], q[3])
+    return v, x

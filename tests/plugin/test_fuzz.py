@@ -1,0 +1,78 @@
+"""A few of the random scenes of `fuzz.py`; hundreds in tests/soak/test_fuzz.py. And that what watches them sees what is wrong."""
+import subprocess
+import sys
+
+import pytest
+
+from . import fuzz_laws, plane
+from yade_scripts import hooks
+
+SEEDS = ("0", "2", "5", "7", "9", "12", "116")  # five of five lines broken in the engine were seen by them
+
+
+@pytest.mark.timeout(300)
+def test_random_scenes(root):
+    """One command makes each of them again: the one below with the seed that it names."""
+    done = subprocess.run([sys.executable, "-m", "tests.plugin.fuzz", *SEEDS], cwd=root, capture_output=True, text=True)
+    assert done.returncode == 0, "\n".join(line for line in done.stdout.splitlines() if not line.startswith("seed") or "BROKEN" in line) + done.stderr[-2000:]
+
+
+def tell(O, spoil, **settings):
+    """A column that slides on a floor, watched, with `spoil(cd)` between a step and the look at it; what is said of its 30th step."""
+    import cd_engine
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    for k in range(3):
+        plane.disk((0, 0.01 + 0.02 * k), 0.01, velocity=(0.1, 0), mat=mat)
+    watch = fuzz_laws.Watch()
+    reset, collider, cd = cd_engine.engines(gravity=(0, -9.81, 0), **{"tolerance": 1e-9, "maxIterations": 100000} | settings)
+    late = hooks.runner(lambda: O.iter >= 29 and spoil(cd), iterPeriod=1, initRun=True)
+    O.engines = [reset, collider, hooks.runner(watch.before, iterPeriod=1, initRun=True), cd, late, hooks.runner(watch.after, iterPeriod=1, initRun=True)]
+    O.dt = 1e-3
+    hooks.simulate(29)
+    assert watch.steps == 29 and watch.loaded > 50 and watch.exact > 20
+    with pytest.raises(fuzz_laws.Broken) as caught:
+        hooks.simulate(1)
+    return str(caught.value)
+
+
+def contact(O):
+    return O.interactions[0, 1]
+
+
+SPOILS = {
+    "balance of momentum": lambda O, cd: setattr(O.bodies[2].state, "vel", O.bodies[2].state.vel * (1 + 1e-9)),
+    "positions follow velocities": lambda O, cd: setattr(O.bodies[2].state, "pos", O.bodies[2].state.pos * (1 + 1e-12)),
+    "O.forces holds the total": lambda O, cd: O.forces.addF(2, (1e-9, 0, 0)),
+    "Coulomb's cone": lambda O, cd: setattr(contact(O).phys, "shearForce", contact(O).phys.normalForce.norm() * 0.5001 * contact(O).phys.shearForce.normalized()),
+    "no tension": lambda O, cd: setattr(contact(O).phys, "normalForce", -contact(O).phys.normalForce),
+    "not finite": lambda O, cd: setattr(O.bodies[2].state, "angVel", (0, 0, float("nan"))),
+    "normal of a contact": lambda O, cd: setattr(contact(O).geom, "normal", (1e-9, 1, 0)),
+}
+
+
+@pytest.mark.parametrize("law", SPOILS)
+def test_what_is_wrong_is_seen(O, law):
+    assert law in tell(O, lambda cd: SPOILS[law](O, cd))
+
+
+@pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton"])
+def test_a_step_that_only_says_converged_is_seen(O, method):
+    """Solved to 1e-3 after a push, and said to be to 1e-12."""
+    said = tell(O, lambda cd: setattr(cd, "tolerance", 1e-12), tolerance=1e-3, method=method, warmStart=False)
+    assert any(law in said for law in ("gap closed or force zero", "sticks, or slides", "the exact velocity"))
+
+
+def test_a_disk_that_passes_through_a_plate_is_seen(O):
+    """The collider is told to find nothing ahead of the disks, which the engine's documentation warns of."""
+    import cd_engine
+    from yade import wrapper
+    plane.box((0, 0), (0.5, 0.0005))
+    plane.disk((0, 0.1), 0.01, velocity=(0, -30))
+    watch = fuzz_laws.Watch()
+    reset, _, cd = cd_engine.engines(colliderMargin=0)
+    collider = wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Box_Aabb()], verletDist=0)
+    O.engines = [reset, collider, hooks.runner(watch.before, iterPeriod=1, initRun=True), cd, hooks.runner(watch.after, iterPeriod=1, initRun=True)]
+    O.dt = 1e-3
+    with pytest.raises(fuzz_laws.Broken, match="gap closed or force zero|no penetration"):
+        hooks.simulate(10)
