@@ -91,17 +91,27 @@ namespace {
 	// The free velocities and the first guess, with which a second sweep begins.
 	struct Start {
 		explicit Start(const ContactSystem& s)
-		    : bodies(s.bodies)
-		    , contacts(s.contacts)
 		{
+			v.values.resize(3 * s.bodies.size());
+			p.values.resize(2 * s.contacts.size());
+			for (std::size_t i = 0; i < s.bodies.size(); i++)
+				std::copy_n(s.bodies[i].v, 3, &v.values[3 * i]);
+			for (std::size_t i = 0; i < s.contacts.size(); i++) {
+				p.values[2 * i] = s.contacts[i].pn;
+				p.values[2 * i + 1] = s.contacts[i].pt;
+			}
 		}
 		void again(ContactSystem& s) const
 		{
-			s.bodies = bodies;
-			s.contacts = contacts;
+			for (std::size_t i = 0; i < s.bodies.size(); i++)
+				std::copy_n(&v.values[3 * i], 3, s.bodies[i].v);
+			for (std::size_t i = 0; i < s.contacts.size(); i++) {
+				s.contacts[i].pn = p.values[2 * i];
+				s.contacts[i].pt = p.values[2 * i + 1];
+			}
 		}
-		const std::vector<BodyVelocity> bodies;
-		const std::vector<ContactRow> contacts;
+		HandedOn<double, Start> v;
+		HandedOn<double, const Start> p;
 	};
 	struct Guess {
 		explicit Guess(const DelassusSystem& s) { p.values = s.p; }

@@ -145,6 +145,8 @@ namespace {
 			part.maxIterations = settings.maxIterations;
 			report = goOn<System>(system, start, part, report, method);
 			verdict = start.verdict(system, guess);
+			if (verdict.finding == Finding::nothing && report.error <= settings.tolerance) // that it was not more exact does not matter
+				report.status = Status::converged;
 		}
 		if (doubtful()) {
 			report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
