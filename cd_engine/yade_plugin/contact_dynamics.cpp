@@ -73,6 +73,7 @@ void ContactDynamics::forget()
 
 void ContactDynamics::action()
 {
+	const std::lock_guard<std::mutex> lock(stepping);
 	try {
 		takeOver();
 		advance();
