@@ -52,6 +52,7 @@ void ContactDynamics::forget()
 
 void ContactDynamics::action()
 {
+	const std::lock_guard<std::mutex> lock(stepping);
 	try {
 		takeOver();
 		advance();

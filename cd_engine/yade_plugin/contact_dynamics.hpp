@@ -5,6 +5,7 @@
 #include "scene_link.hpp"
 
 #include <atomic>
+#include <mutex>
 #include <optional>
 
 namespace cd_engine {
@@ -99,6 +100,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::optional<ColliderRest> rest { std::in_place };
 	cd::TimeStep step;
 	static std::atomic<ContactDynamics*> latest; // that engine
+	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
 	std::vector<std::pair<const yade::Engine*, bool>> checkedEngines; // the company at the last check, and whether it was dead
 	bool warned = false;
 	struct {

@@ -56,6 +56,9 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 		throw SceneError(
 		    "ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
 		    "engine of the run (PyRunner)");
+	PyThreadState* const gil = PyEval_SaveThread(); // which that step may ask for
+	const std::lock_guard<std::mutex> betweenSteps(stepping);
+	PyEval_RestoreThread(gil);
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Everything that remembers is a copy: this engine and the scene stay as they are.
 	const cd::StepSettings settings = this->settings(now);
