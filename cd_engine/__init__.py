@@ -86,12 +86,25 @@ def engines(**settings):
     _plugin()
     from yade import wrapper as w
     settings.setdefault("colliderMargin", 0.1)
+    _let_colliders_begin()
     return [
         w.ForceResetter(),
         # ContactDynamics sets verletDist; any but 0 would ask for a NewtonIntegrator before that.
         w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
         w.ContactDynamics(**settings),
     ]
+
+
+def _let_colliders_begin():
+    """Have YADE list its bodies anew, which a new collider waits for.
+
+    Where a body has been erased after an earlier collider ran, a new one never lists the bodies, and so never finds a pair that it has not been
+    left: InsertionSortCollider.numReinit stays 0 (YADE 2023.02a to 2026.1.0, with springs as well).
+    """
+    from yade import O
+    if O.bodies.enableRedirection:
+        O.bodies.enableRedirection = False
+        O.bodies.enableRedirection = True  # setting it is what marks the list as outdated
 
 
 def release():
@@ -101,6 +114,7 @@ def release():
     springs, and give those a collider of their own, which finds the contacts anew.
     """
     _plugin()
+    _let_colliders_begin()
     from yade import O
     for contact in list(O.interactions):
         if contact.isReal and type(contact.phys).__name__ == "FrictPhys" and contact.phys.kn == 0:

@@ -140,7 +140,7 @@ namespace {
 		do {
 			if (first.advance(improve, until, all))
 				return first.conclude();
-			until = 2 * std::min(until, all / 2);
+			until = until > all / 2 ? all : 2 * until;
 		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
 		beginning.again(system);
 		S plain(system, settings.seed);
@@ -148,7 +148,7 @@ namespace {
 		second.begin();
 		const auto toFirst = [&](int until) { return first.advance(improve, until, all - second.iterations()); };
 		const auto toSecond = [&](int until) { return second.advance(plain, until, all - first.iterations()); };
-		const auto later = [&](const Iteration<S>& other) { return share * std::min(other.iterations(), all / share); };
+		const auto later = [&](const Iteration<S>& other) { return other.iterations() > all / share ? all : share * other.iterations(); };
 		const auto end = [&](bool usesPlain) {
 			SolverReport report = usesPlain ? second.conclude() : first.conclude();
 			report.iterations = first.iterations() + second.iterations();

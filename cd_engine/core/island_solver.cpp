@@ -1,5 +1,6 @@
 #include "island_solver.hpp"
 #include "local_problem.hpp"
+#include "verdict.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -193,7 +194,7 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport report;
-	if (rested) {
+	if (rested && surelySolvable(system)) {
 		report = reportOf(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
@@ -214,7 +215,7 @@ int IslandSolver::judge(double tolerance)
 {
 	int solved = 0;
 	for (std::size_t k = 0; k < islands.size(); k++) {
-		if (islands[k].solved)
+		if (islands[k].solved || islands[k].unsolvable)
 			continue;
 		islands[k].solved = sums[k].of().error() <= tolerance;
 		solved += islands[k].solved;
@@ -272,6 +273,7 @@ void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
 Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	factorizations = 0;
+	unsolvable = {};
 	if (sleeping == static_cast<int>(islands.size()))
 		return Status::converged;
 	if (sleeping == 0)
@@ -280,13 +282,14 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		takePart(system, [](const Island& island) { return !island.asleep; });
 		measurePart(sums);
 	}
-	judge(settings.tolerance);
+	if (surelySolvable(system)) // else a small error is not enough, and the method has to say that there is a solution (verdict.hpp)
+		judge(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // what all parts together may take
 	for (;;) {
-		takePart(system, [](const Island& island) { return !island.solved; });
+		takePart(system, [](const Island& island) { return !island.solved && !island.unsolvable; });
 		if (part.contacts.empty())
-			return Status::converged;
+			return status;
 		if (left.maxIterations <= 0)
 			return Status::max_iterations;
 		const SolverReport report = method(part, left);
@@ -297,9 +300,15 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		}
 		factorizations += report.factorizations;
 		for (std::size_t k = 0; k < islands.size(); k++)
-			if (!islands[k].solved)
+			if (!islands[k].solved && !islands[k].unsolvable)
 				islands[k].sweeps += report.iterations;
 		measurePart(sums);
+		// One island without a solution must not keep the others from theirs.
+		if (hasNoSolution(report.status) && report.contact >= 0) {
+			islands[partIsland[report.contact]].unsolvable = true;
+			unsolvable = { report.status, partContacts[report.contact] };
+			continue;
+		}
 		if (report.status != Status::converged)
 			status = report.status;
 		if (judge(settings.tolerance) == 0)
@@ -326,7 +335,10 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 	SolverReport report = reportOf(residual(partSums.data(), partSums.size()));
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
-	if (std::isnan(report.error))
+	if (unsolvable.contact >= 0) {
+		report.status = unsolvable.status;
+		report.contact = unsolvable.contact;
+	} else if (std::isnan(report.error))
 		report.status = Status::diverged;
 	else if (report.error > (1 + onTheEdge) * tolerance)
 		report.status = status == Status::converged ? Status::stagnated : status;
@@ -355,7 +367,9 @@ SolverReport IslandSolver::operator()(
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
 			std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
-		report = conclude(system, solveInParts(system, method, settings), settings.tolerance, stillness ? &stillness->sleepers : nullptr);
+		SolverSettings left = settings;
+		left.maxIterations -= report.iterations;
+		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness ? &stillness->sleepers : nullptr);
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;

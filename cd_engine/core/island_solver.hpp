@@ -46,6 +46,7 @@ class IslandSolver {
 		int32_t contacts = 0; // how many
 		int sweeps = 0;
 		bool solved = false;
+		bool unsolvable = false; // as its method has found
 		bool still = false; // nothing of it moved before the step
 		bool calm = false; // none of its bodies is fast
 		bool atRest = false; // by the last look at it
@@ -103,6 +104,10 @@ class IslandSolver {
 	int larger = 0, largest = 0; // islands of more than one contact; contacts of the largest
 	int touching = 0; // bodies that can move and have a contact
 	int factorizations = 0; // made for the parts
+	struct {
+		Status status = Status::converged;
+		int32_t contact = -1; // of the system
+	} unsolvable; // the last island found so
 	int sleeping = 0; // of the islands
 	std::vector<double> own; // W_nn |p|^2 of a body's own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest

@@ -156,7 +156,7 @@ namespace {
 		sweeps.tolerance = std::max(settings.tolerance, coarse);
 		sweeps.maxIterations = std::min(settings.maxIterations / 4, sweepsAtStart);
 		const SolverReport first = accelerated(system, sweeps);
-		if (first.error <= settings.tolerance || first.status == Status::diverged || first.iterations == settings.maxIterations)
+		if (first.error <= settings.tolerance || first.status == Status::diverged)
 			return first;
 		beginAgain(system, start);
 		SolverSettings rest = settings;

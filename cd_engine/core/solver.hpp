@@ -22,6 +22,8 @@ struct SolverSettings {
 // no_solution: none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
+// Whether it is what the problem is, and not what has been made of it.
+inline bool hasNoSolution(Status s) { return s == Status::no_solution || s == Status::indefinite || s == Status::diverged; }
 
 struct SolverReport {
 	int iterations = 0; // sweeps made, and factorizations

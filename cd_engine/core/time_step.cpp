@@ -330,6 +330,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	while (!attempt(world, settings, report))
 		wokeSome = true;
 	report.dissipated += report.effort.stopped;
+	if (const int32_t i = report.solver.contact; i >= 0)
+		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
 	report.contacts = static_cast<int>(rows);
 	report.maxPenetration = deepest;
 	finishContacts(world, report);

@@ -25,6 +25,7 @@ struct StepSettings {
 struct StepReport {
 	SolverReport solver;
 	Effort effort;
+	std::array<int32_t, 2> unsolvable { -1, -1 }; // bodies of the contact that speaks most against a solution
 	int contacts = 0; // that the solver was given
 	int slidingContacts = 0; // loaded, mu > 0, |p_t| at mu p_n
 	int loadedContacts = 0;

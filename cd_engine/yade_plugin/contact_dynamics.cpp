@@ -112,6 +112,9 @@ void ContactDynamics::advance()
 	residualMax = report.solver.residualMax;
 	bodyError = report.solver.bodyError;
 	worstBody = report.solver.body;
+	unsolvableContact.clear();
+	if (report.unsolvable[0] >= 0)
+		unsolvableContact.assign(report.unsolvable.begin(), report.unsolvable.end());
 	converged = report.solver.status == cd::Status::converged || (fixedIterations > 0 && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
 	solvedBy = cd::solvedBy(method, report.solver);
@@ -169,11 +172,17 @@ void ContactDynamics::warn()
 		return;
 	warned = true;
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
-		  << " iterations): the contact law is missed by " << residual << " of all impulses";
-	if (worstBody >= 0)
-		std::cerr << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
-	std::cerr << "; the tolerance is " << tolerance
-		  << ". Further such steps are counted in unconvergedSteps. Raise maxIterations or tolerance, or take a smaller O.dt.\n";
+		  << " iterations): ";
+	if (!unsolvableContact.empty())
+		std::cerr << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
+			  << " from overlapping. Look for boundaries that move towards each other with disks between them.";
+	else {
+		std::cerr << "the contact law is missed by " << residual << " of all impulses";
+		if (worstBody >= 0)
+			std::cerr << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
+		std::cerr << "; the tolerance is " << tolerance << ". Raise maxIterations or tolerance, or take a smaller O.dt.";
+	}
+	std::cerr << " Further such steps are counted in unconvergedSteps.\n";
 }
 
 // One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,

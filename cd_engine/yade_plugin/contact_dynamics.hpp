@@ -37,6 +37,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double residualMax = 0;
 	double bodyError = 0;
 	int worstBody = -1;
+	std::vector<int> unsolvableContact;
 	bool converged = false;
 	std::string status = "no step yet";
 	std::string solvedBy = "none";
@@ -175,11 +176,15 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "one [1]. Of all islands of contacts the largest. In packings, where some disks always carry next to nothing, relative to the mean over "
 	    "the mass of the island (cd_engine/core/residual.hpp has the formula).");
 	visit("worstBody", &C::worstBody, Access::read, any, "Id of the body whose velocity may be the most wrong; -1: none.");
+	visit("unsolvableContact", &C::unsolvableContact, Access::read, any,
+	    "Where *status* is no_solution: ids of the bodies of the contact that speaks most against one. A disk between two walls that move "
+	    "towards each other has none.");
 	visit("converged", &C::converged, Access::read, any,
 	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change of "
 	    "every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
 	visit("status", &C::status, Access::read, any,
-	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated or diverged.");
+	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated, no_solution (*unsolvableContact*) or "
+	    "diverged.");
 	visit("solvedBy", &C::solvedBy, Access::read, any, "The method that brought the last step to its tolerance, or none.");
 	visit("contacts", &C::contacts, Access::read, any, "Contacts the solver was given in the last step [1].");
 	visit("unknowns", &C::unknowns, Access::read, any,

@@ -1,0 +1,71 @@
+"""What has no solution is named, and keeps nothing else from its own."""
+import pytest
+
+from . import plane
+
+G = 9.81
+
+
+def press(O, method="auto", tolerance=1e-6, beside=False):
+    """A disk on the floor under a wall that comes down at 0.1 m/s, whatever happens; beside it a column of two. The engine, ready to run."""
+    from yade import utils
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
+    lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
+    O.bodies[lid].state.vel = (0, -0.1, 0)
+    if beside:
+        plane.disk((0.2, 0.01), 0.01, mass=1, mat=mat)
+        plane.disk((0.2, 0.03), 0.01, mass=2, mat=mat)
+    return plane.run(1, 1e-3, gravity=(0, -G, 0), method=method, tolerance=tolerance)
+
+
+@pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tolerance):
+    engine = press(O, method, tolerance)
+    O.run(20, True)
+    assert engine.unconvergedSteps == engine.steps == 21 and not engine.converged
+    assert engine.status == "no_solution" and 1 in engine.unsolvableContact
+    assert engine.iterations <= engine.maxIterations
+    said = capfd.readouterr().err
+    assert said.count("no velocities keep bodies #") == 1
+
+
+def test_what_stands_beside_it_is_solved(O):
+    engine = press(O, beside=True)
+    O.run(20, True)
+    assert engine.status == "no_solution" and 1 in engine.unsolvableContact
+    for body in (3, 4):
+        assert abs(O.bodies[body].state.vel[1]) < 10 * 1e-6 * 2 * G * 1e-3  # as in test_deep_overlap.py
+    assert O.interactions[3, 4].phys.normalForce.norm() == pytest.approx(2 * G, rel=1e-5)
+
+
+@pytest.mark.parametrize("most", [1, 3, 50])
+def test_the_bound_on_iterations_is_one(O, most):
+    """A cold pile of 40 disks, in which contacts are added within the steps."""
+    mat = plane.material()
+    plane.floor(mat)
+    for i in range(40):
+        plane.disk((0.0201 * (i % 5), 0.0101 + 0.0203 * (i // 5)), 0.01, velocity=(0, -1), mat=mat)
+    engine = plane.run(1, 1e-3, gravity=(0, -G, 0), maxIterations=most, tolerance=1e-10)
+    for _ in range(40):
+        assert engine.iterations <= most
+        O.run(1, True)
+
+
+def test_a_collider_finds_pairs_after_a_body_has_been_erased(O):
+    """A disk rolls at 5 m/s towards another; the engines are set anew on the way. The overlap is what the scheme leaves."""
+    import cd_engine
+    mat = plane.material()
+    plane.floor(mat)
+    still = plane.disk((0, 0.1), 0.1, mat=mat)
+    fast = plane.disk((0.5, 0.1), 0.1, velocity=(-5, 0), mat=mat)
+    O.bodies.erase(plane.disk((3, 0.1), 0.1, mat=mat))
+    O.dt = 1e-3
+    O.engines = cd_engine.engines(gravity=(0, -G, 0))
+    O.run(2, True)
+    O.engines = cd_engine.engines(gravity=(0, -G, 0))
+    O.run(100, True)
+    assert O.bodies[fast].state.pos[0] - O.bodies[still].state.pos[0] > 0.2 * (1 - 1e-3)
+    assert O.engines[1].numReinit > 0
