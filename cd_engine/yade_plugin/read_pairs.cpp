@@ -61,6 +61,13 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 {
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
 	candidates.clear();
+	const auto forget = [this](yade::Interaction* interaction) {
+		if (inspecting)
+			return;
+		at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom).reset();
+		at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys).reset();
+		at<long>(interaction, layout.interaction_iterMadeReal) = -1;
+	};
 	const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
 	for (const auto& shared : listed) {
 		yade::Interaction* const interaction = shared.get();
@@ -68,12 +75,13 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 		int& id2 = at<int>(interaction, layout.interaction_id2);
 		if (!exists(id1) || !exists(id2))
 			continue;
-		if ((bodies[id1].boundary && bodies[id2].boundary) || !bodies[id1].inPlane || !bodies[id2].inPlane)
+		if ((bodies[id1].boundary && bodies[id2].boundary) || !bodies[id1].inPlane || !bodies[id2].inPlane) {
+			forget(interaction); // a disk may have become a box: what it carried is carried no more
 			continue;
+		}
 		const bool turned = bodies[id2].boundary; // YADE's own functors, too, want the boundary first
 		if (turned && !inspecting) {
-			at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom).reset();
-			at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys).reset();
+			forget(interaction);
 			interaction->swapOrder();
 		}
 		// id1 and id2 are references: swapOrder has exchanged them.

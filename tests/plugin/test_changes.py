@@ -226,3 +226,16 @@ def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, s
     for _ in range(3):
         O.run(1, True)
         assert outside_the_cone(O) < 1e-9
+
+
+def test_a_disk_that_becomes_a_box_carries_no_force_between_boundaries(O):
+    """Two boundaries never touch: the contact that the disk had with the floor ends with it, and so does its force."""
+    from yade.wrapper import Box
+    mat = plane.material(0)
+    plane.floor(mat)
+    body = plane.disk((0, 0.1), 0.1, mat=mat)
+    plane.disk((0.5, 0.1), 0.1, mat=mat)
+    plane.run(3, 1e-3, gravity=(0, -9.81, 0))
+    O.bodies[body].shape = Box(extents=(0.1, 0.1, 0.5))
+    O.run(3, True)
+    assert [(i.id1, i.id2) for i in O.interactions if i.isReal] == [(0, 2)]

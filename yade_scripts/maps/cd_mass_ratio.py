@@ -22,8 +22,8 @@ MAP = Map(
     question="How much heavier than what carries it may a body be?",
     criterion="A disk on a disk on the floor, 20 steps of 1 ms from rest without forces. Inaccurate: a contact force off by more than 1 %. "
               "Unstable: bodies overlap by more than 1 % of the radius though the steps count as solved. Not solved: steps that missed the tolerance.",
-    remedy="A heavy body on a light one needs a tolerance below the accuracy over the ratio of masses. Looser ones count as solved while it falls "
-           "through, of which the engine warns. Steps of ratios too large for the solver say so. Heavy below light is no matter.",
+    remedy="Sweeps hand a heavy weight on slowly. A step in which they have not done so does not count as solved, and says so. method='auto' goes on to "
+           "Newton's method, which solves two disks up to a ratio of 1e9 at a tolerance of 1e-6. Heavy below light is no matter.",
     x=Axis("tolerance", "tolerance"), y=Axis("mass_ratio", "mass above / mass below"), panels="method",
     measures={"force_error": ("1", "largest error of the two contact forces, relative to its own exact value"),
               "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
