@@ -1,7 +1,8 @@
 # `make help` lists what there is. Everything runs on Debian's own Python, as YADE does.
 PYTHON  ?= /usr/bin/python3
 YADE    ?= yade
-JOBS    ?= $(shell nproc)
+# Without the number of threads below, which nproc would take for that of the processors where make (since 4.4) hands it on.
+JOBS    ?= $(shell env -u OMP_NUM_THREADS nproc)
 # FULL=1: the full tables, hours; stop and start again at will. STUDY=name: one study only.
 FULL    ?=
 STUDY   ?=

@@ -3,6 +3,7 @@ import ast
 import functools
 import glob
 import importlib.util
+import os
 import pathlib
 import re
 import shutil
@@ -154,3 +155,9 @@ def test_objects_made_with_other_tools_are_made_anew(tmp_path):
     assert up_to_date()
     (tmp_path / "cd_engine" / "build" / "tools").write_text("g++ 1 Python 1 BOOST 1\n")
     assert not up_to_date()
+
+
+def test_all_processors_are_used_whatever_make_hands_on():
+    """GNU make 4.4 gives its exported variables to the programs it asks, too, and nproc takes OMP_NUM_THREADS for the number of processors."""
+    said = subprocess.run(["make", "-n", "study"], cwd=ROOT, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, text=True, check=True).stdout
+    assert f"--jobs {len(os.sched_getaffinity(0))}\n" in said
