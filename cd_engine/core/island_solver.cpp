@@ -11,6 +11,7 @@ namespace {
 
 	// Islands at their tolerance to the last digit are above it together by the round-off of their sums.
 	constexpr double onTheEdge = 1e-9;
+	constexpr double finest = 1e-14; // tolerance, about round-off
 
 	int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
 
@@ -311,8 +312,12 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		}
 		if (report.status != Status::converged)
 			status = report.status;
-		if (judge(settings.tolerance) == 0)
+		if (judge(settings.tolerance) > 0)
+			continue;
+		// The method takes what it is given for one island, and the error of the bodies of several may be less than that of each.
+		if (report.status != Status::converged || left.tolerance < finest)
 			return status == Status::converged ? Status::stagnated : status;
+		left.tolerance *= 0.1;
 	}
 }
 

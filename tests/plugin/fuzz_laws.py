@@ -74,8 +74,8 @@ class Watch:
         self.v, self.x = _motion(len(p.kind))
         if not (np.isfinite(self.v).all() and np.isfinite(self.x).all()):
             raise Broken(f"a number that is not finite at step {yade.O.iter}, status {cd.status}")
-        within = max(cd.residual, cd.bodyError) <= cd.tolerance
-        if cd.status not in STATUS or (cd.converged and not within) or (cd.fixedIterations == 0 and cd.converged != (cd.status == "converged")):
+        solved = max(cd.residual, cd.bodyError) <= cd.tolerance if cd.fixedIterations > 0 else cd.status == "converged"
+        if cd.status not in STATUS or (cd.converged and not solved) or (cd.fixedIterations == 0 and cd.converged != solved):
             raise Broken(f"status {cd.status}, converged {cd.converged}, error {cd.residual:.3g} do not agree at step {yade.O.iter}")
         if cd.iterations > (cd.fixedIterations or cd.maxIterations):
             raise Broken(f"bound of work: {cd.iterations} iterations of {cd.fixedIterations or cd.maxIterations} at step {yade.O.iter}")
