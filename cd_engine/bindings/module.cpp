@@ -177,8 +177,8 @@ template <class System, class Solver> py::tuple solved(System& system, Solver* s
 		report = solver(system, settings);
 		seconds = processorTime() - begin;
 	}
-	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status),
-	    report.contact, cd::solvedBy(method, report), seconds);
+	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.contact,
+	    cd::solvedBy(method, report), seconds);
 }
 
 // Improves `impulses` in place. Returns what `solved` does.

@@ -119,10 +119,11 @@ namespace {
 		HandedOn<double, Guess> p;
 	};
 
-	// Momentum can swing for ever: over W = 1 + 0.02, all entries, 1000 contacts, that of each group for itself stays at an error of 0.6, and plain
-	// sweeps need 250; over a tree of bodies, too. Plain sweeps are therefore tried beside it, from `firstTrial` sweeps on if always, else from when it
-	// has gained nothing in half of its sweeps at an error where no drift would show: brought to the same number, again each time the other has made
-	// four times as many, and the one with the smaller error leads on. Where momentum leads, the way it takes is the same to the last bit.
+	// Momentum can swing for ever: over W = 1 + 0.02, all entries, 1000 contacts, that of each group for itself stays at an error of 0.6, and
+	// plain sweeps need 250; over a tree of bodies, too. Plain sweeps are therefore tried beside it, from `firstTrial` sweeps on if always, else
+	// from when it has gained nothing in half of its sweeps at an error where no drift would show: brought to the same number, again each time
+	// the other has made four times as many, and the one with the smaller error leads on. Where momentum leads, the way it takes is the same to
+	// the last bit.
 	template <class S, class Beginning, class Method>
 	SolverReport besidePlain(typename S::System& system, const SolverSettings& settings, int firstTrial, bool always, const Method& method)
 	{

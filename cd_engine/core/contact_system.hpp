@@ -38,8 +38,8 @@ struct ContactRow {
 	// No coupling between the two directions: true for disks, and for boundaries whose free directions are along n or t.
 	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
 
-	// Whether neither body can move along the normal: a compliance of `along` that is round-off of what both can move by at all is none. The normal
-	// of a body blocked along x, had as (1, cos(pi/2)), has 6e-17 along y, and 1e32 times its mass would have to push it out of the way.
+	// Whether neither body can move along the normal: a compliance of `along` that is round-off of what both can move by at all is none. The
+	// normal of a body blocked along x, had as (1, cos(pi/2)), has 6e-17 along y, and 1e32 times its mass would have to push it out of the way.
 	static bool held(double along, double all) { return along <= 1e-29 * all; } // (14 epsilon)^2
 	double freedom(const double* a, const double* b) const
 	{

@@ -126,9 +126,9 @@ namespace {
 			const double ut = uy * c.nx - ux * c.ny + b.v[2] * c.bt - a.v[2] * c.at;
 			const double un = ux * c.nx + uy * c.ny + b.v[2] * c.bn - a.v[2] * c.an + c.bias;
 			const double difference = squaredDifference(c.pn, c.pt, un, ut, c.mu, compliance);
-			// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding along
-			// another at 1 m/s cannot be told from one pressed with 1e-16 of its momentum. Velocities are sums of what acts, and known to the
-			// round-off of that; which is no difference from the law, but an error of the bodies.
+			// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding
+			// along another at 1 m/s cannot be told from one pressed with 1e-16 of its momentum. Velocities are sums of what acts, and
+			// known to the round-off of that; which is no difference from the law, but an error of the bodies.
 			const double ofVelocities = roundOff
 			    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
 				+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));

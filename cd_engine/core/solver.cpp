@@ -75,7 +75,8 @@ namespace {
 	}
 
 	// No method ends without a solution where plain sweeps find one, as they do wherever W is positive definite and friction not too large.
-	template <class System> void tryPlain(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, Method<System> method)
+	template <class System>
+	void tryPlain(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, Method<System> method)
 	{
 		if (method == static_cast<Method<System>>(nsgs) || report.status != Status::stagnated || report.iterations >= settings.maxIterations)
 			return;
@@ -99,7 +100,7 @@ namespace {
 			return false;
 		report.contact = v.contact;
 		report.status = v.finding == Finding::not_finite ? Status::diverged
-		    : v.finding == Finding::indefinite           ? Status::indefinite
+		    : v.finding == Finding::indefinite		 ? Status::indefinite
 								 : Status::no_solution;
 		return true;
 	}
@@ -137,9 +138,8 @@ namespace {
 			return report;
 		}
 		Verdict verdict = start.verdict(system, guess);
-		const auto doubtful = [&] {
-			return report.status == Status::converged && verdict.finding == Finding::doubtful && verdict.growth > largeGrowth;
-		};
+		const auto doubtful
+		    = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful && verdict.growth > largeGrowth; };
 		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
 			part.tolerance = std::max(finest, refinement * part.tolerance);
 			part.maxIterations = settings.maxIterations;

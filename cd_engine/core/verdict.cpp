@@ -18,8 +18,8 @@ namespace {
 	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
 	constexpr int mostProducts = 400;
 
-	// A problem in one form: which rows it has, and products with W. `sizes` are the sums of the absolute values of the terms. Memory is kept from
-	// one problem of a thread to the next.
+	// A problem in one form: which rows it has, and products with W. `sizes` are the sums of the absolute values of the terms. Memory is kept
+	// from one problem of a thread to the next.
 	class Bodies {
 	    public:
 		const Bodies& of(const ContactSystem& s, const std::vector<double>& free)
@@ -341,7 +341,8 @@ namespace {
 				if (x[2 * i] < 1e-11 * largest) {
 					changed = changed || x[2 * i] != 0 || x[2 * i + 1] != 0;
 					state[i] = State::open;
-				} else if (state[i] == State::stick && std::abs(x[2 * i + 1]) * root[2 * i] > form->mu(i) * x[2 * i] * root[2 * i + 1] * (1 + 1e-12)) {
+				} else if (state[i] == State::stick
+				    && std::abs(x[2 * i + 1]) * root[2 * i] > form->mu(i) * x[2 * i] * root[2 * i + 1] * (1 + 1e-12)) {
 					state[i] = x[2 * i + 1] > 0 ? State::slidePlus : State::slideMinus;
 					x[2 * i + 1] = 0;
 					changed = true;
@@ -394,7 +395,10 @@ namespace {
 
 } // namespace
 
-Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess) { return judged(form(system, freeVelocity), guess); }
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess)
+{
+	return judged(form(system, freeVelocity), guess);
+}
 Verdict judge(const DelassusSystem& system, double guess) { return judged(form(system), guess); }
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }

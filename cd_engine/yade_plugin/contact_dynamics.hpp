@@ -129,7 +129,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	const Range any, positive { 0, std::numeric_limits<double>::max(), true };
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access::set, positive,
-	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by W_nn, "
+	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by "
+	    "W_nn, "
 	    "and *bodyError*) [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. },
 	    "Sweeps and factorizations after which a step is left unconverged [1].");
@@ -180,7 +181,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Where *status* is no_solution: ids of the bodies of the contact that speaks most against one. A disk between two walls that move "
 	    "towards each other has none.");
 	visit("converged", &C::converged, Access::read, any,
-	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change of "
+	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change "
+	    "of "
 	    "every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
 	visit("status", &C::status, Access::read, any,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated, no_solution (*unsolvableContact*) or "

@@ -8,7 +8,6 @@ G = 9.81
 
 def press(O, method="auto", tolerance=1e-6, beside=False):
     """A disk on the floor under a wall that comes down at 0.1 m/s, whatever happens; beside it a column of two. The engine, ready to run."""
-    from yade import utils
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
