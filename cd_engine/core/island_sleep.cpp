@@ -27,14 +27,14 @@ bool IslandSolver::findStill(const ContactSystem& system, const std::vector<doub
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
 		if (!moves(i))
 			continue;
-		if (const int32_t k = islandOfBody[i]; k >= 0)
+		if (const int32_t k = partition.ofBody[i]; k >= 0)
 			islands[k].still = false;
-		immobileMoves = immobileMoves || freedom[i] == 0;
+		immobileMoves = immobileMoves || partition.freedom[i] == 0;
 	}
 	if (immobileMoves)
 		for (std::size_t i = 0; i < system.contacts.size(); i++)
-			if (islandOf[i] >= 0 && (moves(system.contacts[i].a) || moves(system.contacts[i].b)))
-				islands[islandOf[i]].still = false;
+			if (partition.ofContact[i] >= 0 && (moves(system.contacts[i].a) || moves(system.contacts[i].b)))
+				islands[partition.ofContact[i]].still = false;
 	return std::any_of(islands.begin(), islands.end(), [](const Island& island) { return island.still; });
 }
 
@@ -61,11 +61,11 @@ void IslandSolver::reportSleep(const ContactSystem& system, Sleepers& sleepers)
 {
 	for (std::size_t k = 0; k < islands.size(); k++)
 		if (islands[k].asleep)
-			sleepers.add(parent[mobileOf(links[islands[k].first])], sums[k]);
+			sleepers.add(partition.nameOf(partition.islands[k]), sums[k]);
 	sleepers.finishSearch();
 	for (std::size_t i = 0; i < system.bodies.size(); i++)
-		if (const int32_t k = islandOfBody[i]; k >= 0 && islands[k].asleep)
-			sleepers.join(static_cast<int32_t>(i), parent[i], freedom[i]);
+		if (const int32_t k = partition.ofBody[i]; k >= 0 && islands[k].asleep)
+			sleepers.join(static_cast<int32_t>(i), partition.name[i], partition.freedom[i]);
 }
 
 void IslandSolver::countSleepersOn(Effort& effort, const Sleepers& sleepers)
@@ -90,7 +90,7 @@ void IslandSolver::findCalm(const ContactSystem& system, const std::vector<int32
 		own[c.b] += square;
 	}
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
-		const int32_t k = islandOfBody[names ? (*names)[i] : i];
+		const int32_t k = partition.ofBody[names ? (*names)[i] : i];
 		if (k >= 0 && !(motion(system.bodies[i]) <= share * share * tolerance * tolerance * own[i]))
 			islands[k].calm = false;
 	}
@@ -117,13 +117,13 @@ int IslandSolver::markSlow(const ContactSystem& system, const Stillness& stillne
 	for (Island& island : islands)
 		island.calm = !island.asleep && island.sweeps <= fewSweeps;
 	for (std::size_t i = 0; i < system.bodies.size(); i++)
-		if (islandOfBody[i] >= 0 && stillness.loads[i] != stillness.loadsBefore[i])
-			islands[islandOfBody[i]].calm = false;
+		if (partition.ofBody[i] >= 0 && stillness.loads[i] != stillness.loadsBefore[i])
+			islands[partition.ofBody[i]].calm = false;
 	findCalm(system, nullptr, tolerance, slow);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		for (const int32_t body : { system.contacts[i].a, system.contacts[i].b })
-			if (islandOf[i] >= 0 && freedom[body] == 0 && motion(system.bodies[body]) > 0)
-				islands[islandOf[i]].calm = false;
+			if (partition.ofContact[i] >= 0 && partition.freedom[body] == 0 && motion(system.bodies[body]) > 0)
+				islands[partition.ofContact[i]].calm = false;
 	int marked = 0;
 	for (Island& island : islands) {
 		island.solved = !island.calm;
@@ -176,7 +176,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 		}
 	// From v to 0, while the impulses leave the next to nothing u: their work is taken as if they had stopped all, -p (v + 0)/2.
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
-		const int32_t k = islandOfBody[partBodies[i]];
+		const int32_t k = partition.ofBody[partBodies[i]];
 		if (k < 0 || islands[k].solved)
 			continue;
 		for (int j = 0; j < 3; j++)
@@ -200,7 +200,7 @@ void IslandSolver::stop(ContactSystem& system, const Sleepers& sleepers)
 	if (!any && sleepers.none())
 		return;
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
-		const int32_t k = islandOfBody[i];
+		const int32_t k = partition.ofBody[i];
 		if (sleepers.sleeps(static_cast<int32_t>(i)) || (k >= 0 && islands[k].asleep))
 			std::fill_n(system.bodies[i].v, 3, 0.);
 	}

@@ -4,16 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace cd {
 namespace {
 
 	// Islands at their tolerance to the last digit are above it together by the round-off of their sums.
 	constexpr double onTheEdge = 1e-9;
-	constexpr double finest = 1e-14; // tolerance, about round-off
-
-	int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
 
 	void copyVelocities(const ContactSystem& system, std::vector<double>& to)
 	{
@@ -61,78 +57,19 @@ SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettin
 	return report;
 }
 
-int32_t IslandSolver::nameOf(int32_t body)
-{
-	while (parent[body] != body)
-		body = parent[body] = parent[parent[body]];
-	return body;
-}
-
-// Whether contacts and freedoms are those of the last system: then so are the islands.
-bool IslandSolver::sameLinks(const ContactSystem& system)
-{
-	bool same = freedom.size() == system.bodies.size() && links.size() == system.contacts.size();
-	freedom.resize(system.bodies.size());
-	links.resize(system.contacts.size());
-	for (std::size_t i = 0; i < freedom.size(); i++) {
-		const auto free = static_cast<uint8_t>(freedoms(system.bodies[i]));
-		same = same && freedom[i] == free;
-		freedom[i] = free;
-	}
-	for (std::size_t i = 0; i < links.size(); i++) {
-		const ContactRow& c = system.contacts[i];
-		const Link link { c.a, c.b, c.wnn > 0 };
-		same = same && links[i].a == link.a && links[i].b == link.b && links[i].solvable == link.solvable;
-		links[i] = link;
-	}
-	return same;
-}
-
 void IslandSolver::findIslands(const ContactSystem& system)
 {
-	if (sameLinks(system)) {
+	if (!partition.update(system)) {
 		for (Island& island : islands)
 			island = { island.first, island.contacts };
 		return;
 	}
-	parent.resize(freedom.size());
-	std::iota(parent.begin(), parent.end(), 0);
-	for (const Link& link : links)
-		if (freedom[link.a] > 0 && freedom[link.b] > 0) {
-			const int32_t a = nameOf(link.a), b = nameOf(link.b);
-			parent[std::max(a, b)] = std::min(a, b);
-		}
-	numberIslands();
-}
-
-// In the order of their first contacts.
-void IslandSolver::numberIslands()
-{
-	islandOfBody.assign(parent.size(), -1);
-	islandOf.resize(links.size());
 	islands.clear();
-	for (std::size_t i = 0; i < links.size(); i++) {
-		islandOf[i] = -1;
-		if (!links[i].solvable)
-			continue;
-		int32_t& number = islandOfBody[nameOf(mobileOf(links[i]))];
-		if (number < 0) {
-			number = static_cast<int32_t>(islands.size());
-			islands.emplace_back();
-			islands.back().first = static_cast<int32_t>(i);
-		}
-		islandOf[i] = number;
-		islands[number].contacts++;
-	}
-	// The body that names an island comes before its others, and so has its number and its own name already.
-	for (std::size_t i = 0; i < parent.size(); i++) {
-		parent[i] = parent[parent[i]];
-		islandOfBody[i] = islandOfBody[parent[i]];
-	}
 	larger = largest = 0;
-	for (const Island& island : islands) {
-		larger += island.contacts > 1;
-		largest = std::max(largest, island.contacts);
+	for (const Partition::Island& found : partition.islands) {
+		islands.push_back({ found.first, found.contacts });
+		larger += found.contacts > 1;
+		largest = std::max(largest, found.contacts);
 	}
 }
 
@@ -140,10 +77,10 @@ void IslandSolver::countUnknowns(Effort& effort)
 {
 	touching = 0;
 	effort = {};
-	for (std::size_t i = 0; i < freedom.size(); i++)
-		if (islandOfBody[i] >= 0) {
+	for (std::size_t i = 0; i < partition.freedom.size(); i++)
+		if (partition.ofBody[i] >= 0) {
 			touching++;
-			effort.unknowns += freedom[i];
+			effort.unknowns += partition.freedom[i];
 		}
 	effort.islands = static_cast<int>(islands.size());
 }
@@ -244,14 +181,14 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 	partIsland.clear();
 	place.assign(system.bodies.size(), -1);
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		if (islandOf[i] < 0 || !wanted(islands[islandOf[i]]))
+		if (partition.ofContact[i] < 0 || !wanted(islands[partition.ofContact[i]]))
 			continue;
 		part.contacts.push_back(system.contacts[i]);
 		ContactRow& c = part.contacts.back();
 		c.a = placeOf(system, c.a);
 		c.b = placeOf(system, c.b);
 		partContacts.push_back(static_cast<int32_t>(i));
-		partIsland.push_back(islandOf[i]);
+		partIsland.push_back(partition.ofContact[i]);
 	}
 	copyVelocities(part, partFree);
 }
@@ -278,7 +215,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 	if (sleeping == static_cast<int>(islands.size()))
 		return Status::converged;
 	if (sleeping == 0)
-		addResiduals(system, freeVelocity, islandOf, sums);
+		addResiduals(system, freeVelocity, partition.ofContact, sums);
 	else {
 		takePart(system, [](const Island& island) { return !island.asleep; });
 		measurePart(sums);
@@ -312,12 +249,8 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		}
 		if (report.status != Status::converged)
 			status = report.status;
-		if (judge(settings.tolerance) > 0)
-			continue;
-		// The method takes what it is given for one island, and the error of the bodies of several may be less than that of each.
-		if (report.status != Status::converged || left.tolerance < finest)
+		if (judge(settings.tolerance) == 0)
 			return status == Status::converged ? Status::stagnated : status;
-		left.tolerance *= 0.1;
 	}
 }
 
@@ -335,7 +268,7 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 		for (const SleepingIsland& island : sleepers->islands())
 			partSums.push_back(island.error);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
-		if (islandOf[i] >= 0 && !islands[islandOf[i]].asleep)
+		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);
 	SolverReport report = reportOf(residual(partSums.data(), partSums.size()));
 	report.iterations = sweeps;

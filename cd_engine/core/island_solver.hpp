@@ -13,6 +13,7 @@
 // Islands proven to be at rest sleep until something changes (sleep.hpp).
 #pragma once
 
+#include "partition.hpp"
 #include "residual.hpp"
 #include "sleep.hpp"
 #include "sleepers.hpp"
@@ -53,16 +54,7 @@ class IslandSolver {
 		bool asleep = false;
 	};
 
-	struct Link {
-		int32_t a, b;
-		bool solvable; // not between immobile bodies
-	};
-
-	bool sameLinks(const ContactSystem&);
-	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	void findIslands(const ContactSystem&);
-	int32_t nameOf(int32_t body);
-	void numberIslands();
 	void countUnknowns(Effort&);
 	void solveLoneContacts(ContactSystem&, double tolerance);
 	bool isNearlyOneIsland(const ContactSystem&) const;
@@ -87,12 +79,8 @@ class IslandSolver {
 	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 	void stop(ContactSystem&, const Sleepers&);
 
-	std::vector<uint8_t> freedom; // how many velocities of a body can change
-	std::vector<Link> links; // the contacts
-	std::vector<int32_t> parent; // of every body that can move, towards the one that names its island
-	std::vector<int32_t> islandOfBody; // by body; -1: it cannot move or touches nothing
-	std::vector<int32_t> islandOf; // of every contact; -1: between immobile bodies
-	std::vector<Island> islands;
+	Partition partition; // of the system
+	std::vector<Island> islands; // of it
 	std::vector<ResidualSum> sums; // of the islands
 	std::vector<ResidualSum> partSums; // scratch
 	ResidualSum lone; // of the islands of one contact

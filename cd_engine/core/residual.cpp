@@ -1,5 +1,7 @@
 #include "residual.hpp"
 
+#include "partition.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -62,6 +64,21 @@ namespace {
 		double s; // [m/s]
 	};
 
+	constexpr double heavier = 10; // ratio of masses from which a body is no longer one among many like it
+
+	// Calls f(light, heavy) where two bodies of such masses touch.
+	template <class F> void forEachCarried(const ContactSystem& system, const F& f)
+	{
+		for (const ContactRow& c : system.contacts) {
+			const double *wa = system.bodies[c.a].w, *wb = system.bodies[c.b].w;
+			const double a = std::max(wa[0], wa[1]), b = std::max(wb[0], wb[1]);
+			if (b > 0 && a >= heavier * b)
+				f(c.a, c.b);
+			else if (a > 0 && b >= heavier * a)
+				f(c.b, c.a);
+		}
+	}
+
 	// What an impulse (pn, pt) of a contact amounts to on a body with the inverse masses w and the arms n, t [m/s].
 	inline double actionOn(const double* w, const ContactRow& c, double n, double t)
 	{
@@ -111,8 +128,14 @@ namespace {
 	{
 		static thread_local std::vector<Moved> moved;
 		static thread_local std::vector<char> met;
+		static thread_local std::vector<double> asked; // by body: smallest s of those that it carries and that are far heavier [m/s]
 		moveBodies(system, freeVelocity, moved);
 		met.assign(moved.size(), 0);
+		asked.assign(moved.size(), std::numeric_limits<double>::infinity());
+		forEachCarried(system, [&](int32_t light, int32_t heavy) {
+			if (moved[heavy].s > 0)
+				asked[light] = std::min(asked[light], moved[heavy].s);
+		});
 		for (std::size_t i = 0; i < system.contacts.size(); i++) {
 			const ContactRow& c = system.contacts[i];
 			ResidualSum* const sum = sumOf(i);
@@ -133,9 +156,10 @@ namespace {
 			    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
 				+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
 			const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
-			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance),
-			    std::max(beyond(difference, ofVelocities / compliance) * compliance * compliance, least * least),
-			    c.pn * c.pn + c.pt * c.pt, compliance);
+			const double missed = std::max(beyond(difference, ofVelocities / compliance) * compliance * compliance, least * least);
+			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance), missed, c.pn * c.pn + c.pt * c.pt, compliance);
+			const double wanted = std::min(asked[c.a], asked[c.b]);
+			raise(sum->underHeavy, missed / (wanted * wanted));
 			// As the contacts meet them: sums then do not depend on how bodies are numbered.
 			for (const int32_t body : { c.a, c.b })
 				if (!met[body]) {
@@ -157,7 +181,8 @@ double ResidualSum::bodies() const
 		return every;
 	const double loops = std::min(1., static_cast<double>(contacts - touched) / manyLoops);
 	const double typical = std::max(std::sqrt(missed / static_cast<double>(contacts)), std::sqrt(mostMissed) / single) / (mean * loops);
-	return typical < every ? typical : every; // `every` where `typical` is not a number
+	const double amongMany = std::max(typical, std::sqrt(underHeavy) / single);
+	return amongMany < every ? amongMany : every; // `every` where the other is not a number
 }
 
 Residual ResidualSum::of() const { return residual(this, 1); }
@@ -193,9 +218,12 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity)
 {
-	ResidualSum sum;
-	addAll(system, freeVelocity, [&](std::size_t) { return &sum; });
-	return sum.of();
+	static thread_local Partition partition; // of this thread's last system: mostly the same contacts
+	static thread_local std::vector<ResidualSum> sums;
+	partition.update(system);
+	sums.assign(partition.islands.size(), {});
+	addResiduals(system, freeVelocity, partition.ofContact, sums);
+	return residual(sums.data(), sums.size());
 }
 
 void addResiduals(

@@ -11,12 +11,14 @@
 // 1 kg carries one of 1e8 kg, impulses that let the heavy disk fall freely differ from the law by 1e-8 of themselves. A contact misses the velocity
 //   g = W_nn |p - P_K(...)| [m/s],
 // and on a body acts the velocity s = (sum of the sizes of its contacts' impulses, and its external one)/m. The bodies of an island are right to
-//   min( ||g||_2 / min s,  max(rms g, max g / 10) / (S min(1, l/200)) ),   S = (sum m sqrt(s) / sum m)^2,   l = contacts - bodies.
+//   min( ||g||_2 / min s,  max(rms g / S', max g / (10 S'), max g' / (10 s')) ),
+//   S = (sum m sqrt(s) / sum m)^2,   S' = S min(1, l/200),   l = contacts - bodies.
 // The first number holds for every body: what the contacts of a chain miss adds up, and the body on which least acts feels all of it. A packing
 // always has disks that carry next to nothing, and to ask the first of it takes a hundred times the sweeps (400 disks, mu = 0.1, tolerance 1e-6:
 // 9800 instead of 60), since its impulses are not determined. There, where the contacts make many loops (l), the second serves: relative to the
-// mean over the mass, so that one heavy body counts for what it is. It does not hold for a body with s far below S: that may be wrong by S/s times as
-// much. s counts as a millionth of S at least. Impulses are known to their round-off, which
+// mean over the mass, so that one heavy body counts for what it is. It does not see a body with s far below S: that may be wrong by S/s times as much,
+// unless it is far heavier than what carries it: g' are the contacts of bodies that touch one ten times heavier, whose s' they have to serve.
+// s counts as a millionth of S at least. Impulses are known to their round-off, which
 // is an error of the bodies, too: under a disk r times as heavy at least 2e-16 r.
 #pragma once
 
@@ -46,6 +48,7 @@ struct ResidualSum {
 	double differenceEnergy = 0, squareEnergy = 0; // the same, every contact weighted by its W_nn [J]
 	double worst = 0; // largest |p - P_K(...)|^2 of a contact [N^2 s^2]
 	double missed = 0, mostMissed = 0; // g^2: sum and largest [m^2/s^2]
+	double underHeavy = 0; // largest (g/s)^2, s of a body ten times heavier that one of the contact's bodies touches
 	std::size_t touched = 0; // bodies that can move
 	double mass = 0, weighted = 0; // sums of m and m sqrt(s) over them
 	double least = std::numeric_limits<double>::infinity(); // smallest s of a body on which anything acts [m/s]
@@ -61,7 +64,7 @@ Residual residual(const ResidualSum* islands, std::size_t count);
 // freeVelocity: the bodies' velocities without any contact impulse, three numbers a body [v_x, v_y, omega].
 // The velocities are recomputed from the impulses (those in `system.bodies` are not read), W_nn from the masses. What is below the round-off of the
 // sums that velocities are is no difference from the law. Without any impulse e is 0 if no contact is violated, else infinite.
-// Takes the contacts for one island. Costs five to ten sweeps.
+// Costs five to ten sweeps.
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
 
 // The same of every island of a system: contact i belongs to the island islandOf[i], to none where that is negative. Adds to `sums`, one an island.

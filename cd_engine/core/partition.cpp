@@ -1,0 +1,75 @@
+#include "partition.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace cd {
+
+int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
+
+int32_t Partition::root(int32_t body)
+{
+	while (name[body] != body)
+		body = name[body] = name[name[body]];
+	return body;
+}
+
+bool Partition::sameLinks(const ContactSystem& system)
+{
+	bool same = freedom.size() == system.bodies.size() && links.size() == system.contacts.size();
+	freedom.resize(system.bodies.size());
+	links.resize(system.contacts.size());
+	for (std::size_t i = 0; i < freedom.size(); i++) {
+		const auto free = static_cast<uint8_t>(freedoms(system.bodies[i]));
+		same = same && freedom[i] == free;
+		freedom[i] = free;
+	}
+	for (std::size_t i = 0; i < links.size(); i++) {
+		const ContactRow& c = system.contacts[i];
+		const Link link { c.a, c.b, c.wnn > 0 };
+		same = same && links[i].a == link.a && links[i].b == link.b && links[i].solvable == link.solvable;
+		links[i] = link;
+	}
+	return same;
+}
+
+bool Partition::update(const ContactSystem& system)
+{
+	if (sameLinks(system))
+		return false;
+	name.resize(freedom.size());
+	std::iota(name.begin(), name.end(), 0);
+	for (const Link& link : links)
+		if (freedom[link.a] > 0 && freedom[link.b] > 0) {
+			const int32_t a = root(link.a), b = root(link.b);
+			name[std::max(a, b)] = std::min(a, b);
+		}
+	number();
+	return true;
+}
+
+void Partition::number()
+{
+	ofBody.assign(name.size(), -1);
+	ofContact.resize(links.size());
+	islands.clear();
+	for (std::size_t i = 0; i < links.size(); i++) {
+		ofContact[i] = -1;
+		if (!links[i].solvable)
+			continue;
+		int32_t& island = ofBody[root(mobileOf(links[i]))];
+		if (island < 0) {
+			island = static_cast<int32_t>(islands.size());
+			islands.push_back({ static_cast<int32_t>(i), 0 });
+		}
+		ofContact[i] = island;
+		islands[island].contacts++;
+	}
+	// The body that names an island comes before its others, and so has its number and its own name already.
+	for (std::size_t i = 0; i < name.size(); i++) {
+		name[i] = name[name[i]];
+		ofBody[i] = ofBody[name[i]];
+	}
+}
+
+} // namespace cd
