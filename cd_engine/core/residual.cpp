@@ -10,6 +10,7 @@ namespace {
 
 	constexpr double roundOff = 4 * std::numeric_limits<double>::epsilon();
 	constexpr double manyLoops = 200; // of an island in which the mean over the mass counts in full
+	constexpr double farBelow = 0.03; // of that mean: the walls of packings, heavier than their disks, have a quarter of it
 	constexpr double nothing = 1e-6; // of that mean: a body on which less acts counts as if this did
 	constexpr double single = 10; // by how much more than their root mean square one contact may miss there: in a packing it is 5 to 20 times
 
@@ -158,8 +159,10 @@ namespace {
 			const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
 			const double missed = std::max(beyond(difference, ofVelocities / compliance) * compliance * compliance, least * least);
 			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance), missed, c.pn * c.pn + c.pt * c.pt, compliance);
-			const double wanted = std::min(asked[c.a], asked[c.b]);
-			raise(sum->underHeavy, missed / (wanted * wanted));
+			if (const double wanted = std::min(asked[c.a], asked[c.b]); std::isfinite(wanted)) {
+				raise(sum->missedUnderHeavy, missed);
+				sum->leastHeavy = std::min(sum->leastHeavy, wanted);
+			}
 			// As the contacts meet them: sums then do not depend on how bodies are numbered.
 			for (const int32_t body : { c.a, c.b })
 				if (!met[body]) {
@@ -181,7 +184,8 @@ double ResidualSum::bodies() const
 		return every;
 	const double loops = std::min(1., static_cast<double>(contacts - touched) / manyLoops);
 	const double typical = std::max(std::sqrt(missed / static_cast<double>(contacts)), std::sqrt(mostMissed) / single) / (mean * loops);
-	const double amongMany = std::max(typical, std::sqrt(underHeavy) / single);
+	const bool unseen = leastHeavy < farBelow * mean; // the mean does not speak for the heavy body
+	const double amongMany = unseen ? std::max(typical, std::sqrt(missedUnderHeavy) / (single * leastHeavy)) : typical;
 	return amongMany < every ? amongMany : every; // `every` where the other is not a number
 }
 

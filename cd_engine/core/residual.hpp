@@ -17,7 +17,8 @@
 // always has disks that carry next to nothing, and to ask the first of it takes a hundred times the sweeps (400 disks, mu = 0.1, tolerance 1e-6:
 // 9800 instead of 60), since its impulses are not determined. There, where the contacts make many loops (l), the second serves: relative to the
 // mean over the mass, so that one heavy body counts for what it is. It does not see a body with s far below S: that may be wrong by S/s times as much,
-// unless it is far heavier than what carries it: g' are the contacts of bodies that touch one ten times heavier, whose s' they have to serve.
+// unless it is ten times heavier than what carries it: g' are the contacts of such carriers; where the smallest s' of what they carry is below 0.03 S,
+// they have to serve that.
 // s counts as a millionth of S at least. Impulses are known to their round-off, which
 // is an error of the bodies, too: under a disk r times as heavy at least 2e-16 r.
 #pragma once
@@ -48,7 +49,8 @@ struct ResidualSum {
 	double differenceEnergy = 0, squareEnergy = 0; // the same, every contact weighted by its W_nn [J]
 	double worst = 0; // largest |p - P_K(...)|^2 of a contact [N^2 s^2]
 	double missed = 0, mostMissed = 0; // g^2: sum and largest [m^2/s^2]
-	double underHeavy = 0; // largest (g/s)^2, s of a body ten times heavier that one of the contact's bodies touches
+	double missedUnderHeavy = 0; // largest g^2 of the contacts of bodies that touch one ten times heavier [m^2/s^2]
+	double leastHeavy = std::numeric_limits<double>::infinity(); // smallest s of such a heavier body [m/s]
 	std::size_t touched = 0; // bodies that can move
 	double mass = 0, weighted = 0; // sums of m and m sqrt(s) over them
 	double least = std::numeric_limits<double>::infinity(); // smallest s of a body on which anything acts [m/s]
