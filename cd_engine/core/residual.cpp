@@ -10,7 +10,7 @@ namespace {
 
 	constexpr double roundOff = 4 * std::numeric_limits<double>::epsilon();
 	constexpr double manyLoops = 200; // of an island in which the mean over the mass counts in full
-	constexpr double farBelow = 0.03; // of that mean: the walls of packings, heavier than their disks, have a quarter of it
+	constexpr double farBelow = 0.1; // of that mean: walls pressed on packings, of masses of 2 sqrt(N) disks, have 0.16 to 0.3 of it
 	constexpr double nothing = 1e-6; // of that mean: a body on which less acts counts as if this did
 	constexpr double single = 10; // by how much more than their root mean square one contact may miss there: in a packing it is 5 to 20 times
 
