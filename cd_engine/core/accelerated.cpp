@@ -15,6 +15,7 @@
 // exemption the sweeps stop at 1e-6 in two cases of three.
 #include "delassus_sweep.hpp"
 #include "iterate.hpp"
+#include "start.hpp"
 #include "sweep.hpp"
 
 #include <algorithm>
@@ -88,43 +89,12 @@ namespace {
 		int made = 0;
 	};
 
-	// The free velocities and the first guess, with which a second sweep begins.
-	struct Start {
-		explicit Start(const ContactSystem& s)
-		{
-			v.values.resize(3 * s.bodies.size());
-			p.values.resize(2 * s.contacts.size());
-			for (std::size_t i = 0; i < s.bodies.size(); i++)
-				std::copy_n(s.bodies[i].v, 3, &v.values[3 * i]);
-			for (std::size_t i = 0; i < s.contacts.size(); i++) {
-				p.values[2 * i] = s.contacts[i].pn;
-				p.values[2 * i + 1] = s.contacts[i].pt;
-			}
-		}
-		void again(ContactSystem& s) const
-		{
-			for (std::size_t i = 0; i < s.bodies.size(); i++)
-				std::copy_n(&v.values[3 * i], 3, s.bodies[i].v);
-			for (std::size_t i = 0; i < s.contacts.size(); i++) {
-				s.contacts[i].pn = p.values[2 * i];
-				s.contacts[i].pt = p.values[2 * i + 1];
-			}
-		}
-		HandedOn<double, Start> v;
-		HandedOn<double, const Start> p;
-	};
-	struct Guess {
-		explicit Guess(const DelassusSystem& s) { p.values = s.p; }
-		void again(DelassusSystem& s) const { s.p = p.values; }
-		HandedOn<double, Guess> p;
-	};
-
 	// Momentum can swing for ever: over W = 1 + 0.02, all entries, 1000 contacts, that of each group for itself stays at an error of 0.6, and
 	// plain sweeps need 250; over a tree of bodies, too. Plain sweeps are therefore tried beside it, from `firstTrial` sweeps on if always, else
 	// from when it has gained nothing in half of its sweeps at an error where no drift would show: brought to the same number, again each time
 	// the other has made four times as many, and the one with the smaller error leads on. Where momentum leads, the way it takes is the same to
 	// the last bit.
-	template <class S, class Beginning, class Method>
+	template <class S, class Method>
 	SolverReport besidePlain(typename S::System& system, const SolverSettings& settings, int firstTrial, bool always, const Method& method)
 	{
 		constexpr int share = 4;
@@ -132,7 +102,7 @@ namespace {
 		const int all = settings.maxIterations;
 		if (settings.fixedIterations > 0 || all <= firstTrial)
 			return iterate<S>(system, settings, method);
-		const Beginning beginning(system);
+		const Start start(system);
 		S withMomentum(system, settings.seed);
 		auto improve = method(withMomentum);
 		Iteration<S> first(withMomentum, settings);
@@ -143,7 +113,8 @@ namespace {
 				return first.conclude();
 			until = until > all / 2 ? all : 2 * until;
 		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
-		beginning.again(system);
+		start.free(system);
+		start.guess(system);
 		S plain(system, settings.seed);
 		Iteration<S> second(plain, settings);
 		second.begin();
@@ -177,12 +148,12 @@ namespace {
 
 SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
 {
-	return besidePlain<Sweep, Start>(system, settings, 300, false, [](Sweep& sweep) { return Momentum(sweep); });
+	return besidePlain<Sweep>(system, settings, 300, false, [](Sweep& sweep) { return Momentum(sweep); });
 }
 
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
 {
-	return besidePlain<DelassusSweep, Guess>(system, settings, 100, true, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
+	return besidePlain<DelassusSweep>(system, settings, 100, true, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
 }
 
 } // namespace cd

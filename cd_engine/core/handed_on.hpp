@@ -6,25 +6,27 @@
 
 namespace cd {
 
-// A vector that starts with what the last one of the same User in this thread left behind, of unknown size and content. A second one at
-// the same time starts empty.
+// A vector that starts with what one of the same User in this thread left behind, of unknown size and content.
 template <class T, class User> class HandedOn {
     public:
 	HandedOn()
-	    : values(std::move(left()))
 	{
+		if (left().empty())
+			return;
+		values = std::move(left().back());
+		left().pop_back();
 	}
-	~HandedOn() { left() = std::move(values); }
+	~HandedOn() { left().push_back(std::move(values)); }
 	HandedOn(const HandedOn&) = delete;
 	HandedOn& operator=(const HandedOn&) = delete;
 
 	std::vector<T> values;
 
     private:
-	static std::vector<T>& left()
+	static std::vector<std::vector<T>>& left() // of those that live at the same time the first begun is the last
 	{
-		static thread_local std::vector<T> one;
-		return one;
+		static thread_local std::vector<std::vector<T>> all;
+		return all;
 	}
 };
 

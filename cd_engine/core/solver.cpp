@@ -1,5 +1,5 @@
-#include "handed_on.hpp"
 #include "solver.hpp"
+#include "start.hpp"
 #include "verdict.hpp"
 
 #include <algorithm>
@@ -14,44 +14,8 @@ namespace {
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
-	// The free velocities and the first guess: what a method changes.
-	class Start {
-	    public:
-		explicit Start(const ContactSystem& s)
-		{
-			velocities.values.resize(3 * s.bodies.size());
-			impulses.values.resize(2 * s.contacts.size());
-			for (std::size_t i = 0; i < s.bodies.size(); i++)
-				std::copy_n(s.bodies[i].v, 3, &velocities.values[3 * i]);
-			for (std::size_t i = 0; i < s.contacts.size(); i++) {
-				impulses.values[2 * i] = s.contacts[i].pn;
-				impulses.values[2 * i + 1] = s.contacts[i].pt;
-			}
-		}
-		explicit Start(const DelassusSystem& s) { impulses.values = s.p; }
-
-		void free(ContactSystem& s) const
-		{
-			for (std::size_t i = 0; i < s.bodies.size(); i++)
-				std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
-		}
-		void free(DelassusSystem&) const { }
-		void guess(ContactSystem& s) const
-		{
-			for (std::size_t i = 0; i < s.contacts.size(); i++) {
-				s.contacts[i].pn = impulses.values[2 * i];
-				s.contacts[i].pt = impulses.values[2 * i + 1];
-			}
-		}
-		void guess(DelassusSystem& s) const { s.p = impulses.values; }
-
-		Verdict verdict(const ContactSystem& s, double guess) const { return judge(s, velocities.values, guess); }
-		Verdict verdict(const DelassusSystem& s, double guess) const { return judge(s, guess); }
-
-	    private:
-		HandedOn<double, Start> velocities;
-		HandedOn<double, const Start> impulses;
-	};
+	Verdict judge(const ContactSystem& s, const Start& start, double guess) { return judge(s, start.freeVelocity(), guess); }
+	Verdict judge(const DelassusSystem& s, const Start&, double guess) { return judge(s, guess); }
 
 	void clearImpulses(ContactSystem& s)
 	{
@@ -117,7 +81,7 @@ namespace {
 		start.free(other);
 		clearImpulses(other);
 		report.iterations += nsgs(other, plain).iterations;
-		const Verdict verdict = start.verdict(other, 0);
+		const Verdict verdict = judge(other, start, 0);
 		if (verdict.finding != Finding::not_finite) // as sweeps may end where others do not
 			named(verdict, report);
 	}
@@ -137,14 +101,14 @@ namespace {
 				report.status = Status::diverged;
 			return report;
 		}
-		Verdict verdict = start.verdict(system, guess);
+		Verdict verdict = judge(system, start, guess);
 		const auto doubtful
 		    = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful && verdict.growth > largeGrowth; };
 		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
 			part.tolerance = std::max(finest, refinement * part.tolerance);
 			part.maxIterations = settings.maxIterations;
 			report = goOn<System>(system, start, part, report, method);
-			verdict = start.verdict(system, guess);
+			verdict = judge(system, start, guess);
 			if (verdict.finding == Finding::nothing && report.error <= settings.tolerance) // that it was not more exact does not matter
 				report.status = Status::converged;
 		}

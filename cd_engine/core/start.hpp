@@ -1,0 +1,51 @@
+// What every method begins with and changes: the free velocities and the first guess. Kept, so that another can begin there, too.
+#pragma once
+
+#include "contact_system.hpp"
+#include "delassus_system.hpp"
+#include "handed_on.hpp"
+
+#include <algorithm>
+
+namespace cd {
+
+class Start {
+    public:
+	explicit Start(const ContactSystem& s)
+	{
+		velocities.values.resize(3 * s.bodies.size());
+		impulses.values.resize(2 * s.contacts.size());
+		for (std::size_t i = 0; i < s.bodies.size(); i++)
+			std::copy_n(s.bodies[i].v, 3, &velocities.values[3 * i]);
+		for (std::size_t i = 0; i < s.contacts.size(); i++) {
+			impulses.values[2 * i] = s.contacts[i].pn;
+			impulses.values[2 * i + 1] = s.contacts[i].pt;
+		}
+	}
+	explicit Start(const DelassusSystem& s) { impulses.values = s.p; }
+
+	// A method leaves the velocities that belong to its impulses; the next begins with the free ones again.
+	void free(ContactSystem& s) const
+	{
+		for (std::size_t i = 0; i < s.bodies.size(); i++)
+			std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
+	}
+	void free(DelassusSystem&) const { } // has none
+
+	void guess(ContactSystem& s) const
+	{
+		for (std::size_t i = 0; i < s.contacts.size(); i++) {
+			s.contacts[i].pn = impulses.values[2 * i];
+			s.contacts[i].pt = impulses.values[2 * i + 1];
+		}
+	}
+	void guess(DelassusSystem& s) const { s.p = impulses.values; }
+
+	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none of a matrix
+
+    private:
+	HandedOn<double, Start> velocities;
+	HandedOn<double, const Start> impulses;
+};
+
+} // namespace cd
