@@ -41,8 +41,19 @@ void Sleepers::resize(std::size_t count)
 	shapes.resize(count);
 }
 
+// An island that is looked at now and then, and found to sleep on, asks for no memory.
+void Sleepers::recycle(SleepingIsland& island)
+{
+	if (island.onImmobile.capacity() == 0)
+		return;
+	island.onImmobile.clear();
+	memory.push_back(std::move(island.onImmobile));
+}
+
 void Sleepers::wakeAll(World& world)
 {
+	for (SleepingIsland& island : list)
+		recycle(island);
 	list.clear();
 	std::fill(nameOf.begin(), nameOf.end(), -1);
 	std::fill(quiet.begin(), quiet.end(), 0);
@@ -101,6 +112,9 @@ template <class Condition> bool Sleepers::remove(Condition condition)
 			nameOf[i] = -1;
 			quiet[i] = false;
 		}
+	for (SleepingIsland& island : list)
+		if (condition(island))
+			recycle(island);
 	list.erase(std::remove_if(list.begin(), list.end(), condition), list.end());
 	number();
 	return true;
@@ -148,6 +162,10 @@ void Sleepers::add(int32_t name, const ResidualSum& error)
 	list.emplace_back();
 	list.back().name = name;
 	list.back().error = error;
+	if (!memory.empty()) {
+		list.back().onImmobile = std::move(memory.back());
+		memory.pop_back();
+	}
 }
 
 void Sleepers::finishSearch()

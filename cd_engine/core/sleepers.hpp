@@ -65,7 +65,10 @@ class Sleepers {
 	void number();
 	void listAwake(World&) const;
 
+	void recycle(SleepingIsland&);
+
 	std::vector<SleepingIsland> list;
+	std::vector<std::vector<Push>> memory; // of islands that are no more
 	std::vector<int32_t> nameOf; // by body: the name of its island, -1: it is awake
 	std::vector<int32_t> indexOf; // by name: of the island in the list
 	std::vector<char> quiet; // by body: sleeps on, or cannot move and has not changed
