@@ -158,7 +158,8 @@ namespace {
 				+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
 			const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
 			const double missed = std::max(beyond(difference, ofVelocities / compliance) * compliance * compliance, least * least);
-			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance), missed, c.pn * c.pn + c.pt * c.pt, compliance);
+			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance), missed, c.pn * c.pn + c.pt * c.pt,
+			    compliance);
 			if (const double wanted = std::min(asked[c.a], asked[c.b]); std::isfinite(wanted)) {
 				raise(sum->missedUnderHeavy, missed);
 				sum->leastHeavy = std::min(sum->leastHeavy, wanted);
