@@ -33,8 +33,12 @@ class DelassusSweep {
 	// Copies the impulses back to `system.p`. No velocity is kept: each is the product of a row with the impulses, made when needed.
 	void storeImpulses();
 	void restoreVelocities() { storeImpulses(); }
-	// The error of the impulses last stored.
-	Residual error() const { return residual(system); }
+	// The error of the packed impulses.
+	Residual error()
+	{
+		storeImpulses();
+		return residual(system);
+	}
 
 	// Calls f(p_n, p_t, i) with the impulses of every contact, i counting them in a fixed order.
 	template <class F> void forEachImpulse(F&& f)

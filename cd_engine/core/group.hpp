@@ -28,6 +28,13 @@ struct alignas(64) Group {
 };
 static_assert(sizeof(Group) == 11 * 64 && offsetof(Group, nx) == 64); // no gaps: each member begins on a boundary of its own size
 
+// What the contacts of a group miss of their law (residual.hpp), squared.
+struct alignas(64) GroupMiss {
+	double difference[Group::lanes]; // of the impulse [N^2 s^2]
+	double velocity[Group::lanes]; // [m^2/s^2]
+};
+static_assert(sizeof(GroupMiss) == 2 * 64);
+
 // The impulses of a group one sweep ago.
 struct alignas(64) GroupBefore {
 	double pn[Group::lanes], pt[Group::lanes];

@@ -14,6 +14,13 @@ struct alignas(64) LaneSums {
 	double against[Group::lanes]; // (y - p+) . (p+ - p)
 };
 
+// What the contacts miss of their law, summed lane by lane: the members of ResidualSum of the same names, `velocity` its `missed`.
+struct alignas(64) LaneMisses {
+	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
+	double velocity[Group::lanes];
+	double worst[Group::lanes], mostVelocity[Group::lanes];
+};
+
 struct GroupKernel {
 	const char* name;
 	int lanes; // contacts solved at once
@@ -23,7 +30,12 @@ struct GroupKernel {
 	void (*sweepAhead)(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums);
 	// v + beta (v - before) for every velocity; `before` becomes v.
 	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
-	// The same for rows of W. Solves the contacts of the groups from .. to - 1 in turn, the others held.
+	// Adds to every body what its contacts bring: the impulse, its moment over k, and in place of w the sizes |p_n| + (1 + arm^2)|p_t|.
+	void (*press)(const Group* groups, std::size_t count, PackedBody* loads);
+	// What the contacts miss of their law at these velocities, in place of w standing what acts on the body [m/s]: adds to the sums, and writes
+	// that of each, if not null.
+	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
+	// Sweeps over rows of W. Solves the contacts of the groups from .. to - 1 in turn, the others held.
 	void (*sweepRows)(const RowGroups& rows, std::size_t from, std::size_t to);
 	// The same from y, to which the impulses have been moved already.
 	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);

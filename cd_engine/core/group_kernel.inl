@@ -8,6 +8,7 @@ INLINE Vector load(const double* p) { return *reinterpret_cast<const Vector*>(p)
 INLINE void store(double* p, const Vector& v) { *reinterpret_cast<Vector*>(p) = v; }
 INLINE Vector larger(const Vector& a, const Vector& b) { return a > b ? a : b; }
 INLINE Vector smaller(const Vector& a, const Vector& b) { return a < b ? a : b; }
+INLINE Vector absolute(const Vector& x) { return larger(x, -x); }
 
 struct Bodies {
 	Vector vx, vy, spin, w;
@@ -106,6 +107,7 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 		one.vx = v.vx[lane];
 		one.vy = v.vy[lane];
 		one.spin = v.spin[lane];
+		one.w = v.w[lane];
 	}
 }
 
@@ -202,5 +204,74 @@ static void extrapolate(PackedBody* bodies, PackedBody* before, std::size_t coun
 		const Quad now = v;
 		v = now + beta * (now - last);
 		last = now;
+	}
+}
+
+static void press(const Group* groups, std::size_t count, PackedBody* loads)
+{
+	for (std::size_t k = 0; k < count; k++) {
+		if (k + early < count)
+			fetch(groups + k + early);
+		const Group& g = groups[k];
+		for (int lane = 0; lane < Group::lanes; lane += LANES) {
+			Bodies A = gather(loads, g.a + lane), B = gather(loads, g.b + lane);
+			const Vector nx = load(g.nx + lane), ny = load(g.ny + lane), at = load(g.at + lane), bt = load(g.bt + lane);
+			const Vector pn = load(g.pn + lane), pt = load(g.pt + lane);
+			const Vector px = nx * pn - ny * pt, py = ny * pn + nx * pt, t = absolute(pt), both = absolute(pn) + t;
+			A.vx -= px;
+			A.vy -= py;
+			A.spin -= at * pt;
+			A.w += both + at * at * t;
+			B.vx += px;
+			B.vy += py;
+			B.spin += bt * pt;
+			B.w += both + bt * bt * t;
+			scatter(loads, g.a + lane, A);
+			scatter(loads, g.b + lane, B);
+		}
+	}
+}
+
+// What residual.cpp adds of a contact, for LANES of them. `each` may be null.
+static void miss(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each)
+{
+	constexpr double epsilon = 2.220446049250313e-16, roundOff = 4 * epsilon;
+	const Vector none = {};
+	for (std::size_t k = 0; k < count; k++) {
+		if (k + early < count)
+			fetch(groups + k + early);
+		const Group& g = groups[k];
+		for (int lane = 0; lane < Group::lanes; lane += LANES) {
+			const Bodies A = gather(moved, g.a + lane), B = gather(moved, g.b + lane);
+			const Vector nx = load(g.nx + lane), ny = load(g.ny + lane), at = load(g.at + lane), bt = load(g.bt + lane);
+			const Vector pn = load(g.pn + lane), pt = load(g.pt + lane), mu = load(g.mu + lane), bias = load(g.bias + lane);
+			const Vector inverse = load(g.inverseWnn + lane), wnn = inverse > none ? 1 / inverse : none;
+			const Vector ux = B.vx - A.vx, uy = B.vy - A.vy, aTurns = at * A.spin, bTurns = bt * B.spin;
+			const Vector un = ux * nx + uy * ny + bias, ut = uy * nx - ux * ny + (bTurns - aTurns);
+			const Vector qn = pn - (un + mu * absolute(ut)) * inverse, qt = pt - ut * inverse, length = absolute(qt);
+			const auto inside = (qn >= none) & (length <= mu * qn), behind = mu * length <= -qn;
+			const Vector along = (qn + mu * length) / (1 + mu * mu), across = mu * along;
+			const Vector n = inside ? qn : behind ? none : along, t = inside ? qt : behind ? none : qt < none ? -across : across;
+			const Vector dn = pn - n, dt = pt - t, square = dn * dn + dt * dt, own = pn * pn + pt * pt;
+			const Vector ofVelocities = roundOff
+			    * (absolute(A.vx) + absolute(A.vy) + absolute(B.vx) + absolute(B.vy) + absolute(bias) + absolute(aTurns) + absolute(bTurns));
+			const Vector acts = A.w + B.w, least = epsilon * acts;
+			const Vector known = ofVelocities * inverse, knownOfSums = (ofVelocities + roundOff * acts) * inverse;
+			const Vector difference = square <= knownOfSums * knownOfSums ? none : square;
+			const Vector velocity = larger(square <= known * known ? none : square * wnn * wnn, least * least);
+			const auto add = [lane](double* sum, const Vector& x) { store(sum + lane, load(sum + lane) + x); };
+			const auto raise = [lane](double* most, const Vector& x) { store(most + lane, larger(x, load(most + lane))); };
+			add(sums.difference, difference);
+			add(sums.square, own);
+			add(sums.differenceEnergy, difference * wnn);
+			add(sums.squareEnergy, own * wnn);
+			add(sums.velocity, velocity);
+			raise(sums.worst, difference);
+			raise(sums.mostVelocity, velocity);
+			if (each) {
+				store(each[k].difference + lane, difference);
+				store(each[k].velocity + lane, velocity);
+			}
+		}
 	}
 }

@@ -58,7 +58,6 @@ template <class S> class Iteration {
 			for (int i = 0; i < more; i++)
 				improve();
 			report.iterations += more;
-			sweep.storeImpulses();
 			evaluate();
 			// Where impulses fall to next to nothing, so does what their error is relative to.
 			if (error < best.error || (distance < best.distance && impulse < best.impulse))

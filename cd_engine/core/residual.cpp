@@ -47,46 +47,6 @@ namespace {
 			largest = value;
 	}
 
-	[[gnu::always_inline]] inline void addContact(ResidualSum& to, double difference, double missed, double square, double compliance)
-	{
-		to.contacts++;
-		to.difference += difference;
-		to.square += square;
-		to.differenceEnergy += difference * compliance;
-		to.squareEnergy += square * compliance;
-		raise(to.worst, difference);
-		to.missed += missed;
-		raise(to.mostMissed, missed);
-	}
-
-	// Of a body: its velocity after the impulses, and what acts on it.
-	struct alignas(32) Moved {
-		double v[3];
-		double s; // [m/s]
-	};
-
-	constexpr double heavier = 10; // ratio of masses from which a body is no longer one among many like it
-
-	// Calls f(light, heavy) where two bodies of such masses touch.
-	template <class F> void forEachCarried(const ContactSystem& system, const F& f)
-	{
-		for (const ContactRow& c : system.contacts) {
-			const double *wa = system.bodies[c.a].w, *wb = system.bodies[c.b].w;
-			const double a = std::max(wa[0], wa[1]), b = std::max(wb[0], wb[1]);
-			if (b > 0 && a >= heavier * b)
-				f(c.a, c.b);
-			else if (a > 0 && b >= heavier * a)
-				f(c.b, c.a);
-		}
-	}
-
-	// What an impulse (pn, pt) of a contact amounts to on a body with the inverse masses w and the arms n, t [m/s].
-	inline double actionOn(const double* w, const ContactRow& c, double n, double t)
-	{
-		const double x = c.nx * c.nx, y = c.ny * c.ny;
-		return (x * w[0] + y * w[1] + n * n * w[2]) * std::abs(c.pn) + (y * w[0] + x * w[1] + t * t * w[2]) * std::abs(c.pt);
-	}
-
 	void moveBodies(const ContactSystem& system, const std::vector<double>& freeVelocity, std::vector<Moved>& moved)
 	{
 		moved.resize(system.bodies.size());
@@ -104,23 +64,6 @@ namespace {
 			b.v[1] += B.w[1] * fy;
 			b.v[2] += B.w[2] * (c.pn * c.bn + c.pt * c.bt);
 			b.s += actionOn(B.w, c, c.bn, c.bt) + B.twisted * std::abs(c.bt);
-		}
-	}
-
-	void addBody(ResidualSum& to, const BodyVelocity& b, double s, int32_t name)
-	{
-		const double inverse = std::max(b.w[0], b.w[1]);
-		if (inverse == 0 && b.w[2] == 0)
-			return;
-		to.touched++;
-		if (s == 0)
-			return;
-		const double mass = inverse > 0 ? 1 / inverse : 0;
-		to.mass += mass;
-		to.weighted += mass * std::sqrt(s);
-		if (s < to.least) {
-			to.least = s;
-			to.leastBody = name;
 		}
 	}
 
@@ -145,35 +88,65 @@ namespace {
 			    = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
 			if (!sum || ContactRow::held(compliance, c.freedom(ma, mb)))
 				continue; // nothing can move along n
-			const Moved &a = moved[c.a], &b = moved[c.b];
-			const double ux = b.v[0] - a.v[0], uy = b.v[1] - a.v[1];
-			const double ut = uy * c.nx - ux * c.ny + b.v[2] * c.bt - a.v[2] * c.at;
-			const double un = ux * c.nx + uy * c.ny + b.v[2] * c.bn - a.v[2] * c.an + c.bias;
-			const double difference = squaredDifference(c.pn, c.pt, un, ut, c.mu, compliance);
-			// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding
-			// along another at 1 m/s cannot be told from one pressed with 1e-16 of its momentum. Velocities are sums of what acts, and
-			// known to the round-off of that; which is no difference from the law, but an error of the bodies.
-			const double ofVelocities = roundOff
-			    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
-				+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
-			const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
-			const double missed = std::max(beyond(difference, ofVelocities / compliance) * compliance * compliance, least * least);
-			addContact(*sum, beyond(difference, (ofVelocities + roundOff * (a.s + b.s)) / compliance), missed, c.pn * c.pn + c.pt * c.pt,
-			    compliance);
-			if (const double wanted = std::min(asked[c.a], asked[c.b]); std::isfinite(wanted)) {
-				raise(sum->missedUnderHeavy, missed);
-				sum->leastHeavy = std::min(sum->leastHeavy, wanted);
-			}
+			const Miss miss = missOf(c, compliance, moved[c.a], moved[c.b]);
+			sum->addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, compliance);
+			sum->addUnderHeavy(miss.velocity, std::min(asked[c.a], asked[c.b]));
 			// As the contacts meet them: sums then do not depend on how bodies are numbered.
 			for (const int32_t body : { c.a, c.b })
 				if (!met[body]) {
 					met[body] = 1;
-					addBody(*sum, system.bodies[body], moved[body].s, body);
+					const double* const w = system.bodies[body].w;
+					const double inverse = std::max(w[0], w[1]);
+					if (inverse > 0 || w[2] > 0)
+						sum->addBody(inverse > 0 ? 1 / inverse : 0, moved[body].s, body);
 				}
 		}
 	}
 
 } // namespace
+
+double actionOn(const double* w, const ContactRow& c, double n, double t)
+{
+	const double x = c.nx * c.nx, y = c.ny * c.ny;
+	return (x * w[0] + y * w[1] + n * n * w[2]) * std::abs(c.pn) + (y * w[0] + x * w[1] + t * t * w[2]) * std::abs(c.pt);
+}
+
+Miss missOf(const ContactRow& c, double compliance, const Moved& a, const Moved& b)
+{
+	const double ux = b.v[0] - a.v[0], uy = b.v[1] - a.v[1];
+	const double ut = uy * c.nx - ux * c.ny + b.v[2] * c.bt - a.v[2] * c.at;
+	const double un = ux * c.nx + uy * c.ny + b.v[2] * c.bn - a.v[2] * c.an + c.bias;
+	const double square = squaredDifference(c.pn, c.pt, un, ut, c.mu, compliance);
+	// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding along another at 1
+	// m/s cannot be told from one pressed with 1e-16 of its momentum. Velocities are sums of what acts, and known to the round-off of that; which
+	// is no difference from the law, but an error of the bodies.
+	const double ofVelocities = roundOff
+	    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
+		+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
+	const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
+	return { beyond(square, (ofVelocities + roundOff * (a.s + b.s)) / compliance),
+		std::max(beyond(square, ofVelocities / compliance) * compliance * compliance, least * least) };
+}
+
+void ResidualSum::addContact(double difference_, double velocity, double square_, double compliance)
+{
+	contacts++;
+	difference += difference_;
+	square += square_;
+	differenceEnergy += difference_ * compliance;
+	squareEnergy += square_ * compliance;
+	raise(worst, difference_);
+	missed += velocity;
+	raise(mostMissed, velocity);
+}
+
+void ResidualSum::addUnderHeavy(double velocity, double s)
+{
+	if (!std::isfinite(s))
+		return;
+	raise(missedUnderHeavy, velocity);
+	leastHeavy = std::min(leastHeavy, s);
+}
 
 double ResidualSum::bodies() const
 {
@@ -253,7 +226,7 @@ Residual residual(const DelassusSystem& system)
 		const double pn = system.p[2 * i], pt = system.p[2 * i + 1], compliance = system.blocks[system.diagonal[i]].nn;
 		// u is a sum, known to the round-off of its terms.
 		const double d = beyond(squaredDifference(pn, pt, un, ut, system.mu[i], compliance), roundOff * size / compliance);
-		addContact(sum, d, d * compliance * compliance, pn * pn + pt * pt, compliance);
+		sum.addContact(d, d * compliance * compliance, pn * pn + pt * pt, compliance);
 	}
 	Residual r = sum.of();
 	r.bodies = 0;

@@ -25,6 +25,8 @@
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace cd {
@@ -55,9 +57,55 @@ struct ResidualSum {
 	double least = std::numeric_limits<double>::infinity(); // smallest s of a body on which anything acts [m/s]
 	int32_t leastBody = -1;
 
+	// A contact that differs from its law by `difference` [N^2 s^2] and misses `velocity` [m^2/s^2], both squared; square: |p|^2, compliance:
+	// W_nn.
+	void addContact(double difference, double velocity, double square, double compliance);
+	// A body that can move, on which s [m/s] acts; mass: 0 if it can only turn.
+	void addBody(double m, double s, int32_t body)
+	{
+		touched++;
+		if (s == 0)
+			return;
+		mass += m;
+		weighted += m * std::sqrt(s);
+		if (s < least) {
+			least = s;
+			leastBody = body;
+		}
+	}
+	// A contact, missing `velocity`, of a body that touches one ten times heavier, on which s acts; nothing where s is infinite.
+	void addUnderHeavy(double velocity, double s);
+
 	double bodies() const; // the error of the bodies
 	Residual of() const;
 };
+
+// What a contact misses of its law, squared: of the impulse [N^2 s^2], of the velocity [m^2/s^2].
+struct Miss {
+	double difference, velocity;
+};
+// Of a body: its velocity after the impulses, and what acts on it [m/s].
+struct alignas(32) Moved {
+	double v[3];
+	double s;
+};
+Miss missOf(const ContactRow&, double compliance, const Moved& a, const Moved& b);
+// What a contact's impulse amounts to on a body with the inverse masses w and the arms n, t [m/s].
+double actionOn(const double* w, const ContactRow&, double n, double t);
+
+// For touching bodies of which one is ten times heavier: calls f(light, heavy).
+template <class F> void forEachCarried(const ContactSystem& system, const F& f)
+{
+	constexpr double heavier = 10; // ratio of masses from which a body is no longer one among many like it
+	for (const ContactRow& c : system.contacts) {
+		const double *wa = system.bodies[c.a].w, *wb = system.bodies[c.b].w;
+		const double a = std::max(wa[0], wa[1]), b = std::max(wb[0], wb[1]);
+		if (b > 0 && a >= heavier * b)
+			f(c.a, c.b);
+		else if (a > 0 && b >= heavier * a)
+			f(c.b, c.a);
+	}
+}
 
 // The error of several islands: sums over their contacts, and the largest error of their bodies.
 Residual residual(const ResidualSum* islands, std::size_t count);
@@ -65,7 +113,7 @@ Residual residual(const ResidualSum* islands, std::size_t count);
 // freeVelocity: the bodies' velocities without any contact impulse, three numbers a body [v_x, v_y, omega].
 // The velocities are recomputed from the impulses (those in `system.bodies` are not read), W_nn from the masses. What is below the round-off of the
 // sums that velocities are is no difference from the law. Without any impulse e is 0 if no contact is violated, else infinite.
-// Costs five to ten sweeps.
+// Costs thirty sweeps: the methods ask Sweep::error() instead.
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
 
 // The same of every island of a system: contact i belongs to the island islandOf[i], to none where that is negative. Adds to `sums`, one an island.

@@ -3,7 +3,6 @@
 typedef double Pair __attribute__((vector_size(16), aligned(16), may_alias)); // one contact's impulses
 
 INLINE Pair pairAt(const double* p, int32_t i) { return *reinterpret_cast<const Pair*>(p + i); }
-INLINE Vector absolute(const Vector& x) { return larger(x, -x); }
 
 #if LANES == 8
 

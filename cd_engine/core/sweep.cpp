@@ -23,16 +23,21 @@ Sweep::Sweep(ContactSystem& s, unsigned seed)
 	packed.freeVelocity.resize(3 * s.bodies.size());
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
 		std::copy_n(s.bodies[i].v, 3, &packed.freeVelocity[3 * i]);
-	if (!classifyBodies() || !sameLinks())
+	bool sameMasses = true;
+	const bool same = classifyBodies(sameMasses) && sameLinks();
+	if (!same)
 		groupContacts();
+	if (!same || !sameMasses)
+		findCarried();
 	fillGroups();
 	fillLoose();
+	packBodies();
 	computeVelocities();
 }
 
 Sweep::~Sweep() { spare() = std::move(kept); }
 
-bool Sweep::classifyBodies()
+bool Sweep::classifyBodies(bool& sameMasses)
 {
 	bool same = packed.kinds.size() == system.bodies.size();
 	packed.kinds.resize(system.bodies.size());
@@ -41,6 +46,7 @@ bool Sweep::classifyBodies()
 		BodyKind& kind = packed.kinds[i];
 		if (same && std::equal(w, w + 3, kind.w))
 			continue;
+		sameMasses = false;
 		const bool turns = w[0] > 0 && w[2] > 0, uniform = w[0] == w[1] && (w[0] > 0 || w[2] == 0), movable = w[0] > 0;
 		const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
 		same = same && uniform == kind.uniform && turns == kind.turns && movable == kind.movable;
@@ -97,6 +103,13 @@ void Sweep::groupContacts()
 	}
 	packed.builder.end();
 	packed.bodyAt.resize(met);
+	packed.partition.update(system);
+}
+
+void Sweep::findCarried()
+{
+	packed.carried.clear();
+	forEachCarried(system, [&](int32_t light, int32_t heavy) { packed.carried.emplace_back(packed.place[light], packed.place[heavy]); });
 }
 
 void Sweep::fillGroups()
@@ -150,6 +163,19 @@ void Sweep::fillLoose()
 		};
 		fill(l.row.a, l.row.an, l.row.at, l.wa);
 		fill(l.row.b, l.row.bn, l.row.bt, l.wb);
+	}
+}
+
+void Sweep::packBodies()
+{
+	packed.freeBodies.resize(packed.bodyAt.size());
+	packed.masses.resize(packed.bodyAt.size());
+	for (std::size_t i = 0; i < packed.bodyAt.size(); i++) {
+		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
+		packed.freeBodies[i] = { b.v[0], b.v[1], b.v[2] * packed.kinds[packed.bodyAt[i]].radius, b.pushed };
+		const double inverse = std::max(b.w[0], b.w[1]);
+		packed.masses[i] = inverse > 0 ? 1 / inverse : 0;
+		twisted = twisted || b.twisted > 0;
 	}
 }
 

@@ -214,7 +214,7 @@ TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its v
 			CHECK(r.status == Status::max_iterations);
 			CHECK(r.iterations <= most);
 			CHECK(solvedBy("newton", r) == "none");
-			CHECK(errorOf(s, given) == r.error);
+			CHECK(errorOf(s, given) == doctest::Approx(r.error).epsilon(1e-12)); // sums in another order
 			if (most > 500 && solver == solvers[0]) {
 				ContactSystem start = given;
 				CHECK(r.error <= accelerated(start, to(1e-3, 500)).error);

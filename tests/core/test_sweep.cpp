@@ -315,3 +315,60 @@ TEST_CASE("no contact is lost, the contacts of a group share no movable body, no
 		CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
 	}
 }
+
+TEST_CASE("the error of packed contacts is the independent one, on every processor")
+{
+	const GroupKernel& usual = groupKernel();
+	for (const int contacts : { 1, 9, 300 })
+		for (const bool general : { false, true })
+			for (const bool islands : { false, true })
+				for (const double heavy : { 1., 1e3 }) {
+					ContactSystem s = heap(5, contacts, 0.4, general);
+					if (islands) { // the same heap once more, beside it
+						const auto bodies = static_cast<int32_t>(s.bodies.size());
+						const ContactSystem other = heap(6, contacts, 0.1, general);
+						s.bodies.insert(s.bodies.end(), other.bodies.begin(), other.bodies.end());
+						for (ContactRow c : other.contacts) {
+							c.a += bodies;
+							c.b += bodies;
+							s.contacts.push_back(c);
+						}
+					}
+					for (std::size_t i = 0; i < s.bodies.size(); i++) {
+						s.bodies[i].pushed = 0.01;
+						s.bodies[i].twisted = i % 3 == 0 ? 0.02 : 0;
+						if (i % 5 == 4)
+							for (double& w : s.bodies[i].w)
+								w /= heavy;
+					}
+					s.assembleBlocks();
+					std::vector<double> free;
+					for (const BodyVelocity& b : s.bodies)
+						free.insert(free.end(), b.v, b.v + 3);
+					for (const GroupKernel& kernel : groupKernels()) {
+						CAPTURE(kernel.name);
+						CAPTURE(contacts);
+						CAPTURE(general);
+						CAPTURE(islands);
+						CAPTURE(heavy);
+						useGroupKernel(kernel);
+						ContactSystem swept = s;
+						Sweep sweep(swept, 0);
+						for (int i = 0; i < 3; i++)
+							sweep();
+						const Residual packed = sweep.error();
+						sweep.storeImpulses();
+						const Residual apart = residual(swept, free);
+						// Sums in another order.
+						const auto same = [](double x) { return doctest::Approx(x).epsilon(1e-11); };
+						CHECK(packed.norm == same(apart.norm));
+						CHECK(packed.energy == same(apart.energy));
+						CHECK(packed.maximum == same(apart.maximum));
+						CHECK(packed.difference == same(apart.difference));
+						CHECK(packed.impulse == same(apart.impulse));
+						CHECK(packed.bodies == same(apart.bodies));
+						CHECK(packed.body == apart.body);
+					}
+				}
+	useGroupKernel(usual);
+}
