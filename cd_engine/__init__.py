@@ -43,7 +43,37 @@ def _plugin():
         print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
               file=sys.stderr)
     _report_at_exit()
+    _tell_of_waiting(module)
     return module
+
+
+def _tell_of_waiting(plugin):
+    """Have O.run(n, True) and O.wait() tell the plug-in that nobody looks at the scene before they return.
+
+    ContactDynamics then writes to the scene only what its other engines look at, and all of it at the end.
+    """
+    from yade import O
+    run, wait = type(O).run, type(O).wait
+
+    def run_and_tell(self, nSteps=-1, wait=False):
+        if not wait:
+            return run(self, nSteps)
+        plugin.wait_begins()
+        try:
+            return run(self, nSteps, True)
+        finally:
+            plugin.wait_ends()
+
+    def wait_and_tell(self):
+        plugin.wait_begins()
+        try:
+            return wait(self)
+        finally:
+            plugin.wait_ends()
+
+    for name, told, original in (("run", run_and_tell, run), ("wait", wait_and_tell, wait)):
+        told.__name__, told.__doc__ = name, original.__doc__
+        setattr(type(O), name, told)
 
 
 def _tested():

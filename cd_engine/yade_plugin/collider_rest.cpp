@@ -1,4 +1,5 @@
 #include "collider_rest.hpp"
+#include "company.hpp"
 #include "scene_error.hpp"
 
 #include <algorithm>
@@ -133,10 +134,11 @@ int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) cons
 	return -1;
 }
 
-void ColliderRest::run(const cd::World& world, yade::Scene* scene)
+void ColliderRest::search(const cd::World& world, yade::Scene* scene)
 {
 	collider->scene = scene;
 	collider->action();
+	remember(world);
 	const int id = narrowlyBound(world, scene);
 	if (id < 0)
 		return;
@@ -151,30 +153,34 @@ void ColliderRest::run(const cd::World& world, yade::Scene* scene)
 	      "no Bo1_Sphere_Aabb whose aabbEnlargeFactor is below 1");
 }
 
-void ColliderRest::refresh(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+void ColliderRest::remember(const cd::World& world)
 {
-	const cd::Reach reach = cd::reach(world, dt);
-	if (!collider || leastMargin <= 0 || std::isinf(reach.smallestRadius)) { // without disks nothing touches
-		wake();
-		return;
-	}
-	const bool widened = widens && widen(reach, leastMargin);
-	const bool awake = !collider->dead; // so it has run in this step, with the bounds asked for before
-	if (widened || (awake ? narrowlyBound(world, scene) >= 0 : listChanged || !stillComplete(world, reach)))
-		run(world, scene);
-	else if (!awake)
-		return rest(scene);
 	seen.clear();
 	for (const cd::Body& b : world.bodies)
 		seen.push_back({ b.x, b.y, b.radius });
 	seenShapes = world.shapes;
-	rest(scene);
 }
 
-// Until the last step of O.run(n).
+bool ColliderRest::needed(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+{
+	const cd::Reach reach = cd::reach(world, dt);
+	works = collider && leastMargin > 0 && !std::isinf(reach.smallestRadius); // without disks nothing touches
+	if (!works)
+		return false;
+	const bool widened = widens && widen(reach, leastMargin);
+	const bool awake = !collider->dead; // so it has run in this step, with the bounds asked for before
+	if (awake && !widened && narrowlyBound(world, scene) < 0) {
+		remember(world);
+		return false;
+	}
+	return widened || awake || listChanged || !stillComplete(world, reach);
+}
+
 void ColliderRest::rest(yade::Scene* scene)
 {
-	collider->dead = resting = at<long>(scene, layout.scene_stopAtIter) > at<long>(scene, layout.scene_iter) + 1;
+	if (!works)
+		return wake();
+	collider->dead = resting = awaited() || at<long>(scene, layout.scene_stopAtIter) > at<long>(scene, layout.scene_iter) + 1;
 }
 
 } // namespace cd_engine

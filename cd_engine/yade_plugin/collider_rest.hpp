@@ -21,11 +21,15 @@ class ColliderRest {
 	~ColliderRest() { wake(); }
 
 	void attach(boost::shared_ptr<yade::Engine> collider);
-	// To be called with the bodies as they are now, before the pairs are read.
+	// Whether the collider has to run before this step, with the bodies as they are now.
 	// listChanged: somebody has changed the list of pairs since the last step.
 	// leastMargin: the width as a fraction of the smallest radius; bodies faster than that allows for get a wider one. 0: nothing is done.
-	// dt [s]: of the step. Throws SceneError if a body's bounds stay too narrow, or missing, after the collider has run.
-	void refresh(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
+	// dt [s]: of the step.
+	bool needed(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
+	// Runs it, with the bodies of the scene as they are here. Throws SceneError if a body's bounds stay too narrow, or missing, after it has run.
+	void search(const cd::World&, yade::Scene*);
+	// Lets it rest until the last step of O.run(n), or while somebody waits for the end of the run (company.hpp).
+	void rest(yade::Scene*);
 	const yade::Engine* engine() const { return collider.get(); }
 	// Gives the collider back to YADE's loop.
 	void wake();
@@ -37,12 +41,12 @@ class ColliderRest {
 	bool stillComplete(const cd::World&, const cd::Reach&) const;
 	bool widen(const cd::Reach&, double leastMargin);
 	int narrowlyBound(const cd::World&, yade::Scene*) const;
-	void run(const cd::World&, yade::Scene*);
-	void rest(yade::Scene*);
+	void remember(const cd::World&);
 
 	boost::shared_ptr<yade::Engine> collider;
 	bool widens = false; // whether the collider takes a width; of another one the bounds are only looked at
 	double width = 0; // of the bounds beyond the bodies [m]
+	bool works = false; // whether there is a collider, and anything for it to find
 	bool resting = false;
 	std::vector<Place> seen; // the bodies when the collider ran last
 	std::vector<cd::Shape> seenShapes; // those of boundaries

@@ -45,9 +45,28 @@ void ContactDynamics::forget()
 	link = SceneLink();
 	rest.emplace();
 	step = cd::TimeStep();
-	checkedEngines = {};
-	last.iteration = -1;
+	company = Company();
+	last = {};
 	PyGILState_Release(gil);
+}
+
+// Brings the scene up to date when whoever waited for a run goes on.
+void ContactDynamics::settle()
+{
+	PyThreadState* const gil = PyEval_SaveThread(); // which the last step may ask for
+	{
+		const std::lock_guard<std::mutex> lock(stepping);
+		if (link.ahead())
+			link.publish(scene, step, last.dt);
+		rest->wake();
+	}
+	PyEval_RestoreThread(gil);
+}
+
+void ContactDynamics::settleLatest()
+{
+	if (ContactDynamics* const engine = latest)
+		engine->settle();
 }
 
 void ContactDynamics::action()
@@ -58,7 +77,7 @@ void ContactDynamics::action()
 		advance();
 	} catch (...) {
 		rest->wake(); // whoever goes on from here must not find a sleeping collider
-		last.iteration = -1;
+		last = {};
 		throw;
 	}
 }
@@ -84,12 +103,13 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 
 void ContactDynamics::advance()
 {
-	if (enginesChanged())
-		checkEngines();
+	company.check(this, scene, *rest, colliderMargin);
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
-	last = { settings, at<long>(scene, layout.scene_iter), at<long>(scene, layout.scene_stopAtIter) };
+	last = settings;
+	if (!link.ahead())
+		company.ask();
 	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers);
 	if (handover) {
 		link.takeOverlaps();
@@ -103,7 +123,9 @@ void ContactDynamics::advance()
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
-	link.scatter(scene, step, settings.dt);
+	link.hold(step, settings.dt);
+	if (publish == "always" || !awaited() || company.looks(at<long>(scene, layout.scene_iter)))
+		link.publish(scene, step, settings.dt);
 	if (!step.overlapsForgotten().empty())
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
@@ -142,14 +164,12 @@ void ContactDynamics::advance()
 	}
 }
 
-// Whether this step is like the last one, so that what left everything as it was then does so again. Forces are not read while their island sleeps
-// on; what somebody has made of them before a run is looked at when it begins, and within a run, or where it goes on after a pause, now and then.
+// Whether this step is like the last one, so that what left everything as it was then does so again.
 bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
-	return steps % 256 != 0 && at<long>(scene, layout.scene_iter) == last.iteration + 1 && at<long>(scene, layout.scene_stopAtIter) == last.stop
-	    && now.dt == last.settings.dt && now.restitution == last.settings.restitution && now.gapCorrection == last.settings.gapCorrection
-	    && now.solver.tolerance == last.settings.solver.tolerance && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0
-	    && warmStart && !handover;
+	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
+	    && now.solver.tolerance == last.solver.tolerance && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart
+	    && !handover;
 }
 
 // A trial that fails is repeated later; what has been woken may soon be at rest again.
@@ -201,56 +221,10 @@ void ContactDynamics::watchPenetration()
 		  << "fixedIterations, or take a smaller O.dt. deepestPenetration tells how far it goes.\n";
 }
 
-// Whether the list of engines is another than at the last check; remembers it. The collider's own rest is no change.
-bool ContactDynamics::enginesChanged()
-{
-	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
-	bool changed = engines.size() != checkedEngines.size();
-	for (std::size_t i = 0; !changed && i < engines.size(); i++)
-		changed = checkedEngines[i].first != engines[i].get()
-		    || (checkedEngines[i].second != engines[i]->dead && engines[i].get() != rest->engine());
-	if (!changed)
-		return false;
-	checkedEngines.clear();
-	for (const auto& engine : engines)
-		checkedEngines.emplace_back(engine.get(), engine->dead);
-	return true;
-}
-
-// The company the engine needs, and the company that would move or push the bodies a second time.
-void ContactDynamics::checkEngines()
-{
-	std::string problem;
-	bool resets = false, finds = false, before = true; // before: the engine at hand stands before this one
-	for (const auto& engine : at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines)) {
-		const std::string name = engine->getClassName();
-		if (engine.get() == this)
-			before = false;
-		if (name.find("Collider") != std::string::npos && before && !finds) {
-			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
-			finds = !engine->dead || colliderMargin > 0;
-			rest->attach(engine);
-			continue;
-		}
-		if (engine.get() == this || engine->dead)
-			continue;
-		resets = resets || (before && name == "ForceResetter");
-		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
-			problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
-			    + " the bodies a second time. Remove it or set its dead=True";
-	}
-	if (!resets)
-		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
-	if (!finds)
-		problem = "there is no collider before it, so no contact would ever be found. Use O.engines=cd_engine.engines()";
-	if (!problem.empty()) {
-		checkedEngines.clear(); // asked again at the next step
-		throw SceneError("ContactDynamics: " + problem);
-	}
-}
-
 void ContactDynamics::checkText(const char* attribute, const std::string& value)
 {
+	if (std::string(attribute) == "publish" && value != "always" && value != "due")
+		throw std::invalid_argument("ContactDynamics.publish='" + value + "' is not known; there is 'always' and 'due'");
 	if (std::string(attribute) != "method" || cd::findSolver(value))
 		return;
 	std::string known;

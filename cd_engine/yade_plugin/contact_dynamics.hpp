@@ -1,6 +1,7 @@
 // The engine YADE sees.
 #pragma once
 
+#include "company.hpp"
 #include "registered_engine.hpp"
 #include "scene_link.hpp"
 
@@ -30,6 +31,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool reduce = true;
 	bool handover = true;
 	double colliderMargin = 0;
+	std::string publish = "due";
 
 	// Left by the last step.
 	int iterations = 0;
@@ -79,13 +81,14 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static void checkText(const char* attribute, const std::string& value);
 
 	void action() override;
+	// Of the engine that has made the last step: brings the scene up to date.
+	static void settleLatest();
 	void exportProblem(const std::string& path, bool bodies);
 	template <class Class> static void methods(Class&);
 
     private:
 	cd::StepSettings settings(yade::Scene*) const;
-	void checkEngines();
-	bool enginesChanged();
+	void settle();
 	void takeOver();
 	void forget();
 	void advance();
@@ -102,12 +105,9 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	cd::TimeStep step;
 	static std::atomic<ContactDynamics*> latest; // that engine
 	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
-	std::vector<std::pair<const yade::Engine*, bool>> checkedEngines; // the company at the last check, and whether it was dead
+	Company company;
 	bool warned = false;
-	struct {
-		cd::StepSettings settings;
-		long iteration = -1, stop = -1; // of the scene, and where its run was to stop
-	} last; // step
+	cd::StepSettings last; // of the last step
 };
 
 inline const char* const ContactDynamics::documentation
@@ -166,6 +166,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "the collider's verletDist to that or, for fast bodies, to what a step needs, checks the bounds that come of it, lets the collider rest "
 	    "(dead=True) within O.run(n) while displacements stay within the margin, and runs it when they do not. 0: the collider is left alone and "
 	    "runs in every step; its bounds must then be wide enough.");
+	visit("publish", &C::publish, Access::set, any,
+	    "When positions, velocities, interactions and O.forces are written to the scene. due: in a run that somebody waits for (O.run(n, True), "
+	    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "
+	    "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.");
 	visit("iterations", &C::iterations, Access::read, any,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,
@@ -197,8 +201,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("sleeping", &C::sleeping, Access::read, any,
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing "
 	    "of "
-	    "them is looked at but their bodies. Forces that somebody sets on their contacts are looked at by the next run, or within 256 steps "
-	    "[1].");
+	    "them is looked at but their bodies [1].");
 	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::read, any,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::read, any,

@@ -78,6 +78,12 @@ namespace {
 		return all;
 	}
 
+	void endWait()
+	{
+		waitEnds();
+		ContactDynamics::settleLatest();
+	}
+
 	py::list instructionSets()
 	{
 		py::list all;
@@ -102,6 +108,8 @@ namespace {
 		py::def("layout", layoutList, "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes.");
 		py::def("verify_layout", verifyLayout,
 		    "Repeat the check made on import with false claims {member: offset or type name}; ImportError where one is found out.");
+		py::def("wait_begins", waitBegins, "Somebody waits for the run to end and does not look at the scene meanwhile.");
+		py::def("wait_ends", endWait, "The end of that: the scene is up to date.");
 		py::def("methods", methods, "Names of the contact solvers.");
 		py::def("instruction_sets", instructionSets, "Names of those the sweeps can use on this processor, the fastest first.");
 		py::def("use_instruction_set", useInstructionSet, "Sweep with this one from now on. The results are the same bits with all.");

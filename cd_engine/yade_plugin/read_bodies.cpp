@@ -197,7 +197,7 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 	if (!allFinite(extents) || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
 		refuseBody(id, "is a box with the extents " + text(extents[0]) + ", " + text(extents[1]) + ", " + text(extents[2]) + " m",
 		    "Set " + ofBody(id) + ".shape.extents, the halves of its edges, to numbers that are not negative");
-	const double* q = &at<double>(known.state, layout.state_orientation);
+	const double* const q = known.orientation;
 	const double norm = q[2] * q[2] + q[3] * q[3];
 	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
 		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: " + ofBody(id) + ".state.ori");
@@ -207,8 +207,16 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 	known.inPlane = layerId < 0 || std::abs(at<Vector3r>(known.state, layout.state_se3)[2] - layer) <= extents[2] * (1 + 1e-9);
 	shape.ex = extents[0];
 	shape.ey = extents[1];
-	shape.cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
-	shape.sine = 2 * q[2] * q[3] / norm;
+	orient(id);
+}
+
+// The orientation of a box in the plane.
+void SceneLink::orient(int id)
+{
+	const double* const q = bodies[id].orientation;
+	const double norm = q[2] * q[2] + q[3] * q[3];
+	world.shapes[id].cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
+	world.shapes[id].sine = 2 * q[2] * q[3] / norm;
 }
 
 void SceneLink::readWall(int id, cd::Shape& shape)
@@ -254,6 +262,7 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	if (!known.shape)
 		refuseBody(id, "has no shape", "Set " + ofBody(id) + ".shape to a Sphere, Box or Wall, or erase the body");
 	checkMotion(id);
+	std::copy_n(&at<double>(known.state, layout.state_orientation), 4, known.orientation);
 	readShape(id, world.bodies[id]);
 	readFriction(id, pointer<yade::Material>(body, layout.body_material));
 	readMotion(id, world.bodies[id], forces, g);
@@ -321,15 +330,29 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
     double margin, cd::Sleepers& sleepers)
 {
 	checkScene(scene, dt);
-	gravity = g;
-	gatherBodies(scene, g);
-	memory.overlaps.forgetBodies(gone);
-	gone.clear();
-	outdated = cd::renewOrder(world, memory.order, look) || outdated;
+	const bool read = !behind;
+	if (read) {
+		gravity = g;
+		gatherBodies(scene, g);
+		memory.overlaps.forgetBodies(gone);
+		gone.clear();
+	}
+	const bool reordered = cd::renewOrder(world, memory.order, look);
+	outdated = outdated || reordered;
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
-	rest.refresh(
-	    world, scene, dt, margin, !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get()));
-	gatherPairs(scene, dt, impulses, memory, sleepers);
+	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());
+	const bool search = rest.needed(world, scene, dt, margin, changed);
+	if (behind && (search || reordered))
+		publishScene(at<long>(scene, layout.scene_iter));
+	if (search)
+		rest.search(world, scene);
+	rest.rest(scene);
+	if (read || search || reordered)
+		gatherPairs(scene, dt, impulses, memory, sleepers);
+	else {
+		sleepers.look(world);
+		guess(dt, impulses);
+	}
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)

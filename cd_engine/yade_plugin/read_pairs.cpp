@@ -94,6 +94,7 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 	collectSpares();
 	spare.assign(candidates.size(), {});
 	forces.resize(candidates.size());
+	held.assign(candidates.size(), {});
 	for (const Candidate& c : candidates) {
 		assert(c.a != c.b && !bodies[c.b].boundary);
 		world.pairs.push_back({ c.a, c.b });
@@ -119,19 +120,34 @@ void SceneLink::findForces(std::size_t index)
 	}
 }
 
-// The force present on the contact, along its own normal, times dt: what YADE keeps is all the memory a warm start needs.
-std::array<double, 2> SceneLink::impulseIn(const Forces& f, double dt) const
+SceneLink::Held SceneLink::heldIn(const Forces& f) const
 {
+	Held h;
 	if (!f.geom)
-		return { 0, 0 };
+		return h;
 	const Vector3r& n = at<Vector3r>(f.geom, layout.geom_normal);
 	const Vector3r& fn = at<Vector3r>(f.phys, layout.phys_normalForce);
 	const Vector3r& ft = at<Vector3r>(f.phys, layout.phys_shearForce);
-	const double normal = n[0] * fn[0] + n[1] * fn[1], tangential = n[0] * ft[1] - n[1] * ft[0];
+	h.any = true;
+	h.nx = n[0];
+	h.ny = n[1];
+	for (const int k : { 0, 1 }) {
+		h.fn[k] = fn[k];
+		h.ft[k] = ft[k];
+	}
+	return h;
+}
+
+// The force present on the contact, along its own normal, times dt.
+std::array<double, 2> SceneLink::impulseIn(const Held& h, double dt)
+{
+	if (!h.any)
+		return { 0, 0 };
+	const double normal = h.nx * h.fn[0] + h.ny * h.fn[1], tangential = h.nx * h.ft[1] - h.ny * h.ft[0];
 	if (!(normal > 0) || !std::isfinite(tangential))
 		return { 0, 0 }; // springs may pull; a rigid contact does not
-	// n is a unit vector to its last digit only: without its length forces that are read and written again would grow by it, step by step.
-	const double square = n[0] * n[0] + n[1] * n[1];
+	// n is a unit vector to its last digit only: without its length forces that are held and taken up again would grow by it, step by step.
+	const double square = h.nx * h.nx + h.ny * h.ny;
 	return { dt * normal / square, dt * tangential / square };
 }
 
@@ -145,65 +161,60 @@ bool SceneLink::checkForces(std::size_t index)
 	return !turned;
 }
 
-// Friction and first guess of every pair that is awake: three dependent look-ups in different lines of memory, each asked for ahead of the next.
-// False if the bodies of an interaction have been exchanged since the pairs were made.
-bool SceneLink::readPairs(double dt, bool impulses)
+// What every contact of the scene carries now: three dependent look-ups in different lines of memory, each asked for ahead of the next. What somebody
+// has changed wakes its island. False if the bodies of an interaction have been exchanged since the pairs were made.
+bool SceneLink::readForces(cd::Sleepers* sleepers)
 {
-	constexpr std::size_t ahead = 12;
-	const std::size_t count = world.awake.size();
-	assert(isSelection(world.awake, world.pairs.size()) && interactions.size() == world.pairs.size() && forces.size() == world.pairs.size());
-	for (std::size_t i = 0; i < count + 2 * ahead; i++) {
+	constexpr std::size_t early = 12;
+	const std::size_t count = world.pairs.size();
+	assert(interactions.size() == count && forces.size() == count && held.size() == count);
+	for (std::size_t i = 0; i < count + 2 * early; i++) {
 		if (i < count) {
-			prefetch(interactions[world.awake[i]], layout.interaction_id1);
-			prefetch(interactions[world.awake[i]], layout.interaction_phys);
+			prefetch(interactions[i], layout.interaction_id1);
+			prefetch(interactions[i], layout.interaction_phys);
 		}
-		if (i >= ahead && i - ahead < count)
-			findForces(world.awake[i - ahead]);
-		if (i < 2 * ahead)
+		if (i >= early && i - early < count)
+			findForces(i - early);
+		if (i < 2 * early)
 			continue;
-		const std::size_t now = world.awake[i - 2 * ahead];
+		const std::size_t now = i - 2 * early;
 		if (!checkForces(now) && !inspecting)
 			return false;
-		cd::Pair& pair = world.pairs[now];
-		pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
-		const std::array<double, 2> guess = impulses ? impulseIn(forces[now], dt) : std::array<double, 2> { 0, 0 };
-		pair.pn = guess[0];
-		pair.pt = withinCone(guess[1], pair.mu * guess[0]);
+		const Held found = heldIn(forces[now]);
+		if (found == held[now])
+			continue;
+		held[now] = found;
+		if (sleepers)
+			sleepers->disturb(world.pairs[now]);
 	}
 	return true;
 }
 
-// Tells of contacts whose objects somebody has taken away or replaced since the last step, which would not be read any more.
-void SceneLink::disturbReplaced(cd::Sleepers& sleepers) const
+// Friction and first guess of every pair that is awake.
+void SceneLink::guess(double dt, bool impulses)
 {
-	if (sleepers.none())
-		return;
-	constexpr std::size_t ahead = 12;
-	for (std::size_t i = 0; i < world.pairs.size(); i++) {
-		if (i + ahead < world.pairs.size())
-			prefetch(interactions[i + ahead], layout.interaction_phys);
-		char* const interaction = reinterpret_cast<char*>(interactions[i]);
-		if (pointer<yade::IGeom>(interaction, layout.interaction_geom) != forces[i].geom
-		    || pointer<yade::IPhys>(interaction, layout.interaction_phys) != forces[i].phys)
-			sleepers.disturb(world.pairs[i]);
+	assert(isSelection(world.awake, world.pairs.size()));
+	for (const int32_t i : world.awake) {
+		cd::Pair& pair = world.pairs[i];
+		pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
+		const std::array<double, 2> guess = impulses ? impulseIn(held[i], dt) : std::array<double, 2> { 0, 0 };
+		pair.pn = guess[0];
+		pair.pt = withinCone(guess[1], pair.mu * guess[0]);
 	}
 }
 
 void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory, cd::Sleepers& sleepers)
 {
 	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	bool known = listUnchanged(container);
-	if (known) {
-		disturbReplaced(sleepers);
+	if (listUnchanged(container) && readForces(&sleepers))
 		sleepers.look(world);
-		known = readPairs(dt, impulses);
-	}
-	if (!known) {
+	else {
 		rebuildPairs(container, memory);
 		outdated = false;
 		sleepers.wakeAll(world);
-		readPairs(dt, impulses);
+		readForces(nullptr);
 	}
+	guess(dt, impulses);
 }
 
 void SceneLink::takeOverlaps()

@@ -42,17 +42,22 @@ class SceneLink {
     public:
 	cd::World world; // bodies: at their ids (erased ids stand as immobile bodies without pairs)
 
-	// Reads the scene. `impulses`: whether contact forces present become the first guess (times dt). `look`: whether to look at this step if
-	// the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too far for that.
+	// Reads the scene, unless it is behind what is known here. `impulses`: whether contact forces present become the first guess (times dt).
+	// `look`: whether to look at this step if the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too far
+	// for that.
 	void gather(
 	    yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin, cd::Sleepers&);
 	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
-	// Writes positions, velocities, interactions and O.forces after a step of dt. O.forces then holds the total on each body, gravity
+	// Takes in what a step of dt has left. The scene is behind from then on, until it is published.
+	void hold(cd::TimeStep&, double dt);
+	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void scatter(yade::Scene*, cd::TimeStep&, double dt);
+	void publish(yade::Scene*, const cd::TimeStep&, double dt);
+	// Whether steps have been made that are not published.
+	bool ahead() const { return behind; }
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 
@@ -62,6 +67,7 @@ class SceneLink {
 		boost::weak_ptr<yade::Body> identity;
 		void *body = nullptr, *shape = nullptr;
 		char* state = nullptr;
+		double orientation[4] = { 0, 0, 0, 1 }; // quaternion x, y, z, w
 		bool exists = false;
 		bool inPlane = false; // takes part in contacts
 		bool boundary = false;
@@ -87,6 +93,18 @@ class SceneLink {
 		void *geom, *phys; // null: none, or not of a class that can hold a contact's force
 		bool any; // whether there is any object at all
 	};
+	// A contact's force as YADE keeps it, in components along x and y. All that a warm start needs.
+	struct Held {
+		bool any = false; // else it carries nothing, and what follows means nothing
+		double nx, ny, fn[2], ft[2]; // normal; normal and tangential force [N]
+		cd::Touch touch; // with the step's own normal
+
+		bool operator==(const Held& o) const
+		{
+			return any == o.any
+			    && (!any || (nx == o.nx && ny == o.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0] && ft[1] == o.ft[1]));
+		}
+	};
 
 	void checkScene(yade::Scene*, double dt) const;
 	void gatherBodies(yade::Scene*, const Vector3r& gravity);
@@ -104,18 +122,21 @@ class SceneLink {
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
 	bool listUnchanged(yade::InteractionContainer*) const;
-	void disturbReplaced(cd::Sleepers&) const;
 	void rebuildPairs(yade::InteractionContainer*, const Memory&);
-	bool readPairs(double dt, bool impulses);
+	bool readForces(cd::Sleepers*);
+	Held heldIn(const Forces&) const;
+	void guess(double dt, bool impulses);
 	void findForces(std::size_t pair);
 	bool checkForces(std::size_t pair);
-	std::array<double, 2> impulseIn(const Forces&, double dt) const;
+	static std::array<double, 2> impulseIn(const Held&, double dt);
 	void collectSpares();
 	Spare takeSpare();
 	void makeReal(std::size_t pair, long iteration);
 	void makeUnreal(std::size_t pair);
-	void scatterContacts(cd::TimeStep&, long iteration, double dt);
-	bool writeContact(std::size_t pair, const cd::Touch&, double dt);
+	void turnBodies();
+	void orient(int id);
+	void publishScene(long iteration);
+	void writeContact(std::size_t pair);
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
 
@@ -127,7 +148,9 @@ class SceneLink {
 	std::vector<Candidate> candidates; // scratch
 	std::vector<yade::Interaction*> interactions; // of world.pairs
 	bool inspecting = false; // the scene is only looked at
-	std::vector<Forces> forces; // of world.pairs, as found by this step's gather
+	std::vector<Forces> forces; // of world.pairs, as they were when they were read or published last
+	std::vector<Held> held; // of world.pairs
+	bool behind = false; // the scene
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
 	std::vector<Spare> pool; // of pairs that are no more, for others
 	Vector3r gravity = Vector3r::Zero();

@@ -7,7 +7,7 @@
 namespace cd_engine {
 namespace {
 
-	constexpr std::size_t ahead = 10; // contacts or bodies whose memory is asked for before it is written
+	constexpr std::size_t early = 10; // contacts or bodies whose memory is asked for before it is written
 
 	template <class T> boost::shared_ptr<T> create(const char* name)
 	{
@@ -69,24 +69,18 @@ void SceneLink::makeUnreal(std::size_t index)
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = -1;
 }
 
-// The forces in YADE's signs: normalForce + shearForce act on the second body. Those that say already what they are to say stay as they are, since
-// written again they would differ in the last digit; returns whether they were written.
-bool SceneLink::writeContact(std::size_t index, const cd::Touch& touch, double dt)
+// The forces in YADE's signs: normalForce + shearForce act on the second body.
+void SceneLink::writeContact(std::size_t index)
 {
-	const cd::Pair& pair = world.pairs[index];
+	const Held& h = held[index];
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;
-	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(touch.cx, touch.cy, layer);
-	at<double>(g, layout.geom_penetrationDepth) = touch.overlap;
-	at<double>(p, layout.phys_tangensOfFrictionAngle) = pair.mu;
-	const Vector3r normal(touch.nx, touch.ny, 0);
-	if (at<Vector3r>(g, layout.geom_normal) == normal && impulseIn(forces[index], dt) == std::array<double, 2> { pair.pn, pair.pt })
-		return false;
-	at<Vector3r>(g, layout.geom_normal) = normal;
-	const double rate = 1 / dt, fn = pair.pn * rate, ft = pair.pt * rate;
-	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(fn * touch.nx, fn * touch.ny, 0);
-	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(-ft * touch.ny, ft * touch.nx, 0);
-	return true;
+	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(h.touch.cx, h.touch.cy, layer);
+	at<double>(g, layout.geom_penetrationDepth) = h.touch.overlap;
+	at<double>(p, layout.phys_tangensOfFrictionAngle) = world.pairs[index].mu;
+	at<Vector3r>(g, layout.geom_normal) = Vector3r(h.nx, h.ny, 0);
+	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(h.fn[0], h.fn[1], 0);
+	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(h.ft[0], h.ft[1], 0);
 }
 
 // The lines of memory that writeContact writes.
@@ -111,64 +105,90 @@ void SceneLink::writeMotion(std::size_t id)
 	velocity[0] = body.v[0];
 	velocity[1] = body.v[1];
 	at<Vector3r>(state, layout.state_angVel)[2] = body.v[2];
-	if (body.turn == 0)
-		return;
-	// The turn about z, applied from the left. Quasi-static turns are tiny, where two terms of the series are exact to round-off.
-	double* q = &at<double>(state, layout.state_orientation);
-	const double half = 0.5 * body.turn, square = half * half;
-	const bool tiny = square < 1e-7;
-	const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
-	const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
-	// Renormalised, since round-off would grow over 1e6 steps.
-	const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
-	q[0] = x * inverse;
-	q[1] = y * inverse;
-	q[2] = z * inverse;
-	q[3] = w * inverse;
+	std::copy_n(bodies[id].orientation, 4, &at<double>(state, layout.state_orientation));
 }
 
-void SceneLink::scatterContacts(cd::TimeStep& step, long iteration, double dt)
+// The turn of a step about z, applied from the left. Quasi-static turns are tiny, where two terms of the series are exact to round-off.
+void SceneLink::turnBodies()
 {
-	if (step.woke())
-		for (const int32_t i : world.awake) { // some have not been read before the step
-			findForces(i);
-			checkForces(i);
-		}
+	for (std::size_t id = 0; id < bodies.size(); id++) {
+		const double half = 0.5 * world.bodies[id].turn, square = half * half;
+		if (half == 0 || !bodies[id].exists)
+			continue;
+		double* const q = bodies[id].orientation;
+		const bool tiny = square < 1e-7;
+		const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
+		const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
+		// Renormalised, since round-off would grow over 1e6 steps.
+		const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
+		q[0] = x * inverse;
+		q[1] = y * inverse;
+		q[2] = z * inverse;
+		q[3] = w * inverse;
+		if (world.shapes[id].kind == cd::ShapeKind::box)
+			orient(static_cast<int>(id));
+	}
+}
+
+// Forces that say already what they are to say stay as they are, since taken up again they would differ in the last digit. Where one changes, its
+// island does not sleep.
+void SceneLink::hold(cd::TimeStep& step, double dt)
+{
 	const std::vector<int32_t>& solved = step.pairs();
-	assert(solved.size() == step.touches().size() && spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
+	assert(solved.size() == step.touches().size() && held.size() == world.pairs.size());
+	const double rate = 1 / dt;
 	for (std::size_t i = 0; i < solved.size(); i++) {
-		if (i + ahead < solved.size())
-			prefetchContact(forces[solved[i + ahead]]);
-		assert(static_cast<std::size_t>(solved[i]) < world.pairs.size());
 		const cd::Pair& pair = world.pairs[solved[i]];
 		if (!(pair.pn > 0))
 			continue;
-		bool changes = !forces[solved[i]].geom;
-		if (changes)
-			makeReal(solved[i], iteration);
-		changes = writeContact(solved[i], step.touches()[i], dt) || changes;
-		if (changes)
-			step.sleepers.disturb(pair);
+		const cd::Touch& touch = step.touches()[i];
+		Held& h = held[solved[i]];
+		h.touch = touch;
+		if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
+			continue;
+		const double fn = pair.pn * rate, ft = pair.pt * rate;
+		h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch };
+		step.sleepers.disturb(pair);
 	}
 	for (const int32_t i : world.awake)
-		if (forces[i].any && !(world.pairs[i].pn > 0)) {
-			makeUnreal(i);
+		if (held[i].any && !(world.pairs[i].pn > 0)) {
+			held[i].any = false;
 			step.sleepers.disturb(world.pairs[i]);
 		}
+	turnBodies();
+	behind = true;
 }
 
-void SceneLink::scatter(yade::Scene* scene, cd::TimeStep& step, double dt)
+void SceneLink::publishScene(long iteration)
 {
-	assert(world.bodies.size() == bodies.size());
-	scatterContacts(step, at<long>(scene, layout.scene_iter), dt);
+	assert(spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
+	for (std::size_t i = 0; i < world.pairs.size(); i++) {
+		if (i + early < world.pairs.size())
+			prefetchContact(forces[i + early]);
+		if (held[i].any) {
+			if (!forces[i].geom)
+				makeReal(i, iteration);
+			writeContact(i);
+		} else if (forces[i].any)
+			makeUnreal(i);
+	}
+	for (std::size_t id = 0; id < bodies.size(); id++) {
+		if (id + early < bodies.size())
+			prefetchBody(bodies[id + early]);
+		if (bodies[id].exists)
+			writeMotion(id);
+	}
+	behind = false;
+}
+
+void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step, double dt)
+{
+	publishScene(at<long>(scene, layout.scene_iter));
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	const double rate = 1 / dt;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
-		if (id + ahead < world.bodies.size())
-			prefetchBody(bodies[id + ahead]);
 		if (!bodies[id].exists)
 			continue;
-		writeMotion(id);
 		const double* w = world.bodies[id].inverseMass;
 		const double weight = w[0] > 0 || w[1] > 0 ? at<double>(bodies[id].state, layout.state_mass) : 0;
 		const std::array<double, 3>& p = step.impulseOn(id);

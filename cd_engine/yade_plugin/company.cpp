@@ -1,0 +1,99 @@
+#include "company.hpp"
+#include "scene_error.hpp"
+
+#include <atomic>
+#include <string>
+
+namespace cd_engine {
+namespace {
+
+	namespace py = boost::python;
+
+	std::atomic<int> waiting { 0 };
+
+} // namespace
+
+bool awaited() { return waiting > 0; }
+void waitBegins() { waiting++; }
+void waitEnds() { waiting--; }
+
+// The collider's own rest is no change.
+bool Company::changed(const std::vector<boost::shared_ptr<yade::Engine>>& engines, const yade::Engine* collider) const
+{
+	if (engines.size() != others.size())
+		return true;
+	for (std::size_t i = 0; i < engines.size(); i++)
+		if (others[i].engine != engines[i].get() || (others[i].dead != engines[i]->dead && engines[i].get() != collider))
+			return true;
+	return false;
+}
+
+void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& rest, double margin)
+{
+	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
+	if (!changed(engines, rest.engine()))
+		return;
+	others.clear();
+	std::string problem;
+	bool resets = false, finds = false, before = true;
+	const PyGILState_STATE gil = PyGILState_Ensure();
+	for (const auto& engine : engines) {
+		const std::string name = engine->getClassName();
+		Other other { engine.get(), engine->dead, engine.get() == self, false, before, false };
+		if (other.self)
+			before = false;
+		else if (name.find("Collider") != std::string::npos && before && !finds) {
+			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
+			finds = !engine->dead || margin > 0;
+			other.ours = margin > 0;
+			rest.attach(engine);
+		} else if (!engine->dead) {
+			resets = resets || (before && name == "ForceResetter");
+			other.ours = name == "ForceResetter";
+			other.periodic = PyObject_HasAttrString(py::object(engine).ptr(), "iterPeriod") == 1;
+			if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
+				problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
+				    + " the bodies a second time. Remove it or set its dead=True";
+		}
+		others.push_back(other);
+	}
+	PyGILState_Release(gil);
+	if (!resets)
+		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
+	if (!finds)
+		problem = "there is no collider before it, so no contact would ever be found. Use O.engines=cd_engine.engines()";
+	if (!problem.empty()) {
+		others.clear(); // asked again at the next step
+		throw SceneError("ContactDynamics: " + problem);
+	}
+}
+
+void Company::ask()
+{
+	for (Other& other : others) {
+		if (!other.periodic || other.dead)
+			continue;
+		const PyGILState_STATE gil = PyGILState_Ensure();
+		const py::object engine(boost::const_pointer_cast<yade::Factorable>(other.engine->shared_from_this()));
+		const auto number = [&](const char* name) { return py::extract<double>(engine.attr(name))(); };
+		// Before its first call it counts from that one.
+		const bool plain = number("virtPeriod") <= 0 && number("realPeriod") <= 0 && number("nDone") > 0;
+		other.period = plain ? py::extract<long>(engine.attr("iterPeriod"))() : 0;
+		other.last = py::extract<long>(engine.attr("iterLast"))();
+		PyGILState_Release(gil);
+	}
+}
+
+bool Company::looks(long iteration) const
+{
+	for (const Other& other : others) {
+		if (other.dead || other.self || other.ours)
+			continue;
+		const long next = other.before ? iteration + 1 : iteration;
+		if (!other.periodic || other.period <= 0 || next - other.last >= other.period || next < other.last)
+			return true;
+	}
+	return false;
+}
+
+} // namespace cd_engine

@@ -1,0 +1,41 @@
+// Who else sees the scene: the other engines of O.engines, and whoever may look while a run goes on.
+#pragma once
+
+#include "collider_rest.hpp"
+
+#include <vector>
+
+namespace cd_engine {
+
+// Whether somebody waits for the run to end, so that nobody looks at the scene meanwhile but its engines: O.run(n, True) and O.wait() tell
+// (cd_engine/__init__.py).
+bool awaited();
+void waitBegins();
+void waitEnds();
+
+// The other engines of the scene. An engine with a period (PyRunner and its like) looks at the scene when that is over; any other in every step.
+class Company {
+    public:
+	// Looks at the list of engines if it is another one than the last time. Attaches the collider found to `rest`. Throws SceneError for engines
+	// that do not go with Contact Dynamics. margin: the colliderMargin.
+	void check(const yade::Engine* self, yade::Scene*, ColliderRest& rest, double margin);
+	// Whether one of them runs between this step of `self` and the next. To be asked after ask().
+	bool looks(long iteration) const;
+	// Takes in when those with a period ran last.
+	void ask();
+
+    private:
+	struct Other {
+		const yade::Engine* engine;
+		bool dead;
+		bool self, ours; // ours: changes nothing that is not made anew in every step, or only when asked to
+		bool before; // it stands before `self`
+		bool periodic;
+		long period = 0, last = 0; // of a period in steps; period 0: it may run in any step
+	};
+	bool changed(const std::vector<boost::shared_ptr<yade::Engine>>&, const yade::Engine* collider) const;
+
+	std::vector<Other> others; // all engines, at the last check
+};
+
+} // namespace cd_engine
