@@ -74,12 +74,15 @@ void Company::ask()
 		if (!other.periodic || other.dead)
 			continue;
 		const PyGILState_STATE gil = PyGILState_Ensure();
-		const py::object engine(boost::const_pointer_cast<yade::Factorable>(other.engine->shared_from_this()));
-		const auto number = [&](const char* name) { return py::extract<double>(engine.attr(name))(); };
-		// Before its first call it counts from that one.
-		const bool plain = number("virtPeriod") <= 0 && number("realPeriod") <= 0 && number("nDone") > 0;
-		other.period = plain ? py::extract<long>(engine.attr("iterPeriod"))() : 0;
-		other.last = py::extract<long>(engine.attr("iterLast"))();
+		{
+			const py::object engine(
+			    boost::static_pointer_cast<yade::Engine>(const_cast<yade::Engine*>(other.engine)->shared_from_this()));
+			const auto number = [&](const char* name) { return py::extract<double>(engine.attr(name))(); };
+			// Before its first call it counts from that one.
+			const bool plain = number("virtPeriod") <= 0 && number("realPeriod") <= 0 && number("nDone") > 0;
+			other.period = plain ? py::extract<long>(engine.attr("iterPeriod"))() : 0;
+			other.last = py::extract<long>(engine.attr("iterLast"))();
+		}
 		PyGILState_Release(gil);
 	}
 }
