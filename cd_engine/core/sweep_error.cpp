@@ -1,4 +1,5 @@
-// The error of residual.hpp from packed contacts, in the order of the sweep: it costs two to three sweeps, and not thirty. residual.cpp has the formulas.
+// The error of residual.hpp from packed contacts, in the order of the sweep: it costs two to three sweeps, and not thirty. residual.cpp has the
+// formulas.
 #include "sweep.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #include "company.hpp"
+#include "inheritance.hpp"
 #include "scene_error.hpp"
 
 #include <atomic>
@@ -6,8 +7,6 @@
 
 namespace cd_engine {
 namespace {
-
-	namespace py = boost::python;
 
 	std::atomic<int> waiting { 0 };
 
@@ -36,10 +35,9 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 	others.clear();
 	std::string problem;
 	bool resets = false, finds = false, before = true;
-	const PyGILState_STATE gil = PyGILState_Ensure();
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
-		Other other { engine.get(), engine->dead, engine.get() == self, false, before, false };
+		Other other { engine.get(), engine->dead, engine.get() == self, false, before };
 		if (other.self)
 			before = false;
 		else if (name.find("Collider") != std::string::npos && before && !finds) {
@@ -50,14 +48,12 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
-			other.periodic = PyObject_HasAttrString(py::object(engine).ptr(), "iterPeriod") == 1;
 			if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
 				problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
 				    + " the bodies a second time. Remove it or set its dead=True";
 		}
 		others.push_back(other);
 	}
-	PyGILState_Release(gil);
 	if (!resets)
 		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
 	if (!finds)
@@ -68,34 +64,22 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 	}
 }
 
-void Company::ask()
+// Whether an engine runs in the step `iteration`, or may.
+static bool isDue(yade::Engine* engine, long iteration)
 {
-	for (Other& other : others) {
-		if (!other.periodic || other.dead)
-			continue;
-		const PyGILState_STATE gil = PyGILState_Ensure();
-		{
-			const py::object engine(
-			    boost::static_pointer_cast<yade::Engine>(const_cast<yade::Engine*>(other.engine)->shared_from_this()));
-			const auto number = [&](const char* name) { return py::extract<double>(engine.attr(name))(); };
-			// Before its first call it counts from that one.
-			const bool plain = number("virtPeriod") <= 0 && number("realPeriod") <= 0 && number("nDone") > 0;
-			other.period = plain ? py::extract<long>(engine.attr("iterPeriod"))() : 0;
-			other.last = py::extract<long>(engine.attr("iterLast"))();
-		}
-		PyGILState_Release(gil);
-	}
+	if (!inherits(engine, Base::PeriodicEngine))
+		return true;
+	const long period = at<long>(engine, layout.periodic_iterPeriod), last = at<long>(engine, layout.periodic_iterLast);
+	// Before its first call it counts from that one.
+	return at<double>(engine, layout.periodic_virtPeriod) > 0 || at<double>(engine, layout.periodic_realPeriod) > 0
+	    || at<long>(engine, layout.periodic_nDone) == 0 || (period > 0 && iteration - last >= period) || iteration < last;
 }
 
 bool Company::looks(long iteration) const
 {
-	for (const Other& other : others) {
-		if (other.dead || other.self || other.ours)
-			continue;
-		const long next = other.before ? iteration + 1 : iteration;
-		if (!other.periodic || other.period <= 0 || next - other.last >= other.period || next < other.last)
+	for (const Other& other : others)
+		if (!other.dead && !other.self && !other.ours && isDue(other.engine, other.before ? iteration + 1 : iteration))
 			return true;
-	}
 	return false;
 }
 

@@ -19,19 +19,15 @@ class Company {
 	// Looks at the list of engines if it is another one than the last time. Attaches the collider found to `rest`. Throws SceneError for engines
 	// that do not go with Contact Dynamics. margin: the colliderMargin.
 	void check(const yade::Engine* self, yade::Scene*, ColliderRest& rest, double margin);
-	// Whether one of them runs between this step of `self` and the next. To be asked after ask().
+	// Whether one of them runs between this step of `self` and the next.
 	bool looks(long iteration) const;
-	// Takes in when those with a period ran last.
-	void ask();
 
     private:
 	struct Other {
-		const yade::Engine* engine;
+		yade::Engine* engine;
 		bool dead;
 		bool self, ours; // ours: changes nothing that is not made anew in every step, or only when asked to
 		bool before; // it stands before `self`
-		bool periodic;
-		long period = 0, last = 0; // of a period in steps; period 0: it may run in any step
 	};
 	bool changed(const std::vector<boost::shared_ptr<yade::Engine>>&, const yade::Engine* collider) const;
 

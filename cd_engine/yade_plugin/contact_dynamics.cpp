@@ -108,8 +108,6 @@ void ContactDynamics::advance()
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
 	last = settings;
-	if (!link.ahead())
-		company.ask();
 	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers);
 	if (handover) {
 		link.takeOverlaps();

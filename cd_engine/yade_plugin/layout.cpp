@@ -86,6 +86,11 @@ namespace {
 		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
 		s.published<double>(&Layout::collider_verletDist, "InsertionSortCollider", "verletDist");
 		s.published<int>(&Layout::collider_targetInterv, "InsertionSortCollider", "targetInterv");
+		s.published<double>(&Layout::periodic_virtPeriod, "PeriodicEngine", "virtPeriod");
+		s.published<double>(&Layout::periodic_realPeriod, "PeriodicEngine", "realPeriod");
+		s.published<long>(&Layout::periodic_iterPeriod, "PeriodicEngine", "iterPeriod");
+		s.published<long>(&Layout::periodic_nDone, "PeriodicEngine", "nDone");
+		s.published<long>(&Layout::periodic_iterLast, "PeriodicEngine", "iterLast");
 		s.published<double>(&Layout::sphere_radius, "Sphere", "radius");
 		s.published<Vector3r>(&Layout::box_extents, "Box", "extents");
 		s.published<int>(&Layout::wall_sense, "Wall", "sense");

@@ -27,6 +27,7 @@ struct Layout {
 	long phys_kn, phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle;
 	long bound_min, bound_max;
 	long collider_verletDist, collider_targetInterv;
+	long periodic_virtPeriod, periodic_realPeriod, periodic_iterPeriod, periodic_nDone, periodic_iterLast;
 	long sphere_radius, box_extents, wall_sense, wall_axis, frictMat_frictionAngle;
 };
 

@@ -43,8 +43,8 @@ class SceneLink {
 	cd::World world; // bodies: at their ids (erased ids stand as immobile bodies without pairs)
 
 	// Reads the scene, unless it is behind what is known here. `impulses`: whether contact forces present become the first guess (times dt).
-	// `look`: whether to look at this step if the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too far
-	// for that.
+	// `look`: whether to look at this step if the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too
+	// far for that.
 	void gather(
 	    yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin, cd::Sleepers&);
 	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.

@@ -1,0 +1,220 @@
+"""publish='due' writes to the scene only what somebody looks at, and what is seen is what publish='always' shows, to the last bit."""
+import builtins
+import hashlib
+import time
+
+import numpy as np
+import pytest
+from yade import utils, wrapper
+
+import cd_engine
+
+from . import plane, test_invariants
+
+
+def seen(O):
+    """Digest of all that a step leaves in the scene."""
+    rows = [(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel, *O.forces.f(b.id), *O.forces.t(b.id)) for b in O.bodies]
+    for i in sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2)):
+        rows.append((i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce, i.phys.tangensOfFrictionAngle, *i.geom.normal, *i.geom.contactPoint,
+                     i.geom.penetrationDepth, i.geom.refR1, i.geom.refR2))
+    return hashlib.sha256(b"".join(np.array(row, float).tobytes() for row in rows)).hexdigest()
+
+
+def scene(O):
+    """Disks falling on a floor between walls, one of which turns; a free box on top would be refused, so a paddle stirs them."""
+    test_invariants.heap(O, 0.3)
+    paddle = plane.box((0.15, 0.02), (0.05, 0.002))
+    O.bodies[paddle].state.angVel = (0, 0, 3)
+
+
+def both(O, run, build=scene, **settings):
+    """What `run(engine)` returns with either way of publishing, the scene built anew for each."""
+    results = []
+    for publish in ("always", "due"):
+        O.reset()
+        build(O)
+        O.engines = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-6, publish=publish, **settings)
+        O.dt = 1e-3
+        results.append(run(O.engines[-1]))
+    assert results[0] == results[1]
+    return results[0]
+
+
+@pytest.fixture
+def call(O):
+    """call(f, ...): a PyRunner that calls f."""
+    functions = []
+    builtins.called_by_test = functions
+
+    def runner(function, **period):
+        functions.append(function)
+        return wrapper.PyRunner(command=f"import builtins; builtins.called_by_test[{len(functions) - 1}]()", **period)
+
+    yield runner
+    del builtins.called_by_test
+
+
+def test_at_the_end_of_every_run(O):
+    def run(engine):
+        found = []
+        for steps in (1, 2, 50, 150, 300):
+            O.run(steps, True)
+            found.append((seen(O), engine.totalIterations, engine.dissipatedEnergy, engine.sleeping))
+        O.step()
+        return found + [seen(O), utils.getStress(1.0), utils.unbalancedForce()]
+
+    both(O, run)
+
+
+@pytest.mark.parametrize("place", ["before", "after"])
+@pytest.mark.parametrize("period", [dict(iterPeriod=1), dict(iterPeriod=7), dict(iterPeriod=7, initRun=True), dict(virtPeriod=0.013), dict(iterPeriod=5, nDo=4)])
+def test_before_an_engine_that_looks(O, call, place, period):
+    """Recorders see every step's state when their period is over, wherever they stand."""
+    def run(engine):
+        found = []
+        look = call(lambda: found.append((O.iter, seen(O))), **period)
+        O.engines = [look, *O.engines] if place == "before" else [*O.engines, look]
+        O.run(60, True)
+        O.run(41, True)
+        return found + [seen(O)]
+
+    assert len(both(O, run)) > 3
+
+
+@pytest.mark.parametrize("place", ["first", "middle", "last"])
+def test_what_an_engine_changes_is_read(O, call, place):
+    """Velocities, friction and forces set in the course of a run."""
+    def run(engine):
+        def change():
+            disk = O.bodies[len(O.bodies) // 2]
+            disk.state.vel = disk.state.vel + (0.3, 0.1, 0)
+            O.materials[0].frictionAngle = 0.1 + 0.3 * (O.iter % 2)
+            O.forces.setPermF(disk.id, (0, 2 * (O.iter % 3), 0))
+
+        at = {"first": 0, "middle": 2, "last": 3}[place]
+        O.engines = [*O.engines[:at], call(change, iterPeriod=11), *O.engines[at:]]
+        O.run(100, True)
+        return seen(O), engine.totalIterations
+
+    both(O, run)
+
+
+def test_an_engine_without_a_period_is_always_due(O):
+    def run(engine):
+        O.engines = [*O.engines[:2], wrapper.ForceEngine(ids=[len(O.bodies) - 5], force=(1, 2, 0)), engine]
+        O.run(100, True)
+        return seen(O)
+
+    both(O, run)
+
+
+def test_saved_by_an_engine_of_the_run_and_gone_on(O, call, tmp_path):
+    """A scene saved in mid-run goes on as if it had not been saved."""
+    def run(engine):
+        path = str(tmp_path / f"{engine.publish}.yade.gz")
+        O.engines = [*O.engines, call(lambda: O.save(path) if O.iter == 99 else None, iterPeriod=1)]
+        O.run(200, True)
+        straight = seen(O)
+        O.load(path)
+        O.engines = O.engines[:3]
+        O.run(100, True)  # the hundredth step was over, though O.iter had not risen yet
+        return straight, seen(O)
+
+    straight, gone_on = both(O, run)
+    assert straight == gone_on
+
+
+def test_after_a_pause_and_in_the_background(O):
+    """A run that nobody waits for shows every step; what waits for its end sees that."""
+    def run(engine):
+        O.run(400)
+        while O.iter < 20:
+            time.sleep(0.001)
+        O.pause()
+        while engine.steps != O.iter:  # the last step may still go on
+            time.sleep(0.001)
+        now = seen(O)
+        O.run(400 - O.iter)
+        O.wait()
+        return now != seen(O), seen(O)
+
+    assert both(O, run)[0]
+
+
+def test_a_run_stopped_by_an_engine(O, call):
+    """O.pause() and stopAtIter from within; the end is shown though nobody announced it."""
+    def run(engine):
+        O.engines = [*O.engines, call(lambda: setattr(O, "stopAtIter", O.iter + 3), iterPeriod=50)]
+        O.run(500, True)
+        stopped = O.iter
+        return stopped, seen(O)
+
+    assert both(O, run)[0] < 500
+
+
+def test_a_refusal_leaves_the_last_step(O, call):
+    """A step that is refused leaves the scene as the step before it."""
+    def run(engine):
+        O.run(30, True)
+        O.engines = [*O.engines[:2], call(lambda: setattr(O.bodies[5].state, "mass", 0), iterPeriod=25), engine]
+        with pytest.raises(RuntimeError, match="#5 is free to move but has the mass 0"):
+            O.run(100, True)
+        return O.iter, [(*b.state.pos, *b.state.vel) for b in O.bodies]
+
+    both(O, run)
+
+
+def test_the_collider_finds_what_is_new(O):
+    """Disks thrown far, so that it has to search within the run: it sees them where they are."""
+    def build(O):
+        test_invariants.cloud(O, 60, seed=3, speed=3.0)
+
+    def run(engine):
+        O.run(300, True)
+        return seen(O), engine.deepestPenetration
+
+    both(O, run, build=build)
+
+
+def test_springs_take_over(O):
+    """They find the contacts of Contact Dynamics where they are."""
+    def run(engine):
+        O.run(200, True)
+        before = seen(O)
+        cd_engine.release()
+        O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb(), wrapper.Bo1_Box_Aabb()]),
+                     wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom(), wrapper.Ig2_Wall_Sphere_ScGeom(), wrapper.Ig2_Box_Sphere_ScGeom()],
+                                             [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                     wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
+        O.dt = 1e-5
+        O.run(100, True)
+        return before, seen(O)
+
+    both(O, run)
+
+
+def test_forces_set_in_a_sleeping_heap_are_seen_at_once(O, call):
+    """Contacts whose forces somebody changes in mid-run are looked at in the next step."""
+    def build(O):
+        test_invariants.heap(O, 0.3)
+
+    def run(engine):
+        O.run(3000, True)
+        asleep, found = engine.sleeping, []
+
+        def push():
+            i = next(i for i in O.interactions if i.isReal)
+            i.phys.normalForce = 1.5 * i.phys.normalForce
+
+        O.engines = [*O.engines, call(push, iterPeriod=40), call(lambda: found.append(engine.sleeping), iterPeriod=1)]
+        O.run(45, True)
+        return asleep, min(found), seen(O)
+
+    asleep, least, _ = both(O, run, build=build)
+    assert asleep > 0 and least < asleep
+
+
+def test_only_two_ways(O):
+    with pytest.raises(ValueError, match="'always' and 'due'"):
+        cd_engine.ContactDynamics(publish="sometimes")
