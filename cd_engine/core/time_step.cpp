@@ -329,6 +329,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	wokeSome = false;
 	while (!attempt(world, settings, report))
 		wokeSome = true;
+	if (report.solver.status == Status::diverged)
+		return report; // the world is as it was
 	report.dissipated += report.effort.stopped;
 	if (const int32_t i = report.solver.contact; i >= 0)
 		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
@@ -336,7 +338,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	report.maxPenetration = deepest;
 	finishContacts(world, report);
 	finishSleepers(report);
-	finishBodies(world, settings.dt);
+	report.idle = !finishBodies(world, settings.dt) && rows == 0;
 	return report;
 }
 
@@ -423,8 +425,10 @@ void TimeStep::finishSleepers(StepReport& report)
 	}
 }
 
-void TimeStep::finishBodies(World& world, double h)
+// Whether any body moves.
+bool TimeStep::finishBodies(World& world, double h)
 {
+	bool moves = false;
 	for (size_t i = 0; i < world.bodies.size(); i++) {
 		Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v;
@@ -432,12 +436,14 @@ void TimeStep::finishBodies(World& world, double h)
 		b.y += 0.5 * h * (b.v[1] + v[1]);
 		b.turn = 0.5 * h * (b.v[2] + v[2]);
 		std::copy_n(v, 3, b.v);
+		moves = moves || v[0] != 0 || v[1] != 0 || v[2] != 0;
 	}
 	for (const Shift& shift : shifts) {
 		world.bodies[shift.body].x += shift.x;
 		world.bodies[shift.body].y += shift.y;
 	}
 	sleepers.remember(world);
+	return moves;
 }
 
 } // namespace cd

@@ -32,6 +32,7 @@ struct StepReport {
 	double maxPenetration = 0; // [m], beyond the reference overlaps, at the mid-configuration
 	double dissipated = 0; // [J] in this step
 	double solveSeconds = 0; // spent in the solver
+	bool idle = false; // nothing moves and all contacts sleep: under the same forces the next step leaves everything as it is, too
 };
 
 // How far contacts reach in a step, at most.
@@ -54,6 +55,7 @@ class TimeStep {
 	// Restitution e > 0: a contact that is closed, or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or
 	// what its overlap asks for where that is more (rebounds.hpp); one that only other contacts' impulses close is left to the next step,
 	// overlapping by up to their velocity times h.
+	// If the solver has met a number that is not finite, no body is moved.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
@@ -97,7 +99,7 @@ class TimeStep {
 	SleepingIsland* asleepAt(const ContactRow&);
 	void push(std::size_t row, const Pair&, SleepingIsland*);
 	void finishSleepers(StepReport&);
-	void finishBodies(World&, double dt);
+	bool finishBodies(World&, double dt);
 
 	struct Mean {
 		double v[3]; // of the velocities before and after the step

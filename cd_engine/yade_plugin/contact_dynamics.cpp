@@ -47,6 +47,7 @@ void ContactDynamics::forget()
 	step = cd::TimeStep();
 	company = Company();
 	last = {};
+	idle = false;
 	PyGILState_Release(gil);
 }
 
@@ -89,9 +90,10 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
-	s.trial = steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
+	const bool awake = sleeping == 0 || sleeping < islands; // else there is nothing to try
+	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
-	s.notesLoads = steps + 1 == restTrialAt;
+	s.notesLoads = awake && steps + 1 == restTrialAt;
 	s.solve = cd::findSolver(method);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
@@ -101,8 +103,19 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	return s;
 }
 
+bool ContactDynamics::somebodyLooks() const
+{
+	return publish == "always" || !awaited() || company.looks(at<long>(scene, layout.scene_iter));
+}
+
 void ContactDynamics::advance()
 {
+	if (idle && link.ahead()) {
+		steps++;
+		if (somebodyLooks())
+			link.publish(scene, step, last.dt);
+		return;
+	}
 	company.check(this, scene, *rest, colliderMargin);
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
@@ -122,7 +135,8 @@ void ContactDynamics::advance()
 		    + std::to_string(at<long>(scene, layout.scene_iter))
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
 	link.hold(step, settings.dt);
-	if (publish == "always" || !awaited() || company.looks(at<long>(scene, layout.scene_iter)))
+	idle = report.idle;
+	if (somebodyLooks())
 		link.publish(scene, step, settings.dt);
 	if (!step.overlapsForgotten().empty())
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());

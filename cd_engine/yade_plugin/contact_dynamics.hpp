@@ -89,6 +89,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
     private:
 	cd::StepSettings settings(yade::Scene*) const;
 	void settle();
+	bool somebodyLooks() const;
 	void takeOver();
 	void forget();
 	void advance();
@@ -108,6 +109,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	Company company;
 	bool warned = false;
 	cd::StepSettings last; // of the last step
+	bool idle = false; // it left everything as it was, and so will the next unless somebody changes something
 };
 
 inline const char* const ContactDynamics::documentation
