@@ -102,7 +102,7 @@ namespace {
 		const int all = settings.maxIterations;
 		if (settings.fixedIterations > 0 || all <= firstTrial)
 			return iterate<S>(system, settings, method);
-		const Start start(system);
+		const Kept start(system, settings.start);
 		S withMomentum(system, settings.seed);
 		auto improve = method(withMomentum);
 		Iteration<S> first(withMomentum, settings);
@@ -113,8 +113,8 @@ namespace {
 				return first.conclude();
 			until = until > all / 2 ? all : 2 * until;
 		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
-		start.free(system);
-		start.guess(system);
+		start->free(system);
+		start->guess(system);
 		S plain(system, settings.seed);
 		Iteration<S> second(plain, settings);
 		second.begin();

@@ -178,7 +178,7 @@ void DelassusSweep::remember()
 	remembered = true;
 }
 
-void DelassusSweep::storeImpulses()
+void DelassusSweep::store()
 {
 	for (std::size_t place = 0; place < packed.grouping.members.size(); place++)
 		if (packed.grouping.members[place] >= 0)

@@ -30,27 +30,21 @@ class DelassusSweep {
 	// moving. Siconos's problems of 7002 and 2020 contacts come to 1e-8 this way, and stop at 2e-8 and 2e-7 without.
 	void ahead();
 
-	// Copies the impulses back to `system.p`. No velocity is kept: each is the product of a row with the impulses, made when needed.
-	void storeImpulses();
-	void restoreVelocities() { storeImpulses(); }
+	// No velocity is kept: each is the product of a row with the impulses, made when needed.
+	void restoreVelocities() { }
+	// Copies the impulses back to `system.p`.
+	void store();
 	// The error of the packed impulses.
 	Residual error()
 	{
-		storeImpulses();
+		store();
 		return residual(system);
 	}
 
-	// Calls f(p_n, p_t, i) with the impulses of every contact, i counting them in a fixed order.
-	template <class F> void forEachImpulse(F&& f)
-	{
-		std::size_t i = 0;
-		for (std::size_t place = 0; place < packed.grouping.members.size(); place++)
-			if (packed.grouping.members[place] >= 0) {
-				double* const p = pairAt(place);
-				f(p[0], p[1], i++);
-			}
-	}
-	std::size_t size() const { return system.contacts(); }
+	// The impulses of an iterate, to come back to.
+	using Iterate = std::vector<ImpulsePairs>;
+	void copyTo(Iterate& p) const { p = packed.impulses; }
+	void copyFrom(const Iterate& p) { packed.impulses = p; }
 
     private:
 	// The packed problem. Its memory is kept from one sweep of a thread to the next.

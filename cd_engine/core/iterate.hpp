@@ -18,6 +18,7 @@ template <class S> class Iteration {
 	    : sweep(s)
 	    , settings(t)
 	{
+		kept.values.resize(1);
 	}
 
 	// improve() makes one sweep of the method.
@@ -77,6 +78,7 @@ template <class S> class Iteration {
 	SolverReport conclude()
 	{
 		sweep.restoreVelocities();
+		sweep.store();
 		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was asked for
 			evaluate();
 		if (std::isnan(report.residual))
@@ -116,21 +118,14 @@ template <class S> class Iteration {
 	void keep()
 	{
 		best = { error, distance, impulse };
-		bestImpulses.values.resize(2 * sweep.size());
-		sweep.forEachImpulse([&](double pn, double pt, std::size_t i) {
-			bestImpulses.values[2 * i] = pn;
-			bestImpulses.values[2 * i + 1] = pt;
-		});
+		sweep.copyTo(bestIterate());
 	}
 
 	// With momentum the last iterate may be far from the best.
 	bool giveBest(Status status)
 	{
 		report.status = status;
-		sweep.forEachImpulse([&](double& pn, double& pt, std::size_t i) {
-			pn = bestImpulses.values[2 * i];
-			pt = bestImpulses.values[2 * i + 1];
-		});
+		sweep.copyFrom(bestIterate());
 		return true;
 	}
 
@@ -157,7 +152,8 @@ template <class S> class Iteration {
 	struct {
 		double error, distance, impulse;
 	} best {}; // iterate so far
-	HandedOn<double, Iteration> bestImpulses;
+	typename S::Iterate& bestIterate() { return kept.values.front(); }
+	HandedOn<typename S::Iterate, Iteration> kept;
 };
 
 // `method(sweep)` gives an object whose () makes one sweep; after each call the sweep's impulses are the iterate.

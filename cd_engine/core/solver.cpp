@@ -73,6 +73,7 @@ namespace {
 	template <class System> void findOut(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		SolverSettings plain = settings;
+		plain.start = &start;
 		plain.fixedIterations = std::min(sweepsToTell, settings.maxIterations - report.iterations);
 		if (plain.fixedIterations <= 0)
 			return;
@@ -90,17 +91,15 @@ namespace {
 	{
 		const Start start(system);
 		const bool fixed = settings.fixedIterations > 0, solvable = surelySolvable(system);
-		const double guess = weighted(system);
+		const double guess = solvable ? 0 : weighted(system);
 		SolverSettings part = settings;
+		part.start = &start;
 		if (!solvable && !fixed)
 			part.maxIterations -= std::min(sweepsToTell, settings.maxIterations / 10);
 		SolverReport report = method(system, part);
 		tryPlain(system, start, part, report, method);
-		if (solvable) {
-			if (!std::isfinite(weighted(system)))
-				report.status = Status::diverged;
+		if (solvable)
 			return report;
-		}
 		Verdict verdict = judge(system, start, guess);
 		const auto doubtful
 		    = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful && verdict.growth > largeGrowth; };

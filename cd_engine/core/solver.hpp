@@ -5,11 +5,14 @@
 #include "delassus_system.hpp"
 #include "residual.hpp"
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace cd {
+
+class Start;
 
 struct SolverSettings {
 	double tolerance = 1e-6; // on the errors of residual.hpp
@@ -17,6 +20,7 @@ struct SolverSettings {
 	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, no test on the way
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
+	const Start* start = nullptr; // what the system holds, if somebody keeps it already (start.hpp)
 };
 
 // no_solution: none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
@@ -43,7 +47,7 @@ struct SolverReport {
 		residualMax = e.maximum;
 		bodyError = e.bodies;
 		body = e.body;
-		error = e.error();
+		error = std::isfinite(e.impulse) ? e.error() : std::numeric_limits<double>::quiet_NaN();
 	}
 };
 

@@ -6,6 +6,7 @@
 #include "handed_on.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace cd {
 
@@ -46,6 +47,22 @@ class Start {
     private:
 	HandedOn<double, Start> velocities;
 	HandedOn<double, const Start> impulses;
+};
+
+// What the caller keeps already, or else a copy of one's own.
+class Kept {
+    public:
+	template <class System>
+	Kept(const System& s, const Start* kept)
+	    : start(kept ? kept : &own.emplace(s))
+	{
+	}
+	operator const Start&() const { return *start; }
+	const Start* operator->() const { return start; }
+
+    private:
+	std::optional<Start> own;
+	const Start* start;
 };
 
 } // namespace cd

@@ -20,9 +20,6 @@ Sweep::Sweep(ContactSystem& s, unsigned seed)
     , packed(*kept)
     , order(seed)
 {
-	packed.freeVelocity.resize(3 * s.bodies.size());
-	for (std::size_t i = 0; i < s.bodies.size(); i++)
-		std::copy_n(s.bodies[i].v, 3, &packed.freeVelocity[3 * i]);
 	bool sameMasses = true;
 	const bool same = classifyBodies(sameMasses) && sameLinks();
 	if (!same)
@@ -32,7 +29,7 @@ Sweep::Sweep(ContactSystem& s, unsigned seed)
 	fillGroups();
 	fillLoose();
 	packBodies();
-	computeVelocities();
+	restoreVelocities();
 }
 
 Sweep::~Sweep() { spare() = std::move(kept); }
@@ -168,42 +165,35 @@ void Sweep::fillLoose()
 
 void Sweep::packBodies()
 {
-	packed.freeBodies.resize(packed.bodyAt.size());
-	packed.masses.resize(packed.bodyAt.size());
-	for (std::size_t i = 0; i < packed.bodyAt.size(); i++) {
+	const std::size_t count = packed.bodyAt.size();
+	packed.bodies.resize(count + 1);
+	packed.freeBodies.resize(count);
+	packed.masses.resize(count);
+	packed.freeSpins.resize(count);
+	for (std::size_t i = 0; i < count; i++) {
 		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
+		packed.bodies[i].w = b.w[0];
 		packed.freeBodies[i] = { b.v[0], b.v[1], b.v[2] * packed.kinds[packed.bodyAt[i]].radius, b.pushed };
+		packed.freeSpins[i] = b.v[2];
 		const double inverse = std::max(b.w[0], b.w[1]);
 		packed.masses[i] = inverse > 0 ? 1 / inverse : 0;
 		twisted = twisted || b.twisted > 0;
-	}
-}
-
-void Sweep::computeVelocities()
-{
-	for (std::size_t i = 0; i < system.bodies.size(); i++)
-		std::copy_n(&packed.freeVelocity[3 * i], 3, system.bodies[i].v);
-	for (const ContactRow& c : system.contacts)
-		if (c.pn != 0 || c.pt != 0)
-			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
-	const std::size_t count = packed.bodyAt.size();
-	packed.bodies.resize(count + 1);
-	for (std::size_t i = 0; i < count; i++) {
-		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
-		// + 0: a body at rest keeps +0, whatever it adds 0 times; -0 would not, and its lanes would differ in sign.
-		packed.bodies[i] = { b.v[0] + 0., b.v[1] + 0., b.v[2] * packed.kinds[packed.bodyAt[i]].radius + 0., b.w[0] };
 	}
 	packed.bodies[count] = {};
 }
 
 void Sweep::restoreVelocities()
 {
-	storeImpulses();
-	computeVelocities();
+	moveBodies();
+	// + 0: a body at rest keeps +0, whatever it adds 0 times; -0 would not, and its lanes would differ in sign.
+	for (std::size_t i = 0; i < packed.bodyAt.size(); i++) {
+		const PackedBody& m = packed.moved[i];
+		packed.bodies[i] = { m.vx + 0., m.vy + 0., m.spin + 0., packed.bodies[i].w };
+	}
 	remembered = false; // what was before has the round-off that is gone now
 }
 
-void Sweep::storeImpulses()
+void Sweep::store()
 {
 	const auto store = [&](int32_t contact, double pn, double pt) {
 		system.contacts[contact].pn = pn;
@@ -216,6 +206,38 @@ void Sweep::storeImpulses()
 		}
 	for (std::size_t i = 0; i < packed.loose.size(); i++)
 		store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
+	for (std::size_t i = 0; i < packed.bodyAt.size(); i++) {
+		BodyVelocity& b = system.bodies[packed.bodyAt[i]];
+		const PackedBody& v = packed.bodies[i];
+		b.v[0] = v.vx;
+		b.v[1] = v.vy;
+		// So that a spin that nothing changes stays the same to the last bit.
+		b.v[2] = packed.freeSpins[i] + (v.spin - packed.freeBodies[i].spin) * packed.kinds[packed.bodyAt[i]].inverseRadius;
+	}
+}
+
+void Sweep::copyTo(Iterate& p) const
+{
+	p.groups.resize(packed.groups.size());
+	for (std::size_t k = 0; k < packed.groups.size(); k++) {
+		std::copy_n(packed.groups[k].pn, Group::lanes, p.groups[k].pn);
+		std::copy_n(packed.groups[k].pt, Group::lanes, p.groups[k].pt);
+	}
+	p.loose.clear();
+	for (const Loose& l : packed.loose)
+		p.loose.insert(p.loose.end(), { l.row.pn, l.row.pt });
+}
+
+void Sweep::copyFrom(const Iterate& p)
+{
+	for (std::size_t k = 0; k < packed.groups.size(); k++) {
+		std::copy_n(p.groups[k].pn, Group::lanes, packed.groups[k].pn);
+		std::copy_n(p.groups[k].pt, Group::lanes, packed.groups[k].pt);
+	}
+	for (std::size_t i = 0; i < packed.loose.size(); i++) {
+		packed.loose[i].row.pn = p.loose[2 * i];
+		packed.loose[i].row.pt = p.loose[2 * i + 1];
+	}
 }
 
 void Sweep::solveLoose(Loose& l, PackedBody* bodies)

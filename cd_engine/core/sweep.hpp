@@ -37,26 +37,20 @@ class Sweep {
 	// The same from y = p + beta (p - q), q being the impulses before the last such sweep (p itself at the first).
 	AheadReport ahead(double beta);
 
-	// Copies the impulses back to `system.contacts`.
-	void storeImpulses();
-	// Recomputes the bodies' velocities from the packed impulses, which clears the round-off that updates in place leave behind.
+	// Recomputes the velocities from the impulses, which clears the round-off that updates in place leave behind.
 	void restoreVelocities();
+	// Copies impulses and velocities back to the system.
+	void store();
 	// The error of the packed impulses: that of residual(), but for the order of its sums. Costs two to three sweeps.
 	Residual error();
 
-	// Calls f(p_n, p_t, i) with the impulses of every contact that can be solved, i counting them in a fixed order.
-	template <class F> void forEachImpulse(F&& f)
-	{
-		std::size_t i = 0;
-		for (std::size_t k = 0; k < packed.grouping.members.size(); k++) {
-			Group& g = packed.groups[k / Group::lanes];
-			if (packed.grouping.members[k] >= 0)
-				f(g.pn[k % Group::lanes], g.pt[k % Group::lanes], i++);
-		}
-		for (Loose& c : packed.loose)
-			f(c.row.pn, c.row.pt, i++);
-	}
-	std::size_t size() const { return packed.contacts; }
+	// The impulses of an iterate, to come back to.
+	struct Iterate {
+		std::vector<GroupBefore> groups;
+		std::vector<double> loose; // two a contact
+	};
+	void copyTo(Iterate&) const;
+	void copyFrom(const Iterate&);
 
     private:
 	// A contact that is solved alone: it couples n and t, or has a body that is no disk.
@@ -80,7 +74,6 @@ class Sweep {
 	};
 	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
 	struct Packed {
-		std::vector<double> freeVelocity; // of each body of the system, three numbers
 		std::vector<int32_t> place; // of each body of the system: its number among the packed, -1: not in any contact
 		std::vector<int32_t> bodyAt; // the other way round
 		std::vector<BodyKind> kinds; // of each body of the system
@@ -88,6 +81,7 @@ class Sweep {
 		std::vector<PackedBody> bodies, bodiesBefore; // the last is immobile, for empty lanes
 		std::vector<PackedBody> freeBodies; // their free velocities; w: what external forces make of them, BodyVelocity::pushed [m/s]
 		std::vector<double> masses; // of the same [kg]; 0: it cannot move along
+		std::vector<double> freeSpins; // of the same [rad/s]
 		std::vector<Group> groups;
 		std::vector<GroupBefore> groupsBefore;
 		std::vector<Loose> loose;
@@ -111,10 +105,10 @@ class Sweep {
 	void fillGroups();
 	void fillLoose();
 	void packBodies();
-	void computeVelocities();
 	void remember();
 	void findCarried();
 	void moveBodies();
+	void twistBodies();
 	void addBodies();
 	void addTogether(const LaneMisses&);
 	void addApart();

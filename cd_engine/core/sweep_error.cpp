@@ -32,11 +32,14 @@ void Sweep::moveBodies()
 		B.spin += l.wb[2] * (c.bn * c.pn + c.bt * c.pt);
 		B.w += actionOn(l.wb, c, c.bn, c.bt);
 	}
-	if (!twisted)
-		return;
+}
+
+// What acts on bodies that external forces turn, by every contact's arm.
+void Sweep::twistBodies()
+{
 	const auto twist = [&](int32_t at, double arm) {
 		if (static_cast<std::size_t>(at) < packed.bodyAt.size())
-			moved[at].w += system.bodies[packed.bodyAt[at]].twisted * packed.kinds[packed.bodyAt[at]].radius * std::abs(arm);
+			packed.moved[at].w += system.bodies[packed.bodyAt[at]].twisted * packed.kinds[packed.bodyAt[at]].radius * std::abs(arm);
 	};
 	for (const Group& g : packed.groups)
 		for (int lane = 0; lane < Group::lanes; lane++) {
@@ -60,6 +63,8 @@ Miss Sweep::missOf(const Loose& l) const
 Residual Sweep::error()
 {
 	moveBodies();
+	if (twisted)
+		twistBodies();
 	std::vector<ResidualSum>& sums = packed.sums;
 	sums.assign(packed.partition.islands.size(), {});
 	LaneMisses all = {};

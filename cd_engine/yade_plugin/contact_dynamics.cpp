@@ -103,10 +103,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	return s;
 }
 
-bool ContactDynamics::somebodyLooks() const
-{
-	return publish == "always" || !awaited() || company.looks(at<long>(scene, layout.scene_iter));
-}
+bool ContactDynamics::somebodyLooks() const { return publish == "always" || !awaited() || company.looks(at<long>(scene, layout.scene_iter)); }
 
 void ContactDynamics::advance()
 {

@@ -161,7 +161,7 @@ TEST_CASE("a sweep is what it is contact by contact in the same order, up to rou
 			DelassusSweep sweep(packed, 0);
 			for (int k = 0; k < 3; k++) {
 				sweep();
-				sweep.storeImpulses();
+				sweep.store();
 				sweepOneByOne(oneByOne, grouping);
 				double difference = 0;
 				for (std::size_t i = 0; i < packed.p.size(); i++)
@@ -190,7 +190,7 @@ TEST_CASE("every case of the local problem, wedging and singular ones among them
 	}
 	DelassusSweep sweep(s, 0);
 	sweep();
-	sweep.storeImpulses();
+	sweep.store();
 	for (std::size_t i = 0; i < s.contacts(); i++) {
 		const Block& w = s.blocks[i];
 		double pn, pt;

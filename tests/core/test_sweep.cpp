@@ -357,7 +357,7 @@ TEST_CASE("the error of packed contacts is the independent one, on every process
 						for (int i = 0; i < 3; i++)
 							sweep();
 						const Residual packed = sweep.error();
-						sweep.storeImpulses();
+						sweep.store();
 						const Residual apart = residual(swept, free);
 						// Sums in another order.
 						const auto same = [](double x) { return doctest::Approx(x).epsilon(1e-11); };
