@@ -76,8 +76,9 @@ void TimeStep::locateBodies(const World& world, double dt)
 	}
 }
 
-// Takes a disk back to the face by which its centre has come into a boundary in the half step; says whether it has. The end of a step before is no
-// place at which contact was required, nor is the place half a step before it where the velocities are new: both have to tell the same.
+// Takes a disk back to the face by which its centre has come into a boundary in the half step, the way that an impulse would push it; says whether it
+// has. The end of a step before is no place at which contact was required, nor is the place half a step before it where the velocities are new: both
+// have to tell the same. A disk that cannot move along the normal goes on as prescribed.
 bool TimeStep::stopAtFace(const Pair& pair, const World& world, const Touch& touch, double dt)
 {
 	const Place& a = places[pair.a];
@@ -90,10 +91,14 @@ bool TimeStep::stopAtFace(const Pair& pair, const World& world, const Touch& tou
 	};
 	if (!through(0, face) || !through(-0.5 * dt, same) || face.nx != same.nx || face.ny != same.ny)
 		return false;
-	const double back = b.radius - face.distance;
-	shifts.push_back({ pair.b, back * face.nx, back * face.ny });
-	b.x += back * face.nx;
-	b.y += back * face.ny;
+	const double* const w = system.bodies[pair.b].w;
+	const double along = w[0] * face.nx * face.nx + w[1] * face.ny * face.ny;
+	if (ContactRow::held(along, w[0] + w[1]))
+		return false;
+	const double back = (b.radius - face.distance) / along, x = back * w[0] * face.nx, y = back * w[1] * face.ny;
+	shifts.push_back({ pair.b, x, y });
+	b.x += x;
+	b.y += y;
 	return true;
 }
 
@@ -200,12 +205,14 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	std::size_t stopped;
 	do { // again for the other pairs of a disk that was stopped
 		stopped = shifts.size();
-		findContacts(world, settings);
-	} while (shifts.size() > stopped && shifts.size() <= world.bodies.size());
+		// Two faces that pass each other would send a disk to and fro for ever. The last look moves none, so that all its contacts see one
+		// place.
+		findContacts(world, settings, stopped <= world.bodies.size());
+	} while (shifts.size() > stopped);
 	return system;
 }
 
-void TimeStep::findContacts(World& world, const StepSettings& settings)
+void TimeStep::findContacts(World& world, const StepSettings& settings, bool stops)
 {
 	rows = 0;
 	rebounds.clear();
@@ -221,7 +228,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 		const int32_t i = world.awake[k];
 		Pair& pair = world.pairs[i];
 		Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
-		if (stopAtFace(pair, world, touch, settings.dt))
+		if (stops && stopAtFace(pair, world, touch, settings.dt))
 			touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 		double gap = pair.reference - touch.overlap;
 		if (pair.reference > 0 && touch.overlap <= 0) { // truly apart

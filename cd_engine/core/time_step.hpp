@@ -50,11 +50,10 @@ class TimeStep {
 	// keeps the next one from overlapping to first order: the gap may close within the step but not be crossed. Where the face of a box turns,
 	// what that changes in the gap within the step is added, so that it meets disks as one does that only moves. An overlap is kept from growing;
 	// with gapCorrection b > 0 it has to shrink, u_n + b gap/h >= 0 (b = 1: within the step), by a velocity that stays and is not dissipated.
-	// Only velocities that somebody has just given can take the centre of a disk into a boundary, or through it, before contact is looked at, in
-	// the first half of a step: its way ends at the face then.
-	// Restitution e > 0: a contact that is closed, or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or
-	// what its overlap asks for where that is more (rebounds.hpp); one that only other contacts' impulses close is left to the next step,
-	// overlapping by up to their velocity times h.
+	// Only velocities that somebody has just given, or that a step has left unsolved, can take the centre of a disk into a boundary, or through
+	// it, before contact is looked at, in the first half of a step: its way ends at the face then. Restitution e > 0: a contact that is closed,
+	// or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or what its overlap asks for where that is more
+	// (rebounds.hpp); one that only other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
 	// If the solver has met a number that is not finite, no body is moved.
 	StepReport operator()(World&, const StepSettings&);
 
@@ -85,7 +84,7 @@ class TimeStep {
 	void locateBodies(const World&, double dt);
 	void meanVelocities(const World&);
 	double contactGap(const Pair&) const;
-	void findContacts(World&, const StepSettings&);
+	void findContacts(World&, const StepSettings&, bool stops);
 	bool stopAtFace(const Pair&, const World&, const Touch&, double dt);
 	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;
 	bool crosses(std::size_t pair, const World&, double dt) const;

@@ -94,3 +94,75 @@ TEST_CASE("with restitution a closing contact takes the larger of rebound and co
 		CHECK(separation(w) == doctest::Approx(std::max(e, asked)).epsilon(1e-11));
 	}
 }
+
+namespace {
+
+// A disk whose centre comes through walls x = `walls` by the velocity `speed` [m/s] in the first half of a step; the disk after it.
+Body stopped(double speed, const std::vector<Shape>& shapes, const std::vector<double>& places, double inverseMassX)
+{
+	World w;
+	for (const double x : places) {
+		Body wall;
+		wall.x = x;
+		w.bodies.push_back(wall);
+	}
+	w.shapes = shapes;
+	w.shapes.emplace_back();
+	Body disk;
+	disk.radius = radius;
+	disk.v[0] = speed;
+	disk.inverseMass[0] = inverseMassX;
+	disk.inverseMass[1] = 1;
+	const auto number = static_cast<int32_t>(places.size());
+	w.bodies.push_back(disk);
+	for (int32_t k = 0; k < number; k++)
+		w.pairs.push_back({ k, number });
+	step(w, 0);
+	return w.bodies.back();
+}
+
+Shape wall(int sense)
+{
+	Shape s;
+	s.kind = ShapeKind::wall;
+	s.sense = sense;
+	return s;
+}
+
+} // namespace
+
+TEST_CASE("the way of a disk ends at the face that its centre would come through, and goes on if it is prescribed")
+{
+	const double speed = 1000, face = 0.2; // half a step: 0.5 m
+	const Body free = stopped(speed, { wall(-1) }, { face }, 1);
+	CHECK(free.v[0] == 0);
+	CHECK(free.x == doctest::Approx(face - radius).epsilon(1e-14));
+	const Body prescribed = stopped(speed, { wall(-1) }, { face }, 0);
+	CHECK(prescribed.v[0] == speed);
+	CHECK(prescribed.x == doctest::Approx(speed * h).epsilon(1e-14));
+}
+
+TEST_CASE("a disk between two faces that have passed each other has all its contacts at one place")
+{
+	World w;
+	const double gap = 0.01; // narrower than the disk's radius
+	w.bodies.resize(3);
+	w.shapes = { wall(0), wall(-1), {} };
+	w.bodies[0].x = -0.2;
+	w.bodies[0].v[0] = 2 * (0.2 + 0.5 * gap) / h; // comes over the disk's centre in half a step
+	w.bodies[1].x = gap;
+	w.bodies[2].radius = radius;
+	w.bodies[2].inverseMass[0] = w.bodies[2].inverseMass[1] = 1;
+	w.pairs = { { 0, 2 }, { 1, 2 } };
+	StepSettings s;
+	s.dt = h;
+	s.solve = findSolver("nsgs");
+	TimeStep t;
+	t.sleepers.look(w);
+	t(w, s);
+	REQUIRE(t.pairs().size() == 2);
+	double centre[2];
+	for (int i = 0; i < 2; i++)
+		centre[i] = t.touches()[i].cx + (radius - 0.5 * t.touches()[i].overlap) * t.touches()[i].nx;
+	CHECK(centre[0] == doctest::Approx(centre[1]).epsilon(1e-13));
+}

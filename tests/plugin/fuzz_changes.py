@@ -143,6 +143,7 @@ def save_and_load(run):
         run.steps(run.r.choice((0, 5)))
         yade.O.load(path)
         if run.r.random() < 0.5:
+            run.watch.references = dict(references)
             run.after_load()
             run.steps(5)
             yade.O.reload()

@@ -45,14 +45,14 @@ class Picture:
             self.forces[k] = f[0], f[1], t[2]
         self.push = self.dt * (self.forces + self.mass[:, None] * np.array([gravity[0], gravity[1], 0])) * (self.w > 0)
 
-    def pairs(self):
-        """All pairs (boundary or disk, disk) of which one at least can move."""
+    def pairs(self, fixed=False):
+        """All pairs (boundary or disk, disk) of which one at least can move; with `fixed` the others, too."""
         disks, boundaries = np.flatnonzero(self.kind == DISK), np.flatnonzero(self.kind > DISK)
         i, j = np.triu_indices(len(disks), 1)
         a = np.concatenate([disks[i], np.repeat(boundaries, len(disks))])
         b = np.concatenate([disks[j], np.tile(disks, len(boundaries))])
         free = self.w.any(axis=1)
-        some = free[a] | free[b]
+        some = free[a] | free[b] | fixed
         return a[some], b[some]
 
     def ahead(self, time):
@@ -88,7 +88,7 @@ def _foot_on_wall(picture, _, a, d):
 
 def _foot_on_box(picture, x, a, d):
     c, s = np.cos(x[a, 2]), np.sin(x[a, 2])
-    local = np.stack([c * d[:, 0] + s * d[:, 1], -s * d[:, 0] + c * d[:, 1]], axis=1)
+    local = _turned(x[a, 2], d)
     half = picture.half[a]
     beyond = local - np.clip(local, -half, half)
     corner = (beyond != 0).all(axis=1)
@@ -100,6 +100,41 @@ def _foot_on_box(picture, x, a, d):
     far = np.hypot(beyond[:, 0], beyond[:, 1])
     n = np.where(corner[:, None], beyond / np.where(far > 0, far, 1)[:, None], face)
     return np.stack([c * n[:, 0] - s * n[:, 1], s * n[:, 0] + c * n[:, 1]], axis=1), np.where(corner, far, out.max(axis=1))
+
+
+def faces_met(picture, start, end, a, b):
+    """Whether the centre of disk b, outside boundary a when bodies stand at `start`, has come in or right through when they stand at `end`; the
+    outward normals of the faces by which, and the centre's distances from these.
+
+    Straight on in the boundary's axes: cut with the two strips whose common part a box is (Liang & Barsky 1984), or with a wall.
+    """
+    met, normal, distance = np.zeros(len(a), bool), np.zeros((len(a), 2)), np.zeros(len(a))
+    before, after = start[b, :2] - start[a, :2], end[b, :2] - end[a, :2]
+    rows = np.flatnonzero(picture.kind[a] == WALL)
+    axis, sense = picture.axis[a[rows]], picture.sense[a[rows]]
+    p, q = before[rows, axis], after[rows, axis]
+    met[rows] = (p * q < 0) & (sense * p >= 0)
+    normal[rows, axis], distance[rows] = np.sign(p), np.sign(p) * q
+    rows = np.flatnonzero(picture.kind[a] == BOX)
+    p, q = (_turned(x[a[rows], 2], d[rows]) for x, d in ((start, before), (end, after)))
+    half, way = picture.half[a[rows]], q - p
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, last = np.sort([(-half - p) / way, (half - p) / way], axis=0)
+    within = np.abs(p) <= half
+    first, last = (np.where(way == 0, np.where(within, -s, s) * np.inf, t) for s, t in ((1, first), (-1, last)))
+    come, axis = first.max(axis=1), first.argmax(axis=1)
+    met[rows] = ~within.all(axis=1) & (come >= 0) & (come <= 1) & (come <= last.min(axis=1))
+    face = np.zeros((len(rows), 2))
+    k = np.arange(len(rows))
+    face[k, axis] = np.sign(p[k, axis])
+    normal[rows], distance[rows] = _turned(-end[a[rows], 2], face), np.sign(p[k, axis]) * q[k, axis] - half[k, axis]
+    return met, normal, distance
+
+
+def _turned(angle, d):
+    """Vectors d in axes turned by an angle."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * d[:, 0] + s * d[:, 1], -s * d[:, 0] + c * d[:, 1]], axis=1)
 
 
 def rows(picture, normal, point, x, a, b):
