@@ -166,7 +166,7 @@ double processorTime()
 	return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// (iterations, factorizations, residual, residual_max, status, contact, solved_by, seconds) of a solution.
+// (iterations, factorizations, residual, residual_max, status, doubtful, contact, solved_by, seconds) of a solution.
 template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const std::string& method, const cd::SolverSettings& settings)
 {
 	cd::SolverReport report;
@@ -177,8 +177,8 @@ template <class System, class Solver> py::tuple solved(System& system, Solver* s
 		report = solver(system, settings);
 		seconds = processorTime() - begin;
 	}
-	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.contact,
-	    cd::solvedBy(method, report), seconds);
+	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.doubtful,
+	    report.contact, cd::solvedBy(method, report), seconds);
 }
 
 // Improves `impulses` in place. Returns what `solved` does.

@@ -111,8 +111,8 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
     settings = method, float(tolerance), max_iterations, fixed_iterations, seed
     found = core.solve_bodies(arrays, p, *settings) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
-    iterations, factorizations, e, worst, status, contact, solved_by, seconds = found
-    converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
+    iterations, factorizations, e, worst, status, doubtful, contact, solved_by, seconds = found
+    converged = status == "converged" or (status == "fixed_iterations" and not doubtful and e <= tolerance)
     contact = contact if contact >= 0 else None
     bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
     return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds)

@@ -8,9 +8,8 @@
 namespace cd {
 namespace {
 
-	// Growth of impulses from which a small error alone is no sign of a solution; loosely solved piles of 10 000 disks stay below.
-	constexpr double largeGrowth = 1e4;
-	constexpr double refinement = 1e-3; // of the tolerance, where doubts have to be cleared
+	// Of the tolerance, where doubts have to be cleared: the power that a solution still keeps falls with it, of what has none it does not.
+	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
@@ -101,8 +100,7 @@ namespace {
 		if (solvable)
 			return report;
 		Verdict verdict = judge(system, start, guess);
-		const auto doubtful
-		    = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful && verdict.growth > largeGrowth; };
+		const auto doubtful = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful; };
 		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
 			part.tolerance = std::max(finest, refinement * part.tolerance);
 			part.maxIterations = settings.maxIterations;
@@ -115,6 +113,7 @@ namespace {
 			report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
 			report.contact = verdict.contact;
 		}
+		report.doubtful = fixed && (verdict.finding == Finding::beyond || (verdict.finding == Finding::doubtful));
 		if (!named(verdict, report) && !fixed && report.status != Status::converged)
 			findOut(system, start, settings, report);
 		return report;

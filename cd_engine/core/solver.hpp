@@ -38,6 +38,8 @@ struct SolverReport {
 	int body = -1; // whose velocity may be the most wrong, where the error of the bodies is the largest; -1: none
 	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies: what the tolerance is held against
 	bool plain = false; // plain Gauss-Seidel sweeps ended the search of a method that has better ones
+	bool doubtful
+	    = false; // under fixedIterations: whether, however small the errors, the impulses are none that verdict.hpp takes for a solution
 	Status status = Status::converged;
 	int32_t contact = -1; // row of the contact that speaks most against the impulses, where one does: for no_solution, indefinite, diverged
 
