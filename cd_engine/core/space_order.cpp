@@ -75,14 +75,19 @@ namespace {
 		return length;
 	}
 
-	// Length of the way through the disks in the order of their ranks; those that have become boundaries or were erased are left out.
+	// Length of the way through the disks in the order of their ranks; those that have become boundaries or were erased are left out. Infinite
+	// where a rank is none, as in a damaged file.
 	double lengthByRank(const std::vector<Body>& bodies, const std::vector<int>& rank)
 	{
 		static thread_local std::vector<int> disks; // kept: a step asks for no memory
 		disks.assign(bodies.size(), none);
-		for (std::size_t i = 0; i < bodies.size(); i++)
-			if (bodies[i].radius > 0 && rank[i] != none)
-				disks[rank[i]] = static_cast<int>(i);
+		for (std::size_t i = 0; i < bodies.size(); i++) {
+			if (!(bodies[i].radius > 0) || rank[i] == none)
+				continue;
+			if (rank[i] < 0 || static_cast<std::size_t>(rank[i]) >= disks.size())
+				return std::numeric_limits<double>::infinity();
+			disks[rank[i]] = static_cast<int>(i);
+		}
 		disks.erase(std::remove(disks.begin(), disks.end(), none), disks.end());
 		return lengthOf(disks, bodies);
 	}
@@ -98,7 +103,7 @@ bool renewOrder(const World& world, const SpaceOrder& order, bool look)
 		order.path = 0;
 		return had;
 	}
-	if (order.rank.size() == bodies.size() && !(look && lengthByRank(bodies, order.rank) > 2 * order.path))
+	if (order.rank.size() == bodies.size() && (!look || lengthByRank(bodies, order.rank) <= 2 * order.path))
 		return false;
 	const std::vector<int> disks = disksAlongCurve(bodies);
 	order.rank.assign(bodies.size(), none);

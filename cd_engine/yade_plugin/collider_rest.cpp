@@ -74,6 +74,13 @@ void ColliderRest::wake()
 	resting = false;
 }
 
+void ColliderRest::wakeUnsorted()
+{
+	wake();
+	if (widens)
+		at<bool>(collider.get(), layout.collider_doSort) = true;
+}
+
 bool ColliderRest::stillComplete(const cd::World& world, const cd::Reach& reach) const
 {
 	if (seen.size() != world.bodies.size())

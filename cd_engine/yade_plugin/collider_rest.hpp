@@ -33,6 +33,9 @@ class ColliderRest {
 	const yade::Engine* engine() const { return collider.get(); }
 	// Gives the collider back to YADE's loop.
 	void wake();
+	// The same after a refusal: what was refused may have given the collider bounds that are no numbers. These spoil the order of its lists, by
+	// which it then misses pairs for ever; so it sorts them anew.
+	void wakeUnsorted();
 
     private:
 	struct Place {

@@ -77,7 +77,7 @@ void ContactDynamics::action()
 		takeOver();
 		advance();
 	} catch (...) {
-		rest->wake(); // whoever goes on from here must not find a sleeping collider
+		rest->wakeUnsorted(); // whoever goes on from here must not find a sleeping collider
 		last = {};
 		throw;
 	}
@@ -94,21 +94,25 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
-	s.solve = cd::findSolver(method);
+	const std::string name = read(&ContactDynamics::method);
+	s.solve = cd::findSolver(name);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	if (!s.solve)
-		throw SceneError("ContactDynamics: there is no method '" + method + "'. See cd_engine.methods()");
+		throw SceneError("ContactDynamics: there is no method '" + name + "'. See cd_engine.methods()");
 	if (gravity[2] != 0)
 		throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
 	return s;
 }
 
-bool ContactDynamics::somebodyLooks() const { return publish == "always" || !awaited() || company.looks(at<long>(scene, layout.scene_iter)); }
+bool ContactDynamics::somebodyLooks() const { return !awaited() || read(&ContactDynamics::publish) == "always" || company.looks(at<long>(scene, layout.scene_iter)); }
 
 void ContactDynamics::advance()
 {
 	if (idle && link.ahead()) {
-		steps++;
+		{
+			const std::lock_guard<std::mutex> lock(attributesLock);
+			steps++;
+		}
 		if (somebodyLooks())
 			link.publish(scene, step, last.dt);
 		return;
@@ -121,20 +125,33 @@ void ContactDynamics::advance()
 	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers);
 	if (handover) {
 		link.takeOverlaps();
+		const std::lock_guard<std::mutex> lock(attributesLock);
 		link.collectOverlaps(memory().overlaps);
 		handoverOverlap = referenceOverlaps.empty() ? 0 : *std::max_element(referenceOverlaps.begin(), referenceOverlaps.end());
 		handover = false;
 	}
 
-	const cd::StepReport report = step(link.world, settings);
-	if (report.solver.status == cd::Status::diverged)
+	const cd::StepReport made = step(link.world, settings);
+	if (made.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
 	link.hold(step, settings.dt);
-	idle = report.idle;
+	idle = made.idle;
 	if (somebodyLooks())
 		link.publish(scene, step, settings.dt);
+	const double before = deepestPenetration;
+	report(made, settings);
+	if (deepestPenetration > before)
+		watchPenetration(before);
+	if (!converged && fixedIterations == 0)
+		warn();
+}
+
+// Into the attributes.
+void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings& settings)
+{
+	const std::lock_guard<std::mutex> lock(attributesLock);
 	if (!step.overlapsForgotten().empty())
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
@@ -146,7 +163,8 @@ void ContactDynamics::advance()
 	unsolvableContact.clear();
 	if (report.unsolvable[0] >= 0)
 		unsolvableContact.assign(report.unsolvable.begin(), report.unsolvable.end());
-	converged = report.solver.status == cd::Status::converged || (fixedIterations > 0 && report.solver.error <= tolerance);
+	const bool fixed = report.solver.status == cd::Status::fixed_iterations;
+	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
@@ -161,16 +179,13 @@ void ContactDynamics::advance()
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;
-	if (maxPenetration > deepestPenetration)
-		watchPenetration();
+	deepestPenetration = std::max(deepestPenetration, maxPenetration);
 	dissipatedEnergy += report.dissipated;
 	steps++;
 	totalIterations += iterations;
 	solveTime += report.solveSeconds;
-	if (!converged && fixedIterations == 0) {
+	if (!converged && fixedIterations == 0)
 		unconvergedSteps++;
-		warn();
-	}
 }
 
 // Whether this step is like the last one, so that what left everything as it was then does so again.
@@ -216,10 +231,8 @@ void ContactDynamics::warn()
 
 // One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,
 // fixedIterations ask for no error, and a step may be too long for the ways that bodies turn in it.
-void ContactDynamics::watchPenetration()
+void ContactDynamics::watchPenetration(double before) const
 {
-	const double before = deepestPenetration;
-	deepestPenetration = maxPenetration;
 	const double smallest = cd::reach(link.world, 0).smallestRadius;
 	if (deepestPenetration <= deep * smallest || before > deep * smallest)
 		return;
@@ -228,6 +241,25 @@ void ContactDynamics::watchPenetration()
 		  << " of the smallest radius, and more than when they were taken over. The forces that hold them apart are "
 		  << "too small: lower tolerance (heavy bodies on light ones need about the ratio of their masses less), raise maxIterations or "
 		  << "fixedIterations, or take a smaller O.dt. deepestPenetration tells how far it goes.\n";
+}
+
+// What steps look up without asking again; bodyOrder is only a hint, and made anew where it is none.
+void ContactDynamics::checkLoaded() const
+{
+	const std::string damaged = "ContactDynamics: the file is damaged: ";
+	const std::string remedy = " Load another one, or empty both lists in it, which makes the overlaps present now count as such";
+	const std::size_t pairs = referenceOverlaps.size();
+	if (referenceIds.size() != 2 * pairs)
+		throw SceneError(damaged + "it has " + std::to_string(referenceIds.size()) + " referenceIds for " + std::to_string(pairs)
+		    + " referenceOverlaps, not two for each." + remedy);
+	for (std::size_t i = 0; i < pairs; i++) {
+		const int *const now = &referenceIds[2 * i], *const before = i > 0 ? now - 2 : nullptr;
+		const std::string pair = "of bodies #" + std::to_string(now[0]) + " and #" + std::to_string(now[1]);
+		if (now[0] < 0 || now[0] >= now[1] || (before && !(std::make_pair(before[0], before[1]) < std::make_pair(now[0], now[1]))))
+			throw SceneError(damaged + "the referenceIds " + pair + " are negative or not in order, the smaller first." + remedy);
+		if (!(referenceOverlaps[i] > 0 && std::isfinite(referenceOverlaps[i])))
+			throw SceneError(damaged + "the referenceOverlaps " + pair + " are " + std::to_string(referenceOverlaps[i]) + " m." + remedy);
+	}
 }
 
 void ContactDynamics::checkText(const char* attribute, const std::string& value)

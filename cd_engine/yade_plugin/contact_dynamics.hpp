@@ -79,6 +79,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	template <class Visitor> static void attributes(Visitor&& visit); // see RegisteredEngine
 	// Throws std::invalid_argument (Python's ValueError) where the attribute cannot have this value.
 	static void checkText(const char* attribute, const std::string& value);
+	void checkLoaded() const;
 
 	void action() override;
 	// Of the engine that has made the last step: brings the scene up to date.
@@ -93,12 +94,13 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void takeOver();
 	void forget();
 	void advance();
+	void report(const cd::StepReport&, const cd::StepSettings&);
 	void planRestTrial(const cd::Effort&, bool tried);
 	bool sleepGoesOn(const cd::StepSettings&) const;
-	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength } }; }
+	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool looksAtOrder() const { return steps % 64 == 0; }
 	void warn();
-	void watchPenetration();
+	void watchPenetration(double before) const;
 
 	// Of the scene, from step to step; all of it can be found again. Kept by the engine that has made the last step, no other.
 	SceneLink link;

@@ -62,12 +62,13 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Everything that remembers is a copy: this engine and the scene stay as they are.
 	const cd::StepSettings settings = this->settings(now);
+	std::mutex alone;
 	std::vector<int> ids = referenceIds;
 	std::vector<double> overlaps = referenceOverlaps;
 	std::vector<int> order = bodyOrder;
 	double length = bodyOrderLength;
 	SceneLink look;
-	look.inspectScene(now, gravity, settings.dt, warmStart, { { ids, overlaps }, { order, length } }, looksAtOrder());
+	look.inspectScene(now, gravity, settings.dt, warmStart, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
 	if (handover)
 		look.takeOverlaps();
 	if (look.world.pairs.empty() && steps == 0)

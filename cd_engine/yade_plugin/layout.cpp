@@ -86,6 +86,7 @@ namespace {
 		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
 		s.published<double>(&Layout::collider_verletDist, "InsertionSortCollider", "verletDist");
 		s.published<int>(&Layout::collider_targetInterv, "InsertionSortCollider", "targetInterv");
+		s.published<bool>(&Layout::collider_doSort, "InsertionSortCollider", "doSort");
 		s.published<double>(&Layout::periodic_virtPeriod, "PeriodicEngine", "virtPeriod");
 		s.published<double>(&Layout::periodic_realPeriod, "PeriodicEngine", "realPeriod");
 		s.published<long>(&Layout::periodic_iterPeriod, "PeriodicEngine", "iterPeriod");

@@ -72,8 +72,14 @@ template <class E, class T> struct Setter {
 	void operator()(E& engine, const T& value) const
 	{
 		check<E>(name, value, range);
+		const std::lock_guard<std::mutex> lock(engine.attributesLock);
 		engine.*member = value;
 	}
+};
+
+template <class E, class T> struct Getter {
+	T E::*member;
+	T operator()(const E& engine) const { return engine.read(member); }
 };
 
 template <class E> using PythonClass = py::class_<E, boost::shared_ptr<E>, py::bases<yade::GlobalEngine>, boost::noncopyable>;
@@ -90,7 +96,7 @@ template <class E> struct PropertyMaker {
 		const std::string words = allowed(range);
 		const std::string doc = std::string(text) + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + initial
 		    + "` :yattrtype:`" + typeName<T> + "` :yattrflags:`" + (access == Access::read ? "2" : "0") + "` ";
-		const py::object getter = py::make_getter(member, py::return_value_policy<py::return_by_value>());
+		const py::object getter = py::make_function(Getter<E, T> { member }, py::default_call_policies(), boost::mpl::vector2<T, const E&>());
 		if (access == Access::read)
 			cls.add_property(name, getter, doc.c_str());
 		else
@@ -147,7 +153,7 @@ template <class E> py::dict RegisteredEngine<E>::pyDict() const
 {
 	py::dict all;
 	const E& self = static_cast<const E&>(*this);
-	E::attributes([&](const char* name, auto member, Access, const Range&, const char*) { all[name] = self.*member; });
+	E::attributes([&](const char* name, auto member, Access, const Range&, const char*) { all[name] = self.read(member); });
 	all.update(pyDictCustom());
 	all.update(GlobalEngine::pyDict());
 	return all;

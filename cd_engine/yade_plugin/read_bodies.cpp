@@ -74,9 +74,11 @@ int SceneLink::kindOf(const void* shape)
 	return -1;
 }
 
-// The plane of the disks is that of the first one.
+// The plane of the disks is that of the first one, in which it stays: boxes that reach that plane would not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
 {
+	const int before = layerId;
+	const double stoodAt = layer;
 	layerId = -1;
 	for (std::size_t id = 0; id < container.size() && layerId < 0; id++) {
 		char* const body = reinterpret_cast<char*>(container[id].get());
@@ -87,6 +89,15 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 		layerId = static_cast<int>(id);
 		layer = at<Vector3r>(state, layout.state_se3)[2];
 	}
+	if (layerId < 0 || layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
+		return;
+	const double z = layer;
+	layer = stoodAt;
+	if (std::isfinite(z) && std::abs(z - stoodAt) > 1e-9 * world.bodies[layerId].radius)
+		refuseBody(layerId,
+		    "has z = " + text(z) + " m but stood at z = " + text(stoodAt) + " m in the step before, in the plane of the scene",
+		    "Set the third component of its state.pos back. A scene that moves to another plane as a whole needs a new engine: "
+		    "O.engines=cd_engine.engines()");
 }
 
 // Whether the freedoms and velocities the body has now are those of a plane motion.
@@ -219,9 +230,17 @@ void SceneLink::orient(int id)
 	world.shapes[id].sine = 2 * q[2] * q[3] / norm;
 }
 
+// A wall is as wide as the plane: it has no point to turn about.
 void SceneLink::readWall(int id, cd::Shape& shape)
 {
 	KnownBody& known = bodies[id];
+	const double spin = at<Vector3r>(known.state, layout.state_angVel)[2];
+	if (spin != 0)
+		refuseBody(id, "is a wall with the angular velocity " + text(spin) + " rad/s about z",
+		    "Set " + ofBody(id) + ".state.angVel to 0, or use a Box, which can turn");
+	if (!(at<unsigned>(known.state, layout.state_blockedDOFs) & rotZ))
+		refuseBody(
+		    id, "is a wall that is free to turn about z", "Block 'Z' in " + ofBody(id) + ".state.blockedDOFs, or use a Box, which can turn");
 	shape.axis = at<int>(known.shape, layout.wall_axis);
 	shape.sense = at<int>(known.shape, layout.wall_sense);
 	if (shape.axis < 0 || shape.axis > 2)
@@ -334,10 +353,14 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	if (read) {
 		gravity = g;
 		gatherBodies(scene, g);
-		memory.overlaps.forgetBodies(gone);
-		gone.clear();
 	}
-	const bool reordered = cd::renewOrder(world, memory.order, look);
+	bool reordered;
+	{
+		const std::lock_guard<std::mutex> lock(memory.lock);
+		memory.overlaps.forgetBodies(gone);
+		reordered = cd::renewOrder(world, memory.order, look);
+	}
+	gone.clear();
 	outdated = outdated || reordered;
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
 	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());

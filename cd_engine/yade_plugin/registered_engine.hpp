@@ -10,6 +10,7 @@
 #include <boost/serialization/vector.hpp>
 
 #include <limits>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Range {
 //   attributes(v)   calls v(name, member, Access, Range, documentation) for every attribute, in the order a user reads them: the one
 //                   list from which keyword arguments, .dict(), saving, properties and documentation are made
 //   checkText(attribute, value)   only if it has attributes of type string that can be set
+//   checkLoaded()   only if there is something to refuse: throws SceneError where a file has left in the attributes what cannot be
 //   methods(c)      only if it has functions for Python: defines them on its class c
 // and a line in module.cpp. The members are defined in python_registration.hpp.
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
@@ -43,6 +45,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	void callPostLoad() override { GlobalEngine::callPostLoad(); }
 	void pyRegisterClass(boost::python::object scope) override;
 	template <class Class> static void methods(Class&) { }
+	void checkLoaded() const { }
 
 	template <class Archive> void serialize(Archive& archive, unsigned version)
 	{
@@ -51,11 +54,23 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			    + ": the scene was saved by a version of this engine that did not yet name its attributes. Build it anew.");
 		// Of E itself: Boost.Serialization learns here how E and its registered base are cast into one another.
 		E& self = static_cast<E&>(*this);
+		const std::lock_guard<std::mutex> lock(attributesLock);
 		archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self));
 		checkAttributes(archive);
 		E::attributes([&](const char* name, auto member, Access, const Range&, const char*) {
 			archive& boost::serialization::make_nvp(name, self.*member);
 		});
+		if (Archive::is_loading::value)
+			self.checkLoaded();
+	}
+
+	// Python reads attributes while a run goes on in the background: whoever reads or writes one holds this. Nobody who holds it asks for
+	// Python's own lock, which a reader has.
+	mutable std::mutex attributesLock;
+	template <class T> T read(T E::*member) const
+	{
+		const std::lock_guard<std::mutex> lock(attributesLock);
+		return static_cast<const E&>(*this).*member;
 	}
 
     private:

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct ReferenceOverlaps {
 struct Memory {
 	ReferenceOverlaps overlaps;
 	cd::SpaceOrder order;
+	std::mutex& lock; // held while they change, since others may read them
 };
 
 class SceneLink {

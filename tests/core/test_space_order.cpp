@@ -114,3 +114,21 @@ TEST_CASE("disks in one point, on a line and one alone have an order")
 	CHECK(alone.rank[1] == 0);
 	CHECK(alone.path == 0);
 }
+
+TEST_CASE("an order that cannot be one, as from a damaged file, is made anew when it is looked at")
+{
+	const World w = randomDisks(3000, 6);
+	Kept good;
+	good.renew(w, true);
+	for (const int wrong : { -1, static_cast<int>(w.bodies.size()), 2000000000, std::numeric_limits<int>::min() }) {
+		Kept kept = good;
+		kept.rank[7] = wrong;
+		CHECK(!kept.renew(w, false));
+		CHECK(kept.renew(w, true));
+		CHECK(kept.rank == good.rank);
+	}
+	Kept endless = good;
+	endless.path = std::numeric_limits<double>::quiet_NaN();
+	CHECK(endless.renew(w, true));
+	CHECK(endless.path == good.path);
+}

@@ -368,7 +368,11 @@ class Watch:
         arm = np.stack([np.ones(len(p.kind)), np.ones(len(p.kind)), p.size], axis=1)
         off = m * (self.v - start - np.sqrt(p.w) * change)
         largest = max(np.abs(change).max(), (np.sqrt(m) * np.abs(start)).max())
-        allowed = SLACK_WHOLE * cd.tolerance * self._acts_nearby()[:, None] * arm + 1e-9 * np.sqrt(m) * largest
+        typical = np.zeros(len(p.kind))  # what bears nothing may be missed by that
+        for body in (self.a, self.b):
+            np.maximum.at(typical, body[k], self.typical[k])
+        acts = np.maximum(self._acts_nearby(), m[:, :2].max(axis=1) * typical)
+        allowed = SLACK_WHOLE * cd.tolerance * acts[:, None] * arm + 1e-9 * np.sqrt(m) * largest
         self.hold("the exact velocity", off.ravel(), allowed.ravel(), lambda i: f"{self.body(i // 3)}, {'x y turn'.split()[i % 3]}")
 
     def _acts_nearby(self):

@@ -51,3 +51,21 @@ def test_an_engine_of_the_run_may_export(O, tmp_path, place):
     O.engines = [runner, *O.engines] if place == "before" else [*O.engines, runner]
     O.run(3, True)
     assert len(ids(tmp_path / "a")) == 500
+
+
+def test_attributes_are_read_whole_beside_a_run(O):
+    """Texts and lists among them, which a step writes anew while they are copied; the thread sanitizer watches this test in `make soak`."""
+    cd = columns(O)
+    words = {"converged", "stagnated", "max_iterations"}
+    O.run(10**9)
+    try:
+        begin, deadline = cd.steps, time.monotonic() + 60
+        while cd.steps < begin + 20 and time.monotonic() < deadline:
+            cd.method = "accelerated" if cd.method == "auto" else "auto"
+            all_of_them = cd.dict()
+            assert all_of_them["status"] in words and cd.status in words and cd.solvedBy in ("none", "accelerated", "newton", "nsgs")
+            assert len(all_of_them["loadsBeforeTrial"]) in (0, 501) and len(cd.referenceIds) % 2 == 0 and not cd.unsolvableContact
+        assert cd.steps >= begin + 20
+    finally:
+        O.pause()
+        O.wait()

@@ -166,6 +166,21 @@ def test_a_scene_goes_on_once_it_is_mended(O):
     assert cd.loadedContacts == 2 and O.bodies[DISK].state.pos[1] == pytest.approx(0.01, abs=1e-9)
 
 
+def test_the_only_disk_may_not_leave_the_plane_either(O):
+    """It would fall through the floor, which does not reach there; put back it goes on."""
+    mat = plane.material()
+    plane.box((0, -0.05), (1, 0.05), mat=mat)
+    disk = plane.disk((0, 0.01), 0.01, mat=mat)
+    plane.run(2, 1e-3, gravity=GRAVITY)
+    for _ in range(2):
+        O.bodies[disk].state.pos = (0, 0.01, 5)
+        with pytest.raises(RuntimeError, match=f"body #{disk} has z = 5 m but stood at z = 0 m.*state.pos"):
+            O.step()
+    O.bodies[disk].state.pos = (0, 0.01, 0)
+    O.run(50, True)
+    assert O.bodies[disk].state.pos[1] == pytest.approx(0.01, abs=1e-9)
+
+
 def test_a_scene_may_be_built_anew_in_another_plane(O):
     """With the same engine, though its first disk lies in memory where that of the last scene was."""
     mat = plane.material()

@@ -73,6 +73,15 @@ def force(value):
 NAN = float("nan")
 
 
+def turning_wall(attribute, value):
+    def apply(O, mat):
+        from yade import utils
+        wall = O.bodies[O.bodies.append(utils.wall(1, axis=0, material=mat))]
+        wall.state.mass, wall.state.inertia = 1, (1, 1, 1)
+        setattr(wall.state, attribute, value)
+    return apply
+
+
 @pytest.mark.parametrize("spoil, words", [
     (change("blockedDOFs", ""), ["#1", "leave the plane", "zXY"]),
     (change("blockedDOFs", "zX"), ["#1", "leave the plane"]),
@@ -90,6 +99,8 @@ NAN = float("nan")
     (append(lambda u, m: u.facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)], material=m)), ["#2", "Facet", "Sphere"]),
     (append(tilted_box), ["#2", "turned out of the plane"]),
     (append(lambda u, m: u.wall(1, axis=0, material="elastic")), ["#2", "friction angle", "FrictMat"]),
+    (turning_wall("angVel", (0, 0, 2)), ["#2", "wall with the angular velocity 2 rad/s", "O.bodies[2].state.angVel"]),
+    (turning_wall("blockedDOFs", "yzXY"), ["#2", "wall that is free to turn", "O.bodies[2].state.blockedDOFs"]),
     (clump, ["#2", "belongs to a clump"]),
     (flat_clump, ["#4", "is a clump"]),
     (periodic, ["periodic"]),

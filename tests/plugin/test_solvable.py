@@ -31,6 +31,14 @@ def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tol
     assert said.count("no velocities keep bodies #") == 1
 
 
+def test_so_many_sweeps_do_not_make_it_solved(O):
+    """Under fixedIterations `converged` says whether the errors are within the tolerance, and e is: the impulses have grown."""
+    engine = press(O, tolerance=1e-1)
+    engine.fixedIterations = 300
+    O.run(3, True)
+    assert engine.residual < engine.tolerance and engine.iterations == 300 and not engine.converged
+
+
 def test_what_stands_beside_it_is_solved(O):
     engine = press(O, beside=True)
     O.run(20, True)

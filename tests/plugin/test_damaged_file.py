@@ -1,0 +1,76 @@
+"""What a file written by hand, or damaged, holds of the engine: refused in a sentence or made anew, never read past its end."""
+import re
+
+import pytest
+
+from . import plane
+
+
+def saved(O, folder):
+    """The text of a scene of three disks in a row that overlap, so that two pairs keep a reference overlap."""
+    mat = plane.material()
+    for k in range(3):
+        plane.disk((0.019 * k, 0), 0.01, mat=mat)
+    cd = plane.run(1, 1e-3)
+    assert cd.referenceIds == [0, 1, 1, 2]
+    O.save(str(folder / "scene.xml"))
+    return (folder / "scene.xml").read_text()
+
+
+def load(O, folder, text):
+    (folder / "damaged.xml").write_text(text)
+    O.load(str(folder / "damaged.xml"))
+
+
+def with_list(text, name, values):
+    """The text with other values in that list."""
+    items = "".join(f"<item>{value}</item>" for value in values)
+    changed, found = re.subn(rf"(<{name}>\s*<count>)\d+(</count>.*?)(<item>.*?)?(</{name}>)", rf"\g<1>{len(values)}\g<2>{items}\g<4>", text, flags=re.DOTALL)
+    assert found == 1
+    return changed
+
+
+DAMAGE = {
+    "too few ids": ("referenceIds", [0, 1, 1], "3 referenceIds for 2 referenceOverlaps"),
+    "too many overlaps": ("referenceOverlaps", [1e-3] * 50, "4 referenceIds for 50 referenceOverlaps"),
+    "a negative id": ("referenceIds", [-7, 1, 1, 2], "#-7 and #1"),
+    "one body": ("referenceIds", [0, 1, 2, 2], "#2 and #2"),
+    "not in order": ("referenceIds", [1, 2, 0, 1], "#0 and #1"),
+    "an overlap that is no number": ("referenceOverlaps", [1e-3, "nan"], "#1 and #2"),
+    "a negative overlap": ("referenceOverlaps", [-1e-3, 1e-3], "#0 and #1"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_overlaps_that_cannot_be_are_refused(O, tmp_path, name):
+    attribute, values, words = DAMAGE[name]
+    text = with_list(saved(O, tmp_path), attribute, values)
+    with pytest.raises(RuntimeError, match="ContactDynamics: the file is damaged.*" + words):
+        load(O, tmp_path, text)
+
+
+def test_ids_of_bodies_that_are_not_there_mean_nothing(O, tmp_path):
+    load(O, tmp_path, with_list(saved(O, tmp_path), "referenceIds", [0, 1, 1000, 2000]))
+    O.run(5, True)
+    assert O.engines[-1].steps == 6
+
+
+def test_emptied_lists_make_the_overlaps_present_count_as_such(O, tmp_path):
+    text = with_list(with_list(saved(O, tmp_path), "referenceIds", []), "referenceOverlaps", [])
+    load(O, tmp_path, text)
+    O.run(1, True)
+    assert O.engines[-1].maxPenetration == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("ranks", [[10**9, -10**9, 5], [3, 3, 3, 3]])
+def test_an_order_that_is_none_changes_nothing(O, tmp_path, ranks):
+    """In a scene of few bodies it is dropped; tests/core/test_space_order.cpp has many."""
+    load(O, tmp_path, with_list(saved(O, tmp_path), "bodyOrder", ranks))
+    O.run(130, True)
+    assert not O.engines[-1].bodyOrder and O.engines[-1].converged
+
+
+def test_fingerprints_of_other_bodies_change_nothing(O, tmp_path):
+    load(O, tmp_path, with_list(saved(O, tmp_path), "loadsBeforeTrial", [1] * 99))
+    O.run(130, True)
+    assert O.engines[-1].converged
