@@ -325,6 +325,18 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		if (sleepers.wake(system.contacts, world))
 			return false;
 		freeVelocities(world, settings.dt);
+		if (settings.solver.fixedIterations > 0)
+			beginAgain(world, report);
+	}
+}
+
+// So many sweeps from the first guess, and no more, is what fixedIterations mean.
+void TimeStep::beginAgain(const World& world, StepReport& report)
+{
+	report.solver.iterations = 0;
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		system.contacts[i].pn = world.pairs[rowPair[i]].pn;
+		system.contacts[i].pt = world.pairs[rowPair[i]].pt;
 	}
 }
 

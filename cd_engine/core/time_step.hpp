@@ -94,6 +94,7 @@ class TimeStep {
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
+	void beginAgain(const World&, StepReport&);
 	void finishContacts(World&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);
 	void push(std::size_t row, const Pair&, SleepingIsland*);

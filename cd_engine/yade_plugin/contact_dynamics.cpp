@@ -104,7 +104,10 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	return s;
 }
 
-bool ContactDynamics::somebodyLooks() const { return !awaited() || read(&ContactDynamics::publish) == "always" || company.looks(at<long>(scene, layout.scene_iter)); }
+bool ContactDynamics::somebodyLooks() const
+{
+	return !awaited() || read(&ContactDynamics::publish) == "always" || company.looks(at<long>(scene, layout.scene_iter));
+}
 
 void ContactDynamics::advance()
 {

@@ -166,3 +166,23 @@ TEST_CASE("a disk between two faces that have passed each other has all its cont
 		centre[i] = t.touches()[i].cx + (radius - 0.5 * t.touches()[i].overlap) * t.touches()[i].nx;
 	CHECK(centre[0] == doctest::Approx(centre[1]).epsilon(1e-13));
 }
+
+TEST_CASE("fixedIterations are so many sweeps, also where an impact goes on to a contact that was left out at first")
+{
+	World w = twoDisks(0, 0);
+	w.bodies[0].v[0] = 10;
+	Body third = w.bodies[1];
+	third.x += 2 * radius + 2e-3 * radius;
+	w.bodies.push_back(third);
+	w.shapes.resize(3);
+	w.pairs.push_back({ 1, 2 });
+	StepSettings s;
+	s.dt = h;
+	s.solve = findSolver("nsgs");
+	s.solver.fixedIterations = 7;
+	TimeStep t;
+	t.sleepers.look(w);
+	const StepReport r = t(w, s);
+	CHECK(r.contacts == 2);
+	CHECK(r.solver.iterations == 7);
+}
