@@ -5,6 +5,7 @@ import pytest
 
 
 # sanitized: the address and undefined-behaviour sanitizers end the tests at the first fault.
+@pytest.mark.timeout(1800)  # compiling takes a minute on a quiet machine
 @pytest.mark.parametrize("build", ["core_tests", "sanitized"])
 def test_core(root, build):
     subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), build], check=True)
