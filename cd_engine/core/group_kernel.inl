@@ -254,7 +254,8 @@ static void miss(const Group* groups, std::size_t count, const PackedBody* moved
 			const Vector n = inside ? qn : behind ? none : along, t = inside ? qt : behind ? none : qt < none ? -across : across;
 			const Vector dn = pn - n, dt = pt - t, square = dn * dn + dt * dt, own = pn * pn + pt * pt;
 			const Vector ofVelocities = roundOff
-			    * (absolute(A.vx) + absolute(A.vy) + absolute(B.vx) + absolute(B.vy) + absolute(bias) + absolute(aTurns) + absolute(bTurns));
+			    * (absolute(A.vx) + absolute(A.vy) + absolute(B.vx) + absolute(B.vy) + absolute(bias) + absolute(aTurns)
+				+ absolute(bTurns));
 			const Vector acts = A.w + B.w, least = epsilon * acts;
 			const Vector known = ofVelocities * inverse, knownOfSums = (ofVelocities + roundOff * acts) * inverse;
 			const Vector difference = square <= knownOfSums * knownOfSums ? none : square;
