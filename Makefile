@@ -1,4 +1,4 @@
-# `make help` lists what there is. Everything runs on Debian's own Python, as YADE does.
+# `make` lists what there is. Everything runs on Debian's own Python, as YADE does.
 PYTHON  ?= /usr/bin/python3
 YADE    ?= yade
 # Without the number of threads below, which nproc would take for that of the processors where make (since 4.4) hands it on.
@@ -12,12 +12,19 @@ PUBLISHED ?=
 # One thread a process: runs of several threads are not repeatable, and two run beside each other.
 export OMP_NUM_THREADS = 1
 
+# YADE does not start without a home.
+export HOME := $(or $(HOME),/tmp)
+
+extent   = $(if $(FULL),--full,--quick)
 site     = $(shell $(PYTHON) -m site --user-site)
 cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/core/*.inl tests/core/*.cpp)
 packages = cd_engine yade_scripts analysis tests
 
-help:
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+help: ## this list
+	@echo 'Every target installs the Debian packages that it needs and builds the engine where that is out of date.'
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@echo 'Settings: FULL=1 the whole tables, hours, to be stopped and started again at will; STUDY="fig3 fig4" some studies only;'
+	@echo '          PUBLISHED=1 with make report: of the committed run; QUICK=1 with make bench: a minute; JOBS=1 one run at a time.'
 
 deps: ## install the Debian packages that are missing
 	@.ci/install-packages run
@@ -25,25 +32,22 @@ deps: ## install the Debian packages that are missing
 build: deps ## compile the engine
 	@flock cd_engine $(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
 
-study: build ## every study's runs and figures, a first version; FULL=1 the real one, STUDY=fig3 one of them
-	$(PYTHON) yade_scripts/study.py $(if $(FULL),--full,--quick) $(addprefix --only ,$(STUDY)) --jobs $(JOBS)
+study: build ## prepare packings, run MD and CD, draw the figures: a first version in about 5 minutes; FULL=1, STUDY=fig3
+	$(PYTHON) -m analysis study --run $(extent) $(STUDY) --jobs $(JOBS)
 
-sweep: build ## the rows of tables on a Slurm cluster: TABLE="yade_scripts/tables/fig3.txt ..." MINUTES=60 SBATCH="--partition=long"
-	$(PYTHON) yade_scripts/cluster/sweep.py $(TABLE) $(if $(MINUTES),--minutes $(MINUTES)) $(if $(SBATCH),--sbatch='$(SBATCH)')
+report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1
+	@$(PYTHON) -m analysis report $(extent) $(if $(PUBLISHED),--published analysis/published) -o $(REPORT)
 
-charts: build ## speed against accuracy, where each method fails: a first version; FULL=1 the real one
-	$(PYTHON) yade_scripts/charts/run.py $(if $(FULL),--full,--quick) --jobs $(JOBS)
-	$(if $(wildcard yade_scripts/maps/run.py),$(PYTHON) yade_scripts/maps/run.py $(if $(FULL),--full,--quick) --jobs $(JOBS))
+charts: build ## measure and draw speed against accuracy, and where each method fails: about 12 minutes; FULL=1
+	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
+	$(PYTHON) -m analysis charts $(extent)
 
-report: deps ## one HTML page of the studies run so far; FULL=1 of the full tables, PUBLISHED=1 of the committed full run
-	@$(PYTHON) -m analysis report $(if $(FULL),--full) $(if $(PUBLISHED),--published analysis/published) -o $(REPORT)
-
-test: build ## all tests and the short regression run
+test: build ## all tests and the short regression run, about 4 minutes on two cores
 	@.ci/install-packages test
-	$(PYTHON) yade_scripts/regression.py --short
+	$(PYTHON) yade_scripts/measuring/regression.py --short
 	$(PYTHON) -m pytest tests -n 2 -rs
 
-soak: build ## what takes too long for `make test`: runs killed many times, damaged files by the thousand, long runs, the other releases of Debian
+soak: build ## what takes too long for `make test` or starts daemons: Slurm, kills, damaged files, sanitizers, other releases of Debian
 	@.ci/install-packages test soak
 	$(PYTHON) -m pytest tests/soak
 
@@ -51,11 +55,17 @@ console: build ## YADE's console with the engine and the prepared packing
 	$(YADE) yade_scripts/console.py
 
 regression: build ## every scene, headless, against stored numbers
-	$(PYTHON) yade_scripts/regression.py
+	$(PYTHON) yade_scripts/measuring/regression.py
 
-bench: build ## the solvers beside Siconos's: time, sweeps, error, memory; QUICK=1 a minute, AGAIN=1 anew, FILES="..." more problems
+bench: build ## measure the contact solvers beside Siconos's; QUICK=1, AGAIN=1 anew, FILES="..." more problems
 	@.ci/install-packages test
-	$(PYTHON) -m yade_scripts.benchmark $(if $(QUICK),--quick) $(if $(AGAIN),--again) $(if $(PUBLISH),--publish) $(FILES)
+	$(PYTHON) -m yade_scripts.measuring.benchmark $(if $(QUICK),--quick) $(if $(AGAIN),--again) $(FILES)
+	$(PYTHON) -m analysis benchmark results/benchmark$(if $(QUICK),/quick)
+
+sweep: build ## the rows of tables, or of STUDY="fig3", on a Slurm cluster: TABLE="a.txt b.txt" MINUTES=60 SBATCH="--partition=long"
+	@mkdir -p results
+	@$(foreach study,$(STUDY),$(PYTHON) -m analysis table $(study) $(extent) > results/$(study).txt &&) true
+	$(PYTHON) yade_scripts/cluster/sweep.py $(TABLE) $(STUDY:%=results/%.txt) $(if $(MINUTES),--minutes $(MINUTES)) $(if $(SBATCH),--sbatch='$(SBATCH)')
 
 lint: ## style and static checks
 	@.ci/install-packages lint

@@ -1,236 +1,175 @@
-"""Command line: figures and tables from result files alone. `python3 -m analysis --help`."""
+"""Figures and tables from result files alone, and the runs of studies.
 
-import argparse
-import math
+Every command has a --help of its own.
+"""
+
 import sys
 from pathlib import Path
 
-from analysis import load, observables, publish, studies
+import pandas
 
-FIGURES = load.RESULTS.parent / "figures"
-EXIT_BAD_FILE, EXIT_MISTAKE = 1, 2
+from yade_scripts import commands, parameters, results, tables
+from yade_scripts.results import reader
+from yade_scripts.running import queue
+
+FIGURES = reader.RESULTS.parent / "figures"
+BAD = 1  # exit status of `check` for a bad file
 
 
+@commands.command("analysis")
 def main(arguments=None):
-    """Run one command; the exit status: 0, 1 if `check` found a bad file, 2 for a user's mistake."""
+    """Run one command; the exit status: 0, 1 if `check` found a bad file or a run failed, 2 for a mistake of the user."""
     options = _parser().parse_args(arguments)
     try:
         return options.run(options)
-    except (load.ResultError, OSError) as error:
-        # An OSError is a figure that cannot be written: the loader turns those of reading into ResultError.
-        print(f"analysis {options.command}: {error}", file=sys.stderr)
-        return EXIT_MISTAKE
+    except reader.ResultError as error:
+        raise parameters.ParameterError(str(error)) from None
 
 
 def _parser():
-    parser = argparse.ArgumentParser(prog="python3 -m analysis", description="Figures and tables from result files.")
-    commands = parser.add_subparsers(dest="command", required=True)
-    for name, what, run in (("fig4", "stress against gamma, MD left and CD right", _fig4),
-                            ("force-networks", "contact forces of MD and CD at the load maximum", _force_networks)):
-        figure = commands.add_parser(name, help=what, description=what + ".")
-        figure.add_argument("files", nargs="*", metavar="FILE", help="one MD and one CD run of the same packing; "
-                            "without: the newest such pair in the results folder")
-        figure.add_argument("-o", "--output", default=str(FIGURES / f"{name}.png"), help="figure to write (.png, .pdf, .svg)")
-        figure.add_argument("--table", help="take the two runs of this table of yade_scripts/tables/")
-        figure.add_argument("--results", default=str(load.RESULTS), help="folder to look in when no files are given")
-        figure.add_argument("--mixed-commits", action="store_true", help="accept runs of different commits; the figure says so")
-        figure.set_defaults(run=run)
-        if name == "fig4":
-            figure.add_argument("--cycle", type=int, default=1, help="which cycle, from 1 (default: %(default)s)")
-    study = commands.add_parser("study", help="figure, summary table and provenance of a study",
-                                description="Write NAME.png, NAME.csv and NAME.json of a study from its result files.")
-    study.add_argument("name", metavar="NAME", help=f"one of {', '.join(studies.names())}; or all")
-    study.add_argument("--full", action="store_true", help="of the full tables (default: the quick ones)")
-    study.add_argument("-o", "--output", metavar="FOLDER", help="where to (default: figures/quick or figures/full)")
-    study.add_argument("--results", default=str(load.RESULTS), help="folder of the result files")
-    study.set_defaults(run=_study)
-    report = commands.add_parser("report", help="one HTML page of all studies",
-                                 description="Draw all studies that have results, then write one self-contained HTML page of them.")
-    report.add_argument("--full", action="store_true", help="of the full tables (default: the quick ones)")
-    report.add_argument("-o", "--output", default="report.html", help="page to write (default: %(default)s)")
-    report.add_argument("--results", default=str(load.RESULTS), help="folder of the result files")
+    parser = commands.parser(__doc__, prog="python3 -m analysis")
+    kinds = parser.add_subparsers(dest="command", required=True)
+
+    def command(name, run, what):
+        found = kinds.add_parser(name, help=what, description=what[0].upper() + what[1:] + ".")
+        found.set_defaults(run=run)
+        return found
+
+    study = command("study", _study, "figure, summary table and provenance of studies")
+    study.add_argument("names", nargs="*", metavar="NAME", help="studies (default: all)")
+    study.add_argument("--run", dest="rows", action="store_true", help="first run the rows that have no result yet")
+    commands.add_jobs(study)
+    table = command("table", _table, "the rows of a study as a table for yade-batch")
+    table.add_argument("name", metavar="NAME")
+    charts = command("charts", _charts, "charts of speed against accuracy and maps of stability, from what `make charts` has measured")
+    report = command("report", _report, "one HTML page of all studies and charts")
     report.add_argument("--published", metavar="FOLDER", help="take figures and tables from here and draw nothing")
-    report.set_defaults(run=_report)
-    charts = commands.add_parser("charts", help="charts of speed against accuracy and maps of stability",
-                                 description="Draw every chart from the records that `make charts` has left.")
-    charts.add_argument("--full", action="store_true", help="with the settings of the full run (default: the quick one's)")
-    charts.add_argument("-o", "--output", metavar="FOLDER", help="where to (default: figures/quick/charts or figures/full/charts)")
-    charts.add_argument("--results", default=str(load.RESULTS), help="folder of the results")
-    charts.set_defaults(run=_charts)
-    advice = commands.add_parser("recommend", help="method and settings for an accuracy",
-                                 description="The cheapest measured settings that reach an accuracy, their expected error and cost.")
+    for extent in (study, table, charts, report):
+        commands.add_extent(extent)
+    for writer, what in ((study, "folder of the figures"), (charts, "folder of the charts"), (report, "page to write")):
+        commands.add_results(writer)
+        writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
+    benchmark = command("benchmark", _benchmark, "figures of `make bench`, from the tables it wrote")
+    benchmark.add_argument("folder", nargs="?", default="results/benchmark", help="folder of the tables (default: %(default)s)")
+    advice = command("recommend", _recommend, "the cheapest measured settings that reach an accuracy, with their expected error and cost")
     advice.add_argument("--scene", help="for this scene (default: for each kind of scene)")
-    advice.add_argument("--accuracy", type=_accuracy, default=1e-3, help="relative error to be reached (default: %(default)g)")
-    advice.add_argument("--table", action="store_true", help="for each kind of scene as a table in Markdown")
-    advice.add_argument("--results", default=str(load.RESULTS), help="folder of the results; taken where newer than what is published")
-    advice.set_defaults(run=_recommend)
-    for name, what, run in (("summary", "one line of numbers a run", _summary), ("check", "say which files can be used", _check)):
-        command = commands.add_parser(name, help=what, description=what + ".")
-        command.add_argument("files", nargs="+", metavar="FILE", help="result files")
-        command.set_defaults(run=run)
+    advice.add_argument("--accuracy", type=commands.positive, default=1e-3, help="relative error to be reached (default: %(default)g)")
+    for name, run, what in (("summary", _summary, "one line of numbers a run"), ("check", _check, "say which files can be used")):
+        command(name, run, what).add_argument("files", nargs="+", metavar="FILE", help="result files")
     return parser
 
 
-def _pair(options):
-    if options.table and options.files:
-        raise load.ResultError(options.table, "a table and files are both given", "give one or the other")
-    if options.table:
-        return load.pair_of_table(options.table, options.results, options.mixed_commits)
-    if not options.files:
-        return load.newest_pair(options.results, options.mixed_commits)
-    if len(options.files) != 2:
-        raise load.ResultError(", ".join(options.files), f"{len(options.files)} file(s) given", "give two, one MD and one CD run")
-    return load.pair(*options.files, mixed_commits=options.mixed_commits)
-
-
-def _fig4(options):
-    from analysis.figures import fig4
-    return _draw(options, lambda md, cd, path: fig4.draw(md, cd, path, options.cycle))
-
-
-def _force_networks(options):
-    from analysis.figures import force_networks
-    return _draw(options, force_networks.draw)
-
-
-def _draw(options, draw):
-    md, cd = _pair(options)
-    try:
-        draw(md, cd, options.output)
-    except ValueError as error:
-        if "is not supported" not in str(error):  # Matplotlib's words for an unknown file format
-            raise
-        raise load.ResultError(options.output, "unknown kind of figure", "name it .png, .pdf or .svg") from None
-    print(Path(options.output).resolve())
-    return 0
-
-
-def _study(options):
-    """Publish one study or all; what is missing is named."""
-    folder = Path(options.output or _folder(options))
-    if options.name == "all":
-        _publish_all(options, folder)
-        print(folder.resolve())
-        return 0
-    collection = studies.collect(options.name, options.results, options.full)
-    print(publish.publish(collection, folder).with_suffix(".png").resolve())
-    for path, _, reason in collection.missing:
-        print(f"analysis study: {path.name}: {reason}", file=sys.stderr)
-    return 0
-
-
 def _folder(options):
-    """Where studies are published unless told otherwise."""
+    """Where figures go unless told otherwise."""
     return FIGURES / ("full" if options.full else "quick")
 
 
-def _publish_all(options, folder):
-    for name, reason in publish.publish_all(folder, options.results, options.full).items():
-        print(f"analysis {options.command}: {name}: {reason}", file=sys.stderr)
+def _study(options):
+    """Run what is missing if asked to, then draw."""
+    from analysis import make_study, publish, studies
+    names, figures = options.names or studies.names(), Path(options.output or _folder(options))
+    for name in names:
+        studies.module(name)
+    if options.rows:
+        return make_study.run(names, options.full, options.results, figures, options.jobs)
+    left = publish.publish_all(names, figures, options.results, options.full)
+    for name in names:
+        print(f"analysis study: {name}: {left[name]}" if name in left else (figures / f"{name}.png").resolve(), file=sys.stderr if name in left else sys.stdout)
+    return commands.MISTAKE if len(left) == len(names) else 0
 
 
-def _report(options):
-    """The page, of studies drawn just now or taken as they are."""
-    from analysis import charts, report
-    if not options.published:
-        _publish_all(options, _folder(options))
-        charts.publish_all(options.results, _folder(options) / charts.FOLDER, options.full)
-    print(report.build(options.published or _folder(options), options.output).resolve())
+def _table(options):
+    """Print the table."""
+    from analysis import studies
+    print(tables.text(studies.module(options.name).ROWS["full" if options.full else "quick"]), end="")
     return 0
 
 
 def _charts(options):
-    """Draw all charts; those without records are named."""
+    """Draw all charts; those without measurements are named."""
     from analysis import charts
     folder = Path(options.output or _folder(options) / charts.FOLDER)
     left = charts.publish_all(options.results, folder, options.full)
     for name, reason in left.items():
         print(f"analysis charts: {name}: {reason}", file=sys.stderr)
     print("\n".join(str(path.resolve()) for path in sorted(folder.glob("*.png"))))
-    return EXIT_MISTAKE if len(left) == len(charts.names()) else 0
+    return commands.MISTAKE if len(left) == len(charts.ORDER) else 0
 
 
-def _accuracy(text):
-    """A positive number."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is no accuracy: it is a relative error above 0, such as 1e-3")
-    return value
+def _report(options):
+    """The page, of studies and charts drawn just now or taken as they are."""
+    from analysis import charts, publish, report, studies
+    folder = Path(options.published or _folder(options))
+    if not options.published:
+        for name, reason in (publish.publish_all(studies.names(), folder, options.results, options.full)
+                             | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).items():
+            print(f"analysis report: {name}: {reason}", file=sys.stderr)
+    print(report.build(folder, options.output or FIGURES / "report.html").resolve())
+    return 0
+
+
+def _benchmark(options):
+    """Draw the figures."""
+    from analysis import benchmark
+    print(*benchmark.draw(options.folder), sep="\n")
+    return 0
 
 
 def _recommend(options):
     """What to run for an accuracy."""
     from analysis.charts import recommend
-    found, source = recommend.rows(options.scene, options.results)
-    if options.table:
-        lines = recommend.readme_table(found)
-    elif options.scene:
-        lines = recommend.of_scene(options.scene, options.accuracy, found, source)
-    else:
-        lines = recommend.by_kind(options.accuracy, found, source)
-    print("\n".join(lines))
+    print("\n".join(recommend.of_scene(options.scene, options.accuracy) if options.scene else recommend.by_kind(options.accuracy)))
     return 0
-
-
-# Column of the summary: its heading and what it shows of a run.
-_COLUMNS = (
-    ("file", lambda run: run.path.name),
-    ("method", lambda run: run.method),
-    ("cycles", lambda run: f"{run.values('cycle')[-1]:g}"),
-    ("gamma end", lambda run: f"{observables.permanent_strain(run.values('gamma')):.4e}"),
-    ("loop width", lambda run: f"{observables.loop_width(run.values('gamma'), run.values('sigma2')):.3e}"),
-    ("stiffness Pa", lambda run: f"{observables.stiffness(run.values('gamma'), run.values('sigma2')):.3e}"),
-    ("dissipated J", lambda run: f"{observables.change(run, 'dissipated_energy'):.4e}"),
-    ("wall work J", lambda run: f"{observables.wall_work(run):.4e}"),
-    ("stress error/P0", lambda run: f"{observables.stress_error(run):.1e}"),
-    ("unconverged", lambda run: str(observables.unconverged_steps(run)) if run.method == "CD" else "-"),
-    ("commit", lambda run: run.attributes["git_commit"][:12]),
-)
 
 
 def _summary(options):
-    """A table; a failed or unfinished run stays in it, as its status."""
-    rows, broken = [[heading for heading, _ in _COLUMNS]], []
+    """A table; a failed or unfinished run stays in it, with its status."""
+    rows = []
     for name in options.files:
-        run = load.load(name, finished=False)
-        if run.finished:
-            rows.append([_cell(show, run) for _, show in _COLUMNS])
-        else:
-            broken.append(f"{run.path.name}  {run.attributes['status']}")
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    for row in rows:
-        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip())
-    print("".join(line + "\n" for line in broken), end="")
+        run = reader.load(name, finished=False)
+        rows.append({"file": run.path.name, "method": run.method, "status": str(run.attributes["status"])} | (_numbers(run) if run.finished else {}))
+    print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"))
     return 0
 
 
-def _cell(show, run):
-    """What a column shows, or that the run (of a small scene, say) has no such number."""
-    try:
-        return show(run)
-    except load.ResultError:
-        return "n/a"
+def _numbers(run):
+    """The numbers of a run; what a scene does not have is left out."""
+    from analysis import observables
+    gamma, sigma2 = run.history["gamma"], run.history["sigma2"]
+    columns = {
+        "cycles": lambda: run.values("cycle")[-1], "gamma end": lambda: observables.permanent_strain(run.values("gamma")),
+        "loop width": lambda: observables.loop_width(run.values("gamma"), sigma2), "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), sigma2),
+        "dissipated J": lambda: observables.change(run, "dissipated_energy"), "wall work J": lambda: observables.wall_work(run) if gamma[-1] == gamma[-1] else None,
+        "stress error/P0": lambda: observables.stress_error(run), "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
+        "commit": lambda: run.attributes["git_commit"][:12]}
+    found = {}
+    for name, value in columns.items():
+        try:
+            found[name] = value()
+        except reader.ResultError:
+            found[name] = float("nan")
+    return found
 
 
 def _check(options):
-    """A line a file; runs of several commits are pointed out, as no figure mixes them unasked."""
+    """A line a file; says also which file holds another run than its name says, and if files come from several commits."""
     bad, commits = 0, {}
     for name in options.files:
         try:
-            run = load.load(name)
-        except load.ResultError as error:
+            run = reader.load(name)
+        except reader.ResultError as error:
             print(error)
             bad += 1
             continue
         commits.setdefault(run.attributes["git_commit"], []).append(run.path.name)
-        print(f"{name}: finished, {run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots")
+        own = results.path_of(parameters.complete(run.parameters)).name
+        print(f"{name}: finished, {run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots"
+              + (f"; it is not named after its parameters, which would be {own}" if own != run.path.name else ""))
     if len(commits) > 1:
         print("made by different commits: " + "; ".join(f"{commit}: {', '.join(names)}" for commit, names in commits.items()))
-    return EXIT_BAD_FILE if bad or len(commits) > 1 else 0
+    return BAD if bad or len(commits) > 1 else 0
 
 
 if __name__ == "__main__":
+    queue.end_by_signals("analysis")
     sys.exit(main())

@@ -1,4 +1,4 @@
-"""What a run under repeated loading does from cycle to cycle, and the regime that makes it.
+"""Strain, dissipation and contacts of a run from cycle to cycle, and its regime: shakedown, ratcheting or collapse.
 
 The accumulated permanent strain is gamma at the end of a cycle, where the load is back at P0; its change over a cycle is the strain
 rate of Fig. 3. Everything here is per cycle, counted from 1.
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis import observables
-from analysis.load import ResultError
+from yade_scripts.results.reader import ResultError
 from yade_scripts import parameters
 
 SHAKEDOWN, RATCHETING, COLLAPSE, SHORT = "shakedown", "ratcheting", "collapse", "too short"

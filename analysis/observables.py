@@ -1,4 +1,4 @@
-"""Numbers and networks drawn from a run: strains, energies, loops, contact forces.
+"""Quantities computed from a run: strains, energies, loops, contact forces.
 
 Strains are extension positive and gamma = strain2 - strain1 (eqs. 2-4), so a sample that shortens
 along the loaded axis 2 has gamma < 0. SI units.
@@ -6,8 +6,8 @@ along the loaded axis 2 has gamma < 0. SI units.
 
 import numpy as np
 
-from analysis import schema
-from analysis.load import ResultError
+from yade_scripts.results import schema
+from yade_scripts.results.reader import ResultError
 
 # A disk whose contacts carry less than this share of the mean normal force holds nothing up.
 RATTLER_SHARE = 1e-3

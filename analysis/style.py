@@ -1,6 +1,7 @@
 """One look for all figures: colours and markers that tell methods apart without colour vision."""
 
 import math
+import textwrap
 from pathlib import Path
 
 import matplotlib
@@ -10,8 +11,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # after the backend is chosen
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
+from yade_scripts.results import provenance
+
 # Okabe and Ito's palette, distinct under the common colour-vision deficiencies.
 COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
+MARKER = {"MD": "o", "CD": "s"}
+MARKERS = "osD^vPX*"
 SLIDING, CHAIN, GRAIN, RATTLER = "#D55E00", "#1A1A1A", "#B8B8B8", "#E6E6E6"
 
 plt.rcParams.update({
@@ -22,27 +27,33 @@ plt.rcParams.update({
 })
 
 
-def finish(fig, runs, path, note="", foot=None):
-    """Put the caption under the figure (`note`, then what was run) and write it; makes the folder if need be.
+def finish(fig, path, note, origin):
+    """Put a caption of two lines under the figure, what is shown and where it comes from, and write it; makes the folder if need be.
 
-    Of several samples, loadings or settings the caption tells what they have in common. `foot`: share of the height that it needs,
-    above which the panels are laid out tightly; without it they stay where they are.
+    origin: the runs, or a line of text. Settings stand in the JSON file beside the figure.
     """
     _mend_logarithms(fig)
-    if foot is not None:
-        fig.tight_layout(rect=(0, foot, 1, 1))
-    origin = "; ".join(filter(None, (missed(runs), provenance(*runs))))
-    between = "; " if fig.get_figwidth() > 9 else "\n"
-    lines = [note, ", ".join(_common(sample, runs)), between.join(_settings(runs)), origin]
-    fig.text(0.5, 0.012, "\n".join(line for line in lines if line), ha="center", va="bottom", fontsize=7.5,
-             linespacing=1.4)
+    line = origin if isinstance(origin, str) else source(origin)
+    width = int(15.5 * fig.get_figwidth())
+    caption = textwrap.fill(note, width) + "\n" + textwrap.shorten(line, width, placeholder=" ...")
+    foot = (0.15 + 0.145 * (caption.count("\n") + 1)) / fig.get_figheight()
+    fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
+    fig.text(0.5, 0.04 / fig.get_figheight(), caption, ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    description = f"{', '.join(run.path.name for run in runs)}; {origin}"
-    # At most 2000 points wide: more is bytes that no screen shows.
-    dpi = min(plt.rcParams["savefig.dpi"], 2000 / fig.get_figwidth())
-    fig.savefig(path, dpi=dpi, metadata={"Description": description} if path.suffix == ".png" else None)
+    # At most 1600 points wide: more is bytes that no screen shows.
+    fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line} if path.suffix == ".png" else None)
     plt.close(fig)
+
+
+def source(runs):
+    """Where a figure comes from: number of runs and packings, commit, YADE, and how many steps missed the solver's tolerance."""
+    commits = sorted({run.attributes["git_commit"] for run in runs})
+    states = len({run.attributes["state_sha256"] for run in runs} - {""})
+    code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
+    missed = sum(int(run.history["unconverged_steps"][-1]) for run in runs if "unconverged_steps" in run.history)
+    return (f"{len(runs)} runs" + (f" from {states} packing{'s' * (states > 1)}" if states else "") + f", {code}, YADE {runs[0].attributes['yade_version']}"
+            + (f"; {missed} CD steps missed their tolerance" if missed else ""))
 
 
 def _mend_logarithms(fig):
@@ -63,23 +74,8 @@ def _mend_logarithms(fig):
                 axis.set_minor_locator(NullLocator())
 
 
-def _common(describe, runs):
-    """The items of describe(run) that are the same for all runs."""
-    described = [describe(run) for run in runs]
-    return [item for item in described[0] if all(item in other for other in described)]
-
-
-def _settings(runs, most=2):
-    """method_settings of the different kinds of runs; where there are more than `most`, what each method's runs have in common."""
-    kinds = list(dict.fromkeys((run.method, *method_settings(run)) for run in runs))
-    if len(kinds) > most:
-        kinds = [(method, *_common(method_settings, [run for run in runs if run.method == method]))
-                 for method in dict.fromkeys(run.method for run in runs)]
-    return [f"{method}: {', '.join(items)}" for method, *items in kinds]
-
-
 def number(value, digits=3):
-    """A number for a caption: 1.23, or 1.23 x 10^-4 in mathtext."""
+    """A number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
     if not math.isfinite(value) or value == 0:
         return str(value)
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
@@ -90,70 +86,12 @@ def number(value, digits=3):
 
 def power_of_ten(values):
     """The exponent that brings the largest of `values` between 1 and 10; 0 if all vanish."""
-    largest = max(abs(value) for value in values)
+    largest = float(np.abs(values).max()) if len(values) else 0
     return math.floor(math.log10(largest)) if largest else 0
 
 
-def provenance(*runs):
-    """What was run: the line that every figure carries at its foot."""
-    commits = {run.attributes["git_commit"] for run in runs}
-    text = f"commit {short(*commits)}" if len(commits) == 1 else f"{len(commits)} DIFFERENT COMMITS"
-    code = f"{text}, YADE {runs[0].attributes['yade_version']}"
-    states = sorted({run.attributes["state_sha256"][:12] for run in runs} - {""})
-    if len(states) > 1:
-        return f"{len(runs)} runs from {len(states)} prepared packings, {code}"
-    if not states:
-        return f"{len(runs)} runs, {code}"
-    return f"prepared state {states[0]}, {code}, one sample (seed {runs[0].attributes['seed']})"
-
-
-def missed(runs):
-    """How many steps of how many runs missed the solver's tolerance; nothing where none did."""
-    counts = [int(run.history["unconverged_steps"][-1]) for run in runs if "unconverged_steps" in run.history]
-    if not any(counts):
-        return ""
-    return f"{np.count_nonzero(counts)} of {len(counts)} CD runs have steps that missed the tolerance, at most {max(counts)}"
-
-
-def short(commit):
-    """Twelve digits of a commit's hash, and what is appended to it."""
-    digits, dash, suffix = commit.partition("-")
-    return digits[:12] + dash + suffix
-
-
-def sample(run):
-    """The sample and its loading, item by item."""
-    row = run.parameters
-    pressure = f"$P_0$ = {number(run.pressure)} Pa = {number(row['pressure_ratio'])}$\\,k_n$"
-    return [f"{row['disks']} disks", f"$\\mu$ = {row['friction']:g}", *([pressure] if run.attributes["state_sha256"] else []), *_loading(row)]
-
-
-def _loading(row):
-    if row["scene"] != "biaxial":
-        return []
-    if row["loading"] == "ramp":
-        return [rf"ramp, $\alpha$ = {row['ramp_rate']:g}/s"]
-    return [f"{row['loading']} loading", rf"$\Delta\sigma$ = {row['delta_sigma']:g}", f"$t_0$ = {row['period']:g} s"]
-
-
-def method_settings(run):
-    """What matters of the method's own parameters, item by item."""
-    row = run.parameters
-    if run.method == "MD":
-        return [f"$k_n$ = {number(row['kn'] * row['stiffening'])} N/m", f"$k_t/k_n$ = {row['kt_over_kn']:g}",
-                f"damping ratio {row['beta_n']:g}", f"walls by {row['md_walls']}"]
-    effort = ([f"{row['fixed_iterations']} sweeps a step, no test"] if row["fixed_iterations"]
-              else [f"tolerance {number(row['tolerance'])}", f"at most {row['max_iterations']} sweeps"])
-    solver = "plain sweeps" if row["fixed_iterations"] else row["method_cd"]
-    return [solver, *effort, f"step $\\leq$ {number(row['cd_dt'])} s", *(["walls by force"] if run.attributes["state_sha256"] else [])]
-
-
-# Markers for up to eight kinds, told apart without colour.
-MARKERS = "osD^vPX*"
-
-
 def shades(values):
-    """{value: (colour, marker)} for ordered values: viridis from dark to light, short of its yellow, which is faint on white."""
+    """{value: colour} for ordered values: viridis from dark to light, short of its yellow, which is faint on white."""
     ordered = sorted(set(values))
     colours = plt.get_cmap("viridis")([0.85 * k / max(1, len(ordered) - 1) for k in range(len(ordered))])
-    return {value: (tuple(colour), MARKERS[k % len(MARKERS)]) for k, (value, colour) in enumerate(zip(ordered, colours))}
+    return {value: tuple(colour) for value, colour in zip(ordered, colours)}

@@ -3,7 +3,6 @@
 `make test` draws hundreds for each reader, `make soak` thousands; the draws are seeded by the reader's name.
 """
 import contextlib
-import importlib
 import io
 import json
 import pathlib
@@ -65,7 +64,8 @@ def survive(reader, count, draw):
 def table(folder):
     """Tables of runs; a row that is not refused can be run."""
     path = folder / "table.txt"
-    path.write_bytes((pathlib.Path(tables.__file__).parent / "stiffness.txt").read_bytes())
+    from analysis import studies
+    path.write_text(tables.text(studies.module("stiffness").ROWS["full"]))
 
     def read():
         for row in tables.read(path).values():
@@ -75,10 +75,10 @@ def table(folder):
 
 def result(folder):
     """Result files, whole."""
-    from analysis import load
+    from yade_scripts.results import reader
     from tests.analysis.conftest import lattice, write
     path = write(folder / "run.h5", snapshots={0.0: lattice(4, "MD")})
-    return Reader(path, lambda: load.load(path), (load.ResultError,))
+    return Reader(path, lambda: reader.load(path), (reader.ResultError,))
 
 
 def ending(folder):
@@ -136,7 +136,7 @@ def state_record(folder):
 def _state(folder, damaged):
     import hashlib
 
-    from yade_scripts import prepare
+    from yade_scripts.preparing import prepare
     wanted, content = {"seed": 1, "recipe": 2}, bytes(range(256)) * 4
     checksum = hashlib.sha256(content).hexdigest()
     (folder / "a.yade.gz").write_bytes(content)
@@ -149,67 +149,54 @@ def _state(folder, damaged):
     return Reader(folder / damaged, read, ())
 
 
-def chart_records(folder):
-    """Records of measured settings, and the tables made of them. Lines that are no JSON are taken for cut short by a crash, and measured again."""
-    from analysis import load
-    from analysis.charts import table as rows
-    from tests.analysis.test_charts import record
-    from yade_scripts.charts import records, settings
-    for rank, setting in enumerate(settings.of_scene("stack", True)[:3]):
-        # Without what nobody reads back, so that damage hits what is read.
-        records.add(record(setting, "lost" if rank == 2 else 10.0**-rank) | {"parameters": {}}, folder)
+def measurements(folder):
+    """What was measured: a damaged file is measured again, so that nothing is refused, and nothing damaged taken."""
+    from yade_scripts.measuring import store
+    store.add(folder, "a", {"status": "finished", "seconds": [1.5]}, [{"name": "x", "measured": 0.1}])
+    whole = store.get(folder, "a")
 
     def read():
-        try:
-            rows.from_records(folder, False)
-        except load.ResultError as error:
-            if error.what != "holds no measured setting":  # all lines were cut short
-                raise
-    return Reader(records.path("stack", folder), read, (load.ResultError,))
-
-
-def map_rows(folder):
-    """Rows of a map of stability, and what is drawn of them."""
-    from analysis import load
-    from analysis.charts import maps
-    from tests.analysis.test_maps import fill
-    fill(folder)
-    return Reader(folder / "maps" / "md_contact.csv", lambda: maps.collect("md_contact", folder, False), (load.ResultError,))
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            found = store.get(folder, "a")
+        assert found in (None, whole) and (found is None) == ("measured again" in said.getvalue())
+    return Reader(folder / "a.h5", read, ())
 
 
 def published_table(folder):
     """The table that `recommend` answers from."""
-    from analysis import load
+    from yade_scripts.results import reader
     from analysis.charts import table as rows
     from tests.analysis.test_charts import rows as made_up
     from analysis import publish
     path = folder / "work_precision.csv"
-    publish.write_csv(path, made_up("MD step", [1e-1, 1e-2]))
-    return Reader(path, lambda: rows.from_csv(path), (load.ResultError,))
+    publish.write_table(path, made_up("MD step", [1e-1, 1e-2]))
+    return Reader(path, lambda: rows.from_csv(path), (reader.ResultError,))
 
 
 def study_of_the_page(folder):
-    """What the page is made of: a study's findings. The picture is none, which the page does not look at."""
-    from analysis import load, report
+    """What the page is made of: a study's findings. """
+    from analysis import report
+    from yade_scripts.results import reader
     published = pathlib.Path(report.__file__).parent / "published"
     for suffix in (".json", ".csv"):
         (folder / f"fig4{suffix}").write_bytes((published / f"fig4{suffix}").read_bytes())
-    (folder / "fig4.png").write_bytes(b"picture")
-    return Reader(folder / "fig4.json", lambda: report.build(folder, folder / "page.html"), (load.ResultError,))
+    (folder / "fig4.png").write_bytes((published / "fig4.png").read_bytes())
+    return Reader(folder / "fig4.json", lambda: report.build(folder, folder / "page.html"), (reader.ResultError,))
 
 
 def benchmark_table(folder):
     """Tables of the benchmark, of which its figures are drawn."""
     from analysis import report
-    draw = importlib.import_module("analysis.benchmark.draw")  # the package's name `draw` is the function
+    from analysis import benchmark
+    from yade_scripts.results import reader
     path = folder / "solutions.csv"
     lines = (pathlib.Path(report.__file__).parent / "published" / "benchmark" / "solutions.csv").read_text().splitlines(keepends=True)
     path.write_text("".join(lines[:8]))
-    return Reader(path, lambda: draw._rows(path, draw.COLUMNS["solutions"]), (ValueError,))
+    return Reader(path, lambda: benchmark._rows(path, benchmark.COLUMNS["solutions"]), (reader.ResultError,))
 
 
 READERS = {function.__name__: function for function in (
-    table, result, ending, problem_text, problem_dense, problem_fclib, problem_bodies, state, state_record, chart_records, map_rows, published_table, study_of_the_page,
+    table, result, ending, problem_text, problem_dense, problem_fclib, problem_bodies, state, state_record, measurements, published_table, study_of_the_page,
     benchmark_table)}
 
 

@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 PURPOSES = ("run", "test", "soak", "lint")
 OURS = {"analysis", "cd_engine", "tests", "yade_scripts", "_yade_plugin", "tumbler"}
 # Need more than `make deps` installs: the targets that run the first two install the packages of the tests first, and a cluster has its Slurm.
-TESTED_WITH = ("tests", "yade_scripts/benchmark", "yade_scripts/cluster")
+TESTED_WITH = ("tests", "yade_scripts/measuring/benchmark", "yade_scripts/cluster")
 
 
 def listed():

@@ -1,11 +1,11 @@
-"""CD to an accuracy that is asked for, instead of time step and tolerance: refines both until the answer stands still.
+"""Runs CD to a given accuracy: refines time step and tolerance until the result no longer changes.
 
     yade -n -x yade_scripts/accuracy.py accuracy=1e-3 scene=slide_to_roll [name=value ...]
 
 The row is run at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8, then with half of both, and so on. The
 error of a level is estimated by the largest of
     the change of what the scene measures since the level before, over its scale (for loaded walls without such numbers: of the strains); the
-    scheme is of first order, so what is left is about as much as the last change;
+    scheme is of first order, so the remaining error is about as large as the last change;
     the largest overlap that rigid disks should not have, over the mean radius.
 A level does not count while steps miss their tolerance, or disks move by more than a radius in a step: two coarse levels can agree on an event
 that both have stepped over. The first level within the accuracy is accepted if the level before it was within four times that, as a scheme that
@@ -21,7 +21,7 @@ from dataclasses import dataclass
 if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
 
-from yade_scripts import parameters
+from yade_scripts import commands, parameters, results
 
 STEP = 0.5               # from level to level, cd_dt and tolerance alike
 SHARE = 0.01             # of the accuracy: tolerance of the first level
@@ -102,7 +102,9 @@ def run_in_yade(folder):
     """A run(row) -> Level for `search`; `folder` holds the prepared packings."""
     from yade import O
 
-    from yade_scripts import bare_run, bodies, hooks, scenes, walls
+    from yade_scripts import scenes
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, timing, walls
 
     def run(row):
         full, moved = parameters.complete(row), [0.0]
@@ -114,9 +116,9 @@ def run_in_yade(folder):
 
         def look():
             moved[0] = max(moved[0], max(b.state.vel.norm() * O.dt / b.shape.radius for b in disks))
-        seconds = bare_run.run(scene, full, hooks.runner(look, iterPeriod=max(1, scene.every * scene.samples // 20), initRun=True))
+        seconds = timing.run(scene, full, hooks.runner(look, iterPeriod=max(1, scene.every * scene.samples // 20), initRun=True))
         look()  # the last step, too
-        engine = bare_run.contact_dynamics()
+        engine = timing.contact_dynamics()
         values = {known.name: known.measure() / known.scale for known in scene.known}
         if not values:
             values = {f"strain{k}": now / before - 1 for k, (now, before) in enumerate(zip(walls.sides(), sides), 1)}
@@ -124,30 +126,34 @@ def run_in_yade(folder):
     return run
 
 
-def main(arguments):
+@commands.command("accuracy")
+def main(arguments=None):
     """Command line: accuracy=..., then name=value as for run.py."""
-    from yade_scripts import results, run
-    asked = [argument for argument in arguments if argument.startswith("accuracy=")]
+    from yade_scripts import run
+    parser = commands.parser(__doc__)
+    commands.add_row(parser)
+    commands.add_results(parser)
+    options = parser.parse_args(arguments)
+    asked = [argument for argument in options.row if argument.startswith("accuracy=")]
+    row = {"method": "CD"} | parameters.from_arguments([argument for argument in options.row if argument not in asked])
     try:
-        row = {"method": "CD"} | parameters.from_arguments([argument for argument in arguments if argument not in asked])
-        try:
-            accuracy = float(asked[-1].partition("=")[2])
-        except (IndexError, ValueError):
-            raise parameters.ParameterError("accuracy=...: a relative error such as accuracy=1e-3 has to be given") from None
-        check(row, accuracy)
-        results.make(results.FOLDER)
-        levels = search(row, accuracy, run_in_yade(results.FOLDER))
-    except parameters.ParameterError as error:
-        print(f"accuracy: {error}", file=sys.stderr)
-        return 2
+        accuracy = float(asked[-1].partition("=")[2])
+    except (IndexError, ValueError):
+        raise parameters.ParameterError("accuracy=...: a relative error such as accuracy=1e-3 has to be given") from None
+    check(row, accuracy)
+    results.make(options.results)
+    try:
+        levels = search(row, accuracy, run_in_yade(options.results))
     except RuntimeError as error:
+        if isinstance(error, parameters.ParameterError):
+            raise
         print(f"accuracy: {error}", file=sys.stderr)
         return 1
     for level, error in levels:
         print(f"cd_dt = {level.row['cd_dt']:.3g} s, tolerance = {level.row['tolerance']:.1g}: " + (
             f"estimated error {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
-    return run.execute(levels[-1][0].row)
+    return run.execute(levels[-1][0].row, options.results)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

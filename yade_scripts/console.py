@@ -1,11 +1,11 @@
-"""What `make console` opens: YADE's console with the prepared packing loaded and the engines of a row set, ready for O.run().
+"""Loads a prepared packing into YADE's console and sets the engines of a row, ready for O.run(); `make console` starts it.
 
     yade yade_scripts/console.py [name=value ...]      method=CD unless said otherwise
 """
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[1]))
 
 from yade_scripts import parameters, run
 

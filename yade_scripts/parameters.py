@@ -80,6 +80,9 @@ def _positive(high):
     return dict(low=0, high=high, open_low=True)
 
 
+# Version of what the defaults mean, here and in the scenes: part of the name of every run.
+MEANING = 1
+
 REGISTRY = {p.name: p for p in (
     Parameter("scene", "biaxial", "1", "what is simulated", choices=scenes.names()),
     Parameter("method", "MD", "1", "MD: springs and dashpots; CD: rigid contacts", choices=("MD", "CD")),
@@ -161,6 +164,11 @@ def registry(scene):
     return REGISTRY | {parameter.name: parameter for parameter in scenes.module(scene).PARAMETERS}
 
 
+def defaults(scene):
+    """The row of a scene in which nothing is asked for: the scene's own defaults over the registry's."""
+    return {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene} | scenes.module(scene).DEFAULTS
+
+
 def complete(row):
     """The full row: `row` checked, over the scene's defaults, over the registry's. ParameterError if it cannot be run."""
     scene = REGISTRY["scene"].check(row.get("scene", REGISTRY["scene"].default))
@@ -168,8 +176,7 @@ def complete(row):
     for name in row:
         if name not in legal:
             raise ParameterError(f"unknown parameter {name!r} (value {row[name]!r}); {_hint(name, legal, scene)}")
-    full = {name: parameter.default for name, parameter in legal.items()} | scenes.module(scene).DEFAULTS
-    full |= {name: legal[name].check(value) for name, value in row.items()}
+    full = defaults(scene) | {name: legal[name].check(value) for name, value in row.items()}
     _check_together(full)
     return full
 
@@ -231,8 +238,8 @@ def from_arguments(arguments):
 
 
 def preparation(full):
-    """The part of a full row that shapes the prepared packing."""
-    return {name: full[name] for name, parameter in registry(full["scene"]).items() if parameter.prepare}
+    """What shapes the prepared packing and differs from the registry's defaults: scenes with the same values share a packing."""
+    return {name: full[name] for name, parameter in REGISTRY.items() if parameter.prepare and full[name] != parameter.default}
 
 
 def digest(values, length=12):
@@ -242,9 +249,15 @@ def digest(values, length=12):
 
 
 def result_name(full):
-    """Stem of the result file: scene, method, hash of every parameter that this method reads."""
-    read = {name: full[name] for name, parameter in registry(full["scene"]).items() if parameter.method in (None, full["method"])}
-    return f"{full['scene']}-{full['method']}-{digest(read)}"
+    """Stem of the result file: scene, method, hash of what differs from the defaults among the parameters that this method reads.
+
+    A new parameter whose default keeps the old behaviour therefore leaves every name as it is. Whoever changes what a default means raises
+    MEANING, which gives all runs new names.
+    """
+    usual, legal = defaults(full["scene"]), registry(full["scene"])
+    asked = {name: value for name, value in full.items()
+             if name not in ("scene", "method") and legal[name].method in (None, full["method"]) and value != usual[name]}
+    return f"{full['scene']}-{full['method']}-{digest(asked | {'meaning': MEANING})}"
 
 
 def stiffness(full):

@@ -17,7 +17,8 @@ import traceback
 if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
 
-from yade_scripts import locks, parameters, plausible, results, tables
+from yade_scripts import commands, parameters, results, tables
+from yade_scripts.running import locks, plausible
 
 
 def start(folder=results.FOLDER, **row):
@@ -53,8 +54,9 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
 
 def _run(path, full, folder, checkpoint_samples):
     """Build, run, record; None or the exception that ended the run, which the file names too."""
-    from yade_scripts import checkpoint, load_check, progress, record, scenes
-    scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.progress(path.stem)
+    from yade_scripts import scenes
+    from yade_scripts.running import checkpoint, progress, recorder, wall_check
+    scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.Progress(path.stem)
     try:
         scene = scenes.build(full, folder)
     except (parameters.ParameterError, ImportError):
@@ -65,7 +67,7 @@ def _run(path, full, folder, checkpoint_samples):
         checkpoint_samples = checkpoint.samples_between(full, scene)
     checkpoints = checkpoint.Checkpoints(path, full, scene, checkpoint_samples)
     found = checkpoints.found() if failure is None else None
-    recorder = record.Recorder(path, full, scene, show, found and found[checkpoint.RECORD], checkpoint_samples)
+    recorder = recorder.Recorder(path, full, scene, show, found and found[checkpoint.RECORD], checkpoint_samples)
     if failure is None:
         scene.observer = recorder.sample
         try:
@@ -73,7 +75,7 @@ def _run(path, full, folder, checkpoint_samples):
                 checkpoints.resume(found, recorder)
                 print(f"{path.stem}: goes on from its checkpoint at sample {recorder.count}", flush=True)
             scenes.method(full).run(scene, lambda steps: checkpoints.simulate(steps, recorder))
-        except load_check.Collapse as event:
+        except wall_check.Collapse as event:
             collapse = event
         except Exception as error:
             failure = error
@@ -86,37 +88,17 @@ def _run(path, full, folder, checkpoint_samples):
     return failure
 
 
-def _options(arguments):
-    """(folder, samples between checkpoints or None, the other arguments)."""
-    folder, samples, rest = results.FOLDER, None, []
-    for argument in arguments:
-        option, _, text = argument.partition("=")
-        if option == "--results":
-            if not text:
-                raise parameters.ParameterError("--results= names no folder")
-            folder = text
-        elif option == "--checkpoints":
-            if not text.isdecimal():
-                raise parameters.ParameterError(f"{argument}: must be a whole number of samples, 0 for none")
-            samples = int(text)
-        else:
-            rest.append(argument)
-    return folder, samples, rest
-
-
-def main(arguments):
+@commands.command("run")
+def main(arguments=None):
     """Command line and yade-batch."""
-    try:
-        folder, samples, arguments = _options(arguments)
-        if "YADE_BATCH" in os.environ:
-            row = tables.batch_row(os.environ["YADE_BATCH"])
-        else:
-            row = parameters.from_arguments(arguments)
-        return execute(row, folder, samples)
-    except (parameters.ParameterError, tables.TableError, ImportError, OSError) as error:
-        print(f"run: {error}", file=sys.stderr)
-        return 2
+    parser = commands.parser(__doc__)
+    commands.add_row(parser)
+    commands.add_results(parser)
+    parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N", help="samples between two checkpoints, 0 for none (default: by the length of the run)")
+    options = parser.parse_args(arguments)
+    row = tables.batch_row(os.environ["YADE_BATCH"]) if "YADE_BATCH" in os.environ else parameters.from_arguments(options.row)
+    return execute(row, options.results, options.checkpoints)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -1,35 +1,69 @@
-"""Charts of speed against accuracy and maps of stability: drawn from the records in results/, published as figures, a table and their origin.
+"""Charts of speed against accuracy and maps of stability, drawn from the measurements in results/ or from published tables.
 
-A chart is a module of this package with
+A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN as a study has them, and
 
-    publish(results, folder, full)    writes <name>.json, <name>.csv and its figures into `folder`; load.ResultError if nothing was run
+    rows(measured)            its table, from the settings measured (table.py) or, of the maps, from the folder of results
+    draw(rows, folder, line)  its figures; the names of the files with their titles. line: where the rows come from
 
-The JSON file says title, question, answer, figures [{file, title}], and where it comes from (origin.py); the report shows it. The table has
-the column `status`, empty where a row is a result. Accuracy is a relative error: |measured - exact| over a scale that the scene names,
-the largest of all that is known of it.
+Accuracy is a relative error: |measured - exact| over a scale that the scene names, the largest of all that is known of it.
 """
 
 import importlib
-import importlib.util
+from pathlib import Path
 
-from analysis import load
+from analysis import publish
+from yade_scripts.results import provenance
+from yade_scripts.results.reader import ResultError
 
 # Of the report.
-ORDER = ("work_precision", "profile", "cost_against_size", "asked", "maps_md", "maps_cd", "maps_walls")
+ORDER = ("by_kind", "profile", "cost_against_size", "work_precision", "maps")
 FOLDER = "charts"  # below the folder of the studies' figures
 
 
-def names():
-    """The charts there are, in the order of the report."""
-    return [name for name in ORDER if importlib.util.find_spec(f"{__name__}.{name}")]
+def module(name):
+    """The module of a chart."""
+    return importlib.import_module(f"{__name__}.{name}")
 
 
 def publish_all(results, folder, full):
-    """Publish every chart that has records; {name: reason} of those that have none."""
-    left = {}
-    for name in names():
-        try:
-            importlib.import_module(f"{__name__}.{name}").publish(results, folder, full)
-        except load.ResultError as error:
-            left[name] = error.what
+    """Publish every chart that has measurements; {name: reason} of those that have none."""
+    from analysis.charts import maps, table
+    folder, left = Path(folder), {}
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        settings, origin = table.measured(results, full)
+        for name in ORDER[:-1]:
+            rows = module(name).rows(settings)
+            if rows:
+                _publish(name, rows, folder, origin)
+            else:
+                left[name] = "no scene was measured by both methods or at several sizes"
+    except ResultError as error:
+        left |= dict.fromkeys(ORDER[:-1], error.what)
+    try:
+        found, origin = maps.measured(results, full)
+        _publish("maps", found, folder, origin)
+    except ResultError as error:
+        left["maps"] = error.what
     return left
+
+
+def _publish(name, rows, folder, origin):
+    chart, line = module(name), source(origin)
+    figures = chart.draw(rows, folder, line)
+    publish.write_table(folder / f"{name}.csv", chart.boundaries(rows) if hasattr(chart, "boundaries") else rows)
+    publish.write_json(folder / f"{name}.json", {"chart": name, "figures": figures} | origin)
+
+
+def origin_of(facts, full):
+    """Where measurements come from, as plain data; facts: those of each measurement."""
+    return {"extent": "full" if full else "quick", "measured": len(facts), "commits": sorted({one["git_commit"] for one in facts}),
+            "yade": sorted({one["yade_version"] for one in facts if "yade_version" in one}), "run_command": "make charts" + " FULL=1" * full} | publish.machine() | {
+                "processor": ", ".join(sorted({one["processor"] for one in facts}))}
+
+
+def source(origin):
+    """The same as a line for a caption."""
+    commits = origin["commits"]
+    code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
+    return f"{origin['measured']} measurements, {code}, {origin['processor']}"

@@ -1,4 +1,4 @@
-"""Which settings reach an accuracy, and what they cost: from measured rows alone.
+"""Which of the measured settings reach an accuracy, and which of them is the cheapest.
 
 A setting of a ladder (steps, tolerances, ...) counts as reaching an accuracy only if it and every finer one of its series do: an error that
 passes through zero on its way is luck. Finer ones that ran out of time tell nothing; one that failed otherwise speaks against it. Damping is no

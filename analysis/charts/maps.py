@@ -1,67 +1,102 @@
-"""Stability maps: what the probes of yade_scripts/maps found, as rows, boundaries, words and files. Runs nothing."""
+"""Stability maps: what the probes found, as rows, boundaries and figures. Runs nothing."""
 
-import json
 import math
-import platform
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib
-import numpy as np
+from analysis import charts, publish, style
+from analysis.style import plt
+from yade_scripts.measuring import maps
+from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
+from yade_scripts.results.reader import ResultError
 
-from analysis import publish as tables
-from analysis import style
-from analysis.charts import maps_draw
-from analysis.load import ResultError
-from yade_scripts import maps
-from yade_scripts.maps import search, store
+TITLE = "Where each method fails"
+QUESTION = ("Which steps, sweeps, tolerances, masses, heights and speeds does each method bear, where does theory put the boundary, and does the program say "
+            "so when it is crossed?")
+ANSWER = """
+Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt(1 + beta^2) - beta), within 0.1 %, for a packing at
+dt^2 K + 2 dt C < 4 M, within 0.2 %; the default step is far below. The walls' servo locks above a gain of about 1.5 and is kept at 1. Rigid contacts
+have no largest step; they fail where the error that the tolerance allows is as large as what is asked of: at mass ratios near 1/tolerance, nearer to
+the angle of friction than the tolerance, on load steps looser than about 1e-5. The table lists every boundary that was searched.
+"""
+GIVEN = ("1", "2", "4", "1.5", "1e-5")
 
-NOT_RUN = "not run yet"
+
+def numbers(table):
+    """The numbers of the text, from the table of boundaries."""
+    found = table[(table["from"] == "instability") & table.theory.notna()]
+    off = (found.boundary.astype(float) / found.theory - 1).abs() * 100
+    return {"0.1": off[found.map == "md_contact"].max(), "0.2": _first_failures(table, "md_packing")}
+
+
+def _first_failures(table, name):
+    found = table[(table.map == name) & table.theory.notna()]
+    return (100 * (found.boundary.astype(float) / found.theory - 1).abs()).max()
+
+
+MARKERS = {STABLE: ".", INACCURATE: "^", UNSTABLE: "X", NOT_SOLVED: "s"}
+# Okabe and Ito's palette and three more that differ from it in lightness.
+COLOURS = {"": "#9A9A9A", "energy growth": "#D55E00", "penetration": "#CC79A7", "wrong motion": "#56B4E9", "false motion": "#E69F00", "false rest": "#6A3D9A",
+           "wrong forces": "#0072B2", "tunnelled": "#8B0000", "locked walls": "#D55E00", "load missed": "#009E73", "non-convergence": "#555555",
+           "refused": "#B8A200", "crashed": "#000000", "timed out": "#000000"}
+HEIGHT = 4.7  # in, of one line of panels
+MOST_COLUMNS = 3
+LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
+
+
+def descriptions():
+    """The maps with what they ask, by what a case is judged, and what to do."""
+    return [maps.get(name) for name in maps.names()]
 
 
 @dataclass
 class Found:
-    """A map with what was probed of it.
-
-    rows: of the cells of the grid, missing: cases without a row, boundaries: [(Search, search.Boundary, row of its bad side)].
-    """
-
+    """A map with what was probed of it: rows of the cells, cases without one, [(Search, Boundary, row of its bad side)], facts of all that was kept."""
     name: str
     map: maps.Map
     rows: list
     missing: list
     boundaries: list
-    commits: list
+    facts: list
 
 
 class _Missing(Exception):
     pass
 
 
+def measured(results, full):
+    """(Found of every map that was probed, where they come from); ResultError if none was."""
+    several = [found for found in (collect(name, results, full) for name in maps.names()) if found.rows]
+    if not several:
+        raise ResultError(Path(results) / maps.FOLDER, "no case has been probed", "run `make charts`")
+    return several, charts.origin_of([one for found in several for one in found.facts], full)
+
+
 def collect(name, results, full):
-    """The Found of a map, of the quick or the full grid; ResultError where its file cannot be used."""
-    chart = maps.get(name)
-    try:
-        kept = store.Store(name, Path(results) / "maps")
-    except store.StoreError as error:
-        raise ResultError(name, str(error), "then run `make charts` again") from None
+    """The Found of a map, of the quick or the full grid."""
+    chart, work, facts = maps.get(name), maps.Work(name, full, results), []
+
+    def row_of(case):
+        kept = work.find(case)
+        if kept is None:
+            return None
+        facts.append(kept)
+        return kept["case"] | {name: kept[name] for name in ("verdict", "reason", "told")} | {name: kept["measures"].get(name, math.nan) for name in chart.measures}
 
     def outcome(case):
-        row = kept.find(case)
+        row = row_of(case)
         if row is None:
             raise _Missing
-        return kept.outcome(case)
+        return maps.Outcome(row["verdict"], row["reason"], row["told"])
 
-    cells = chart.grid(full)
-    found = Found(name, chart, [row for case in cells if (row := kept.find(case))], [case for case in cells if not kept.find(case)], [],
-                  sorted({row["commit"] for row in kept.rows}))
+    cells = [(case, row_of(case)) for case in chart.grid(full)]
+    found = Found(name, chart, [row for _, row in cells if row], [case for case, row in cells if not row], [], facts)
     for line in chart.searches(full):
         try:
-            boundary = search.bisect(line, outcome)
+            boundary = maps.bisect(line, outcome)
+            found.boundaries.append((line, boundary, row_of(line.case(boundary.bad))))
         except _Missing:
             found.missing.append(line.at | {line.along: "searched"})
-            continue
-        found.boundaries.append((line, boundary, kept.find(line.case(boundary.bad))))
     return found
 
 
@@ -74,65 +109,123 @@ def theory(found, line, row):
     return found.map.theory(line.at) if found.map.theory else math.nan
 
 
-def boundary_rows(found):
+def boundaries(several):
     """The table of boundaries: one row a search."""
     rows = []
-    for line, boundary, row in found.boundaries:
-        at = " ".join(f"{name}={value if isinstance(value, str) else f'{value:g}'}" for name, value in line.at.items())
-        rows.append({tables.STATUS: "", "map": found.name, "at": at, "along": line.along,
-                     "from": "instability" if len(line.accepted) > 1 else "first failure",
-                     "boundary": boundary.value if not boundary.note else boundary.note, "good": boundary.good, "bad": boundary.bad,
-                     "reason": boundary.reason, "theory": theory(found, line, row), "told": (row["told"] if boundary.reason else "")})
-    return rows + [{tables.STATUS: NOT_RUN, "map": found.name, "at": " ".join(f"{name}={value}" for name, value in case.items())}
-                   for case in found.missing]
-
-
-def answer(found):
-    """What a map shows, by its rows; then what to do about it."""
-    counts = {verdict: sum(row["verdict"] == verdict for row in found.rows) for verdict in maps.VERDICTS}
-    text = f"{found.map.title}: of {len(found.rows)} cells " + ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
-    silent = [row for row in found.rows if row["verdict"] != maps.STABLE and not row["told"]]
-    if silent:
-        reasons = [row["reason"] for row in silent]
-        text += "; without a word from the program " + ", ".join(f"{reasons.count(reason)} ({reason})" for reason in dict.fromkeys(reasons))
-    errors = [abs(boundary.value / expected - 1) for line, boundary, row in found.boundaries
-              if not boundary.note and _compared(found, line) and math.isfinite(expected := theory(found, line, row))]
-    if errors:
-        text += f"; the boundary is where theory puts it within {100 * max(errors):.1f} % ({len(errors)} searches)"
-    return f"{text}. {found.map.remedy}"
-
-
-def _compared(found, line):
-    """Whether the theory is of this search: of instability, where there is one beside the first failure."""
-    widest = max(len(other.accepted) for other, _, _ in found.boundaries if other.along == line.along)
-    return len(line.accepted) == widest
-
-
-def publish(name, title, question, names, results, folder, full):
-    """Write the figures, the tables of cells and of boundaries, and the JSON file of a group of maps; ResultError if nothing was probed."""
-    folder = Path(folder)
-    several = [found for found in (collect(one, results, full) for one in names) if found.rows]
-    if not several:
-        raise ResultError(name, "no case has been probed", "run `make charts`")
-    folder.mkdir(parents=True, exist_ok=True)
-    figures, origin = [], provenance(several, full)
     for found in several:
-        file = f"map_{found.name}.png"
-        maps_draw.draw(found, theory, folder / file, style.short(*found.commits) if len(found.commits) == 1 else f"{len(found.commits)} DIFFERENT COMMITS")
-        figures.append({"file": file, "title": f"{found.map.title}. {found.map.question}"})
-        tables.write_csv(folder / f"map_{found.name}.csv", found.rows)
-    tables.write_csv(folder / f"{name}.csv", [row for found in several for row in boundary_rows(found)])
-    findings = {"chart": name, "title": title, "question": question, "answer": " ".join(map(answer, several)), "figures": figures}
-    (folder / f"{name}.json").write_text(json.dumps(findings | origin, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        for line, boundary, row in found.boundaries:
+            rows.append({publish.STATUS: "", "map": found.name, "at": " ".join(f"{name}={value}" for name, value in line.at.items()), "along": line.along,
+                         "from": "instability" if len(line.accepted) > 1 else "first failure", "boundary": boundary.note or boundary.value,
+                         "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory(found, line, row),
+                         "told": row["told"] if boundary.reason else ""})
+        rows += [{publish.STATUS: "not run yet", "map": found.name, "at": " ".join(f"{name}={value}" for name, value in case.items())} for case in found.missing]
+    return rows
 
 
-def provenance(several, full):
-    """What was run, as plain data for JSON."""
-    rows = [row for found in several for row in found.rows]
-    failed = sum(row["reason"] in ("crashed", "timed out") for row in rows)
-    return {"extent": "full" if full else "quick", "runs_finished": len(rows) - failed, "runs_failed": failed,
-            "runs_missing": sum(len(found.missing) for found in several), "computing_seconds": round(sum(row["seconds"] for row in rows), 1),
-            "commits": sorted({commit for found in several for commit in found.commits}), "processor": tables.processor(),
-            "yade": sorted({row["yade"] for row in rows} - {""}), "python": platform.python_version(), "numpy": np.__version__,
-            "matplotlib": matplotlib.__version__, "run_command": "make charts" + " FULL=1" * full,
-            "figure_command": "/usr/bin/python3 -m analysis charts" + " --full" * full}
+def draw(several, folder, line):
+    """A figure and a table of cells a map."""
+    figures = {}
+    for found in several:
+        publish.write_table(folder / f"map_{found.name}.csv", found.rows)
+        _draw(found, folder / f"map_{found.name}.png", line)
+        figures[f"map_{found.name}.png"] = f"{found.map.group}: {found.map.title}"
+    return figures
+
+
+def _draw(found, path, line):
+    """Write the figure of one map."""
+    chart = found.map
+    panels = list(dict.fromkeys(row[chart.panels] for row in found.rows)) if chart.panels else [None]
+    columns = min(len(panels), MOST_COLUMNS)
+    lines = -(-len(panels) // columns)
+    width, height = 3.0 + 3.3 * columns, HEIGHT + 3.3 * (lines - 1)
+    fig = plt.figure(figsize=(width, height))
+    grid = fig.add_gridspec(lines, columns + 1, width_ratios=[3.3] * columns + [1.9])
+    axes = []
+    for number in range(len(panels)):
+        axes.append(fig.add_subplot(grid[divmod(number, columns)], sharex=axes[0] if axes else None, sharey=axes[0] if axes else None))
+    for axis, panel in zip(axes, panels):
+        _cells(axis, found, panel)
+        _boundaries(axis, found, panel)
+        for words, value in chart.marks.items():
+            axis.axvline(value, color="k", lw=0.6, ls=":")
+            axis.text(value, 1.0, f" {words}", transform=axis.get_xaxis_transform(), fontsize=6, rotation=90, va="top", ha="right",
+                      bbox={"boxstyle": "square,pad=0", "fc": "w", "ec": "none", "alpha": 0.7})
+        axis.set(xlabel=chart.x.label, title="" if panel is None else f"{_title(chart.panels)} = {panel if isinstance(panel, str) else f'{panel:g}'}")
+        _scale(axis, found)
+        axis.tick_params(labelleft=len(axes) == 1 or axis in axes[::columns])
+    for axis in axes[::columns]:
+        axis.set_ylabel(chart.y.label)
+    _legend(fig.add_subplot(grid[0, columns]), axes)
+    fig.suptitle(chart.title, fontsize=11)
+    style.finish(fig, path, f"{len(found.rows)} cells, {len(found.boundaries)} searched boundaries"
+                 + (f", {len(found.missing)} not run" if found.missing else "") + ". A ring: the program says nothing.", line)
+
+
+def _title(name):
+    return {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$"}.get(name, name)
+
+
+def _scale(axis, found):
+    """Logarithmic where the values are positive and span more than a decade."""
+    for name, scale in ((found.map.x.name, axis.set_xscale), (found.map.y.name, axis.set_yscale)):
+        values = [row[name] for row in found.rows]
+        if min(values) > 0 and max(values) > 10 * min(values):
+            scale("log")
+
+
+def _cells(axis, found, panel):
+    """The markers; a ring around a failure that the program says nothing of."""
+    chart, kinds = found.map, {}
+    for row in found.rows:
+        if panel is None or row[chart.panels] == panel:
+            kinds.setdefault((row["verdict"], row["reason"]), []).append(row)
+    for (verdict, reason), rows in sorted(kinds.items(), key=lambda item: list(MARKERS).index(item[0][0])):
+        axis.plot([row[chart.x.name] for row in rows], [row[chart.y.name] for row in rows], MARKERS[verdict], color=COLOURS[reason], ls="",
+                  ms=5 if verdict == STABLE else 6.5, mew=0, label=verdict + (f": {reason}" if reason else ""))
+    silent = [row for rows in kinds.values() for row in rows if row["verdict"] != STABLE and not row["told"]]
+    if silent:
+        axis.plot([row[chart.x.name] for row in silent], [row[chart.y.name] for row in silent], "o", mfc="none", mec="k", mew=0.7, ms=11, ls="",
+                  label="the program says nothing")
+
+
+def _boundaries(axis, found, panel):
+    """What was searched, full lines; what theory says, dashed."""
+    chart, groups = found.map, {}
+    fixed = {chart.x.name, chart.y.name, chart.panels}
+    for line, boundary, row in found.boundaries:
+        if panel is not None and line.at.get(chart.panels) != panel:
+            continue
+        other = tuple(value for name, value in line.at.items() if name not in fixed)
+        groups.setdefault((line.accepted, line.along, other), []).append((line, boundary, row))
+    drawn_theory = set()
+    first = next((key[2] for key in groups), ())
+    for number, ((accepted, along, other), several) in enumerate(groups.items()):
+        across = chart.y.name if along == chart.x.name else chart.x.name
+        points = [(boundary.value, line.at[across]) for line, boundary, _ in several if not boundary.note]
+        words = "instability, searched" if INACCURATE in accepted else "first failure, searched"
+        words += "" if other == first else f" ({', '.join(map(str, other))})"
+        if points:
+            axis.plot(*_ordered(points, along == chart.x.name), color="k", lw=1.1, ls=LINES[number % len(LINES)], marker="+x1234"[number % 6], ms=6, label=words)
+        expected = [(value, line.at[across]) for line, _, row in several if row is not None and math.isfinite(value := theory(found, line, row))]
+        if expected and along not in drawn_theory:
+            drawn_theory.add(along)
+            axis.plot(*_ordered(expected, along == chart.x.name), color="#009E73", lw=3, alpha=0.5, ls="--", marker="_" if len(expected) == 1 else "", ms=14, label=f"theory: {chart.theory_label}")
+
+
+def _ordered(points, along_x):
+    points = sorted(points, key=lambda point: point[1])
+    return ([a for a, _ in points], [b for _, b in points]) if along_x else ([b for _, b in points], [a for a, _ in points])
+
+
+def _legend(aside, axes):
+    """One legend of all panels, each entry once, beside them."""
+    handles = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels()):
+            handles.setdefault(label, handle)
+    # Cells by verdict first, then the lines.
+    places = {label: next((k for k, verdict in enumerate(MARKERS) if label.split(":")[0] == verdict), len(MARKERS)) for label in handles}
+    handles = {label: handles[label] for label in sorted(handles, key=places.get)}
+    aside.axis("off")
+    aside.legend(handles.values(), handles.keys(), loc="upper left", borderaxespad=0, fontsize=7.5)

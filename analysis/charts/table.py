@@ -1,75 +1,63 @@
-"""The measured settings as rows: of the records of this machine, or of a published table.
+"""The measured settings as rows.
 
-A row: name (of its record), status (empty if finished), scene, kind, size (disks where that is varied, else 0), method, series, rank in it (0 the coarsest), setting,
-arguments (of yade_scripts/run.py), error, worst (the known that has it), seconds (median of the repeats), fastest, slowest, repeats, steps, sweeps,
-unconverged_steps, disks. Numbers that a failed setting lacks are None.
+A row: name (of its measurement), status (empty if finished), scene, kind, size (disks where that is varied, else 0), method, series, rank in it
+(0 the coarsest), setting, arguments (of yade_scripts/run.py), error, worst (the known quantity that has it), seconds (median of the repeats),
+fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are None.
 """
 
 import statistics
 from pathlib import Path
 
-from analysis import load, publish
-from analysis.charts import kinds
+import pandas
+
+from analysis import charts, publish
 from yade_scripts import scenes
-from yade_scripts.charts import records, settings
+from yade_scripts.measuring import charts as settings
+from yade_scripts.measuring import store
+from yade_scripts.results.reader import ResultError
+from yade_scripts.results.schema import STATUS_FINISHED, relative_error
 
-WHOLE, REAL = ("size", "rank", "repeats", "steps", "sweeps", "unconverged_steps", "disks"), ("error", "seconds", "fastest", "slowest")
 LEVELS = (1e-2, 1e-4, 1e-6)  # accuracies that the charts look at
-FINISHED = "finished"
+PUBLISHED = Path(charts.__file__).resolve().parents[1] / "published" / charts.FOLDER / "work_precision.csv"
 
 
-def from_records(results, full):
-    """(rows, {name: record}) of all scenes, in the order of the settings; ResultError where nothing was measured."""
-    rows, used = [], {}
-    for scene in settings.charted():
-        found = records.read(scene, results)
-        for setting in settings.everything(scene, not full):
-            if setting.name in found:
-                records.check(found[setting.name], records.path(scene, results))
-                used[setting.name] = found[setting.name]
-                rows.append(_row(setting, found[setting.name]))
+def measured(results, full):
+    """(rows of all scenes, where they come from); ResultError where nothing was measured."""
+    rows, facts, folder = [], [], Path(results) / settings.FOLDER
+    for scene in settings.names():
+        for setting in settings.settings(scene, full):
+            found = store.get(folder, setting.name)
+            if found:
+                facts.append(found)
+                rows.append(_row(setting, found))
     if not rows:
-        raise load.ResultError(Path(results) / records.FOLDER, "holds no measured setting", "measure some: make charts")
-    return rows, used
+        raise ResultError(folder, "holds no measured setting", "measure some: make charts")
+    return rows, charts.origin_of(facts, full)
 
 
-def _row(setting, record):
-    row = dict(setting.row)
-    known = record.get("known") or {}
-    seconds = record["seconds"] if record["status"] == FINISHED else []
-    return {"name": setting.name, "status": "" if record["status"] == FINISHED else record["status"], "scene": row["scene"], "kind": kinds.of(row["scene"]), "size": setting.size,
-            "method": row["method"], "series": setting.series, "rank": setting.rank, "setting": _setting(setting), "arguments": _arguments(row),
-            "error": record.get("error"), "worst": _worst(known), "seconds": statistics.median(seconds) if seconds else None,
-            "fastest": min(seconds, default=None), "slowest": max(seconds, default=None), "repeats": len(seconds), "steps": record.get("steps"),
-            "sweeps": record.get("sweeps"), "unconverged_steps": record.get("unconverged_steps"), "disks": record.get("disks")}
-
-
-def _setting(setting):
-    """What the series varies, and its value here."""
-    own = next(one for one in settings.series(dict(setting.row)["scene"]) if one.name == setting.series)
-    return f"{own.parameter}={dict(setting.row)[own.parameter]:g}"
-
-
-def _arguments(row):
-    return " ".join(f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in row.items())
-
-
-def _worst(known):
-    """The known with the largest error."""
-    measured = {name: records.relative(one) for name, one in known.items() if one["measured"] is not None}
-    return max(measured, key=measured.get) if measured else ""
+def _row(setting, found):
+    scene, finished = setting.row["scene"], found["status"] == STATUS_FINISHED
+    seconds = found["seconds"] if finished else []
+    errors = {one["name"]: relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in found["rows"] if one["measured"] is not None}
+    return {"status": "" if finished else found["status"], "name": setting.name, "scene": scene, "kind": scenes.module(scene).KIND, "size": setting.size,
+            "method": setting.row["method"], "series": setting.series.name, "rank": setting.rank,
+            "setting": f"{setting.series.parameter}={setting.row[setting.series.parameter]:g}",
+            "arguments": " ".join(f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in setting.row.items()),
+            "error": found.get("error"), "worst": max(errors, key=errors.get, default=""), "seconds": statistics.median(seconds) if seconds else None,
+            "fastest": min(seconds, default=None), "slowest": max(seconds, default=None)} | {
+                name: found.get(name) for name in ("steps", "sweeps", "unconverged_steps", "disks")}
 
 
 def from_csv(path):
-    """The rows of a published table, numbers as numbers; ResultError where it is damaged."""
+    """The rows of a published table."""
+    table = publish.read_table(path)
     try:
-        _, rows = publish.read_csv(path)
-        for row in rows:
-            row |= {name: int(row[name]) if row[name] not in ("", "None") else None for name in WHOLE}
-            row |= {name: float(row[name]) if row[name] not in ("", "None") else None for name in REAL}
-    except (KeyError, ValueError) as error:
-        raise load.ResultError(path, f"is damaged ({error})", "make it again: make charts") from None
-    return rows
+        table = table[["status", "scene", "kind", "size", "method", "series", "rank", "setting", "arguments", "error", "seconds", "fastest", "slowest", "steps", "sweeps",
+                       "unconverged_steps", "disks", "worst"]]
+    except KeyError as error:
+        raise ResultError(path, f"lacks columns ({error})", "make it again: make charts") from None
+    table = table.fillna({name: "" for name in ("status", "worst")})
+    return table.replace("None", None).astype(object).where(pandas.notna(table), None).to_dict("records")
 
 
 def one_size(rows):
@@ -83,8 +71,3 @@ def by_series(rows):
     for row in rows:
         found.setdefault(row["series"], []).append(row)
     return {name: sorted(own, key=lambda row: row["rank"]) for name, own in found.items()}
-
-
-def title(scene):
-    """What a scene is, in a few words."""
-    return scenes.module(scene).TITLE

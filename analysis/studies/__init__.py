@@ -1,105 +1,81 @@
-"""The studies: what is asked, by which tables it is answered, and which runs of them are there.
+"""The studies, one file each, found by their presence in this folder. A study has
 
-A study is a module of this package with
-
-    TITLE, QUESTION    heading and one or two sentences: what is asked, of which paper or figure
-    TABLES             {"quick": (file, ...), "full": (file, ...)}, below yade_scripts/tables/
+    TITLE, QUESTION    heading, and what is asked, of which paper or figure
+    ORDER              its place in the report
+    ROWS               {"quick": rows, "full": rows} of parameters, lists of dictionaries (yade_scripts.tables.product makes them)
     summarize(runs)    the rows of its summary table, a list of {heading: number or text}
     draw(runs, rows, path)     its figure
-    answer(rows)       the answer in plain sentences, every number taken from the rows
+    ANSWER             what was found by the published run, in plain words: P0, gamma, mu and 1e-3 are typeset by the report
+    numbers(table)     {number as it stands in ANSWER or POINTS: its value, or several, by the published summary table (pandas)}
+    GIVEN              numbers of the text that are settings, not findings
+    POINTS             statements of the paper: (place, quotation, where, verdict, what was measured)
 
-`runs` are the finished runs of the tables (analysis.load.Run) in their order; a sample that collapsed has finished too.
-Rows that failed or were not run are no matter of a study: `collect` keeps them, with their reasons.
+A test compares every number of the text with the published table. `runs` are the finished runs of ROWS in their order; a sample that
+collapsed has finished too. Rows that failed or were not run are no matter of a study: `collect` keeps them, with their reasons.
 """
 
+import functools
 import importlib
-import importlib.util
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from analysis import load
-from yade_scripts import parameters, results, tables
+from yade_scripts import parameters, results
+from yade_scripts.results import reader
 
-# Of the report: the paper's figures, then the questions it leaves open.
-ORDER = ("fig4", "fig3", "fig5", "influence", "tolerance", "chain", "stiffness", "closed_path", "laws", "indeterminacy",
-         "critical_load")
-TABLES = Path(tables.__file__).resolve().parent
 NOT_RUN = "not run yet"
 
 
 @dataclass
 class Collection:
-    """A study's runs: those that finished, and the rows that have none.
-
-    missing: [(result file, full row, reason)] of the rows that failed, are unfinished or were not run.
-    """
+    """A study's runs: those that finished, and (result file, full row, reason) of the rows that failed, are unfinished or were not run."""
 
     name: str
     full: bool
-    tables: tuple
     runs: list = field(default_factory=list)
     missing: list = field(default_factory=list)
 
     @property
     def module(self):
-        """The study's module."""
+        """The study's file."""
         return module(self.name)
-
-    @property
-    def extent(self):
-        """'full' or 'quick'."""
-        return "full" if self.full else "quick"
-
-    @property
-    def commits(self):
-        """Commits that made the runs, sorted."""
-        return sorted({run.attributes["git_commit"] for run in self.runs})
 
 
 def names():
     """The studies there are, in the order of the report."""
-    return [name for name in ORDER if importlib.util.find_spec(f"{__name__}.{name}")]
+    found = [path.stem for path in Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")]
+    return sorted(found, key=lambda name: (module(name).ORDER, name))
 
 
+@functools.cache
 def module(name):
-    """The module of a study; ResultError for a name that is none."""
-    if name not in names():
-        raise load.ResultError(name, "no such study", f"there are {', '.join(names())}")
+    """The file of a study; ParameterError for a name that is none."""
+    if not (Path(__file__).parent / f"{name}.py").is_file():
+        raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
     return importlib.import_module(f"{__name__}.{name}")
 
 
-def collect(name, folder=load.RESULTS, full=False):
-    """The Collection of a study from the result files in `folder`, each row once though several tables name it."""
-    found = Collection(name, full, tuple(module(name).TABLES["full" if full else "quick"]))
-    for path, row in _rows(found.tables, folder).items():
-        run, reason = _run(path)
-        if run:
-            found.runs.append(run)
-        else:
-            found.missing.append((path, row, reason))
-    return found
+def rows(name, full):
+    """The rows of a study, full rows, each once."""
+    found = {}
+    for row in module(name).ROWS["full" if full else "quick"]:
+        row = parameters.complete(row)
+        found.setdefault(parameters.result_name(row), row)
+    return list(found.values())
 
 
-def _rows(names_of_tables, folder):
-    """{result file: full row} in the order of the tables."""
-    rows = {}
-    for name in names_of_tables:
-        table = TABLES / name
+def collect(name, folder=reader.RESULTS, full=False):
+    """The Collection of a study from the result files in `folder`."""
+    found = Collection(name, full)
+    for row in rows(name, full):
+        path = results.path_of(row, folder)
         try:
-            completed = [parameters.complete(row) for row in tables.read(table).values()]
-        except (tables.TableError, parameters.ParameterError) as error:
-            raise load.ResultError(table, str(error), "mend the table") from None
-        rows |= {results.path_of(row, folder): row for row in completed}
-    return rows
-
-
-def _run(path):
-    """(run, '') or (None, why there is none)."""
-    if not path.is_file():
-        partial = path.with_suffix("").with_name(path.stem + load.PARTIAL_SUFFIX)
-        return None, "under way or interrupted" if partial.is_file() else NOT_RUN
-    try:
-        run = load.load(path, finished=False)
-    except load.ResultError as error:
-        return None, error.what
-    return (run, "") if run.finished else (None, str(run.attributes["status"]))
+            run = reader.load_row(row, folder)
+            reason = "" if run.finished else str(run.attributes["status"])
+        except reader.ResultError as error:
+            partial = path.with_suffix(reader.PARTIAL_SUFFIX)
+            reason = error.what if path.exists() else "under way or interrupted" if partial.exists() else NOT_RUN
+        if reason:
+            found.missing.append((path, row, reason))
+        else:
+            found.runs.append(run)
+    return found

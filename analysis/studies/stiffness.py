@@ -3,12 +3,33 @@
 import numpy as np
 
 from analysis import loops, observables, style
-from yade_scripts import effective_medium, parameters
+from yade_scripts import parameters
+from yade_scripts.tables import product
+from yade_scripts.theory import effective_medium
 
 TITLE = "Is the difference between MD and CD only stiffness?"
 QUESTION = ("Contact Dynamics with N_I sweeps a step has the contact stiffness kappa = q m N_I/dt^2. Where kappa is made equal to the stiffness of MD's "
             "springs, k_n to 100 k_n at one pressure, do the loops of both methods fall on one curve?")
-TABLES = {"quick": ("quick/stiffness.txt",), "full": ("stiffness.txt",)}
+ORDER = 7  # in the report
+LOADING = dict(loading="cosine", period=1.0)
+# For each stiffness of the springs the pairs (sweeps a step, step) whose kappa = q m N_I/dt^2 is the same.
+PAIRS = {1: ((75, 5e-3), (19, 2.5e-3), (5, 1.25e-3)), 3: ((56, 2.5e-3), (14, 1.25e-3)), 10: ((47, 1.25e-3), (12, 6.25e-4)),
+         30: ((35, 6.25e-4), (9, 3.125e-4)), 100: ((116, 6.25e-4), (29, 3.125e-4))}
+SPRINGS = dict(method="MD", md_walls="force", **LOADING)
+
+
+def _rigid(pairs, seed=1, **more):
+    return [row for stiffening, several in pairs.items() for sweeps, step in several
+            for row in product(**dict(method="CD", solver_seed=1, stiffening=stiffening, fixed_iterations=sweeps, cd_dt=step, seed=seed) | LOADING | more)]
+
+
+BOTH = dict(reference_overlaps=(False, True))
+SLOW = dict(period=2.0, records_per_cycle=400)
+ROWS = {"quick": product(stiffening=(1, 10), **SPRINGS) + _rigid({1: PAIRS[1][1:2], 10: PAIRS[10][:1]}, **BOTH),
+        "full": product(stiffening=tuple(PAIRS), seed=(1, 2), **SPRINGS) + _rigid(PAIRS, (1, 2), **BOTH)
+        # Checks: tangential springs as stiff as the sweeps' (k_t = k_n/3), and twice the period.
+        + product(stiffening=(1, 10), kt_over_kn=0.3333, **SPRINGS) + product(stiffening=(1, 10), **SPRINGS | SLOW)
+        + _rigid({1: PAIRS[1][1:2], 10: PAIRS[10][:1]}, reference_overlaps=False, **SLOW)}
 
 # Contacts of CD part where the springs' would (gaps count from touching) or at once (from the overlaps the springs left).
 MD, AS_SPRINGS, AS_RIGID = "MD", "CD, parting as springs", "CD, parting as rigid"
@@ -84,7 +105,7 @@ def draw(runs, rows, path):
         axes.legend()
     left.set_ylabel(r"strain $\gamma$")
     _draw_loops(right, runs)
-    style.finish(fig, runs, path, r"$\kappa = q m N_I/\Delta t^2$, nothing fitted; bars: smallest and largest of the packings", foot=0.13)
+    style.finish(fig, path, r"$\kappa = q m N_I/\Delta t^2$, nothing fitted; bars: smallest and largest of the packings", runs)
 
 
 def _draw_loops(axes, runs):
@@ -104,49 +125,27 @@ def _draw_loops(axes, runs):
     axes.legend(loc="lower right")
 
 
-def answer(rows):
-    """What was found, by the numbers of the rows."""
-    springs = {row["springs_over_kn"]: row for row in rows if row["medium"] == MD and not row["comparison"]}
-    texts = []
-    for medium in (AS_SPRINGS, AS_RIGID):
-        pairs = [(row, springs[row["springs_over_kn"]]) for row in rows
-                 if row["medium"] == medium and not row["comparison"] and row["springs_over_kn"] in springs]
-        if pairs:
-            texts.append(f"{medium}: " + ", ".join(f"{words} {_range(pairs, name)}" for name, words in (
-                ("largest", "largest |gamma|"), ("width", "width of the loop"), ("remanent", "remanent strain"))) + " times MD's")
-    if not texts:
-        return "No pair of an MD and a CD run of one stiffness has finished."
-    stiff = [row["springs_over_kn"] for row in springs.values()]
-    text = (f"Means over the packings, at {min(stiff):g} to {max(stiff):g} k_n, with strains times stiffness so that kappa need not match exactly. "
-            + "; ".join(texts) + ".")
-    text += (f" MD's own strains times stiffness stay within {_own(springs, 'largest')} (largest) and {_own(springs, 'remanent')} (remanent) of "
-             "their values at the softest, the packings being prepared anew for each stiffness. So yes, where the contacts of CD also part where the "
-             "springs' would: few sweeps a step make of it what MD is. Contacts that part as rigid ones, as soon as they reopen at all, leave a "
-             "narrower loop and less remanent strain than springs of the same stiffness.")
-    checks = [row for row in rows if row["comparison"]]
-    if checks:
-        text += " Checks: " + "; ".join(_check(row) for row in checks) + "."
-    return text + (" The theory's kappa is that of a chain in the limit of long waves and few sweeps; in two dimensions it is a guess that is tested "
-                   "here, at one load below yield. Along the contact the sweeps are W_nn/W_tt = 1/3 as stiff, whatever MD's k_t/k_n.")
+ANSWER = """
+The size of MD's loop is stiffness: its largest |gamma| goes as k_n to the power -0.95, from 4.2e-4 to 5.2e-6 over two decades. CD with so few
+sweeps that its contacts are as stiff strains 0.96 to 1.07 times as far as MD and keeps 0.92 to 1.00 times the remanent strain, if its contacts part
+where the springs would. If they part as rigid ones do, at once, it strains 0.68 to 0.80 times as far and keeps only 0.11 to 0.26 times the remanent
+strain. This was measured on 2 packings under one load, over one cycle.
+"""
+GIVEN = ()
+POINTS = ()
 
 
-def _range(pairs, name):
-    """Smallest and largest ratio of CD to MD, strains scaled by their stiffness."""
-    ratios = [cd[f"scaled_{name}"] / md[f"scaled_{name}"] for cd, md in pairs]
-    return f"{min(ratios):.2f} to {max(ratios):.2f}"
+def numbers(table):
+    """The numbers of the text, from the summary table."""
+    main = table[table.comparison.isna() | (table.comparison == "")]
+    md = main[main.medium == MD].set_index("springs_over_kn").sort_index()
+    slope = np.polyfit(np.log(md.index.astype(float)), np.log(md.largest), 1)[0]
 
+    def ratio(medium, name):
+        rows = main[main.medium == medium]
+        return [row[name] / md.loc[row.springs_over_kn][name] for _, row in rows.iterrows()]
 
-def _own(springs, name):
-    """Smallest and largest scaled strain of MD over that at the softest springs."""
-    first = springs[min(springs)][f"scaled_{name}"]
-    ratios = [row[f"scaled_{name}"] / first for row in springs.values()]
-    return f"{min(ratios):.2f} to {max(ratios):.2f}"
-
-
-def _check(row):
-    """A check's row against the runs of the same packings that it varies."""
-    what = f"{row['medium']} at {row['springs_over_kn']:g} k_n with k_t/k_n = {row['kt_over_kn']:.2g} and a period of {row['period_s']:g} s"
-    if "compared_largest" not in row:
-        return f"{what}: largest |gamma| {row['largest']:.2e}, remanent {row['remanent']:.2e}"
-    return (f"{what}: largest |gamma| {row['largest'] / row['compared_largest']:.2f}, remanent {row['remanent'] / row['compared_remanent']:.2f} times "
-            "those of the comparison")
+    springs, rigid = ({name: ratio(medium, f"scaled_{name}") for name in ("largest", "remanent")} for medium in (AS_SPRINGS, AS_RIGID))
+    return {"-0.95": slope, "4.2e-4": md.largest.iloc[0], "5.2e-6": md.largest.iloc[-1], "0.96": min(springs["largest"]), "1.07": max(springs["largest"]),
+            "0.92": min(springs["remanent"]), "1.00": max(springs["remanent"]), "0.68": min(rigid["largest"]), "0.80": max(rigid["largest"]),
+            "0.11": min(rigid["remanent"]), "0.26": max(rigid["remanent"]), "2": md.packings.max()}

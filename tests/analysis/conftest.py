@@ -1,13 +1,14 @@
 """Result files made up with known answers, so that each number the analysis reads can be checked."""
 
+import io
 import json
 
 import h5py
 import numpy as np
 import pytest
 
-from analysis import schema
 from yade_scripts import parameters
+from yade_scripts.results import schema, sealed
 
 SIDE = 0.2  # [m] of the made-up square sample
 
@@ -75,7 +76,8 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
                 yade_version="2023.02a", seed=1, pressure=1200.0, depth=1.0, finished=True, status=schema.STATUS_FINISHED,
                 outcome=schema.OUTCOME_COMPLETED) | attributes
     snapshots = {time: lattice(20, method) for time in (0.0, 0.5, 1.0)} if snapshots is None else snapshots
-    with h5py.File(path, "w") as file:
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
         file.attrs.update(root)
         for name, values in columns.items():
             file.create_dataset(f"history/{name}", data=values).attrs["unit"] = schema.HISTORY[name].unit
@@ -84,6 +86,7 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
             group.attrs.update(time=time, cycle=time)
             for name, values in fields.items():
                 group.create_dataset(name, data=values).attrs["unit"] = schema.SNAPSHOT[name].unit
+    sealed.write(path, content.getvalue())
     return path
 
 
@@ -97,3 +100,10 @@ def md(tmp_path):
 def cd(tmp_path):
     """The path of a finished CD run comparable with `md`."""
     return write(tmp_path / "a-CD.h5", "CD")
+
+
+@pytest.fixture
+def yade_code(tmp_path):
+    """Runs Python text inside YADE; the last line printed, read as JSON."""
+    from tests.yade_scripts.conftest import Yade
+    return Yade(tmp_path).code

@@ -1,19 +1,18 @@
 """The charts from made-up measurements: what counts as accurate, profiles, exponents, recommendations, and failures that are seen."""
 
 import json
-import re
-import subprocess
 
-import matplotlib.image
-import numpy as np
 import pytest
 
-from analysis import charts, publish
-from analysis.__main__ import main
-from analysis.charts import choice, cost_against_size, profile, recommend, table, work_precision
-from yade_scripts.charts import records, settings
+from analysis import publish
+from analysis import __main__ as command
+from analysis.charts import choice, cost_against_size, profile, table
+from yade_scripts.measuring import charts as settings
+from yade_scripts.measuring import store
 
-PUBLISHED = recommend.PUBLISHED
+
+def main(arguments):
+    return command.main(arguments)
 
 
 def rows(series, errors, seconds=None, scene="stack", size=0):
@@ -55,7 +54,7 @@ def test_one_setting_for_all_scenes_of_a_kind_solves_most_of_them():
 def test_profile_counts_the_scenes_solved_within_a_factor():
     own = (rows("MD step", [1e-3, 1e-5], [4.0, 8.0]) + rows("CD step", [1e-5], [1.0])
            + rows("MD step", [1e-5], [1.0], "incline") + rows("CD step", [1e-1], [0.5], "incline") + rows("MD step", [1e-9], [1.0], "two_grain_path"))
-    found = profile.factors(own)
+    found = profile.rows(own)
     assert {row["scene"] for row in found} == {"stack", "incline"}  # the third is of one method alone
     factors, share = profile.share(found, "MD step", 1e-2)
     assert list(factors) == [1, 4] and list(share) == [0.5, 1]
@@ -67,7 +66,7 @@ def test_profile_counts_the_scenes_solved_within_a_factor():
 
 def test_exponent_of_the_cost():
     own = [row for size in (10, 100, 1000) for row in rows("CD nsgs", [1e-5], [2e-6 * size**1.5], size=size)]
-    found = cost_against_size.costs(own + rows("MD step", [1e-1], [1.0], size=10))
+    found = cost_against_size.rows(own + rows("MD step", [1e-1], [1.0], size=10))
     # Exact but for the rounding of logarithms.
     assert cost_against_size.power([row for row in found if row["series"] == "CD nsgs"]) == pytest.approx(1.5, abs=1e-9)
     lost, = (row for row in found if row["series"] == "MD step")
@@ -76,11 +75,11 @@ def test_exponent_of_the_cost():
 
 @pytest.fixture
 def published(tmp_path, monkeypatch):
-    """A published table, and no local records."""
+    """A published table."""
     path = tmp_path / "work_precision.csv"
-    publish.write_csv(path, rows("MD step", [1e-1, 1e-2]) + rows("CD step", [1e-3, 1e-6]))
-    monkeypatch.setattr(recommend, "PUBLISHED", path)
-    return ["recommend", "--results", str(tmp_path)]
+    publish.write_table(path, rows("MD step", [1e-1, 1e-2]) + rows("CD step", [1e-3, 1e-6]))
+    monkeypatch.setattr(table, "PUBLISHED", path)
+    return ["recommend"]
 
 
 def test_recommend_names_the_cheapest_setting_and_what_the_other_method_can(published, capsys):
@@ -94,51 +93,39 @@ def test_recommend_says_what_is_missing(published, capsys):
     assert main([*published, "--scene", "stack", "--accuracy", "1e-9"]) == 2
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
-    assert "nowhere: there is no such scene; there are arch" in capsys.readouterr().err
+    assert "nowhere: no setting of this scene was measured; there are stack" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
-    assert "-1 is no accuracy" in capsys.readouterr().err
+    assert "must be a number above 0" in capsys.readouterr().err
 
 
 def test_recommend_for_each_kind_of_scene(published, capsys):
     assert main([*published, "--accuracy", "1e-3"]) == 0
-    assert "piles at rest (1 scene), accuracy 0.001: CD" in capsys.readouterr().out
-    assert main([*published, "--table"]) == 0
-    assert "| piles at rest | MD `tolerance=1` 0.1 s; CD 0.1 s | CD `tolerance=1` 0.1 s; MD 0.2 s | CD `tolerance=0.1` 0.2 s; MD: not reached |" in capsys.readouterr().out
+    assert "piles at rest (1 scenes), accuracy 0.001: CD" in capsys.readouterr().out
 
 
-def test_a_table_reads_back_as_it_was(published, tmp_path):
-    assert table.from_csv(tmp_path / "work_precision.csv") == rows("MD step", [1e-1, 1e-2]) + rows("CD step", [1e-3, 1e-6])
-
-
-def record(setting, error):
-    """A record of a setting with this error, or a failed one."""
+def measurement(setting, error):
+    """The facts of a setting with this error, or of a failed one."""
     lost = isinstance(error, str)
-    return {"name": setting.name, "scene": "stack", "method": setting.full["method"], "row": dict(setting.row), "parameters": setting.full,
-            "status": f"failed: {error}" if lost else "finished", "seconds": [] if lost else [0.1, 0.3, 0.2], "error": None if lost else error,
-            "known": {} if lost else {"force": {"measured": error, "exact": 0.0, "scale": 1.0}}, "steps": 10, "disks": 4,
-            "git_commit": "c" * 40, "yade_version": "2023.02a", "processor": "made up", "limit": 3}
+    known = [] if lost else [{"name": "force", "measured": error, "exact": 0.0, "scale": 1.0, "deviation": 0.0}]
+    return {"scene": "stack", "row": setting.row, "status": f"failed: {error}" if lost else "finished", "seconds": [] if lost else [0.1, 0.3, 0.2],
+            "error": None if lost else error, "steps": 10, "disks": 4, "git_commit": "c" * 40, "yade_version": "2023.02a", "processor": "made up"}, known
 
 
-@pytest.fixture
-def measured(tmp_path):
-    """Records of the stack: MD and CD steps, the last of each a failure; and sizes."""
-    for series in ("MD step", "CD step"):
-        own = [one for one in settings.of_scene("stack", True) if one.series == series]
+def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):
+    """From measurements of the stack: MD and CD steps, the last of each a failure; and sizes."""
+    for name in ("MD step", "CD step"):
+        own = [one for one in settings.settings("stack", False) if one.series.name == name and not one.size]
         for rank, setting in enumerate(own):
-            records.add(record(setting, "x is not a number" if rank == len(own) - 1 else 10.0**-rank), tmp_path)
-    for setting in settings.of_sizes("stack", True):
-        records.add(record(setting, 1e-5), tmp_path)
-    return tmp_path
-
-
-def test_all_charts_are_drawn_and_say_where_they_come_from(measured, tmp_path, capsys):
+            store.add(tmp_path / "charts", setting.name, *measurement(setting, "x is not a number" if rank == len(own) - 1 else 10.0**-rank))
+    for setting in settings.settings("stack", False):
+        if setting.size:
+            store.add(tmp_path / "charts", setting.name, *measurement(setting, 1e-5))
     folder = tmp_path / "figures"
-    assert main(["charts", "--results", str(measured), "-o", str(folder)]) == 0
-    for name in ("work_precision", "profile", "cost_against_size"):
+    assert main(["charts", "--results", str(tmp_path), "-o", str(folder)]) == 0
+    for name in ("work_precision", "profile", "cost_against_size", "by_kind"):
         found = json.loads((folder / f"{name}.json").read_text())
-        assert found["commits"] == ["c" * 40] and found["runs_failed"] == (0 if name == "cost_against_size" else 2) and found["answer"]
-        assert all((folder / figure["file"]).read_bytes().startswith(b"\x89PNG") for figure in found["figures"])
+        assert found["commits"] == ["c" * 40] and all((folder / file).read_bytes().startswith(b"\x89PNG") for file in found["figures"])
     row = next(row for row in table.from_csv(folder / "work_precision.csv") if row["error"] == 0.1)
     assert row["seconds"] == 0.2 and row["worst"] == "force" and row["arguments"].startswith("scene=stack method=MD ")
 
@@ -148,47 +135,19 @@ def test_no_measurements_are_said_so(tmp_path, capsys):
     assert "holds no measured setting" in capsys.readouterr().err
 
 
-def test_failures_are_drawn_at_the_top(tmp_path):
-    """Crosses of the series' colour in the top tenth, which hold no ink of it without failures: errors are far below."""
-    kept = [record(one, 1e-3) for one in settings.of_scene("stack", True)[:1]]
-    ink = []
-    for errors in ([1e-3, 1e-4], [1e-3, 1e-4, "x is not a number"]):
-        path = tmp_path / f"{len(errors)}.png"
-        work_precision.draw(rows("CD step", [1.0]) + rows("MD step", errors), kept, path)
-        image = matplotlib.image.imread(path)[:, :, :3]
-        top = image[:int(0.1 * len(image)), :int(0.75 * image.shape[1])]
-        ink.append((np.abs(top - np.array([0x00, 0x72, 0xB2]) / 255).max(axis=2) < 0.1).sum())
-    assert ink[0] == 0 and ink[1] > 20
-
-
-FOLDER = PUBLISHED.parent
-NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_published_charts_are_complete(name):
-    found = json.loads((FOLDER / f"{name}.json").read_text())
-    _, table_rows = publish.read_csv(FOLDER / f"{name}.csv")
-    assert name in charts.ORDER and found["chart"] == name and found["extent"] == "full" and table_rows
-    assert found["commits"] and all(re.fullmatch("[0-9a-f]{40}", commit) for commit in found["commits"])
-    assert found["answer"] and all((FOLDER / figure["file"]).is_file() for figure in found["figures"])
-
-
-@pytest.mark.skipif(not PUBLISHED.is_file(), reason="no chart has been published yet")
-def test_recommended_settings_reach_what_they_promise(root, tmp_path):
-    """Every scene's cheapest settings of both methods that take less than 0.1 s, run anew."""
-    promised = {}
-    found = table.one_size(table.from_csv(PUBLISHED))
+def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):
+    """Every scene's cheapest setting of each method that takes less than 0.1 s, run anew."""
+    promised, found = [], table.one_size(table.from_csv(table.PUBLISHED))
     for scene in dict.fromkeys(row["scene"] for row in found):
         for method in ("MD", "CD"):
             row = choice.cheapest([row for row in found if (row["scene"], row["method"]) == (scene, method)], 1e-2)
             if row and row["seconds"] < 0.1:
-                setting, = (one for one in settings.of_scene(scene, False) if (one.series, one.rank) == (row["series"], row["rank"]))
-                promised[setting.name] = setting
-    path = tmp_path / "rows.json"
-    path.write_text(json.dumps([dict(setting.row) for setting in promised.values()]))
-    subprocess.run(["yade", "-n", "-x", "-j", "1", "yade_scripts/charts/measure.py", f"--results={tmp_path}", "--limit=30", f"--rows={path}"],
-                   cwd=root, capture_output=True, timeout=300)
-    anew = {name: one for scene in settings.charted() for name, one in records.read(scene, tmp_path).items()}
-    assert anew.keys() == promised.keys()
-    assert {name: one["error"] for name, one in anew.items() if not one["status"] == "finished" or one["error"] > 1e-2} == {}
+                setting, = (one for one in settings.settings(scene, True) if (one.series.name, one.rank, one.size) == (row["series"], row["rank"], 0))
+                promised.append(setting.row)
+    anew = yade_code(f"""
+from yade_scripts.measuring.charts import measure
+measure.LEAST = measure.MOST = 1
+print(json.dumps([measure.measure(row, "results", 30, lambda seconds: None)[0] for row in json.loads({json.dumps(json.dumps(promised))})]))
+""")
+    assert len(anew) == len(promised) > 20
+    assert {str(one["row"]): (one["status"], one["error"]) for one in anew if one["status"] != "finished" or one["error"] > 1e-2} == {}

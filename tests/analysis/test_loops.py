@@ -2,10 +2,11 @@
 import numpy as np
 import pytest
 
-from analysis import load, loops
+from analysis import loops
 from analysis.studies import stiffness, tolerance
 from tests.analysis.conftest import history, write
-from yade_scripts import effective_medium
+from yade_scripts.results import reader
+from yade_scripts.theory import effective_medium
 
 
 def made(path, method="CD", scale=1e-3, row=None, seed=1):
@@ -13,7 +14,7 @@ def made(path, method="CD", scale=1e-3, row=None, seed=1):
     if method == "CD":
         columns["iterations"] = np.full(len(columns["time"]), 7.0)
     write(path, method, columns=columns, row=row, seed=seed)
-    return load.load(path)
+    return reader.load(path)
 
 
 def test_numbers_of_a_known_loop(tmp_path):
@@ -40,7 +41,6 @@ def test_stiffness_compares_strains_times_stiffness(tmp_path):
     rows = stiffness.summarize(runs)
     assert [row["medium"] for row in rows] == [stiffness.MD, stiffness.AS_SPRINGS, stiffness.AS_SPRINGS]
     assert [row["scaled_largest"] for row in rows] == pytest.approx([1e-3] * 3, rel=1e-12)
-    assert "largest |gamma| 1.00 to 1.00" in stiffness.answer(rows)
     stiffness.draw(runs, rows, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 1000
 
@@ -51,7 +51,5 @@ def test_tolerance_sorts_runs_by_what_is_varied(tmp_path):
     rows = tolerance.summarize(runs)
     assert [(row["effort"], row["value"]) for row in rows] == [("MD", 0.0), ("tolerance", 1e-4), ("tolerance", 1e-8), ("sweeps", 7), ("step", 4e-3)]
     assert rows[3]["sweeps_a_step"] == 7
-    text = tolerance.answer(rows)
-    assert "from 1.0e-03 to 1.0e-04" in text and "none of them levels off" in text
     tolerance.draw(runs, rows, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 1000

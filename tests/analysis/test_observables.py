@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from analysis import load, observables, schema
+from analysis import observables
+from yade_scripts.results import reader, schema
 from tests.analysis.conftest import SIDE, history, lattice, write
 
 # Areas by polygons and widths by interpolation differ from the smooth curve's by about (2 pi/points)^2.
@@ -38,7 +39,7 @@ def test_loop_width_needs_an_unloading():
 
 
 def test_numbers_of_the_made_up_cycle(md):
-    run = load.load(md)
+    run = reader.load(md)
     gamma, sigma2 = run.values("gamma"), run.values("sigma2")
     # gamma/1e-3 = -x^2 up and -(1/4 + 3x/4) down: widest at x = 3/8, by 1/4 + 9/64.
     assert observables.permanent_strain(gamma) == pytest.approx(-0.25e-3, rel=1e-12)
@@ -53,14 +54,14 @@ def test_wall_work_of_an_isotropic_compression_is_exact(tmp_path):
     count = len(columns["time"])
     columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.linspace(0, -0.2, count)
     columns["sigma1"] = columns["sigma2"] = np.full(count, 1200.0)
-    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    run = reader.load(write(tmp_path / "run.h5", columns=columns))
     assert observables.wall_work(run) == pytest.approx(1200 * SIDE**2 * (1 - 0.9 * 0.8), rel=1e-12)
 
 
 def test_wall_work_of_the_made_up_cycle(md):
     """sigma1 = P0 and strain1 = -strain2, so the work is the integral of sigma2 - P0 over gamma/2, to first order in strain."""
     expected = -0.5e-3 * 1200 * 0.2 * SIDE**2 * (-2 / 3 + 3 / 8)
-    assert observables.wall_work(load.load(md)) == pytest.approx(expected, rel=1e-3)
+    assert observables.wall_work(reader.load(md)) == pytest.approx(expected, rel=1e-3)
 
 
 def test_stiffness_of_a_linear_response():
@@ -73,21 +74,21 @@ def test_stiffness_of_a_linear_response():
 def test_cycle_range(tmp_path):
     columns = history("MD")
     columns["cycle"] = 2 * columns["cycle"] + 1e-12
-    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    run = reader.load(write(tmp_path / "run.h5", columns=columns))
     assert observables.cycle_range(run, 1) == slice(0, 101)
     assert observables.cycle_range(run, 2) == slice(100, 201)
-    with pytest.raises(load.ResultError, match="cycle 3 is not complete"):
+    with pytest.raises(reader.ResultError, match="cycle 3 is not complete"):
         observables.cycle_range(run, 3)
 
 
 def test_snapshot_at_the_load_maximum(md):
-    snapshot, load_ratio = observables.snapshot_at_load_maximum(load.load(md))
+    snapshot, load_ratio = observables.snapshot_at_load_maximum(reader.load(md))
     assert (snapshot["time"], load_ratio) == (0.5, pytest.approx(1.2))
 
 
 def test_no_snapshot_at_the_load_maximum(tmp_path):
-    run = load.load(md_without_the_middle(tmp_path))
-    with pytest.raises(load.ResultError, match="no snapshot near the load maximum"):
+    run = reader.load(md_without_the_middle(tmp_path))
+    with pytest.raises(reader.ResultError, match="no snapshot near the load maximum"):
         observables.snapshot_at_load_maximum(run)
 
 
@@ -128,7 +129,7 @@ def energies(folder, method, name, dissipated):
     columns = history(method)
     share = np.linspace(0, 1, len(columns["time"]))
     columns |= {"wall_work": share, "stored_energy": 0.25 * share, "kinetic_energy": 0.05 * share, name: dissipated * share}
-    return load.load(write(folder / f"{method}.h5", method, columns))
+    return reader.load(write(folder / f"{method}.h5", method, columns))
 
 
 def test_balance_error_takes_what_was_summed_where_it_happened(tmp_path):
@@ -145,7 +146,7 @@ def test_work_error_compares_two_ways_to_the_work(tmp_path):
     columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.zeros(count)
     columns["sigma1"] = columns["sigma2"] = np.full(count, 1200.0)
     columns["wall_work"] = np.linspace(0, 1.1 * 1200 * SIDE**2 * 0.1, count)
-    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    run = reader.load(write(tmp_path / "run.h5", columns=columns))
     assert observables.work_error(run) == pytest.approx(-0.1 / 1.1, rel=1e-9)
     assert observables.work_scale(run) == pytest.approx(1200 * SIDE**2)
 
@@ -155,7 +156,7 @@ def test_critical_load_is_interpolated(tmp_path):
     count = len(columns["time"])
     share = np.linspace(0, 1, count)
     columns |= dict(gamma=-0.01 * share, sigma2_goal=1200 * (1 + share))
-    run = load.load(write(tmp_path / "run.h5", columns=columns))
+    run = reader.load(write(tmp_path / "run.h5", columns=columns))
     # A straight line, which interpolation meets exactly.
     assert observables.critical_load(run, 0.00333) == pytest.approx(1.333, rel=1e-12)
     assert np.isnan(observables.critical_load(run, 0.02))

@@ -4,8 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis import statics
-from analysis.load import ResultError
+from yade_scripts.theory import statics
+from yade_scripts.results.reader import ResultError
 
 P0, DEPTH, RADIUS = 1000.0, 0.5, 0.01
 

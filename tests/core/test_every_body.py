@@ -47,7 +47,7 @@ def layer(heavy, width=10):
 
 def pressed(heavy, rows=6):
     """A triangular lattice between walls under a plate that moves up and down only."""
-    from yade_scripts.benchmark import problems
+    from yade_scripts.measuring.benchmark import problems
     lattice = problems.crystal(rows, 0.5).problem
     plate = len(lattice.inverse_masses)
     top = [(plate, 1 + i + rows * (rows - 1)) for i in range(rows)]  # the normal points to the disk: downwards

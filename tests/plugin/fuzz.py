@@ -35,7 +35,7 @@ class Run:
         """Contact Dynamics, watched, its company in any order that is allowed."""
         import cd_engine
         import yade
-        from yade_scripts import hooks
+        from yade_scripts.running import hooks
         reset, collider, cd = cd_engine.engines(**self.scene.settings)
         first = [reset, collider] if self.r.random() < 0.7 else [collider, reset]
         if self.r.random() < 0.2:
@@ -56,7 +56,7 @@ class Run:
 
     def after(self):
         import yade
-        from yade_scripts import hooks
+        from yade_scripts.running import hooks
         self.watch.after()
         if self.stop_at is not None and yade.O.iter >= self.stop_at:
             self.stop_at = None
@@ -70,7 +70,7 @@ class Run:
                 yade.O.forces.setPermF(k, force)
 
     def steps(self, count):
-        from yade_scripts import hooks
+        from yade_scripts.running import hooks
         if count:
             hooks.simulate(count)
 

@@ -6,7 +6,7 @@ import numpy as np
 import yade
 from yade import utils
 
-from yade_scripts import hooks
+from yade_scripts.running import hooks
 
 from . import fuzz_geometry
 from .fuzz_laws import SLACK_WHOLE, Watch, engine

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from . import fuzz_laws, plane
-from yade_scripts import hooks
+from yade_scripts.running import hooks
 
 # Five of five lines broken in the engine were seen by the first line. In scenes of the second what watches was wrong: it did not know of disks stopped
 # at a face (13), of overlaps taken over between what cannot move (178), of those in a scene loaded twice (217), of how a turning box may give energy

@@ -10,7 +10,9 @@ import json, sys
 sys.path.insert(0, {root!r})
 from yade import O
 import cd_engine
-from yade_scripts import bodies, parameters, prepare, walls
+from yade_scripts import parameters
+from yade_scripts.preparing import bodies, prepare
+from yade_scripts.running import walls
 
 full = parameters.complete({{}})
 path, _ = prepare.ensure(full, {folder!r})

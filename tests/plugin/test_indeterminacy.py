@@ -4,7 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from yade_scripts import force_network, hooks
+from yade_scripts.preparing import force_network
+from yade_scripts.running import hooks
 
 from . import plane
 

@@ -12,7 +12,7 @@ import ctypes, glob, sys
 sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
 import yade
 from tests.plugin import plane, test_invariants, tumbler
-from yade_scripts import hooks
+from yade_scripts.running import hooks
 {scene}
 counter = ctypes.CDLL(None)
 # In one run, since each is a thread of its own, whose memory begins anew. The second hook asks for some, which has to be seen.

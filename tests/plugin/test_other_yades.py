@@ -30,7 +30,8 @@ def engine():
 
 refused("engine", engine)
 refused("the compiled module alone", direct)
-from yade_scripts import prepare, run
+from yade_scripts import run
+from yade_scripts.preparing import prepare
 for method in ("MD", "CD"):
     print(method, "status", run.main(["scene=bounce", "method=" + method, "--results=results"]))
 print("packing status", prepare.main(["disks=20"]))

@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from yade_scripts import hooks
+from yade_scripts.running import hooks
 from . import plane
 
 KN, KS = 1e6, 5e5  # N/m

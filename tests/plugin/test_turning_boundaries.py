@@ -48,7 +48,7 @@ def drum(O, step, turns, mu):
     otherwise grow by half a step times the change of velocity.
     """
     import yade
-    from yade_scripts import hooks
+    from yade_scripts.running import hooks
     spin, inner, half, radius = 5.0, 0.5, 0.05, 0.1
     mat = plane.material(mu)
     places, boxes = [], []

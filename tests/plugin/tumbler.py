@@ -14,7 +14,7 @@ CHUNK = 50   # steps between two directions of gravity
 def build(disks):
     """A square box half full of disks of unequal size, with the engines that tumble it; ContactDynamics."""
     import cd_engine
-    from yade_scripts import hooks
+    from yade_scripts.running import hooks
     draw, columns = random.Random(1), math.ceil(math.sqrt(2 * disks))
     material = plane.material(0.4)
     for axis in (0, 1):

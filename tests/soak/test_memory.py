@@ -12,7 +12,7 @@ import glob, json, sys
 sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
 import yade
 from tests.plugin import plane, tumbler
-from yade_scripts import hooks
+from yade_scripts.running import hooks
 tumbler.enlarge_table_of_names()
 engine, memory, contacts = tumbler.build(40), [], []
 

@@ -23,7 +23,7 @@ class Yade:
 
     def prepare(self, *arguments):
         """Prepare a packing; its state file and the JSON record beside it."""
-        done = self.script("prepare.py", *arguments)
+        done = self.script("preparing/prepare.py", *arguments)
         assert done.returncode == 0, done.stderr
         name = [line for line in done.stdout.splitlines() if ".yade.gz" in line][-1].split()[0]
         state = self.folder / name

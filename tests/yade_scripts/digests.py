@@ -46,7 +46,7 @@ def main(methods, *options):
     from yade import O, config
 
     import cd_engine
-    from yade_scripts import hooks
+    from yade_scripts.running import hooks
     cd_engine.ContactDynamics  # loads the module, whose instruction sets are asked for next
     from cd_engine import _yade_plugin
     used = (*(name for name in options if name != "backwards"), _yade_plugin.instruction_sets()[0])[0]

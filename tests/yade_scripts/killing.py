@@ -7,7 +7,7 @@ import time
 import h5py
 import numpy as np
 
-from analysis import load
+from yade_scripts.results import reader
 from yade_scripts import results
 
 from .conftest import SCRIPTS
@@ -45,7 +45,7 @@ def whole(folder, row, *options):
 
 def only_result(folder):
     """The one file under a final name, or None."""
-    found = [path for path in folder.glob("*.h5") if not path.name.endswith(load.PARTIAL_SUFFIX)]
+    found = [path for path in folder.glob("*.h5") if not path.name.endswith(reader.PARTIAL_SUFFIX)]
     assert len(found) <= 1
     return found[0] if found else None
 
@@ -68,9 +68,9 @@ def check_what_is_left(folder):
     """A file under a final name is whole; one that is not finished is readable, and nobody takes it for a result."""
     done = only_result(folder)
     if done is not None:
-        load.load(done)
-    for path in folder.glob("*" + load.PARTIAL_SUFFIX):
-        assert load.load(path, finished=False).attributes["status"] == "running"
+        reader.load(done)
+    for path in folder.glob("*" + reader.PARTIAL_SUFFIX):
+        assert reader.load(path, finished=False).attributes["status"] == "running"
         assert not results.finished(path)
 
 

@@ -5,10 +5,10 @@ import subprocess
 import numpy as np
 import pytest
 
-from analysis import publish
+from analysis import benchmark, publish
 from cd_engine import core
-from yade_scripts.benchmark import goals, problems, siconos, solutions, sweeps
-from yade_scripts.benchmark.jammed import BALANCED, STIFFNESS, hilbert, jammed
+from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
+from yade_scripts.measuring.benchmark.jammed import BALANCED, STIFFNESS, hilbert, jammed
 
 PEERS = pytest.mark.skipif(siconos.available() is not None, reason="python3-siconos is not installed")
 
@@ -135,62 +135,29 @@ def test_traffic_is_counted_once():
     assert sweeps.traffic(problem, True) > sweeps.traffic(problem, False) + 2 * before
 
 
-def solution(problem, method, target, seconds, sweeps=10, status=solutions.SOLVED, kind="packing", disks=4000, mu=0.1):
-    return {"problem": problem, "method": method, "target": target, "seconds": seconds, "sweeps": sweeps, "status": status, "kind": kind,
-            "disks": disks, "mu": mu, "start": "cold"}
-
-
-def verdict(rows, goal):
-    row, = (row for row in goals.table(rows, [], []) if row["goal"].startswith(goal))
-    return row["met"], row["measured"]
-
-
-def test_goals_are_computed():
-    ours = goals.default_method()
-    nothing = goals.table([], [], [])
-    assert {row["met"] for row in nothing} == {"not measured"}
-    assert {"quasi-static steps to 1e-8", "whole step in YADE, 40000 disks"} <= {row["goal"] for row in nothing}
-    rows = [solution("a", ours, 1e-4, 0.01, 100), solution("a", solutions.PEER, 1e-4, 2.6), solution("a", "nsgs", 1e-4, 0.05, 900),
-            solution("a", "accelerated", 1e-4, 0.01, 100)]
-    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4")[0] == "yes"
-    assert verdict(rows, "sweeps saved against plain ones, packings, to 1e-4") == ("yes", "9x (median of 1, 0 unsolved)")
-    # Stopped before it arrived: a bound from below.
-    rows[1] |= {"status": "not within 2 s", "seconds": None}
-    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", ">= 200x (median of 1, 0 unsolved)")
-    # Not solved by us: no factor at all.
-    for row in (rows[0], rows[3]):
-        row |= {"status": "stagnated", "seconds": None}
-    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4") == ("no", "0x (median of 1, 1 unsolved)")
-    assert verdict(rows, "sweeps saved against plain ones, packings, to 1e-4")[0] == "no"
-    # A number that is none is no time of the peer's.
-    rows[1] |= {"status": "not finite"}
-    assert verdict(rows, "packing of 4000, mu 0.1, cold to 1e-4")[0] == "not measured"
-    worst = [solution("c", ours, t, s, kind="crystal") for t, s in ((1e-4, 1.0), (1e-6, 1.3))]
-    worst += [solution("c", "nsgs", t, 1.0, kind="crystal") for t in (1e-4, 1e-6)]
-    assert verdict(worst, "worst case") == ("no", "1.3x (c to 1e-6)")
-
-
 def test_quick_benchmark(root, tmp_path):
     """From nothing to tables and figures, once; started again it has nothing left to do."""
+    folder = tmp_path / "benchmark" / "quick"
+
     def run(*more):
-        return subprocess.run(["/usr/bin/python3", "-m", "yade_scripts.benchmark", "--quick", "-o", str(tmp_path), *more], cwd=root,
+        return subprocess.run(["/usr/bin/python3", "-m", "yade_scripts.measuring.benchmark", "--quick", "--results", str(tmp_path), *more], cwd=root,
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
 
     done = run()
     assert done.returncode == 0, done.stdout + done.stderr
-    rows = {name: publish.read_csv(tmp_path / f"{name}.csv")[1] for name in ("solutions", "sweeps", "engine", "goals")}
-    packed = [row for row in rows["solutions"] if row["kind"] == "packing"]
-    assert {row["start"] for row in packed} == {"cold", "warm"} and all(float(row["residual"]) <= float(row["target"]) for row in packed)
-    assert float(rows["engine"][0]["steps_solved"]) == 5 and float(rows["engine"][0]["step_over_solver"]) > 1
-    assert all(float(row[name]) > 0 for row in rows["sweeps"] for name in ("plain_any_ns", "accelerated_ns", "bound_plain_ns"))
-    facts = json.loads(next((tmp_path / "problems").glob("*-0.1.json")).read_text())
+    tables = {name: publish.read_table(folder / f"{name}.csv") for name in ("solutions", "sweeps", "engine")}
+    packed = tables["solutions"][tables["solutions"].kind == "packing"]
+    assert set(packed.start) == {"cold", "warm"} and (packed.residual <= packed.target).all()
+    assert tables["engine"].steps_solved[0] == 5 and tables["engine"].step_over_solver[0] > 1
+    assert (tables["sweeps"][["plain_any_ns", "accelerated_ns", "bound_plain_ns"]] > 0).all().all()
+    facts = json.loads(next((folder / "problems").glob("*-0.1.json")).read_text())
     assert facts["residual"] < 1e-6 and facts["solid_fraction"] > 0.78 and facts["contacts_per_disk"] > 3.2
-    assert {path.name for path in tmp_path.glob("*.png")} == {"error_against_time.png", "sweep_cost.png"}
+    assert {path.name for path in benchmark.draw(folder)} == {"error_against_time.png", "sweep_cost.png"}
     again = run()
-    assert again.returncode == 0 and "[1/" not in again.stdout and again.stdout.splitlines()[-1].endswith(".png")
+    assert again.returncode == 0 and "[1/" not in again.stdout
     one = run("--table", "reduction", "--again")
-    rest = {row["scene"]: row for row in publish.read_csv(tmp_path / "reduction.csv")[1]}
-    assert one.returncode == 0 and "reduction" in json.loads((tmp_path / "provenance.json").read_text())["tables"]
-    assert float(rest["columns at rest"]["sweeps_with"]) == 0 and float(rest["box of disks at rest"]["sweeps_without"]) > 0
+    rest = publish.read_table(folder / "reduction.csv").set_index("scene")
+    assert one.returncode == 0 and "reduction" in json.loads((folder / "provenance.json").read_text())["tables"]
+    assert rest.sweeps_with["columns at rest"] == 0 and rest.sweeps_without["box of disks at rest"] > 0
     missing = run(str(tmp_path / "nowhere.hdf5"))
     assert missing.returncode == 2 and "nowhere.hdf5" in missing.stderr and "Traceback" not in missing.stderr

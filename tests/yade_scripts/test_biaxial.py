@@ -106,19 +106,20 @@ def test_locked_walls_are_no_shakedown(yade60):
     the damping that walls.servo chooses keeps the same row sound."""
     locked, sound = yade60.code("""
 from yade import O
-from yade_scripts import load_check, parameters, record, scenes
+from yade_scripts import parameters, scenes
+from yade_scripts.running import recorder, wall_check
 said = []
 for damping in (0.25, None):
     full = parameters.complete({"method": "MD", "disks": 60, "beta_n": 0.5, "period": 0.4, "records_per_cycle": 40})
     scene = scenes.build(full, "results")
     if damping is not None:
         scene.load.controller.stressDamping = damping
-    recorder = record.Recorder(f"locked-{damping}.h5", full, scene)
-    scene.observer = recorder.sample
+    sampler = recorder.Recorder(f"locked-{damping}.h5", full, scene)
+    scene.observer = sampler.sample
     try:
         scenes.method(full).run(scene)
         said.append("finished")
-    except load_check.StressError as error:
+    except wall_check.StressError as error:
         said.append(str(error))
 print(json.dumps(said))
 """)

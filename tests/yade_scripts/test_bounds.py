@@ -4,7 +4,7 @@ import math
 import pytest
 
 from yade_scripts import parameters
-from yade_scripts.bounds import BALANCE, CREATED, FRICTION_EXCESS, PENETRATION, Bounds, OutOfBounds, check_step
+from yade_scripts.running.bounds import BALANCE, Bounds, CREATED, FRICTION_EXCESS, OutOfBounds, PENETRATION, check_step
 
 FULL = {method: parameters.complete({"method": method}) for method in ("MD", "CD")}
 SCALE = Bounds(FULL["MD"], True).scale
@@ -53,7 +53,8 @@ def test_a_run_ends_where_a_nan_comes_up(yade60, method):
     row = dict(method=method, disks=60, period=0.2, records_per_cycle=2, cd_dt=1e-3, delta_sigma=0.3)
     said = yade60.code(f"""
 from yade import O
-from yade_scripts import hooks, parameters, results, run, scenes
+from yade_scripts import parameters, results, run, scenes
+from yade_scripts.running import hooks
 build = scenes.build
 def spoiled(full, folder):
     scene = build(full, folder)

@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from yade_scripts import effective_medium, parameters
+from yade_scripts import parameters
+from yade_scripts.theory import effective_medium
 
 MEMORY, OVERLAP = {"warm_start": True, "gap_correction": 0}, {"warm_start": False, "gap_correction": 1}
 

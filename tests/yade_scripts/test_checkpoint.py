@@ -89,7 +89,8 @@ def test_a_full_disk_loses_nothing(whole, tmp_path):
 @pytest.fixture
 def checkpoints(O, tmp_path):
     """Where a small scene's checkpoints would be."""
-    from yade_scripts import checkpoint, scenes
+    from yade_scripts import scenes
+    from yade_scripts.running import checkpoint
     full = parameters.complete({"scene": "bounce"})
     return checkpoint.Checkpoints(tmp_path / "run.h5", full, scenes.Scene(every=1, samples=1, kept={}), 4)
 
@@ -132,7 +133,7 @@ def test_published_runs_are_too_short_for_checkpoints(root):
     """So that no number of theirs hangs on one: disks times steps of every row of every table, MD's steps from its smallest possible disk."""
     import math
 
-    from yade_scripts import checkpoint
+    from yade_scripts.running import checkpoint
     for path in sorted((root / "yade_scripts" / "tables").rglob("*.txt")):
         for row in tables.read(path).values():
             full = parameters.complete(row)
@@ -143,7 +144,8 @@ def test_published_runs_are_too_short_for_checkpoints(root):
 
 
 def test_a_long_run_has_checkpoints():
-    from yade_scripts import checkpoint, scenes
+    from yade_scripts import scenes
+    from yade_scripts.running import checkpoint
     full = parameters.complete({"disks": 10000})
     scene = scenes.Scene(every=100, samples=100000, kept={})
     assert checkpoint.samples_between(full, scene) == 1000
@@ -153,5 +155,5 @@ def test_a_long_run_has_checkpoints():
 
 def test_unknown_checkpoint_option_is_refused(yade_elsewhere):
     done = yade_elsewhere.script("run.py", "--checkpoints=often")
-    assert done.returncode == 2 and "--checkpoints=often: must be a whole number" in done.stderr
+    assert done.returncode == 2 and "--checkpoints: 'often': must be a whole number" in done.stderr
     assert not list(yade_elsewhere.folder.glob("results/*.h5"))

@@ -21,16 +21,15 @@ def start(*_, **__):
 # Program: (its main, what is put in the place of its work, its options).
 PROGRAMS = {
     "run": ("yade_scripts.run", ["execute"], ["--checkpoints=3", "--checkpoints=x", "--results={folder}"]),
-    "prepare": ("yade_scripts.prepare", ["ensure"], []),
+    "prepare": ("yade_scripts.preparing.prepare", ["ensure"], []),
     "accuracy": ("yade_scripts.accuracy", ["search"], ["accuracy=1e-3", "accuracy=x", "accuracy=-1", "accuracy=nan"]),
-    "study": ("yade_scripts.study", ["Queue"], ["--quick", "--full", "--only", "fig4", "--jobs", "2", "--results", "--figures"]),
+    "batch": ("yade_scripts.batch", ["work_off"], ["--jobs", "2", "--results", "{folder}"]),
     "sweep": ("yade_scripts.cluster.sweep", ["Sweep"], ["--minutes", "--retries", "--sbatch", "--at-once", "--seconds", "5"]),
-    "regression": ("yade_scripts.regression", ["compare"], ["--short", "--record", "{folder}/new.json"]),
-    "charts": ("yade_scripts.charts.run", ["work_off"], ["--quick", "--full", "--only", "stack", "--jobs", "--figures"]),
-    "maps": ("yade_scripts.maps.run", ["run"], ["--quick", "--full", "--only", "servo", "--jobs", "2", "--figures"]),
-    "benchmark": ("yade_scripts.benchmark.__main__", ["run"], ["--quick", "--again", "-o", "{folder}/out"]),
-    "analysis": ("analysis.__main__", [], ["fig4", "force-networks", "summary", "check", "recommend", "--scene", "stack", "--accuracy", "1e-3", "--results", "-o",
-                                           "{folder}/a.png", "--table", "--cycle", "--published"]),
+    "regression": ("yade_scripts.measuring.regression", ["compare"], ["--short", "--record", "{folder}/new.json"]),
+    "measuring": ("yade_scripts.measuring.__main__", ["queue.run"], ["--quick", "--full", "--only", "stack", "servo", "--jobs", "2"]),
+    "benchmark": ("yade_scripts.measuring.benchmark.__main__", ["run"], ["--quick", "--again", "--results", "{folder}/out"]),
+    "analysis": ("analysis.__main__", [], ["study", "table", "summary", "check", "recommend", "--scene", "stack", "--accuracy", "1e-3", "--results", "-o",
+                                           "{folder}/a.png", "--published", "fig4"]),
 }
 
 
@@ -48,7 +47,7 @@ def test_arguments(folder, monkeypatch, capsys, program):
     name, work, options = PROGRAMS[program]
     module, draw = importlib.import_module(name), random.Random(program)
     for function in work:
-        monkeypatch.setattr(module, function, start)
+        monkeypatch.setattr(f"{name}.{function}", start)
     monkeypatch.setattr(slurm, "present", lambda: True)
     ends = {"started": 0, "refused": 0}
     for _ in range(300):

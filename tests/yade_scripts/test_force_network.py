@@ -2,7 +2,8 @@
 import numpy as np
 import pytest
 
-from analysis import load, statics
+from yade_scripts.results import reader
+from yade_scripts.theory import statics
 from analysis.studies import indeterminacy
 
 
@@ -10,7 +11,7 @@ def read(yade, **row):
     """The run of a row with 60 disks, closed and checked."""
     with yade.run(**row) as file:
         path = file.filename
-    return load.load(path)
+    return reader.load(path)
 
 
 @pytest.fixture(scope="module")

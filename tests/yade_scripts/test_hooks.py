@@ -6,7 +6,7 @@ import pytest
 
 def test_a_stopped_loop_has_ended_its_step(O):
     """O.pause() lets O.run return within its 40 ms of waiting, while the rest of the step, here longer, is still under way."""
-    from yade_scripts import hooks
+    from yade_scripts.running import hooks
     ended = []
 
     def slow():
@@ -18,7 +18,7 @@ def test_a_stopped_loop_has_ended_its_step(O):
 
 
 def test_a_failure_ends_the_loop_with_its_step_and_is_raised(O):
-    from yade_scripts import hooks
+    from yade_scripts.running import hooks
     ended = []
 
     def fail():

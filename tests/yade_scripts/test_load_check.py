@@ -2,7 +2,7 @@
 import pytest
 
 from yade_scripts import parameters
-from yade_scripts.load_check import COLLAPSE_STEP, Collapse, LoadCheck, StressError
+from yade_scripts.running.wall_check import COLLAPSE_STEP, Collapse, LoadCheck, StressError
 
 FULL = parameters.complete({})
 P0 = parameters.pressure(FULL)

@@ -2,7 +2,7 @@
 import pytest
 from hypothesis import given, strategies as st
 
-from yade_scripts import loading
+from yade_scripts.running import loading
 from yade_scripts.parameters import complete
 
 P0, D, T0 = 1200.0, 0.3, 4.0

@@ -5,8 +5,11 @@ import pathlib
 
 import pytest
 
-from yade_scripts import maps, spring_limits
-from yade_scripts.maps import INACCURATE, STABLE, UNSTABLE, Outcome, Search, search, store
+from analysis.charts import maps as drawn
+from yade_scripts.measuring import maps
+from yade_scripts.results.reader import ResultError
+from yade_scripts.theory import spring_limits
+from yade_scripts.measuring.maps import INACCURATE, Outcome, STABLE, Search, UNSTABLE
 
 STORED = json.loads((pathlib.Path(maps.__file__).parent / "boundaries.json").read_text())["boundaries"]
 
@@ -25,7 +28,7 @@ def jump(limit, good_below=True):
 @pytest.mark.parametrize("good, bad, below", [(1e-6, 1e3, True), (1e3, 1e-6, False)])
 def test_bisection_finds_a_jump_between_its_sides(good, bad, below):
     probe, asked = jump(0.0371, below)
-    found = search.bisect(Search({}, "x", good, bad, 1.01), probe)
+    found = maps.bisect(Search({}, "x", good, bad, 1.01), probe)
     assert min(found.good, found.bad) <= 0.0371 <= max(found.good, found.bad) < 1.01 * min(found.good, found.bad)
     # Nine decades of ln 10 halved to ln 1.01, and the two ends.
     assert len(asked) <= 2 + math.ceil(math.log2(9 * math.log(10) / math.log(1.01))) and found.reason == "energy growth"
@@ -33,42 +36,26 @@ def test_bisection_finds_a_jump_between_its_sides(good, bad, below):
 
 def test_bisection_of_whole_numbers_ends_at_neighbours():
     probe, _ = jump(37)
-    found = search.bisect(Search({}, "x", 1, 1000, 1.0001), probe)
+    found = maps.bisect(Search({}, "x", 1, 1000, 1.0001), probe)
     assert (found.good, found.bad) == (36, 37)
 
 
 def test_a_line_without_a_boundary_says_so():
-    assert search.bisect(Search({}, "x", 1.0, 2.0), jump(5)[0]).note == "none up to 2"
-    at_once = search.bisect(Search({}, "x", 1.0, 2.0), jump(0.5)[0])
+    assert maps.bisect(Search({}, "x", 1.0, 2.0), jump(5)[0]).note == "none up to 2"
+    at_once = maps.bisect(Search({}, "x", 1.0, 2.0), jump(0.5)[0])
     assert at_once.note == "energy growth already at 1" and math.isnan(at_once.value)
 
 
 def test_accepted_verdicts_shift_the_boundary():
     probe = lambda case: Outcome(STABLE) if case["x"] < 2 else Outcome(INACCURATE, "wrong motion") if case["x"] < 5 else Outcome(UNSTABLE, "energy growth")
     for accepted, limit in (((STABLE,), 2), ((STABLE, INACCURATE), 5)):
-        assert search.bisect(Search({}, "x", 1.0, 10.0, 1.001, accepted), probe).value == pytest.approx(limit, rel=1e-3)
+        assert maps.bisect(Search({}, "x", 1.0, 10.0, 1.001, accepted), probe).value == pytest.approx(limit, rel=1e-3)
 
 
 def test_an_outcome_needs_a_reason_that_there_is():
     for verdict, reason in ((STABLE, "energy growth"), (UNSTABLE, ""), (UNSTABLE, "bad luck"), ("fine", "")):
         with pytest.raises(ValueError):
             Outcome(verdict, reason)
-
-
-def test_rows_are_kept_and_read_back(tmp_path):
-    """To the bit; words with commas and lines cut short by a crash included."""
-    case = maps.get("md_contact").grid(False)[0]
-    kept = store.Store("md_contact", tmp_path)
-    outcome = Outcome(UNSTABLE, "energy growth", "one, two", {"growth": 0.1 + 0.2, "decay_error": math.nan, "frequency_error": 1e-300})
-    kept.add(case, outcome, commit="c", yade="y", seconds=1.5)
-    with open(kept.path, "a") as file:
-        file.write("c,y,1.5,0.25")
-    again = store.Store("md_contact", tmp_path)
-    assert len(again.rows) == 1 and again.outcome(case).measures["growth"] == 0.1 + 0.2 and again.outcome(case).told == "one, two"
-    assert again.outcome(case | {"omega_dt": 77.0}) is None
-    kept.path.write_text("other,columns\n1,2\n")
-    with pytest.raises(store.StoreError, match="move it away"):
-        store.Store("md_contact", tmp_path)
 
 
 @pytest.mark.parametrize("name", maps.names())
@@ -111,7 +98,7 @@ from yade import O
 found = []
 for name, side, case in json.loads({json.dumps(json.dumps(cases))}):
     O.reset()
-    outcome = importlib.import_module("yade_scripts.maps.probes." + name).probe(case)
+    outcome = importlib.import_module("yade_scripts.measuring.maps." + name).probe(case)
     found.append([outcome.verdict, outcome.reason, outcome.told])
 print(json.dumps(found))
 """)
@@ -128,28 +115,44 @@ print(json.dumps(found))
     assert not wrong
 
 
-class Process:
-    """Stands in for a YADE: ends with the codes given, one a start, leaving the first case under way where it crashes."""
-    codes, case, path = [], {}, None
+def fill(folder, told="", leave_out=0):
+    """Outcomes of md_contact as its theory has it: unstable above the limit, inaccurate above half of it; the last cells left out."""
+    work = maps.Work("md_contact", False, folder)
 
-    def __init__(self, *arguments, **more):
-        self.returncode = Process.codes.pop(0)
-        if self.returncode:
-            Process.path.write_text(json.dumps(Process.case))
+    def probe(case):
+        known = work.find(case)
+        if known is None:
+            limit = spring_limits.contact_limit(case["beta_n"], case["kt_over_kn"])
+            outcome = (Outcome(UNSTABLE, "energy growth", told) if case["omega_dt"] > limit
+                       else Outcome(INACCURATE, "wrong motion") if case["omega_dt"] > limit / 2 else Outcome(STABLE))
+            work.enter(case, outcome, 0.5, {"git_commit": "c" * 40, "processor": "made up", "yade_version": "2023.02a"})
+            return outcome
+        return maps.outcome(known)
 
-    def poll(self):
-        return self.returncode
+    cells = work.map.grid(False)
+    for case in cells[:len(cells) - leave_out]:
+        probe(case)
+    for line in work.map.searches(False):
+        maps.bisect(line, probe)
+    return cells
 
 
-def test_a_crash_costs_one_case_and_a_mistake_ends_the_map(tmp_path, monkeypatch):
-    """Ended by a signal: the case under way is entered as crashed and the rest goes on; by an exception: the map is given up."""
-    from yade_scripts.maps import run
-    monkeypatch.setattr(run.subprocess, "Popen", Process)
-    monkeypatch.setattr(run.commits, "git_commit", lambda: "abc")
-    Process.case, Process.path = maps.get("tunnelling").grid(False)[0], tmp_path / "tunnelling.underway"
-    Process.codes = [-11, 0]
-    assert run.run(["tunnelling"], False, tmp_path, 1) == {}
-    row = store.Store("tunnelling", tmp_path).rows
-    assert [one["reason"] for one in row] == ["crashed"] and "-11" in row[0]["told"]
-    Process.codes = [1]
-    assert "exit status 1" in run.run(["tunnelling"], False, tmp_path, 1)["tunnelling"]
+def test_boundaries_are_found_again_from_what_is_kept(tmp_path):
+    """Instability where theory has it, to the search's precision of 3 %; the first failure at half of it."""
+    fill(tmp_path)
+    found = drawn.collect("md_contact", tmp_path, False)
+    assert not found.missing
+    rows = drawn.boundaries([found])
+    assert {row["from"] for row in rows} == {"instability", "first failure"}
+    for row in rows:
+        assert row["boundary"] == pytest.approx(row["theory"] * (1 if row["from"] == "instability" else 0.5), rel=0.03)
+
+
+def test_figures_and_tables_name_what_was_not_run(tmp_path):
+    """A map that was not probed at all is left out; missing cells are rows with a status."""
+    fill(tmp_path, leave_out=3)
+    several, origin = drawn.measured(tmp_path, False)
+    assert list(drawn.draw(several, tmp_path, "a line")) == ["map_md_contact.png"] and (tmp_path / "map_md_contact.png").stat().st_size > 10000
+    assert origin["commits"] == ["c" * 40] and sum(row["status"] == "not run yet" for row in drawn.boundaries(several)) == 3
+    with pytest.raises(ResultError, match="make charts"):
+        drawn.measured(tmp_path / "elsewhere", False)

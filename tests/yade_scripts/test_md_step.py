@@ -1,7 +1,7 @@
 """The step that springs bear: the limit of their matrices against hand-made cases, and the refusal of what is above it."""
 import pytest
 
-from yade_scripts import spring_limits
+from yade_scripts.theory import spring_limits
 
 
 def test_limit_of_two_free_disks_and_of_a_held_one(yade_elsewhere):
@@ -10,7 +10,10 @@ def test_limit_of_two_free_disks_and_of_a_held_one(yade_elsewhere):
     pair, held, law = yade_elsewhere.code("""
 import math
 from yade import O
-from yade_scripts import bodies, hooks, md, md_step, parameters, spring_limits
+from yade_scripts import parameters
+from yade_scripts.preparing import bodies
+from yade_scripts.running import hooks, md, md_step
+from yade_scripts.theory import spring_limits
 found = []
 full = parameters.complete({"friction": 0.5, "beta_n": 0.3, "kt_over_kn": 0.25})
 R, k = full["radius_mean"], parameters.stiffness(full)
@@ -35,7 +38,9 @@ def test_a_light_wall_counts(yade60):
     """A wall of a tenth of a disk's mass on ten contacts asks for a shorter step than any disk."""
     heavy, light = yade60.code("""
 from yade import O
-from yade_scripts import bodies, md_step, parameters, prepare, walls
+from yade_scripts import parameters
+from yade_scripts.preparing import bodies, prepare
+from yade_scripts.running import md_step, walls
 found = []
 for ratio in (20, 0.05):
     O.load(str(prepare.ensure(parameters.complete({"disks": 60}), "results")[0]))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from yade_scripts import parameters, scenes
-from yade_scripts.parameters import REGISTRY, ParameterError, complete
+from yade_scripts.parameters import ParameterError, REGISTRY, complete
 
 
 def test_defaults_of_every_scene_pass_their_own_checks():
@@ -63,11 +63,23 @@ def test_a_scene_s_own_parameter_counts_in_its_rows_alone(own):
         complete({"lean": 2})
 
 
-def test_names_of_rows_of_other_scenes_do_not_change(own, monkeypatch):
-    before = {scene: parameters.result_name(complete({"scene": scene})) for scene in scenes.names()}
-    monkeypatch.setattr(scenes.module("stack"), "PARAMETERS", ())
-    after = {scene: parameters.result_name(complete({"scene": scene})) for scene in scenes.names()}
-    assert {scene for scene in before if before[scene] != after[scene]} == {"stack"}
+def test_a_new_parameter_orphans_no_result(monkeypatch):
+    """Neither a general one nor one of a scene; a value other than its default is another run."""
+    rows = [{"scene": scene} for scene in scenes.names()] + [{"seed": 3}, {"scene": "stack", "disks": 7}]
+    before = [parameters.result_name(complete(row)) for row in rows]
+    packing = parameters.digest(parameters.preparation(complete({"seed": 3})))
+    new = parameters.Parameter("stress_path", "constant", "1", "made up", choices=("constant", "mean"), prepare=True)
+    monkeypatch.setitem(parameters.REGISTRY, "stress_path", new)
+    monkeypatch.setattr(scenes.module("stack"), "PARAMETERS", (parameters.Parameter("weight", 1.0, "kg", "made up"),))
+    assert [parameters.result_name(complete(row)) for row in rows] == before
+    assert parameters.digest(parameters.preparation(complete({"seed": 3}))) == packing
+    assert parameters.result_name(complete({"seed": 3, "stress_path": "mean"})) != parameters.result_name(complete({"seed": 3}))
+
+
+def test_a_new_meaning_of_the_defaults_names_all_runs_anew(monkeypatch):
+    before = parameters.result_name(complete({}))
+    monkeypatch.setattr(parameters, "MEANING", parameters.MEANING + 1)
+    assert parameters.result_name(complete({})) != before
 
 
 def test_a_method_without_meaning_in_a_scene_is_refused_with_the_reason():

@@ -3,7 +3,8 @@ import pathlib
 
 import pytest
 
-from yade_scripts import parameters, plausible, tables
+from yade_scripts import parameters, tables
+from yade_scripts.running import plausible
 
 
 @pytest.mark.parametrize("row, words", [

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from analysis import schema
+from yade_scripts.results import schema
 
 
 def test_same_inputs_give_the_same_file_in_another_process(yade60, yade_elsewhere):
@@ -21,7 +21,8 @@ def test_packing_is_at_rest_under_its_load(yade60):
     assert 0.75 < record["solid_fraction"] < 0.86 and 3 < record["contacts_per_disk"] < 4.5
     found = yade60.code("""
 from yade import O, utils
-from yade_scripts import run, walls
+from yade_scripts import run
+from yade_scripts.running import walls
 run.start(method="MD", disks=60)
 speed = max(b.state.vel.norm() + b.state.angVel.norm() for b in O.bodies)
 O.run(1, True)
@@ -36,14 +37,14 @@ def test_damaged_file_is_prepared_again(yade_elsewhere):
     state, _ = yade_elsewhere.prepare("disks=20")
     whole = state.read_bytes()
     state.write_bytes(whole[:-100])
-    done = yade_elsewhere.script("prepare.py", "disks=20")
+    done = yade_elsewhere.script("preparing/prepare.py", "disks=20")
     assert done.returncode == 0 and "does not match its record" in done.stderr
     assert state.read_bytes() == whole
 
 
 def test_a_packing_of_other_inputs_is_not_taken(tmp_path, capsys):
     """A file that somebody has renamed, with its record; or of another YADE, whose version is one of the inputs."""
-    from yade_scripts import prepare
+    from yade_scripts.preparing import prepare
     path = tmp_path / "a.yade.gz"
     path.write_bytes(b"scene")
     path.with_name("a.json").write_text(json.dumps({"sha256": hashlib.sha256(b"scene").hexdigest(), "inputs": {"seed": 2}}))
@@ -53,7 +54,8 @@ def test_a_packing_of_other_inputs_is_not_taken(tmp_path, capsys):
 
 def test_a_packing_that_finds_no_rest_says_so(yade_elsewhere):
     text = yade_elsewhere.code("""
-from yade_scripts import parameters, prepare
+from yade_scripts import parameters
+from yade_scripts.preparing import prepare
 prepare.MOST_STEPS = 600
 try:
     prepare.ensure(parameters.complete({"disks": 20}), "results")

@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis import schema
+from yade_scripts.results import schema
 
 # The disk of slide_to_roll, 2600 kg/m^3, R = 0.01 m, 1 m deep, at 1 m/s.
 MASS = 2600 * math.pi * 0.01**2

@@ -2,13 +2,13 @@
 import errno
 import json
 import os
-import signal
 import subprocess
 import sys
 
 import pytest
 
-from yade_scripts import parameters, regression, results, study, tables
+from yade_scripts import batch, parameters, results, tables
+from yade_scripts.measuring import regression
 
 
 @pytest.fixture
@@ -26,38 +26,38 @@ def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, c
     path = table("description disks method period records_per_cycle md_walls wall_mass_ratio delta_sigma\n"
                  "good 60 MD 0.05 2 servo 20 0.2\nrigid 60 CD 0.05 2 = = =\nheavy 60 MD 0.02 200 force 1e5 0.5\n")
     folder = str(yade60.folder / "results")
-    assert study.main([path, "--jobs", "1", "--results", folder]) == 1
+    assert batch.main([path, "--jobs", "1", "--results", folder]) == 1
     first = capsys.readouterr()
     assert "wall stress off" in first.err and first.out.count(": finished") == 2
     rows = [parameters.complete(row) for row in tables.read(path).values()]
     assert [results.finished(results.path_of(row, folder)) for row in rows] == [True, True, False]
-    assert study.main([path, "--jobs", "1", "--results", folder]) == 1
+    assert batch.main([path, "--jobs", "1", "--results", folder]) == 1
     assert "3 runs, 2 of them finished before" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("text, message", [("seed frction\n1 0.1\n", "did you mean friction"), ("seed\n", "at least one line")])
 def test_wrong_table_stops_before_the_first_run(table, capsys, text, message):
-    assert study.main([table(text)]) == 2
+    assert batch.main([table(text)]) == 2
     assert message in capsys.readouterr().err
 
 
 def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, monkeypatch, capsys):
     path, folder = table("seed\n1\n"), tmp_path / "file"
     folder.touch()
-    assert study.main([path, "--results", str(folder)]) == 2
+    assert batch.main([path, "--results", str(folder)]) == 2
     assert f"{folder} cannot be a folder of results" in capsys.readouterr().err
 
-    def full(job):
+    def full(job, mode="w"):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.log))
-    monkeypatch.setattr(study.Job, "start", full)
-    assert study.main([path, "--results", str(tmp_path / "results")]) == 1
+    monkeypatch.setattr(batch.Row, "start", full)
+    assert batch.main([path, "--results", str(tmp_path / "results")]) == 1
     assert "No space left on device" in (said := capsys.readouterr().err) and "goes on" in said
 
 
 def test_a_row_without_result_file_is_a_failure(yade60, table, capsys):
     """A solver that does not exist is found out by the engine only; the log's end is shown."""
     path = table("disks method method_cd\n60 CD magic\n")
-    assert study.main([path, "--results", str(yade60.folder / "results")]) == 1
+    assert batch.main([path, "--results", str(yade60.folder / "results")]) == 1
     assert "must be one of" in capsys.readouterr().out
 
 
@@ -71,7 +71,7 @@ def test_foreign_file_is_no_result(tmp_path):
 def test_regression_sees_a_drift_and_a_failure(monkeypatch, capsys):
     """The comparison itself, with runs replaced: a number inside its tolerance, one outside, NaN, and a failed run."""
     values = {"a": 1.0 + 5e-4, "b": 1.0 + 2e-3, "c": float("nan")}
-    monkeypatch.setattr(regression, "run_case", lambda case, folder: ("file", None) if case["name"] == "ran" else (None, "it broke"))
+    monkeypatch.setattr(regression, "run_cases", lambda cases, folder: {"ran": ("file", None), "broke": (None, "it broke")})
     monkeypatch.setattr(regression, "value", lambda path, quantity: values[quantity])
     number = lambda name: {"quantity": name, "value": 1.0, "exact": False, "tolerance": 1e-3, "reason": "test"}
     cases = [{"name": "ran", "numbers": [number("a"), number("b"), number("c")]}, {"name": "broke", "numbers": []}]
@@ -94,20 +94,5 @@ def test_stored_numbers_have_reasons_and_runnable_rows():
 
 
 def test_parameters_and_study_need_no_yade(root):
-    code = "import yade_scripts.study, yade_scripts.regression, sys; assert 'yade' not in sys.modules"
+    code = "import yade_scripts.batch, yade_scripts.measuring.regression, sys; assert 'yade' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], cwd=root, check=True)
-
-
-def test_one_damaged_file_hides_no_other(tmp_path, monkeypatch):
-    """Files are read many at once; the one that crashes libhdf5 is told by itself."""
-    def ending(path):
-        if path.name == "7.h5":
-            os.kill(os.getpid(), signal.SIGSEGV)
-        return "finished", "commit"
-    monkeypatch.setattr(results, "_ending", ending)
-    paths = [tmp_path / f"{number}.h5" for number in range(results.AT_ONCE + 3)]
-    for path in paths[1:]:
-        path.touch()
-    found = results.endings(paths)
-    assert paths[0] not in found and found.pop(paths[7])[0].startswith(f"failed: {paths[7]} is no result file")
-    assert len(found) == len(paths) - 2 and set(found.values()) == {("finished", "commit")}

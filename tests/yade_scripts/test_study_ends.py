@@ -9,7 +9,8 @@ import time
 
 import pytest
 
-from yade_scripts import locks, parameters, results, tables
+from yade_scripts import parameters, results, tables
+from yade_scripts.running import locks
 
 from .conftest import SCRIPTS
 
@@ -25,7 +26,7 @@ def table(tmp_path):
 
 
 def start(table, jobs=2):
-    return subprocess.Popen([sys.executable, str(SCRIPTS / "study.py"), str(table), "--jobs", str(jobs), "--results", str(table.parent / "results")],
+    return subprocess.Popen([sys.executable, str(SCRIPTS / "batch.py"), str(table), "--jobs", str(jobs), "--results", str(table.parent / "results")],
                             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
@@ -98,7 +99,7 @@ def test_a_killed_study_goes_on_where_it_stopped(table):
 def test_locks_end_with_their_holder(tmp_path):
     """Held by another process, which is killed."""
     path = tmp_path / "row.h5"
-    code = f"import sys, time; sys.path.insert(0, {str(SCRIPTS.parent)!r})\nfrom yade_scripts import locks\n" \
+    code = f"import sys, time; sys.path.insert(0, {str(SCRIPTS.parent)!r})\nfrom yade_scripts.running import locks\n" \
            f"with locks.held({str(path)!r}): print('held', flush=True); time.sleep(60)"
     holder = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
     assert holder.stdout.readline() == "held\n"
@@ -112,7 +113,7 @@ def test_locks_end_with_their_holder(tmp_path):
 
 def test_a_packing_whose_preparation_is_killed_is_prepared_by_the_next(yade_elsewhere):
     """No lock stays behind, and what was half written is not taken for a packing."""
-    arguments = ["yade", "-n", "-x", str(SCRIPTS / "prepare.py"), "disks=20"]
+    arguments = ["yade", "-n", "-x", str(SCRIPTS / "preparing" / "prepare.py"), "disks=20"]
     first = subprocess.Popen(arguments, cwd=yade_elsewhere.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     states = yade_elsewhere.folder / "results" / "states"
     wait_for((states / ".locks").exists)

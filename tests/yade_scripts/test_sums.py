@@ -1,7 +1,7 @@
 """Sums are plain additions in the order of the values, in every Python."""
 import math
 
-from yade_scripts.sums import total
+from yade_scripts.running.sums import total
 
 
 def test_round_off_is_that_of_additions_from_left_to_right():

@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from analysis import load
+from yade_scripts.results import reader
 from analysis.studies import closed_path
 from yade_scripts import parameters, results
 
@@ -20,7 +20,7 @@ def runs(yade60):
     for law in LAWS:
         row = dict(disks=2, scene="two_grain_path", tangential_law=law, path_depth=0.1, path_angle=0.1)
         yade60.run(**row).close()
-        found.append(load.load(results.path_of(parameters.complete(row), yade60.folder / "results")))
+        found.append(reader.load(results.path_of(parameters.complete(row), yade60.folder / "results")))
     return found
 
 
@@ -77,13 +77,10 @@ def test_rows_without_meaning_are_refused(yade60, row, words):
     assert done.returncode == 2 and words in done.stderr
 
 
-def test_study_draws_and_answers(runs, tmp_path):
+def test_study_draws(runs, tmp_path):
     rows = closed_path.summarize(runs)
     closed_path.draw(runs, rows, tmp_path / "closed_path.png")
     assert (tmp_path / "closed_path.png").stat().st_size > 10000
-    answer = closed_path.answer(rows)
-    assert "0.05 of the force" in answer and "round-off" in answer and "No contact slipped" in answer
-    assert "1 of the 3 paths slipped" in closed_path.answer([rows[0] | {"slides": 1}, *rows[1:]])
     assert math.isfinite(rows[2]["loop_work"])
 
 

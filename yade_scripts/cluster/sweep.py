@@ -4,11 +4,10 @@
 
 The rows are submitted as an array job, one core a task. A task whose node dies is put back into the queue by Slurm. When the array has ended,
 rows without a result (time limit, memory, a node's disk) are submitted again, with twice the time limit, up to `--retries` times. A row that
-ran and says why it failed is not: runs are repeatable, so it would say the same again; the next call runs it once more, as study.py does.
+ran and says why it failed is not: runs are repeatable, so it would say the same again; the next call runs it once more, as batch.py does.
 Ctrl-C ends the watching only; the same command takes it up again. Repository and results must be in a folder that all nodes share.
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 130 the watching was ended.
 """
-import argparse
 import collections
 import hashlib
 import json
@@ -22,9 +21,9 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
-from analysis.schema import STATUS_FAILED, STATUS_FINISHED
-from yade_scripts import parameters, results, study, tables
+from yade_scripts import batch, commands, parameters, results, tables
 from yade_scripts.cluster import slurm
+from yade_scripts.results import STATUS_FAILED, STATUS_FINISHED
 
 SECONDS = 10  # between two looks at the queue
 
@@ -34,8 +33,7 @@ class Rows:
 
     def __init__(self, jobs):
         self.jobs = list(jobs)
-        ended = results.endings([job.path for job in self.jobs])
-        self.open = [job for job in self.jobs if ended.get(job.path, ("",))[0] != STATUS_FINISHED]
+        self.open = [job for job in self.jobs if results.status(job.path) != STATUS_FINISHED]
         self.failed = []
         self.stamps = {job: _stamp(job.path) for job in self.open}  # files that failed before this call are no answer
 
@@ -43,9 +41,8 @@ class Rows:
         """Move the rows that have ended since the last call out of `open`."""
         there = {folder: set(os.listdir(folder)) if folder.is_dir() else set() for folder in {job.path.parent for job in self.open}}
         ended = [job for job in self.open if job.path.name in there[job.path.parent] and _stamp(job.path) != self.stamps[job]]
-        said = results.endings([job.path for job in ended])
-        self.failed += [job for job in ended if said.get(job.path, ("",))[0].startswith(STATUS_FAILED)]
-        self.open = [job for job in self.open if job.path not in said]
+        self.failed += [job for job in ended if results.status(job.path).startswith(STATUS_FAILED)]
+        self.open = [job for job in self.open if job not in ended]
 
 
 def _stamp(path):
@@ -134,36 +131,25 @@ class Sweep:
         print(f"{self.name}: {len(self.rows.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
 
 
-def _options(arguments):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
-    parser.add_argument("--results", default=results.FOLDER, help="folder of the result files, shared by all nodes (default %(default)s)")
-    parser.add_argument("--minutes", type=int, help="time limit of a task (default: the partition's)")
-    parser.add_argument("--retries", type=int, default=2, help="how often rows without a result are submitted again (default %(default)s)")
-    parser.add_argument("--at-once", type=int, metavar="N", help="most tasks that run at once")
-    parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, in one word")
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="between two looks at the queue (default %(default)s)")
-    options = parser.parse_args(arguments)
-    for name, low in (("minutes", 1), ("at_once", 1), ("retries", 0), ("seconds", 0.1)):
-        if getattr(options, name) is not None and not getattr(options, name) >= low:
-            parser.error(f"--{name.replace('_', '-')} must be at least {low}")
-    options.results = str(pathlib.Path(options.results).resolve())
-    return options
-
-
+@commands.command("sweep")
 def main(arguments=None):
     """Command line."""
-    options = _options(arguments)
-    try:
-        jobs = {job.path: job for rows in study.jobs_of(options.tables, options.results).values() for job in rows}
-    except (parameters.ParameterError, tables.TableError) as error:
-        print(f"sweep: {error}", file=sys.stderr)
-        return 2
+    parser = commands.parser(__doc__)
+    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
+    commands.add_results(parser)
+    parser.add_argument("--minutes", type=commands.whole(1), help="time limit of a task (default: the partition's)")
+    parser.add_argument("--retries", type=commands.whole(0), default=2, help="how often rows without a result are submitted again (default: %(default)s)")
+    parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="most tasks that run at once")
+    parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, in one word")
+    parser.add_argument("--seconds", type=commands.positive, default=SECONDS, help="between two looks at the queue (default: %(default)s)")
+    options = parser.parse_args(arguments)
+    options.results = str(pathlib.Path(options.results).resolve())
+    jobs = batch.jobs_of([row for path in options.tables for row in tables.read(path).values()], options.results)
     if not slurm.present():
         print("sweep: there is no Slurm here (no command sbatch). Call it where jobs are submitted from, or run the table on this machine: "
-              "yade_scripts/study.py", file=sys.stderr)
+              "yade_scripts/batch.py", file=sys.stderr)
         return 2
-    rows = Rows(jobs.values())
+    rows = Rows(jobs)
     print(f"{', '.join(options.tables)}: {len(rows.jobs)} runs, {len(rows.jobs) - len(rows.open)} of them finished before", flush=True)
     sweep = Sweep(rows, options)
     try:

@@ -2,11 +2,13 @@
 
 A scene's file declares
     TITLE       what is simulated
+    KIND        what it is like, in words that several scenes share: charts compare scenes of one kind
     METHODS     which of MD and CD can run it
     HORIZON     one sentence: over which time the errors of its known quantities mean something
     LEFT_OUT    what the model leaves out, and why that is safe; of a method that it does not have, why
     DEFAULTS    the general parameters' defaults that it changes
     PARAMETERS  the parameters that only it has
+    CHART       Chart: what the charts of speed against accuracy try on it; None where nothing exact is known
     check(full)             if values have to fit each other: ParameterError where they do not
     build(full, folder)     -> Scene; fills YADE's O (bodies, engines, dt) from a full row of parameters; `folder` holds the results and,
                             in states/, the prepared packings
@@ -41,6 +43,24 @@ class Known:
             raise ValueError(f"{self.name}: scale = {self.scale!r}, must be above 0")
 
 
+@dataclass(frozen=True)
+class Chart:
+    """What the charts of speed against accuracy do differently in a scene.
+
+    base: parameters that the chart changes. patience: times as long as others a run may take. prepared: it starts from a packing that is
+    prepared with the row's own springs, which takes long to make stiffer. physics: parameters that are no settings, since the exact answer
+    depends on them. rolling: disks roll under load, so that the tangential law may matter. exact: {known: value} where the chart holds
+    all laws against one value. sizes: numbers of disks for the cost against the size.
+    """
+    base: dict = field(default_factory=dict)
+    patience: float = 1
+    prepared: bool = False
+    physics: tuple = ()
+    rolling: bool = False
+    exact: dict = field(default_factory=dict)
+    sizes: tuple = ()
+
+
 @dataclass
 class Scene:
     """A scene that stands in O, ready to run.
@@ -70,7 +90,7 @@ class Scene:
 
 def names():
     """The scenes: the names of the files in this folder."""
-    return tuple(sorted(path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if path.stem != "__init__"))
+    return tuple(sorted(path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")))
 
 
 def module(name):
@@ -80,14 +100,14 @@ def module(name):
 
 def method(full):
     """The module md or cd."""
-    return importlib.import_module(f"yade_scripts.{full['method'].lower()}")
+    return importlib.import_module(f"yade_scripts.running.{full['method'].lower()}")
 
 
 def build(full, folder):
     """Build the scene that a full row names."""
     from yade import O
 
-    from yade_scripts import precision
+    from yade_scripts.running import precision
     precision.check()
     O.reset()
     return module(full["scene"]).build(full, folder)

@@ -13,15 +13,17 @@ one equation for phi, integrated here to 1e-11.
 import math
 
 from yade_scripts.parameters import Parameter, ParameterError
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Arch of three disks"
+KIND = "piles at rest"
 METHODS = ("MD", "CD")
 HORIZON = "About ten times sqrt(R/g), 0.3 s: one arch rests, the other falls as computed, until a lateral error has grown or its key meets the floor."
 LEFT_OUT = "how the load comes on: the disks touch without force at time 0. Springs then swing, the tangential ones undamped"
 DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10,
                 tolerance=1e-12, max_iterations=1000000)
 PARAMETERS = (Parameter("arch_margin", 0.05, "1", "by how much one arch needs less than mu and the other more", low=1e-6, high=0.5),)
+CHART = Chart(rolling=True)
 
 
 def rise(mu):
@@ -59,7 +61,8 @@ def build(full, folder):
     """The arch that stands around x = 0, the one that falls far from it."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     radius, mu, time = full["radius_mean"], full["friction"], full["period"] * full["cycles"]
     mass, apart = bodies.disk_mass(radius, full), 20 * radius + full["gravity"] * time**2

@@ -1,11 +1,13 @@
 """The paper's experiment: a packing prepared under P0, then sigma2 changed while sigma1 = P0 (eqs. 1 and 7, Figs. 3 to 5)."""
 
 TITLE = "Biaxial test of a dense packing"
+KIND = "dense packings under load"
 METHODS = ("MD", "CD")
 HORIZON = "Nothing is known exactly; runs of different methods are compared sample by sample, by statistics once grains rearrange."
 LEFT_OUT = "the third dimension, gravity and the elasticity of the walls, as in the paper"
 DEFAULTS = {}
 PARAMETERS = ()
+CHART = None
 
 # Of a ramp, which has no load maximum to look at before it ends: enough to follow single forces.
 RAMP_SNAPSHOTS = 40
@@ -18,7 +20,9 @@ def build(full, folder, goals=None):
     """
     from yade import O
 
-    from yade_scripts import force_network, loading, parameters, prepare, stage
+    from yade_scripts import parameters
+    from yade_scripts.preparing import force_network, prepare
+    from yade_scripts.running import loading, stage
     from yade_scripts.scenes import Scene
     path, checksum = prepare.ensure(full, folder)
     O.load(str(path))

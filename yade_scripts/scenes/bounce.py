@@ -1,19 +1,23 @@
 """A disk hits a floor without gravity and leaves it with a known share of its speed."""
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Bounce of a disk off a floor"
+KIND = "impacts"
 METHODS = ("MD", "CD")
 HORIZON = "Any time after the bounce: nothing acts on the disk any more."
 LEFT_OUT = "gravity and rotation: the impact is central, neither has a part in the speed after it"
 DEFAULTS = dict(method="CD", restitution=0.5, gravity=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = ()
+CHART = Chart(physics=("beta_n",))
 
 
 def build(full, folder):
     """CD: Newton's restitution. MD: the damped oscillator of eq. 5 over the half period of a contact."""
     from yade import O
 
-    from yade_scripts import bodies, parameters, stage
+    from yade_scripts import parameters
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     radius = full["radius_mean"]
     bodies.append_material("disk", full["friction"], full)
     bodies.append_floor(full)

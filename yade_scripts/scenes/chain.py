@@ -9,10 +9,11 @@ import math
 
 import numpy as np
 
-from yade_scripts import effective_medium
+from yade_scripts.theory import effective_medium
 from yade_scripts.scenes import Known
 
 TITLE = "Row of disks under few sweeps a step, an elastic rod"
+KIND = "too few sweeps"
 METHODS = ("CD",)
 HORIZON = "From half a period to a few decay times of the swing, beyond which nothing swings."
 LEFT_OUT = "motion across the row; the scene is about the sweeps of CD, of which springs make none"
@@ -20,6 +21,7 @@ LEFT_OUT = "motion across the row; the scene is about the sweeps of CD, of which
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
                 records_per_cycle=200)
 PARAMETERS = ()
+CHART = None
 
 SOURCE = "damped elastic rod of effective_medium.py (Unger et al. 2002), a theory of long waves, good to a few per cent"
 STRAIN = 1e-5  # of the row at rest under the force, so small that lengths do not change; the theory is linear
@@ -29,7 +31,8 @@ def build(full, folder):
     """`disks` touching disks that can only move along x; /extra holds the way of the last one after every step."""
     from yade import O
 
-    from yade_scripts import bodies, hooks, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, stage
     bodies.append_material("disk", full["friction"], full)
     radius = full["radius_mean"]
     mass = bodies.disk_mass(radius, full)

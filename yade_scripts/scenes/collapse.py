@@ -1,6 +1,6 @@
 """A column of disks is let go on one side and collapses onto a rough floor.
 
-The column is deposited without dynamics (yade_scripts/deposit.py), width L0 and height about column_aspect L0, against a smooth wall on
+The column is deposited without dynamics (preparing/deposit.py), width L0 and height about column_aspect L0, against a smooth wall on
 the left; at time 0 the wall on the right is gone. The floor is a row of fixed disks. Where it comes to rest is known as a statistic
 only: single grains go other ways with every rounding, front and height of the heap vary little from one deposit to the next. Both
 methods agree on it where neither bounces (restitution 0, beta_n 0.9). CD's tolerance hardly matters, 1e-2 gives the same as 1e-4; its
@@ -12,15 +12,17 @@ import random
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Collapse of a column"
+KIND = "flow"
 METHODS = ("MD", "CD")
 HORIZON = "At rest, about four times the fall sqrt(2H/g) from the start on, and as a mean over seeds; one run is off by the spread."
 LEFT_OUT = "the gate's removal, which takes no time here; grains that fly ahead of the heap, by taking the front where 98 % are behind"
 DEFAULTS = dict(method="CD", disks=4000, friction=0.5, kn=2e7, beta_n=0.9, gravity=9.81, period=2.5, cd_dt=1e-3, records_per_cycle=20, tolerance=1e-3,
                 max_iterations=2000)
 PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over its width, about: at a solid fraction of 0.8", low=0.1, high=20),)
+CHART = Chart(base={"disks": 400}, patience=2, physics=("beta_n",), rolling=True)
 
 SHARE = 0.98  # of the disks behind the front, and below the height
 # {disks: (front, standard deviation of a run), (height, the same), how} in column widths, of columns as SAME.
@@ -50,7 +52,8 @@ def build(full, folder):
     import numpy as np
     from yade import O
 
-    from yade_scripts import bodies, deposit, stage
+    from yade_scripts.preparing import bodies, deposit
+    from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     bodies.append_material("wall", 0.0, full)
     radius, span, draw = full["radius_mean"], width(full), random.Random(full["seed"])

@@ -9,16 +9,18 @@ The gaps make every collision one of two disks, the rest of the row looking on. 
 """
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter, ParameterError
-from yade_scripts.scenes import Known
-from yade_scripts.sums import total
+from yade_scripts.scenes import Chart, Known
+from yade_scripts.running.sums import total
 
 TITLE = "Newton's cradle: momentum through a row of disks"
+KIND = "impacts"
 METHODS = ("MD", "CD")
 HORIZON = "From the last collision on, for any time; MD only while a collision, pi sqrt(m/2k_n) long, is over before the next disk is met."
 LEFT_OUT = "the strings; and disks that touch, for which Newton's law leaves open what springs would make a wave of many speeds"
 DEFAULTS = dict(method="CD", disks=5, radius_spread=0.0, friction=0.0, restitution=1.0, beta_n=0.0, gravity=0.0, speed=0.1, period=0.1,
                 cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = (Parameter("gap", 0.05, "1", "between neighbours, over the mean radius", low=1e-6, high=100),)
+CHART = Chart(physics=("beta_n",))
 
 MOMENTUM = "conservation of momentum"
 
@@ -47,7 +49,8 @@ def build(full, folder):
     """The row along x; the first disk starts a gap before the second."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     radius, speed, count = full["radius_mean"], full["speed"], full["disks"]
     mass, e = bodies.disk_mass(radius, full), parameters.restitution(full)

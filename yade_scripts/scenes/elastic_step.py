@@ -1,24 +1,27 @@
 """A small step of sigma2 on a packing, far from any slip: springs strain by linear elasticity, rigid contacts do not.
 
 The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs is that of the stiffness matrix of
-the contact network (yade_scripts/elastic.py), proportional to 1/k_n; the stiff limit, and CD's, is none.
+the contact network (theory/elastic.py), proportional to 1/k_n; the stiff limit, and CD's, is none.
 """
 import math
 
 from yade_scripts import parameters
-from yade_scripts.scenes import Known, biaxial
+from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Small elastic load step on a packing"
+KIND = "dense packings under load"
 METHODS = ("MD", "CD")
 HORIZON = "The end of the step, MD if it takes many times the slowest swing of sample and walls."
 LEFT_OUT = "slip, and contacts that open or close, of which a step of a thousandth of P0 makes few; changes of geometry, of the order P0/k_n"
 DEFAULTS = dict(method="CD", disks=60, delta_sigma=1e-3, md_walls="force", period=0.5, records_per_cycle=10)
 PARAMETERS = ()
+CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 960))
 
 
 def build(full, folder):
     """The biaxial test's packing and walls."""
-    from yade_scripts import elastic, walls
+    from yade_scripts.running import walls
+    from yade_scripts.theory import elastic
     p0, time = parameters.pressure(full), full["period"] * full["cycles"]
 
     def goals(t):

@@ -9,21 +9,24 @@ and only stiffer springs make that smaller.
 import math
 
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Blocks just below and just above the friction angle"
+KIND = "sliding and rolling"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: one block rests, the other's acceleration is constant."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = (Parameter("margin", 0.01, "1", "by how much one body is below the limit of friction and the other above it", low=1e-6, high=0.5),)
+CHART = Chart()
 
 
 def build(full, folder):
     """The resting block at x = 0, the sliding one far from it."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     time, radius, g = full["period"] * full["cycles"], full["radius_mean"], full["gravity"]
     mass = bodies.disk_mass(radius, full)

@@ -1,4 +1,4 @@
-"""A prepared packing that does not move: a walk over the contact forces it admits under P0 (see yade_scripts/force_network.py).
+"""A prepared packing that does not move: a walk over the contact forces it admits under P0 (see preparing/force_network.py).
 
 The first snapshot holds the forces of the springs that prepared it, from which the walk starts. One sample a step; the bodies are put
 back after each. The step is so short that no gap closes within it: what holds is the set of contacts that the springs left, not a
@@ -10,11 +10,13 @@ from yade_scripts.parameters import ParameterError
 from yade_scripts.scenes import Scene
 
 TITLE = "Walk over the force networks of a packing at rest"
+KIND = "dense packings under load"
 METHODS = ("CD",)
 HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly but the balance that every network has to keep."
 LEFT_OUT = "motion; and springs, whose forces follow from where the grains are, so that there is nothing to walk over"
 DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200)
 PARAMETERS = ()
+CHART = None
 
 
 def check(full):
@@ -28,7 +30,9 @@ def build(full, folder):
     """Load the packing (made if it is missing) under P0; one step from no forces, then a walk of records_per_cycle times cycles steps."""
     from yade import O
 
-    from yade_scripts import force_network, parameters, prepare, stage
+    from yade_scripts import parameters
+    from yade_scripts.preparing import force_network, prepare
+    from yade_scripts.running import stage
     path, checksum = prepare.ensure(full, folder)
     O.load(str(path))
     O.dt = full["cd_dt"]

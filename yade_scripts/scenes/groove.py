@@ -16,14 +16,16 @@ and spins too slowly, by 16 % at mu = 0.3 and beta_n = 0.1, however stiff the sp
 import math
 
 from yade_scripts.parameters import Parameter, ParameterError
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk in a groove under a torque"
+KIND = "sliding and rolling"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: the acceleration is constant. A jammed disk rests because one of the solutions is rest; a disk that already spins need not stop."
 LEFT_OUT = "how the torque comes on: at once. Springs then swing, the tangential ones undamped"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12)
 PARAMETERS = (Parameter("torque_margin", 0.05, "1", "by how much one disk's torque is below the critical one and the other's above it", low=1e-6, high=0.5),)
+CHART = Chart()
 
 
 def regime(full):
@@ -54,7 +56,8 @@ def build(full, folder):
     """The groove of the smaller torque at x = 0, that of the larger far from it; springs are compressed by the weight from the start."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     t, radius, time = math.radians(full["slope"]), full["radius_mean"], full["period"] * full["cycles"]
     mass = bodies.disk_mass(radius, full)

@@ -1,21 +1,24 @@
 """A block (a disk that may not turn) on a slope: it slides at g (sin t - mu cos t), or rests where tan t <= mu."""
 import math
 
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Block on a slope"
+KIND = "sliding and rolling"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: the acceleration is constant. MD's block swings on its tangential spring, which it loads at the start and nothing damps."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = ()
+CHART = Chart()
 
 
 def build(full, folder):
     """Block of radius_mean on a slope that falls towards +x."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     t, radius = math.radians(full["slope"]), full["radius_mean"]
     bodies.append_material("disk", full["friction"], full)
     length, thickness = 20 * full["gravity"] * (full["period"] * full["cycles"])**2 + 10 * radius, radius

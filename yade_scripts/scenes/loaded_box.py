@@ -1,20 +1,24 @@
 """Equal disks on a square grid in the biaxial box, its walls loaded by P0: every wall carries P0 L."""
 import math
 
-from yade_scripts.scenes import Known, Scene
+from yade_scripts.scenes import Chart, Known, Scene
 
 TITLE = "Square lattice in a loaded box"
+KIND = "piles at rest"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "gravity, which the balance of the walls does not need; MD starts with its springs compressed by P0"
 DEFAULTS = dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
                 max_iterations=1000000)
 PARAMETERS = ()
+CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 
 def build(full, folder):
     """As many disks as fill a square, at most `disks`; the springs of MD compressed by P0 from the start."""
-    from yade_scripts import bodies, parameters, stage, walls
+    from yade_scripts import parameters
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage, walls
     radius, rows, p0 = full["radius_mean"], math.isqrt(full["disks"]), parameters.pressure(full)
     bodies.append_material("wall", 0.0, full)
     bodies.append_material("disk", full["friction"], full)

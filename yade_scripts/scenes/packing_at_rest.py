@@ -1,18 +1,20 @@
 """A prepared packing under the P0 it was prepared under: nothing happens."""
 from yade_scripts import parameters
-from yade_scripts.scenes import Known, biaxial
+from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Packing at rest under its load"
+KIND = "piles at rest"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "all loading: what shows is what a method moves where nothing should"
 DEFAULTS = dict(method="CD", disks=60, period=0.1, records_per_cycle=10)
 PARAMETERS = ()
+CHART = Chart(prepared=True, physics=("beta_n",))
 
 
 def build(full, folder):
     """The biaxial test's packing and walls, sigma1 = sigma2 = P0."""
-    from yade_scripts import walls
+    from yade_scripts.running import walls
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder, lambda t: (p0, p0))
     sides = walls.sides()

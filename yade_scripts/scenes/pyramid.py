@@ -6,22 +6,25 @@ presses on the fixed row with its resultant under the centre. It stands at any f
 below. (On a flat floor the corner disks would roll away: from five rows on at mu = 0.5.)
 """
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Pyramid of disks"
+KIND = "piles at rest"
 METHODS = ("MD", "CD")
 HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after its normal springs have come to rest from touching without force."
 LEFT_OUT = "the single forces, which rigid contacts leave open within bounds: any admissible set of them is right"
 DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, cd_dt=1e-3, records_per_cycle=10,
                 tolerance=1e-12, max_iterations=1000000)
 PARAMETERS = (Parameter("rows", 5, "1", "of the pyramid that are free, and disks in the lowest of them", low=1, high=100),)
+CHART = Chart(rolling=True)
 
 
 def build(full, folder):
     """The pyramid, symmetric about x = 0."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     radius, count, mass = full["radius_mean"], full["rows"], bodies.disk_mass(full["radius_mean"], full)
     row_of, start = {}, {}

@@ -1,19 +1,22 @@
 """A disk thrown flat on a floor slides, then rolls at 2/3 of its speed: its angular momentum about the contact point stays."""
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk that slides, then rolls"
+KIND = "sliding and rolling"
 METHODS = ("MD", "CD")
 HORIZON = "From speed/(3 mu g) on, when it rolls, for any time: nothing slows it then."
 LEFT_OUT = "rolling friction, which rigid round contacts do not have"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = ()
+CHART = Chart()
 
 
 def build(full, folder):
     """Disk of radius_mean at `speed` along +x; it rolls after speed/(3 mu g)."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     radius, time = full["radius_mean"], full["period"] * full["cycles"]
     bodies.append_material("disk", full["friction"], full)
     bodies.append_floor(full, length=2 * full["speed"] * time + 10 * radius)

@@ -1,20 +1,23 @@
 """Disks on top of each other: every contact carries the weight above it."""
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Stack of disks"
+KIND = "piles at rest"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of any origin grows about as exp(t sqrt(g/R)), tenfold in 0.07 s."
 LEFT_OUT = "how a real stack is built: MD starts with its springs compressed by the weights, CD without any forces"
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
                 max_iterations=1000000)
 PARAMETERS = ()
+CHART = Chart(sizes=(4, 16, 64, 256))
 
 
 def build(full, folder):
     """`disks` equal disks, the springs of MD compressed by the weights from the start."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     radius, count = full["radius_mean"], full["disks"]
     bodies.append_material("disk", full["friction"], full)
     bodies.append_floor(full)

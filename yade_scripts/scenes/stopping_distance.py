@@ -1,13 +1,15 @@
 """A block thrown flat on a floor stops by friction after speed^2/(2 mu g), and stays where it stopped."""
 from yade_scripts.parameters import ParameterError
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Stopping distance of a block"
+KIND = "sliding and rolling"
 METHODS = ("MD", "CD")
 HORIZON = "From speed/(mu g) on, when it has stopped, for any time."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = ()
+CHART = Chart()
 
 
 def check(full):
@@ -22,7 +24,8 @@ def build(full, folder):
     """Block of radius_mean at `speed` along +x."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     radius, mass = full["radius_mean"], bodies.disk_mass(full["radius_mean"], full)
     bodies.append_material("disk", full["friction"], full)
     distance = full["speed"]**2 / (2 * full["friction"] * full["gravity"])

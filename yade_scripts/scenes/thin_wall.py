@@ -1,24 +1,27 @@
-"""A fast disk flies at a wall that is thin beside its way in a step: it must bounce, and be where the bounce leaves it."""
+"""A fast disk flies at a wall that is thinner than its way in a step: it must bounce and not pass through."""
 import math
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Fast disk against a thin wall"
+KIND = "impacts"
 METHODS = ("MD", "CD")
 HORIZON = "Any time after the impact: nothing acts on the disk any more."
 LEFT_OUT = "gravity and rotation: the impact is central"
 DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), gravity=0.0, speed=10.0, period=0.03,
                 cd_dt=1e-4, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = (Parameter("wall_thickness", 0.1, "1", "of the wall, over the mean radius", low=1e-6, high=100),)
+CHART = Chart(physics=("beta_n",))
 
 
 def build(full, folder):
     """The wall's face at x = 0; the disk comes along +x and reaches it after a third of the time."""
     from yade import O
 
-    from yade_scripts import bodies, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
     radius, speed, time = full["radius_mean"], full["speed"], full["period"] * full["cycles"]
     bodies.append_material("disk", full["friction"], full)
     half = full["wall_thickness"] * radius / 2

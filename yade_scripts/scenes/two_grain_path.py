@@ -1,4 +1,4 @@
-"""One disk is led around another along a closed path, without spins and without slip: what the tangential spring keeps of the way.
+"""One disk is led around another along a closed path, without spins and without slip: how much force and energy the tangential spring keeps.
 
 McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008). The centres are d apart, the line between them has the angle theta.
 Four legs of equal time: d shrinks by h = path_depth radius_mean; theta grows by A = path_angle; d and theta go back the same way.
@@ -17,14 +17,16 @@ import math
 
 from yade_scripts import parameters
 from yade_scripts.parameters import ParameterError
-from yade_scripts.scenes import Known, Scene
+from yade_scripts.scenes import Chart, Known, Scene
 
 TITLE = "Closed path of two disks"
+KIND = "closed paths"
 METHODS = ("MD",)
 HORIZON = "Whole paths, any number of them while nothing slips."
 LEFT_OUT = "inertia and spins, since the disks are led; CD, since the scene is about springs and rigid contacts keep nothing of the way"
 DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
 PARAMETERS = ()
+CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
 SOURCE = "McNamara et al. 2008 and the step's first-order rotation, in the scene's own words"
 
@@ -41,7 +43,8 @@ def build(full, folder):
     """Two disks of radius_mean (1 -+ radius_spread) that go as they are led, `cycles` times around."""
     from yade import O
 
-    from yade_scripts import bodies, hooks, md, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, md, stage
     path = Path(full)
     bodies.append_material("disk", full["friction"], full)
     radii = [full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1)]

@@ -1,15 +1,16 @@
 """A ramp of sigma2 on a packing until it yields, against the largest load that its contacts can carry at all.
 
-The static theorem of limit analysis, a linear programme over the contact forces (analysis/statics.py) that knows no dynamics, gives the
+The static theorem of limit analysis, a linear programme over the contact forces (theory/statics.py) that knows no dynamics, gives the
 largest sigma2/P0 at which the contacts, as they stand at the start, admit forces within Coulomb's cones. Rigid contacts yield
 there, but for what contacts that close in the first motion can do. Springs strain before: |gamma| passes yield_strain earlier, unless
 they are so stiff that P0/k_n is far below it.
 """
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter, ParameterError
-from yade_scripts.scenes import Known, biaxial
+from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Yield under a ramp"
+KIND = "dense packings under load"
 METHODS = ("MD", "CD")
 HORIZON = ("Until the packing gives way: what it carries afterwards belongs to new contacts. Springs of P0/k_n = 6e-4 strain past yield_strain "
            "before they yield, so that MD's error is elastic strain unless k_n is far larger.")
@@ -17,6 +18,7 @@ LEFT_OUT = "the way on after yield; how the walls' inertia delays it, some dt an
 DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
                 collapse_strain=1e-3)
 PARAMETERS = (Parameter("yield_strain", 2e-5, "1", "|gamma| that counts as yield", low=1e-8, high=1),)
+CHART = Chart(patience=2, prepared=True, physics=("beta_n",), rolling=True)
 
 
 def check(full):
@@ -29,8 +31,8 @@ def build(full, folder):
     """The biaxial test's packing and walls; gamma is looked at with every sample."""
     from yade import O
 
-    from analysis import statics
-    from yade_scripts import hooks, loading, observe, walls
+    from yade_scripts.theory import statics
+    from yade_scripts.running import hooks, loading, observe, walls
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder)
     limit = statics.limit_loads(observe.snapshot(True), p0, full["depth"])[1]

@@ -6,9 +6,10 @@ import math
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter, ParameterError
-from yade_scripts.scenes import Known
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Bouncing to rest"
+KIND = "impacts"
 METHODS = ("MD", "CD")
 HORIZON = "Until the disk rests and from then on for any time."
 LEFT_OUT = "rotation: the impacts are central. Bounces below 1e-6 of the first impact's speed are not told from rest, 1e-6 of the time"
@@ -16,6 +17,7 @@ LEFT_OUT = "rotation: the impacts are central. Bounces below 1e-6 of the first i
 DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), gravity=9.81, period=0.4, cd_dt=1e-4,
                 records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = (Parameter("drop", 0.05, "m", "height from which the disk falls, under its lowest point", low=1e-4, high=100),)
+CHART = Chart(physics=("beta_n",))
 
 REST = 1e-6  # of the first impact's speed
 
@@ -37,7 +39,8 @@ def build(full, folder):
     """The disk `drop` above the floor."""
     from yade import O
 
-    from yade_scripts import bodies, hooks, stage
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, stage
     radius, mass = full["radius_mean"], bodies.disk_mass(full["radius_mean"], full)
     bodies.append_material("disk", full["friction"], full)
     bodies.append_floor(full)

@@ -1,22 +1,38 @@
-"""Tables of runs, in the format of yade-batch: a line of parameter names, then one run a line. Needs no YADE.
+"""Tables of runs, by products of values or from files in the format of yade-batch: a line of names, then one run a line. Needs no YADE.
 
 Words are separated by blanks; `#` starts a comment; `=` repeats the value above; columns `description` and `!NAME` (environment
 variables) are for yade-batch only.
 """
+import itertools
 import pathlib
 
 from yade_scripts import parameters
 
 
-class TableError(ValueError):
+class TableError(parameters.ParameterError):
     """A table cannot be read; the message names file and line."""
+
+
+def product(**values):
+    """The rows of all combinations, the last name fastest; a single value stands in all of them."""
+    several = {name: value if isinstance(value, (list, tuple, range)) else (value,) for name, value in values.items()}
+    return [dict(zip(several, combination)) for combination in itertools.product(*several.values())]
+
+
+def text(rows):
+    """The rows as a table that yade-batch runs; what a row leaves out is written as its default."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    full = [parameters.complete(row) for row in rows]
+    lines = [names] + [[str(row[name]) for name in names] for row in full]
+    widths = [max(map(len, column)) for column in zip(*lines)]
+    return "\n".join("  ".join(word.ljust(width) for word, width in zip(line, widths)).rstrip() for line in lines) + "\n"
 
 
 def read(path):
     """The rows of a table: {line number: row}, every one of which can be run."""
     path = pathlib.Path(path)
     try:
-        lines = path.read_text().splitlines()
+        lines = path.read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise TableError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:

@@ -1,0 +1,137 @@
+"""The contact forces of MD and CD side by side at the load maximum of Fig. 4, from one packing.
+
+Line thickness is proportional to the normal force R, on one scale for both; contacts at the Coulomb limit (|T| = mu R) have another colour and a
+dot; disks that carry nothing (rattlers) are shaded.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Rectangle
+
+from analysis import observables, style
+from analysis.studies import fig4
+from yade_scripts.results.reader import ResultError
+
+TITLE = "The force networks of springs and rigid contacts"
+QUESTION = "Do the contact forces of MD and CD differ where the load is largest, on one packing?"
+ORDER = 1.5  # in the report
+ROWS = {"quick": fig4.ROWS["quick"], "full": fig4.ROWS["quick"]}
+
+# Width in points of a line that carries the mean force: thin enough for five times it to fit between disks.
+POINTS_PER_MEAN = 1.0
+
+
+def summarize(runs):
+    """One row of the pair: contacts, sliding contacts and rattlers of both, and how far their normal forces agree."""
+    md, cd = _pair(runs)
+    row = {}
+    for run, (snapshot, load) in ((run, observables.snapshot_at_load_maximum(run)) for run in (md, cd)):
+        row |= {f"{name} {run.method}": int(mask.sum()) for name, mask in (
+            ("contacts", _loaded(snapshot)), ("at the Coulomb limit", observables.sliding(snapshot)), ("rattlers", observables.rattlers(snapshot)))}
+        row[f"load {run.method}"] = float(load)
+    forces = observables.matched_forces(*(observables.snapshot_at_load_maximum(run)[0] for run in (md, cd)))
+    difference = np.sqrt(np.mean((forces[0] - forces[1])**2)) / forces[forces > 0].mean()
+    return [row | {"correlation": observables.correlation(*forces), "rms difference": float(difference),
+                   "in MD only": int((forces[1] == 0).sum()), "in CD only": int((forces[0] == 0).sum())}]
+
+
+def _pair(runs):
+    """(MD run, CD run); ResultError where one is missing."""
+    by = {run.method: run for run in runs}
+    if len(by) < 2:
+        raise ResultError("force_networks", "needs a run of each method", "run both: make study STUDY=force_networks")
+    return by["MD"], by["CD"]
+
+
+def draw(runs, rows, path):
+    """Both networks, and contact by contact."""
+    md, cd = _pair(runs)
+    snapshots = [observables.snapshot_at_load_maximum(run)[0] for run in (md, cd)]
+    forces = np.concatenate([snapshot["force_normal"][_loaded(snapshot)] for snapshot in snapshots])
+    fig = plt.figure(figsize=(11, 4.6))
+    grid = fig.add_gridspec(2, 3, width_ratios=[1, 1, 0.8], height_ratios=[1, 0.08])
+    axes = [fig.add_subplot(grid[0, column]) for column in range(3)]
+    for axis, run, snapshot in zip(axes, (md, cd), snapshots):
+        _network(axis, snapshot, forces.mean())
+        axis.set_title(f"{run.method}: {_loaded(snapshot).sum()} contacts, {observables.sliding(snapshot).sum()} at the Coulomb limit")
+    _comparison(axes[2], snapshots, forces.mean())
+    below = fig.add_subplot(grid[1, :])
+    below.axis("off")
+    below.legend(handles=_legend(forces.mean()), loc="center", ncol=5, fontsize=8)
+    style.finish(fig, path, r"Line thickness is proportional to the normal force R; $\langle R\rangle$: its mean over the loaded contacts of both.", [md, cd])
+
+
+def _loaded(snapshot):
+    return snapshot["force_normal"] > 0
+
+
+def _network(axis, snapshot, mean):
+    """Disks, walls and force chains."""
+    rattlers = observables.rattlers(snapshot)
+    circles = [Circle(centre, radius) for centre, radius in zip(snapshot["position"], snapshot["radius"])]
+    axis.add_collection(PatchCollection(
+        circles, edgecolor=style.GRAIN, linewidth=0.4,
+        facecolor=[style.RATTLER if idle else "none" for idle in rattlers]))
+    x_low, x_high, y_low, y_high = snapshot["box"]
+    axis.add_patch(Rectangle((x_low, y_low), x_high - x_low, y_high - y_low, fill=False, linewidth=1.2,
+                             edgecolor=style.CHAIN))
+    segments, sliding = _segments(snapshot), observables.sliding(snapshot)
+    widths = POINTS_PER_MEAN * snapshot["force_normal"] / mean
+    for mask, colour, level in ((_loaded(snapshot) & ~sliding, style.CHAIN, 2), (sliding, style.SLIDING, 3)):
+        axis.add_collection(LineCollection(segments[mask], linewidths=widths[mask], colors=colour,
+                                           capstyle="round", zorder=level))
+    axis.plot(*snapshot["contact_point"][sliding].T, "o", markersize=2.6, color=style.SLIDING,
+              markeredgecolor="white", markeredgewidth=0.3, zorder=4)
+    axis.set_aspect("equal")
+    margin = 0.01 * (x_high - x_low)
+    axis.set_xlim(x_low - margin, x_high + margin)
+    axis.set_ylim(y_low - margin, y_high + margin)
+    axis.axis("off")
+
+
+def _segments(snapshot):
+    """End points (m, 2, 2) [m] of each force line: the disks' centres, or the contact point at a wall."""
+    place = {int(body): centre for body, centre in zip(snapshot["body_ids"], snapshot["position"])}
+    return np.array([[place.get(int(body), point) for body in ids]
+                     for ids, point in zip(snapshot["contact_ids"], snapshot["contact_point"])]).reshape(-1, 2, 2)
+
+
+def _comparison(axis, snapshots, mean):
+    """Normal force of each contact in CD over that in MD."""
+    md, cd = observables.matched_forces(*snapshots) / mean
+    both = (md > 0) & (cd > 0)
+    axis.plot(md[both], cd[both], "o", markersize=2.2, color=style.CHAIN, alpha=0.6, markeredgewidth=0,
+              label=f"in both ({both.sum()})")
+    for mask, marker, method in ((cd == 0, "x", "MD"), (md == 0, "+", "CD")):
+        axis.plot(md[mask], cd[mask], marker, markersize=4, color=style.COLOUR[method], linestyle="none",
+                  label=f"in {method} only ({mask.sum()})", clip_on=False)
+    top = 1.05 * max(md.max(), cd.max())
+    axis.plot([0, top], [0, top], color=style.GRAIN, linewidth=0.8, zorder=0)
+    axis.set(xlim=(0, top), ylim=(0, top), xlabel=r"R in MD / $\langle R\rangle$", ylabel=r"R in CD / $\langle R\rangle$")
+    axis.set_aspect("equal")
+    axis.set_title(f"contact by contact: correlation {observables.correlation(md, cd):.3f}")
+    axis.legend(loc="upper left", handletextpad=0.2)
+
+
+def _legend(mean):
+    lines = [Line2D([], [], color=style.CHAIN, linewidth=POINTS_PER_MEAN * times,
+                    label=rf"R = {times:g} $\langle R\rangle$ = {style.number(times * mean)} N") for times in (1, 4)]
+    return lines + [
+        Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", markersize=4, markeredgecolor="white",
+               label=r"at the Coulomb limit, $|T| = \mu R$"),
+        Patch(facecolor=style.RATTLER, edgecolor=style.GRAIN, label="rattler"),
+        Line2D([], [], color=style.CHAIN, linewidth=1.2, label="walls (frame)")]
+
+
+ANSWER = """
+They hardly differ. Both networks carry through the same contacts, and the normal forces agree contact by contact.
+"""
+GIVEN = ()
+POINTS = ()
+
+
+def numbers(table):
+    """The numbers of the text, from the summary table."""
+    return {}

@@ -1,0 +1,161 @@
+"""What is read back from result files, and what is refused: damage of any kind, other runs, missing or impossible numbers."""
+import io
+import os
+import random
+import threading
+
+import h5py
+import numpy as np
+import pytest
+
+from analysis.__main__ import main
+from tests.analysis.conftest import history, lattice, write
+from yade_scripts import parameters, results
+from yade_scripts.results import reader, schema, sealed
+
+
+def refused(path, *words, read=reader.load):
+    """The message of a refusal, which must name the file and hold the words."""
+    with pytest.raises(reader.ResultError) as caught:
+        read(path)
+    message = str(caught.value)
+    assert str(path) in message and all(word in message for word in words), message
+    return message
+
+
+def harm(path, change):
+    """The file with its content changed by a function of the open file, sealed again: what a mistake of the writer would leave."""
+    content = io.BytesIO(path.read_bytes())
+    with h5py.File(content, "r+") as file:
+        change(file)
+    sealed.write(path, content.getvalue())
+    return path
+
+
+def test_a_finished_run_is_read_back(md):
+    run = reader.load(md)
+    assert (run.method, run.pressure, run.parameters["disks"]) == ("MD", 1200.0, 400)
+    np.testing.assert_array_equal(run.values("gamma"), history("MD")["gamma"])
+    assert [snapshot["time"] for snapshot in run.snapshots] == [0.0, 0.5, 1.0]
+
+
+def test_any_program_can_open_a_result_file(md):
+    with h5py.File(md, "r") as file:
+        assert file.attrs["status"] == "finished"
+
+
+def test_snapshots_come_in_numerical_order(tmp_path):
+    small = lattice(3, "MD")
+    times = {0.1 * k: small for k in range(12)}
+    assert [snapshot["time"] for snapshot in reader.load(write(tmp_path / "run.h5", snapshots=times)).snapshots] == sorted(times)
+
+
+def test_every_flipped_bit_is_detected(md):
+    good, draw = md.read_bytes(), random.Random(1)
+    for _ in range(300):
+        bad, place = bytearray(good), draw.randrange(len(good))
+        bad[place] ^= 1 << draw.randrange(8)
+        md.write_bytes(bad)
+        refused(md, "checksum")
+        assert results.status(md).startswith("failed: ")
+
+
+def test_a_changed_value_is_found_by_check(md, capsys):
+    with h5py.File(md, "r+") as file:
+        file["history/gamma"][7] *= 1.0000001
+    assert main(["check", str(md)]) == 1
+    assert "checksum" in capsys.readouterr().out
+
+
+def test_a_nan_is_found_by_check(tmp_path, capsys):
+    columns = history("MD")
+    columns["gamma"][7] = np.nan
+    path = write(tmp_path / "run.h5", columns=columns)
+    assert main(["check", str(path)]) == 1
+    assert "/history/gamma is nan at sample 7 (1 of 201 samples)" in capsys.readouterr().out
+
+
+def test_a_run_of_other_parameters_is_not_taken_for_this_one(tmp_path):
+    full = parameters.complete(dict(method="MD", delta_sigma=0.3))
+    path = results.path_of(full, tmp_path)
+    write(path, row=dict(delta_sigma=0.3))
+    assert results.finished(path) and reader.load_row(full, tmp_path).finished
+    write(path, row=dict(delta_sigma=0.4))
+    assert not results.finished(path) and "holds another run than its name says" in results.status(path)
+    refused(path, "another run", read=lambda _: reader.load_row(full, tmp_path))
+
+
+def test_a_file_without_its_history_is_not_finished(tmp_path):
+    path = results.path_of(parameters.complete({}), tmp_path)
+    write(path)
+    harm(path, lambda file: file.__delitem__("history"))
+    assert not results.finished(path)
+    refused(path, "/history lacks time")
+    write(path, columns={name: values[:0] for name, values in history("MD").items()})
+    assert not results.finished(path)
+
+
+def test_what_is_no_file_is_said_in_a_sentence(tmp_path):
+    refused(tmp_path / "none.h5", "there is no such file", "make study")
+    fifo, folder = tmp_path / "fifo.h5", tmp_path / "folder.h5"
+    os.mkfifo(fifo)
+    folder.mkdir()
+    answer = []
+    for path in (fifo, folder):
+        asked = threading.Thread(target=lambda: answer.append(results.status(path)), daemon=True)
+        asked.start()
+        asked.join(30)
+        assert answer and "is not a regular file" in answer.pop()
+        refused(path, "is not a regular file")
+    (tmp_path / "text.h5").write_text("time gamma\n0 0\n")
+    refused(tmp_path / "text.h5", "checksum")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["W"] = np.eye(2)
+    refused(tmp_path / "other.h5", "checksum")
+    sealed.write(tmp_path / "other.h5", (tmp_path / "other.h5").read_bytes())
+    refused(tmp_path / "other.h5", "lacks the attributes schema_version")
+
+
+def test_failed_and_unfinished_runs_give_their_reason(tmp_path, md):
+    path = write(tmp_path / "run.h5", finished=False, status="failed: walls locked")
+    refused(path, "did not finish", "failed: walls locked")
+    assert reader.load(path, finished=False).attributes["status"] == "failed: walls locked"
+    refused(write(tmp_path / "two.h5", finished=True, status="failed: walls locked"), "did not finish")
+    refused(md.rename(md.with_suffix(reader.PARTIAL_SUFFIX)), "under way or was interrupted")
+
+
+@pytest.mark.parametrize("change, words", [
+    (lambda file: file["history/sigma2"].attrs.__setitem__("unit", "kPa"), ("/history/sigma2", "'kPa'", "'Pa'")),
+    (lambda file: file.__delitem__("history/strain1"), ("/history lacks strain1",)),
+    (lambda file: file["snapshots/1"].__delitem__("force_normal"), ("/snapshots/1 lacks force_normal",)),
+    (lambda file: file.attrs.__setitem__("method", "ED"), ("'ED'", "MD, CD")),
+    (lambda file: file.attrs.__setitem__("schema_version", 99), ("version is 99",)),
+    (lambda file: file.attrs.__setitem__("parameters", "{"), ("no result file",))])
+def test_a_file_that_the_writer_got_wrong(md, change, words):
+    refused(harm(md, change), *words)
+
+
+def test_fields_of_different_length(tmp_path):
+    columns = history("MD")
+    columns["gamma"] = columns["gamma"][:-1]
+    refused(write(tmp_path / "run.h5", columns=columns), "differ in length")
+
+
+def add_known(path, name, measured, **attributes):
+    harm(path, lambda file: file.create_dataset(f"known/{name}", data=measured).attrs.update(
+        {"unit": "m", "scale": 1.0, "source": "", "deviation": 0.0} | attributes))
+
+
+def test_error_of_a_run_is_the_largest_of_what_is_known(md):
+    assert np.isnan(reader.load(md).error)
+    add_known(md, "way", 2.5, exact=2.0, scale=10.0, source="a formula")
+    add_known(md, "height", 0.01, exact=0.0, scale=0.5, source="balance")
+    run = reader.load(md)
+    assert run.known["way"] == reader.Known(2.5, exact=2.0, unit="m", scale=10.0, source="a formula")
+    assert run.error == run.known["way"].error == pytest.approx(0.05)
+    add_known(md, "lost", np.nan, exact=1.0)
+    assert reader.load(md).error == np.inf
+
+
+def test_names_of_the_schema_have_units():
+    assert all(field.unit for field in schema.HISTORY.values())

@@ -1,0 +1,27 @@
+"""Numbers in a text against values: every number that a text writes must be known, and be the value rounded to the digits written."""
+import re
+from decimal import Decimal
+
+import numpy as np
+
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w])")
+# Numbers that count nothing: of figures, equations, sections; names such as k_n x 10.
+NAMES = re.compile(r"(?:Figs?\.|eqs?\.|section|sigma\d|h/2R)\s*[\d.]*|\(\d{4}\)")
+
+
+def written(text):
+    """The numbers of a text, as they stand there."""
+    return [found.rstrip(".") for found in NUMBER.findall(NAMES.sub(" ", text))]
+
+
+def agrees(number, value):
+    """Whether a number is the value rounded to the digits that are written."""
+    last = Decimal(number).as_tuple().exponent
+    return abs(float(number) - float(value)) <= 0.5000001 * 10.0**last
+
+
+def wrong(text, known, given=()):
+    """What is wrong with the numbers of a text: sentences, empty if nothing is."""
+    found = [f"{number}: nothing in the tables stands behind it" for number in dict.fromkeys(written(text)) if number not in known and number not in given]
+    found += [f"{number} is not in the text" for number in known if number not in written(text)]
+    return found + [f"{number}: the table says {value:g}" for number, values in known.items() for value in np.atleast_1d(values) if not agrees(number, value)]

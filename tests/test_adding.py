@@ -1,0 +1,124 @@
+"""Adding a study, a scene or a map is one new file each, found by its presence: tried in a copy of the repository."""
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+SCENE = '''"""A disk falls freely for a while."""
+from yade_scripts.scenes import Chart, Known
+
+TITLE = "Free fall of a disk"
+KIND = "falls"
+METHODS = ("MD", "CD")
+HORIZON = "Any time."
+LEFT_OUT = "everything but gravity"
+DEFAULTS = dict(method="CD", gravity=9.81, period=0.1, records_per_cycle=10)
+PARAMETERS = ()
+CHART = Chart(physics=("beta_n", "stiffening", "tolerance", "fixed_iterations", "accuracy"))
+
+
+def build(full, folder):
+    """One disk in empty space."""
+    from yade import O
+
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
+    radius, time = full["radius_mean"], full["period"] * full["cycles"]
+    bodies.append_material("disk", full["friction"], full)
+    state = O.bodies[bodies.append_disk((0, 0), radius, bodies.disk_mass(radius, full), "disk")].state
+    return stage.small(full, [Known("speed", "m/s", -full["gravity"] * time, lambda: state.vel[1] * time / O.time, source="free fall")])
+'''
+STUDY = '''"""How fast a disk falls."""
+from analysis import style
+from analysis.style import plt
+from yade_scripts.tables import product
+
+TITLE = "A falling disk"
+QUESTION = "How fast does it fall?"
+ORDER = 99
+ROWS = {"quick": product(scene="free_fall", method="CD", gravity=(1.0, 2.0)), "full": product(scene="free_fall", method=("MD", "CD"))}
+ANSWER = "As fast as gravity says."
+GIVEN = ()
+POINTS = ()
+
+
+def summarize(runs):
+    """One row a run."""
+    return [{"gravity": run.parameters["gravity"], "speed": run.known["speed"].measured} for run in runs]
+
+
+def draw(runs, rows, path):
+    """Speed against gravity."""
+    fig, axis = plt.subplots()
+    axis.plot([row["gravity"] for row in rows], [row["speed"] for row in rows], "o")
+    style.finish(fig, path, "The speed at the end.", runs)
+
+
+def numbers(table):
+    """The text has none."""
+    return {}
+'''
+MAP = '''"""Where one is too large."""
+from yade_scripts.measuring.maps import STABLE, UNSTABLE, Axis, Map, Outcome, Search, product
+
+
+def grid(full):
+    """Three by three."""
+    return product(x=(1.0, 2.0, 4.0), y=(1.0, 2.0, 4.0))
+
+
+def searches(full):
+    """Along x."""
+    return [Search({"y": 1.0}, "x", 1.0, 8.0, 1.1)]
+
+
+MAP = Map(group="Where numbers fail", title="Too large", question="When is x too large?", criterion="x above 3.", remedy="Take less.",
+          x=Axis("x", "x"), y=Axis("y", "y"), panels="", measures={"x": ("1", "itself")}, grid=grid, searches=searches)
+
+
+def probe(case):
+    """Compares."""
+    return Outcome(UNSTABLE, "penetration", "", {"x": case["x"]}) if case["x"] > 3 else Outcome(STABLE, measures={"x": case["x"]})
+'''
+
+
+@pytest.fixture(scope="module")
+def copy(root, tmp_path_factory):
+    """The tracked files and the built engine, with one study, one scene and one map more."""
+    target = tmp_path_factory.mktemp("copy")
+    for name in subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines():
+        if name.startswith(("analysis", "yade_scripts", "cd_engine")) and (root / name).is_file():
+            (target / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(root / name, target / name)
+    for library in root.rglob("cd_engine/**/*.so"):
+        shutil.copy(library, target / library.relative_to(root))
+    (target / "yade_scripts/scenes/free_fall.py").write_text(SCENE)
+    (target / "analysis/studies/falling.py").write_text(STUDY)
+    (target / "yade_scripts/measuring/maps/too_large.py").write_text(MAP)
+    return target
+
+
+def run(copy, *arguments):
+    done = subprocess.run([sys.executable, "-m", *arguments], cwd=copy, capture_output=True, text=True, timeout=280, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_a_new_study_scene_and_map_are_run_drawn_and_reported(copy):
+    """By the commands behind `make study`, `make charts` and `make report`."""
+    assert "falling.png" in run(copy, "analysis", "study", "--run", "--quick", "falling")
+    assert run(copy, "yade_scripts.measuring", "--quick", "--only", "free_fall", "too_large").count(": measured") == 2
+    said = run(copy, "analysis", "charts", "--quick")
+    assert "map_too_large.png" in said and "work_precision-free_fall.png" in said
+    run(copy, "analysis", "report", "--quick", "-o", "page.html")
+    page = (copy / "page.html").read_text(encoding="utf-8")
+    assert "A falling disk" in page and "As fast as gravity says." in page and "Too large" in page and "Free fall of a disk" in page
+    assert "falls" in (copy / "figures/quick/charts/by_kind.csv").read_text()
+
+
+def test_make_runs_these_commands(root):
+    said = subprocess.run(["make", "-n", "study", "charts", "report"], cwd=root, capture_output=True, text=True, check=True).stdout
+    for words in ("-m analysis study --run --quick", "-m yade_scripts.measuring --quick", "-m analysis charts --quick", "-m analysis report --quick"):
+        assert words in said

@@ -1,0 +1,139 @@
+"""What charts and maps measure: settings that are legal, measurements that survive crashes, and the same numbers as an ordinary run."""
+import math
+import signal
+import types
+
+import pytest
+
+from yade_scripts import parameters, scenes
+from yade_scripts.measuring import __main__ as runner
+from yade_scripts.measuring import charts, maps, store
+
+ORIGIN = {"git_commit": "abc", "processor": "made up"}
+
+
+@pytest.mark.parametrize("scene", charts.names())
+def test_settings_are_legal_rows_from_coarse_to_fine(scene):
+    full, quick = charts.settings(scene, True), charts.settings(scene, False)
+    assert {one.name for one in quick} <= {one.name for one in full}
+    for one in full:
+        row = parameters.complete(charts.split(one.row)[0])
+        assert row["scene"] == scene and row["method"] in scenes.module(scene).METHODS
+    for series in charts.series(scene):
+        assert len(set(series.values)) == len(series.values) > 1
+        finer = series.values[0] > series.values[-1]  # steps and tolerances fall; sweeps, stiffness and damping rise
+        assert finer == (series.parameter in ("md_dt_factor", "cd_dt", "tolerance", "accuracy"))
+
+
+def test_the_quick_chart_keeps_the_finest_setting_and_every_second_one():
+    series = charts.Series("CD step", "CD", "cd_dt", (4, 2, 1, 0.5), relative=True)
+    own = parameters.complete({"scene": "incline"})["cd_dt"]
+    assert [row["cd_dt"] for row in series.rows("incline", True)] == [2 * own, 0.5 * own]
+
+
+def known(name, measured, exact=2.0, scale=4.0, deviation=0.0):
+    return {"name": name, "measured": measured, "exact": exact, "scale": scale, "deviation": deviation}
+
+
+def test_error_is_the_largest_over_its_scale_and_a_lost_number_is_no_solution():
+    assert charts.error([known("a", 3.0), known("b", 0.0)]) == 0.5
+    assert charts.error([known("a", 2.5, deviation=3.0)]) == 0.75  # of a mean no run is nearer than by chance
+    assert charts.status([known("a", 3.0)]) == "finished"
+    assert math.isnan(charts.error([known("a", 3.0), known("b", None)]))
+    assert charts.status([known("a", 3.0), known("b", None)]) == "failed: b is not a number"
+    assert charts.status([known("a", 1e9)]) == "failed: wrong by more than 100 times its scale"
+    assert charts.status([]) == "failed: nothing is known of the scene"
+
+
+def test_measurements_are_kept_to_the_bit_and_damaged_ones_measured_again(tmp_path, capsys):
+    rows = [{"name": "a, b", "value": 0.1 + 0.2, "count": 3}, {"name": "ü", "value": None, "count": 4}]
+    store.add(tmp_path, "x", {"status": "finished", "nested": {"a": [1, 2.5]}}, rows)
+    assert store.get(tmp_path, "x") == {"status": "finished", "nested": {"a": [1, 2.5]}, "rows": rows}
+    assert store.get(tmp_path, "y") is None
+    (tmp_path / "x.h5").write_bytes((tmp_path / "x.h5").read_bytes()[:-100])
+    assert store.get(tmp_path, "x") is None and "measured again" in capsys.readouterr().err
+
+
+def job(tmp_path, kind, name, code, at):
+    """The runner's job after its YADE has ended with `code` at a measurement."""
+    found = runner.Measurements(kind, name, False, tmp_path)
+    found.process = types.SimpleNamespace(returncode=code)
+    found.log.parent.mkdir(parents=True, exist_ok=True)
+    found.log.write_text("the end\n")
+    if at:
+        found.at.write_text(at)
+    return found
+
+
+@pytest.fixture
+def steps():
+    """The settings of the series MD step of the incline."""
+    return [one for one in charts.settings("incline", False) if one.series.name == "MD step"]
+
+
+def test_a_crash_costs_its_own_setting(tmp_path, steps):
+    work = job(tmp_path, "charts", "incline", -11, steps[1].name)
+    assert work.again() and not work.trouble
+    assert store.get(tmp_path / "charts", steps[1].name)["status"] == "failed: YADE ended by SIGSEGV"
+    left = {one.name for one in work.work.left()}
+    assert steps[1].name not in left and steps[2].name in left
+
+
+def test_behind_a_setting_that_ran_out_of_time_no_costlier_one_is_tried(tmp_path, steps):
+    work = job(tmp_path, "charts", "incline", -signal.SIGPROF, steps[1].name)
+    assert work.again()
+    assert store.get(tmp_path / "charts", steps[1].name)["status"] == "failed: took more than 2 s"
+    assert all("not tried" in store.get(tmp_path / "charts", one.name)["status"] for one in steps[2:]) and steps[0].name in {one.name for one in work.work.left()}
+    assert steps[-1].name in {one.name for one in charts.Work("incline", True, tmp_path).left()}  # with more time they are tried again
+
+
+def test_a_worker_that_cannot_begin_is_trouble_and_no_endless_loop(tmp_path, steps):
+    for code, at in ((1, steps[0].name), (-11, None)):
+        work = job(tmp_path, "charts", "incline", code, at)
+        assert not work.again() and "the end" in work.trouble
+
+
+def test_a_crash_costs_one_case_of_a_map(tmp_path):
+    import json
+    case = maps.get("tunnelling").grid(False)[0]
+    work = job(tmp_path, "maps", "tunnelling", -11, json.dumps(case))
+    assert work.again()
+    assert maps.Work("tunnelling", False, tmp_path).find(case)["reason"] == "crashed"
+
+
+def test_measured_without_recording_a_setting_gives_what_its_result_file_holds(yade60):
+    """To the last bit: recording only reads. And a setting that cannot be run is a measurement, not an end; one that is too slow ends its process."""
+    found = yade60.code("""
+from yade_scripts.measuring.charts import measure
+row = {"scene": "incline", "method": "MD", "slope": 16.0}
+good, known = measure.measure(row, "results", 60, lambda seconds: None)
+bad, _ = measure.measure({"scene": "incline", "method": "CD", "method_cd": "no such solver"}, "results", 60, lambda seconds: None)
+print(json.dumps([good, known, bad]))
+""")
+    good, known, bad = found
+    assert good["status"] == "finished" and len(good["seconds"]) >= 3 and good["git_commit"]
+    with yade60.run(disks=400, scene="incline", method="MD", slope=16.0) as file:
+        assert known[0]["measured"] == file["known/acceleration"][()]
+    assert bad["status"].startswith("failed: method_cd = 'no such solver'")
+
+
+def test_what_is_too_slow_ends_its_worker_which_says_where(yade60):
+    """A limit of a fiftieth of a second; the worker is ended by SIGPROF and has written what it was at."""
+    path = yade60.folder / "slow.py"
+    path.write_text(f"""
+import sys
+sys.path.insert(0, {str(runner.queue.SCRIPTS.parent)!r})
+from yade_scripts.measuring import charts, worker
+charts.LIMIT = {{False: 0.02, True: 0.02}}
+worker.main(["charts", "heavy_on_light", "--results", "slow"])
+""")
+    job = runner.queue.Job(path, [], yade60.folder / "slow.log")
+    import os
+    before = os.getcwd()
+    os.chdir(yade60.folder)
+    try:
+        runner.queue.run([job], 1)
+    finally:
+        os.chdir(before)
+    assert job.process.returncode == -signal.SIGPROF, job.said()
+    assert (yade60.folder / "slow" / "charts" / "heavy_on_light.under-way").read_text() in {one.name for one in charts.Work("heavy_on_light", False, yade60.folder).settings}

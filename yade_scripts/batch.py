@@ -1,0 +1,98 @@
+"""Runs every row of tables, several at a time, each in a YADE process of its own; finished rows are skipped.
+
+    /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2]
+
+A row counts as done by the content of its result file alone. Rows that need the same packing prepare it once. Two calls at once share the
+rows. However a call ends, kill -9 included, its runs end with it; the same command goes on with those that have not finished.
+Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 128 + n ended by signal n.
+"""
+import pathlib
+import sys
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from yade_scripts import commands, parameters, results, tables
+from yade_scripts.results import provenance
+from yade_scripts.running import locks, plausible, queue
+
+
+class Row(queue.Job):
+    """The run of one row."""
+
+    def __init__(self, row, folder):
+        self.row, self.full = row, parameters.complete(row)
+        self.path = results.path_of(self.full, folder)
+        super().__init__("run.py", [f"--results={folder}"] + [f"{name}={value}" for name, value in row.items()], self.path.with_suffix(".log"))
+
+    def start(self, mode="w"):
+        """Start it; a row that another process runs keeps its log."""
+        super().start("a" if self.elsewhere() else mode)
+
+    def elsewhere(self):
+        """Whether another process runs this row."""
+        return locks.taken(self.path)
+
+    def news(self):
+        """The last line of progress in the log."""
+        lines = [line for line in self.log.read_text(encoding="utf-8", errors="replace").splitlines() if line.startswith(self.path.stem)]
+        return lines[-1] if lines else f"{self.path.stem}: preparing"
+
+    def outcome(self):
+        """How it ended, by the result file; without one, the end of the log."""
+        return results.status(self.path) or f"failed: it left no result file; the end of its log:\n{self.said()}"
+
+
+def jobs_of(rows, folder):
+    """The jobs of rows, each once; says what in them is probably not meant."""
+    jobs = {job.path: job for job in (Row(row, folder) for row in rows)}
+    for job in jobs.values():
+        for doubt in plausible.doubts(job.full):
+            print(f"batch: {job.path.stem}: {doubt}.", file=sys.stderr)
+    results.make(folder)
+    return list(jobs.values())
+
+
+def work_off(jobs, at_once, ended=lambda path: None):
+    """Run what has not finished; calls ended(path) for every result file that will not change any more. The paths of the rows that failed."""
+    endings, now = {job: results.ending(job.path) for job in jobs}, provenance.git_commit()
+    finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
+    others = sorted({provenance.short(commit) for commit in finished.values() if commit != now or commit.endswith("-dirty")})
+    if others:
+        print(f"batch: some results were made by other code (commit {', '.join(others)}; the code is at {provenance.short(now)}) and are kept. "
+              "Delete a file to run it again.", file=sys.stderr)
+    print(f"{len(jobs)} runs, {len(finished)} of them finished before", flush=True)
+    for job in finished:
+        ended(job.path)
+    failed = []
+
+    def note(job):
+        if not results.finished(job.path):
+            failed.append(job.path)
+        ended(job.path)
+
+    queue.run([job for job in jobs if job not in finished], at_once, note)
+    for path in failed:
+        print(f"batch: {path} failed: {results.status(path) or 'see its log'}", file=sys.stderr)
+    return failed
+
+
+@commands.command("batch")
+def main(arguments=None):
+    """Command line."""
+    parser = commands.parser(__doc__)
+    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
+    commands.add_jobs(parser)
+    commands.add_results(parser)
+    options = parser.parse_args(arguments)
+    jobs = jobs_of([row for path in options.tables for row in tables.read(path).values()], options.results)
+    try:
+        return 1 if work_off(jobs, options.jobs) else 0
+    except OSError as error:
+        print(f"batch: {error}: what has finished is kept; make room, and the same command goes on.", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    queue.end_by_signals("batch")
+    sys.exit(main())

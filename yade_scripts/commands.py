@@ -1,0 +1,80 @@
+"""What all commands share: options with the same meaning everywhere, and mistakes reported in one sentence instead of a traceback."""
+import argparse
+import functools
+import math
+import os
+import sys
+
+from yade_scripts import parameters, results
+
+MISTAKE = 2  # exit status of a command that cannot do what it was asked for
+
+
+def parser(doc, **more):
+    """An argument parser whose --help shows the first paragraph and whose epilogue shows the rest of a module's text."""
+    first, _, rest = doc.partition("\n\n")
+    return argparse.ArgumentParser(description=first, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+
+
+def add_row(options):
+    """name=value arguments."""
+    options.add_argument("row", nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters")
+
+
+def add_results(options):
+    """--results."""
+    options.add_argument("--results", metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)")
+
+
+def add_jobs(options):
+    """--jobs."""
+    options.add_argument("--jobs", type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")
+
+
+def add_extent(options):
+    """--quick, --full."""
+    extent = options.add_mutually_exclusive_group()
+    extent.add_argument("--quick", action="store_true", help="a first version, minutes (default)")
+    extent.add_argument("--full", action="store_true", help="the real one, hours; it can be stopped and started again")
+
+
+def whole(least):
+    """A type of argument: integers from `least` on."""
+    def convert(text):
+        if not text.isascii() or not text.isdecimal() or len(text) > 9 or int(text) < least:
+            raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from {least} on")
+        return int(text)
+    return convert
+
+
+def positive(text):
+    """A type of argument: numbers above 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a number above 0, such as 1e-3")
+    return value
+
+
+def command(name):
+    """Turns a function main(arguments) that gives an exit status into one that reports mistakes in one sentence with the status 2."""
+    def decorate(main):
+        @functools.wraps(main)
+        def call(arguments=None):
+            for stream in (sys.stdout, sys.stderr):
+                if hasattr(stream, "reconfigure"):
+                    stream.reconfigure(errors="backslashreplace")  # what the locale cannot write
+            try:
+                status = main(arguments)
+                sys.stdout.flush()
+                return status
+            except BrokenPipeError:
+                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+                return 0
+            except (parameters.ParameterError, ImportError, OSError) as error:
+                print(f"{name}: {error}", file=sys.stderr)
+                return MISTAKE
+        return call
+    return decorate

@@ -1,0 +1,79 @@
+"""Measures what the charts of speed against accuracy and the maps of stability need; what was measured before is not measured again.
+
+    /usr/bin/python3 -m yade_scripts.measuring [--quick | --full] [--only stack md_contact] [--jobs 2]
+
+One YADE measures a whole chart or map. A measurement that crashes it or takes too long is entered as failed, and the rest go on.
+Exit status: 0 all is measured (failures are results), 1 something could not be measured, 2 wrong arguments.
+"""
+import pathlib
+import signal
+import sys
+
+from yade_scripts import commands, parameters, results
+from yade_scripts.measuring import charts, maps, store
+from yade_scripts.running import queue
+
+KINDS = {"charts": charts, "maps": maps}
+MOST_FAILURES = 100  # of one chart or map; more are no matter of single measurements
+
+
+def under_way(kind, name, folder):
+    """The file that names the measurement that the worker is at."""
+    return pathlib.Path(folder) / kind / f"{name}.under-way"
+
+
+class Measurements(queue.Job):
+    """The worker of one chart or map; started again after a measurement that ended it."""
+
+    def __init__(self, kind, name, full, folder):
+        super().__init__("measuring/worker.py", [kind, name, f"--results={folder}"] + ["--full"] * full, pathlib.Path(folder) / kind / f"{name}.log")
+        self.work, self.at = KINDS[kind].Work(name, full, pathlib.Path(folder)), under_way(kind, name, folder)
+        self.at.unlink(missing_ok=True)
+        self.failures, self.trouble = 0, ""
+
+    def again(self):
+        """Enter what ended the worker as failed and go on, unless it came to its end or cannot even begin."""
+        code = self.process.returncode
+        if code == 0:
+            return False
+        self.failures += 1
+        if code == 1 or not self.at.exists() or self.failures > MOST_FAILURES:  # 1: an exception, a mistake in the code that measures
+            self.trouble = f"its worker ended with {code}; the end of {self.log}:\n{self.said()}"
+            return False
+        late = code in (-signal.SIGPROF, -signal.SIGALRM)
+        reason = f"took more than {self.work.limit:g} s" if late else f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
+        self.work.failed(self.at.read_text(encoding="utf-8"), reason, late, store.origin())
+        self.at.unlink()
+        return True
+
+    def outcome(self):
+        """What the runner says of it."""
+        return self.trouble or "measured"
+
+
+@commands.command("measuring")
+def main(arguments=None):
+    """Command line."""
+    parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring")
+    commands.add_extent(parser)
+    parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")
+    commands.add_jobs(parser)
+    commands.add_results(parser)
+    options = parser.parse_args(arguments)
+    known = {name: kind for kind, module in KINDS.items() for name in module.names()}
+    unknown = [name for name in options.only if name not in known]
+    if unknown:
+        raise parameters.ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
+    results.make(options.results)
+    jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]
+    jobs.sort(key=lambda job: -job.work.limit)  # the longest first
+    queue.run(jobs, options.jobs)
+    troubles = {job.work.name: job.trouble for job in jobs if job.trouble}
+    for name, trouble in troubles.items():
+        print(f"measuring: {name}: {trouble}", file=sys.stderr)
+    return 1 if troubles else 0
+
+
+if __name__ == "__main__":
+    queue.end_by_signals("measuring")
+    sys.exit(main())

@@ -1,0 +1,109 @@
+"""Measures the contact solvers beside Siconos's: `make bench`, or
+
+    /usr/bin/python3 -m yade_scripts.measuring.benchmark [--quick] [--again] [--table NAME] [FILE ...]
+
+FILE: problems to measure with the project's own, such as those of Siconos's library (text) or FCLIB's (HDF5).
+Pieces that were measured with the same build are kept: stop it and start it again at will; --again measures all anew. Times are processor
+time of one thread, of both codes; still nothing else should run on the machine, since it would share caches and memory. Results:
+results/benchmark/*.csv; `python3 -m analysis benchmark` draws them. Exit status: 0, 1 if a piece failed, 2 for wrong arguments.
+"""
+import importlib.metadata
+import inspect
+import json
+import os
+import pathlib
+import platform
+import sys
+import time
+
+import pandas
+
+from yade_scripts import commands, parameters, results
+from yade_scripts.measuring import store
+from yade_scripts.measuring.benchmark import pieces, problems, siconos
+from yade_scripts.running import queue
+
+
+@commands.command("benchmark")
+def main(arguments=None):
+    """Command line."""
+    parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
+    parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
+    commands.add_extent(parser)
+    commands.add_results(parser)
+    parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
+    parser.add_argument("--table", choices=pieces.TABLES, help="measure this table only and leave the others as they are")
+    options = parser.parse_args(arguments)
+    for path in options.files:
+        try:
+            problems.from_file(path)
+        except ValueError as error:
+            raise parameters.ParameterError(str(error)) from None
+    folder = pathlib.Path(options.results) / "benchmark" / ("quick" if options.quick else "")
+    results.make(folder)
+    if reason := siconos.available():
+        print(f"benchmark: without Siconos beside it: {reason}", file=sys.stderr)
+    busy = os.getloadavg()[0]
+    if busy > 0.5:
+        print(f"benchmark: {busy:.1f} processes are running already; the times will not mean much", file=sys.stderr)
+    todo = (pieces.quick if options.quick else pieces.full)(folder / "problems", options.files)
+    tables, failed = run([piece for piece in todo if options.table in (None, piece.table)], folder, options.again)
+    write(tables, folder, busy, options.table)
+    return 1 if failed else 0
+
+
+def run(todo, folder, again=False):
+    """({table: rows}, number of pieces that failed); a piece's failure becomes a row."""
+    tables, failed, begin = {}, 0, time.monotonic()
+    for number, piece in enumerate(todo, 1):
+        rows = None if again else piece.stored(folder)
+        if rows is None:
+            print(f"[{number}/{len(todo)}, {time.monotonic() - begin:.0f} s] {piece.name}", flush=True)
+            try:
+                rows = piece.measure(folder, _say)
+            except (RuntimeError, OSError, ValueError) as error:
+                print(f"benchmark: {piece.name}: {error}", file=sys.stderr, flush=True)
+                failed += 1
+                tables.setdefault("failures", []).append({"piece": piece.name, "status": f"failed: {error}"})
+                rows = []
+            _say("")
+        tables.setdefault(piece.table, []).extend(rows)
+    return tables, failed
+
+
+def _say(what):
+    """What is going on, on the terminal's last line."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{what}", end="", file=sys.stderr, flush=True)
+
+
+def write(tables, folder, busy, only=None):
+    """A CSV for each table, and what was measured where; of a single table its own provenance."""
+    for name, rows in tables.items():
+        table = pandas.DataFrame(rows)
+        table.to_csv(folder / f"{name}.csv", index=False)
+        print(f"\n{name.capitalize()}\n{table.to_string(index=False, float_format='{:.3g}'.format, na_rep='-')}")
+    path = folder / "provenance.json"
+    known = provenance(busy)
+    if only:
+        known = (json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"tables": {}})
+        known.setdefault("tables", {})[only] = provenance(busy)
+    path.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
+
+
+def provenance(busy):
+    """What was measured by which code, on what."""
+    from cd_engine import core
+    try:
+        peer = importlib.metadata.version("siconos")
+    except importlib.metadata.PackageNotFoundError:
+        peer = "unknown"
+    found = store.origin()
+    return {"commit": found["git_commit"], "processor": found["processor"], "instruction_sets": core.instruction_sets(),
+            "processes_running_before": round(busy, 2), "siconos": peer, "python": platform.python_version(),
+            "default_method": inspect.signature(core.solve).parameters["method"].default, "methods": core.methods()}
+
+
+if __name__ == "__main__":
+    queue.end_by_signals("benchmark")
+    sys.exit(main())

@@ -1,0 +1,126 @@
+"""What `make bench` consists of, piece by piece; a piece that was measured with this build is not measured again.
+
+A piece is the table its rows belong to, its name, the settings it is measured with, and a function that gives its rows. Its file bears the hash
+of the settings and of the compiled solvers. After a change to how things are measured, or on another machine, measure --again.
+"""
+import hashlib
+import pathlib
+from dataclasses import dataclass
+from typing import Callable
+
+from yade_scripts import parameters
+from yade_scripts.measuring import store
+from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
+
+TABLES = "solutions", "oracle", "sweeps", "engine", "reduction"
+
+
+@dataclass(frozen=True)
+class Piece:
+    table: str
+    name: str
+    settings: dict
+    rows: Callable  # rows(say): the rows, telling say(what) what is going on
+
+    def key(self):
+        """What its file is called: the table and a hash of settings and build."""
+        return f"{self.table}-{parameters.digest([self.table, self.name, self.settings, build()])}"
+
+    def stored(self, folder):
+        """Its rows if they were measured with this build, else None."""
+        found = store.get(pathlib.Path(folder) / "pieces", self.key())
+        return found and found["rows"]
+
+    def measure(self, folder, say):
+        """Measure and store; the rows."""
+        rows = self.rows(say)
+        store.add(pathlib.Path(folder) / "pieces", self.key(), {"piece": self.name, "settings": self.settings}, rows)
+        return rows
+
+
+def build():
+    """SHA-256 of the compiled solvers and of the plug-in."""
+    engine = problems.ROOT / "cd_engine"
+    return hashlib.sha256(b"".join(path.read_bytes() for path in (engine / "core" / "_core.so", engine / "_yade_plugin.so"))).hexdigest()
+
+
+def _solve(name, make, peer, **settings):
+    """A piece of solutions.py; make() gives the case."""
+    settings = {"rounds": 3, "targets": solutions.TARGETS, "most_seconds": 5.0, "peer": peer} | settings
+    return Piece("solutions", name, settings, lambda say: solutions.measure(make(), say=say, **settings))
+
+
+def _packing(folder, disks, seed, mu, start, peer, **settings):
+    return _solve(f"packing {disks} #{seed} mu {mu:g} {start}", lambda: problems.packing(folder, disks, seed, mu, start), peer, **settings)
+
+
+def _oracle(rows, mu):
+    case = problems.crystal(rows, mu)
+    return Piece("oracle", case.name, {}, lambda say: solutions.oracle(case))
+
+
+def _sweep(folder, disks, copies, rounds, peer):
+    def rows(say):
+        case = problems.packing(folder, disks, 1, 0.5)
+        problem = problems.tiled(case.problem, copies) if copies > 1 else case.problem
+        name = f"{copies} packings of {disks}" if copies > 1 else f"packing of {disks}"
+        return sweeps.measure(name, problem, copies * disks, rounds, peer and copies == 1, problems.crystal(4, 0.5).problem, say)
+    return Piece("sweeps", f"sweeps over {copies} x {disks} disks", {"rounds": rounds, "peer": peer}, rows)
+
+
+def _engine(folder, disks, mu, **settings):
+    def rows(say):
+        say(f"engine in YADE, {disks} disks, mu {mu:g}")
+        return [problems.in_yade("engine.py", {"stem": str(problems.state(folder, disks, 1, mu))} | settings)]
+    return Piece("engine", f"engine in YADE, {disks} disks mu {mu:g} to {settings['tolerance']:g}", settings, rows)
+
+
+def _reduction(**settings):
+    def rows(say):
+        say("what it spares to solve no more than there is to solve")
+        return problems.in_yade("reduction.py", settings)
+    return Piece("reduction", "with reduce and without", settings, rows)
+
+
+def quick(folder, files=()):
+    """A minute: one small packing, each table with a row or two."""
+    peer = siconos.available() is None
+    few = {"targets": (1e-2, 1e-4, 1e-6), "most_seconds": 2.0}
+    return [_packing(folder, 400, 1, mu, start, peer, **few) for mu in problems.FRICTION for start in ("cold", "warm")] \
+        + [_solve("crystal", lambda: problems.crystal(10, 0.8), peer, **few)] \
+        + [_file(path, peer, **few) for path in files] \
+        + ([_oracle(4, 0.5)] if peer else []) \
+        + [_sweep(folder, 400, copies, 3, peer) for copies in (1, 10)] \
+        + [_engine(folder, 400, 0.5, tolerance=1e-6, steps=5, most_sweeps=10000), _reduction(rounds=1, steps=50, tolerance=1e-6)]
+
+
+def _file(path, peer, **settings):
+    # Its content is among the settings, so that another file of that name is measured anew.
+    content = hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
+    piece = _solve(f"file {pathlib.Path(path).name}", lambda: problems.from_file(path), peer, **settings)
+    return Piece(piece.table, piece.name, piece.settings | {"sha256": content}, piece.rows)
+
+
+def full(folder, files=()):
+    """The set that the goals are about."""
+    peer = siconos.available() is None
+    cases = [_packing(folder, 400, seed, mu, start, peer, most_seconds=5.0)
+             for seed in range(1, 6) for mu in problems.FRICTION for start in ("cold", "warm")]
+    longer = {"peer_seconds": 30.0}
+    cases += [_packing(folder, 4000, seed, mu, start, peer, **longer)
+              for seed in range(1, 4) for mu in problems.FRICTION for start in (("cold", "warm") if seed == 1 else ("cold",))]
+    worst = {"most_seconds": 5.0}
+    cases += [_solve(f"crystal {rows} mu {mu}", lambda rows=rows, mu=mu: problems.crystal(rows, mu), peer, **worst)
+              for rows, mu in ((20, 0.5), (20, 0.8), (60, 0.8))]
+    cases += [_solve(f"masses {disks} mu {mu}", lambda disks=disks, mu=mu: problems.masses(folder, disks, 1, mu), peer, **worst)
+              for disks, mu in ((400, 0.5), (400, 0.1), (4000, 0.1))]
+    cases += [_solve(f"pile {rows} mu {mu}", lambda rows=rows, mu=mu: problems.pile(rows, mu), peer, **worst) for rows, mu in ((20, 0.5), (20, 0.8))]
+    cases += [_file(path, peer, **longer) for path in files]
+    return cases + ([_oracle(rows, mu) for rows, mu in ((3, 0.5), (4, 0.1), (4, 0.5), (4, 0.8))] if peer else []) \
+        + [_sweep(folder, disks, copies, rounds, peer) for disks, copies, rounds in ((400, 1, 5), (4000, 1, 5), (4000, 10, 5), (4000, 200, 3))] \
+        + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
+        + [_engine(folder, 40000, mu, tolerance=tolerance, steps=steps, most_sweeps=10000)
+           for tolerance, steps in ((1e-4, 20), (1e-6, 8)) for mu in problems.FRICTION] \
+        + [_reduction(rounds=5, steps=2000, tolerance=1e-6)] \
+        + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
+           for mu in problems.FRICTION for start in ("cold", "warm")]

@@ -1,0 +1,128 @@
+"""The contact problems that are measured; made once and kept under results/benchmark/problems."""
+import json
+import math
+import pathlib
+import tempfile
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cd_engine import core
+from yade_scripts.running import locks, queue
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PACKING_RECIPE = 2  # raised with the procedure of packing.py and jammed.py, so that older files are left alone
+FRICTION = 0.1, 0.5
+SIDE = 0.01         # radius of a lattice's disks [m]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem and how it is started from."""
+    name: str
+    kind: str      # packing, crystal, masses, pile, file
+    mu: float      # nan: of a file, where contacts may differ
+    disks: int     # 0: of a file
+    seed: int
+    start: str     # cold: no impulses; warm: those of the step before
+    problem: object
+
+    @property
+    def impulses(self):
+        """First guess [N s]."""
+        return self.problem.impulses if self.start == "warm" else np.zeros(2 * self.problem.contacts)
+
+
+class PreparationError(RuntimeError):
+    """YADE did not make the packing."""
+
+
+def state(folder, disks, seed, mu):
+    """Path, without its ending, of a packing's files (.npz problem, .yade.gz scene, .json facts), made now unless they exist."""
+    folder = pathlib.Path(folder)
+    stem = folder / f"packing{PACKING_RECIPE}-{disks}-{seed}-{mu:g}"
+    folder.mkdir(parents=True, exist_ok=True)
+    with locks.held(folder / f"packing-{disks}-{seed}"):
+        if not stem.with_name(stem.name + ".json").exists():
+            wish = {"disks": disks, "seed": seed, "friction": FRICTION, "stem": str(folder / f"packing{PACKING_RECIPE}-{disks}-{seed}")}
+            in_yade("packing.py", wish)
+    return stem
+
+
+def in_yade(script, wish):
+    """Run a script of this folder in YADE with `wish` as its argument; the JSON of the last line it prints. PreparationError if it fails."""
+    with tempfile.TemporaryDirectory() as folder:
+        job = queue.Job(f"measuring/benchmark/{script}", [json.dumps(wish)], pathlib.Path(folder) / "log")
+        queue.run([job], 1)
+        said = job.said(1)
+        try:
+            return json.loads(said)
+        except ValueError:
+            raise PreparationError(f"{script} {json.dumps(wish)} ended with status {job.process.returncode}: {job.said()[-600:]}") from None
+
+
+def packing(folder, disks, seed, mu, start="cold"):
+    """The step of +0.2 % load of a dense packing (packing.py)."""
+    stem = state(folder, disks, seed, mu)
+    return Case(f"packing {disks} mu {mu:g} {start} #{seed}", "packing", mu, disks, seed, start, core.read_problem(f"{stem}.npz"))
+
+
+def masses(folder, disks, seed, mu, decades=6):
+    """The same with every mass multiplied by up to 10^decades, drawn evenly in the logarithm."""
+    case = packing(folder, disks, seed, mu)
+    factor = 10.0**np.random.default_rng(seed).uniform(0, decades, (len(case.problem.inverse_masses), 1))
+    light = replace(case.problem, inverse_masses=case.problem.inverse_masses / factor)
+    # The load is a velocity of the walls here; it stays that force for their new mass.
+    light = replace(light, free_velocities=light.free_velocities / factor)
+    return replace(case, name=f"masses over 1e{decades}, {disks} mu {mu:g}", kind="masses", problem=light)
+
+
+def crystal(rows, mu, ratio=1.0, name="crystal"):
+    """rows x rows equal disks in a triangular lattice between a floor and two walls, under gravity: every contact closed, forces undetermined.
+
+    ratio: mass of the disks in the upper half over that of those below.
+    """
+    i, j = (n.ravel() for n in np.meshgrid(np.arange(rows), np.arange(rows)))  # row by row, the lowest first
+    mass = np.where(j >= rows / 2, ratio, 1.0)
+    number = 1 + i + rows * j  # body 0: floor and walls
+    inverse = np.vstack([[0, 0, 0], np.stack([1 / mass, 1 / mass, 2 / (mass * SIDE**2)], axis=1)])
+    up = math.sqrt(3) / 2
+    odd = j % 2
+    links = []
+    for kept, other, normal in ((i > 0, number - 1, (1, 0)),
+                                (j > 0, number - rows + odd - 1, (0.5, up)),
+                                (j > 0, number - rows + odd, (-0.5, up)),
+                                (j == 0, 0 * number, (0, 1)),
+                                ((i == 0) & (odd == 0), 0 * number, (1, 0)),
+                                ((i == rows - 1) & (odd == 1), 0 * number, (-1, 0))):
+        # In the two rows of links downwards the neighbour may lie outside.
+        if normal[1] == up:
+            column = i + odd - (normal[0] > 0)
+            kept = kept & (column >= 0) & (column < rows)
+        links += [(a, b, *normal) for a, b in zip(other[kept], number[kept])]
+    links = np.array(sorted(links, key=lambda link: (max(link[:2]), link[0], link[2])))
+    pairs, n = links[:, :2].astype(int), len(links)
+    arms = np.stack([np.zeros(n), np.where(pairs[:, 0] > 0, SIDE, 0), np.zeros(n), np.full(n, -SIDE)], axis=1)
+    free = np.where(inverse > 0, (0, -9.81e-3, 0), 0)
+    problem = core.BodyProblem(inverse, free, pairs, links[:, 2:], arms, np.zeros(n), np.full(n, mu))
+    return Case(f"{name} {rows} x {rows} mu {mu:g}", name, mu, rows * rows, 0, "cold", problem)
+
+
+def pile(rows, mu, ratio=1000.0):
+    """Heavy disks on light ones."""
+    return crystal(rows, mu, ratio, f"pile {ratio:g}:1 of")
+
+
+def from_file(path):
+    """A problem in a file that `core.read_problem` reads; ValueError says what is wrong with it."""
+    problem = core.read_problem(path)
+    return Case(pathlib.Path(path).stem, "file", float("nan"), 0, 0, "cold", problem)
+
+
+def tiled(problem, copies):
+    """So many copies of a problem of bodies side by side, which do not touch: as large as memory allows, with the order of the original."""
+    bodies = len(problem.inverse_masses)
+    pairs = (problem.pairs[None] + bodies * np.arange(copies)[:, None, None]).reshape(-1, 2)
+    rest = {name: np.concatenate([getattr(problem, name)] * copies)
+            for name in ("inverse_masses", "free_velocities", "normals", "arms", "bias", "mu", "impulses")}
+    return core.BodyProblem(pairs=pairs, **rest)

@@ -1,0 +1,94 @@
+"""What one sweep costs per contact, by size, kind of sweep and instruction set, beside Siconos's and the bound set by memory.
+
+Sizes: packings of 400, 4000 and 40000 disks, and twenty copies of the largest (tiled), whose 1.5 million contacts fit no cache. The time of
+a sweep is the difference between many and few in one solution, so that what is done once drops out; it is processor time. The bound: the bytes
+that a sweep has to read and write, over the bandwidth of a += b on long arrays (24 bytes a number, no line is fetched only to be overwritten),
+measured between the sweeps.
+"""
+import statistics
+import time
+
+import numpy as np
+
+from cd_engine import core
+from yade_scripts.measuring.benchmark import siconos
+
+LONG = 1 << 24        # numbers in each of the two arrays: 128 MB, four times the largest cache here
+WORK = 2e7            # contacts solved in a timing, whatever the size
+MOST, FEWEST = 4000, 60  # sweeps
+AHEAD = 600              # of those with momentum; in the last sixth, which is what counts, the error is asked for once at most
+
+
+def bandwidth(arrays=[]):
+    """Bytes per second of a += b, of one core."""
+    if not arrays:
+        arrays += [np.ones(LONG), np.ones(LONG)]
+    a, b = arrays
+    begin = time.process_time()
+    np.add(a, b, out=a)
+    return 24 * LONG / (time.process_time() - begin)
+
+
+def traffic(problem, ahead):
+    """Bytes that a sweep moves per contact if every contact comes from memory once and every body once: read, and what has changed written."""
+    contact, before, body = core.bytes_of_a_sweep()
+    impulses = 16
+    bodies = body * len(np.unique(problem.pairs)) / problem.contacts
+    plain = contact + impulses + 2 * bodies
+    # With momentum the impulses and velocities of the sweep before are read and written, too, in a pass of its own over the bodies.
+    return plain + (2 * before + 4 * bodies if ahead else 0)
+
+
+def plain(problem, sweeps):
+    """(seconds, sweeps made) of a solution by plain sweeps, with all that comes with one."""
+    report = core.solve(problem, fixed_iterations=sweeps)
+    return report.seconds, report.iterations
+
+
+def ahead(problem, sweeps):
+    """The same with momentum."""
+    report = core.solve(problem, "accelerated", 1e-300, sweeps)
+    return report.seconds, report.iterations
+
+
+def of_a_sweep(solution, problem, sweeps, first):
+    """Seconds of one sweep: the difference between `sweeps` and the `first` of them."""
+    (many, made), (few, made_first) = solution(problem, sweeps), solution(problem, first)
+    return (many - few) / (made - made_first)
+
+
+def setup(problem, other):
+    """Seconds (contacts as before, anew) of a solution of one sweep, packing and error included; `other` has different contacts."""
+    plain(problem, 1)
+    same = plain(problem, 1)[0]
+    plain(other, 1)
+    return same, plain(problem, 1)[0]
+
+
+def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: None):
+    """One row: ns per contact of every kind of sweep (medians over rounds taken in turn), of the set-up, and the bound."""
+    sweeps = int(min(MOST, max(FEWEST, WORK / problem.contacts)))
+    sets = core.instruction_sets()
+    peer = siconos.Peer(problem) if with_peer else None
+    times = {key: [] for key in [f"plain_{s}" for s in sets] + ["accelerated", "siconos", "setup", "setup_anew"]}
+    speeds = []
+    for turn in range(rounds):
+        say(f"sweeps over {problem.contacts} contacts, round {turn + 1}")
+        speeds.append(bandwidth())
+        for s in reversed(sets):  # the fastest last: it stays in use
+            core.use_instruction_set(s)
+            times[f"plain_{s}"].append(of_a_sweep(plain, problem, sweeps, sweeps // 4))
+        # Few sweeps count here: small problems are solved again and again, until a clock can tell.
+        times["accelerated"].append(statistics.mean(
+            of_a_sweep(ahead, problem, AHEAD, AHEAD * 5 // 6) for _ in range(max(1, min(20, round(WORK / AHEAD / problem.contacts))))))
+        same, anew = setup(problem, other)
+        times["setup"].append(same)
+        times["setup_anew"].append(anew)
+        if peer:
+            count = max(4, sweeps // 20)
+            times["siconos"].append(peer.sweeps(np.zeros(2 * problem.contacts), count) / count)
+    speed = max(speeds)  # the others are what a neighbour left over
+    row = {"status": "measured", "problem": name, "disks": disks, "contacts": problem.contacts, "sweeps": sweeps, "rounds": rounds}
+    row |= {f"{key}_ns": statistics.median(taken) * 1e9 / problem.contacts for key, taken in times.items() if taken}
+    return [row | {"bandwidth_gb_per_s": speed / 1e9, "bytes_plain": traffic(problem, False), "bytes_accelerated": traffic(problem, True),
+                   "bound_plain_ns": traffic(problem, False) / speed * 1e9, "bound_accelerated_ns": traffic(problem, True) / speed * 1e9}]

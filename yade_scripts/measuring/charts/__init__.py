@@ -1,0 +1,170 @@
+"""Which settings the charts of speed against accuracy try: for each scene, series of rows from coarse to fine. Needs no YADE.
+
+A series varies one thing about the scene's own defaults and keeps the rest. What a scene needs otherwise stands in its CHART.
+"""
+import math
+from dataclasses import dataclass, field
+
+from yade_scripts import parameters, scenes
+from yade_scripts.measuring import store
+from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative_error
+
+FOLDER = "charts"
+LIMIT = {False: 2, True: 8}  # s of processor time that a run may take, quick and full
+DIVERGED = 100.0             # of an error, in scales of its known: beyond it nothing of the solution is left
+ACCURACY = "accuracy"        # the parameter of yade_scripts/accuracy.py, a setting of its own kind
+SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every number of disks
+STEPS = (0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01)
+STIFFER = (1.0, 10.0, 100.0, 1000.0, 10000.0)
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+
+@dataclass(frozen=True)
+class Series:
+    """Rows of one method from coarse to fine; every second one in a quick chart.
+
+    costlier: a finer row takes longer, so none is tried behind one that ran out of time. relative: values are multiples of the scene's own.
+    """
+    name: str
+    method: str
+    parameter: str
+    values: tuple
+    fixed: dict = field(default_factory=dict)
+    relative: bool = False
+    costlier: bool = True
+
+    def rows(self, scene, quick):
+        """The rows for a scene, each {parameter: value} with its method."""
+        own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
+        values = self.values[::-1][::2][::-1] if quick else self.values
+        return [{"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed | {self.parameter: value * own if self.relative else value}
+                for value in values]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One row of a series: rank 0 is the coarsest; size: number of disks where that is varied, else 0."""
+    series: Series
+    rank: int
+    row: dict
+    size: int = 0
+
+    @property
+    def name(self):
+        """Of its measurement: scene, method and hash, as of a result file, and the accuracy where one is asked for."""
+        own, asked = split(self.row)
+        return parameters.result_name(parameters.complete(own)) + (f"-{ACCURACY}-{asked:g}" if asked else "")
+
+    def slower_than(self, other):
+        """Whether it takes longer than another setting, for what the series tells."""
+        return self.series == other.series and self.size == other.size and self.rank > other.rank and self.series.costlier
+
+
+def split(row):
+    """(the row of parameters, the accuracy asked for or None)."""
+    own = {name: value for name, value in row.items() if name != ACCURACY}
+    return own, row.get(ACCURACY)
+
+
+def chart_of(scene):
+    """The Chart of a scene; None if it has none."""
+    return scenes.module(scene).CHART
+
+
+def names():
+    """The scenes that have a chart."""
+    return [name for name in scenes.names() if chart_of(name)]
+
+
+def _solvers():
+    """Names of the contact solvers; those known when the engine is not built."""
+    try:
+        from cd_engine import core
+        return core.methods()
+    except ImportError:
+        return ["nsgs", "accelerated"]
+
+
+def series(scene):
+    """The series of a scene."""
+    chart = chart_of(scene)
+    stiffer = STIFFER[:2] if chart.prepared else STIFFER
+    laws = ("avoid_ratcheting", "path_independent") if chart.rolling or scene == "two_grain_path" else ()
+    found = [
+        Series("MD step", "MD", "md_dt_factor", STEPS),
+        Series("MD stiffness", "MD", "stiffening", stiffer),
+        Series("MD stiffness, fine step", "MD", "stiffening", stiffer[:4], {"md_dt_factor": 0.05}),
+        Series("MD damping", "MD", "beta_n", (0.0, 0.05, 0.1, 0.3, 0.9), costlier=False),
+        *(Series(f"MD law {law}", "MD", "md_dt_factor", STEPS, {"tangential_law": law}) for law in laws),
+        # Long steps are fewer and harder, so that the cost does not rise with the rank.
+        Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True, costlier=False),
+        *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver}) for solver in _solvers()),
+        Series("CD accuracy", "CD", ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
+        Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
+    ]
+    return [one for one in found if one.method in scenes.module(scene).METHODS and one.parameter not in chart.physics]
+
+
+def settings(scene, full):
+    """All settings of a scene in the order in which they are run: the coarse ones of all series first, then those at several sizes."""
+    found = [Setting(one, rank, row) for one in series(scene) for rank, row in enumerate(one.rows(scene, not full))]
+    sizes = chart_of(scene).sizes[:None if full else -1]
+    return sorted(found, key=lambda setting: setting.rank) + [
+        Setting(one, rank, row | {"disks": size}, size)
+        for size in sizes for one in series(scene) if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
+
+
+def error(known):
+    """Largest relative error |measured - exact|/scale of a measurement's rows; NaN where one was not measured."""
+    return max((math.nan if one["measured"] is None else relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in known),
+               key=lambda value: math.inf if math.isnan(value) else value, default=math.nan)
+
+
+def status(known):
+    """'finished', or why the measured values are no solution."""
+    if not known:
+        return f"{STATUS_FAILED}nothing is known of the scene"
+    lost = [one["name"] for one in known if one["measured"] is None]
+    if lost:
+        return f"{STATUS_FAILED}{lost[0]} is not a number"
+    return STATUS_FINISHED if error(known) <= DIVERGED else f"{STATUS_FAILED}wrong by more than {DIVERGED:g} times its scale"
+
+
+class Work:
+    """What there is to measure of one scene, for the runner and the process that measures."""
+
+    def __init__(self, scene, full, results):
+        self.name, self.folder = scene, results / FOLDER
+        self.limit = LIMIT[full] * chart_of(scene).patience
+        self.settings = settings(scene, full)  # several series may hold one row, such as the scene's defaults: it is measured once
+
+    def left(self):
+        """Settings without a measurement, or that ran out of a shorter time; of those with one name the first."""
+        first = {setting.name: setting for setting in reversed(self.settings)}
+        done = {name for name in first if self._done(store.get(self.folder, name))}
+        return [setting for setting in self.settings if setting.name not in done and setting is first[setting.name]]
+
+    def _done(self, found):
+        return found is not None and (found["status"] == STATUS_FINISHED or not found.get("out_of_time") or found["limit"] >= self.limit)
+
+    def failed(self, name, reason, late, origin):
+        """Enter a setting that ended its process, and those that would take even longer."""
+        culprits = [setting for setting in self.settings if setting.name == name]
+        self._enter(culprits[0], reason, late, origin)
+        left = {setting.name for setting in self.left()} if late else ()
+        for setting in self.settings:
+            if setting.name in left and any(setting.slower_than(culprit) for culprit in culprits):
+                self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
+
+    def _enter(self, setting, reason, late, origin):
+        own = split(setting.row)[0]
+        store.add(self.folder, setting.name, {"scene": self.name, "method": own["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
+                                              "status": STATUS_FAILED + reason, "seconds": []} | origin)
+
+    def measure(self, begun):
+        """In YADE: measure what is left; begun(name, seconds) is called before each, with the processor time that it may take."""
+        from yade_scripts.measuring.charts import measure
+        for setting in self.left():
+            facts, known = measure.measure(setting.row, self.folder.parent, self.limit, lambda seconds: begun(setting.name, seconds))
+            store.add(self.folder, setting.name, facts, known)
+            print(f"{setting.name}: {facts['status']}", flush=True)

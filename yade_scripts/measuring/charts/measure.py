@@ -1,0 +1,72 @@
+"""Measures one setting of a scene inside YADE: its error and its time of computing.
+
+The time is that between the first and the last step's end, without start-up, building the scene, preparation and output: the median of at
+least three repeats, each of the scene built anew.
+"""
+import math
+import traceback
+
+from yade import O
+
+from yade_scripts import accuracy, parameters, scenes
+from yade_scripts.measuring import charts, store
+from yade_scripts.results.schema import STATUS_FAILED
+from yade_scripts.running import hooks, timing
+
+LEAST, MOST = 3, 9     # repeats
+ENOUGH = 0.1           # s: short runs are repeated more often, up to this in all
+MEASURING = 5          # limits that a run may take while the scene measures in its steps, which is not counted
+PREPARATION = 600      # s a packing may take that is not there yet
+
+
+def measure(row, folder, limit, allow):
+    """(facts, known quantities as rows); `folder` holds the prepared packings, allow(seconds) sets the processor time from now on."""
+    own, asked = charts.split(row)
+    full = parameters.complete(own)
+    facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit} | store.origin()
+    seconds, known = [], []
+    try:
+        while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < ENOUGH):
+            spent, known = run(own, asked, folder, limit, known, allow)
+            seconds += [spent] if spent is not None else []
+    except Exception as error:
+        if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
+            traceback.print_exception(error)
+        return facts | {"status": f"{STATUS_FAILED}{str(error).splitlines()[0] if str(error) else type(error).__name__}", "seconds": seconds}, []
+    error = charts.error(known)
+    facts |= {"status": charts.status(known), "error": error if math.isfinite(error) else None, "seconds": seconds, "steps": O.iter,
+              "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)}
+    if full["method"] == "CD":
+        engine = timing.contact_dynamics()
+        facts |= {"sweeps": engine.totalIterations, "unconverged_steps": engine.unconvergedSteps}
+    return facts, known
+
+
+def run(row, asked, folder, limit, known, allow):
+    """(seconds, known quantities) of one run, or of a search for the accuracy `asked`.
+
+    A scene that measures in the course of its steps, which costs more than they do, has its numbers from a first run without a time (None),
+    and its times from runs that do not measure; known: the numbers so far.
+    """
+    allow(PREPARATION)
+    full = parameters.complete(row)
+    scene = scenes.build(full, folder)
+    if not scene.known:
+        raise parameters.ParameterError("nothing is known of the scene with these parameters")
+    measures = timing.measures()
+    allow(limit * (MEASURING if measures else 1))
+    if measures and known and not asked:
+        return timing.run(scene, full, without=timing.RECORDING | {hooks.MEASURING}), known
+    if asked:
+        levels = accuracy.search(row, asked, accuracy.run_in_yade(folder))
+        scene, spent = levels[-1][0].scene, sum(level.seconds for level, _ in levels)
+    else:
+        spent = timing.run(scene, full)
+    return None if measures and not asked else spent, [values(one, full["scene"]) for one in scene.known]
+
+
+def values(known, scene):
+    """What is kept of a Known."""
+    measured = float(known.measure())
+    return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
+            "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}

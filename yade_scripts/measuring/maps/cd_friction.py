@@ -1,0 +1,74 @@
+"""CD: the tolerance against the distance from the angle of friction.
+
+The probe: five touching disks that cannot turn, on a slope that changes from half the angle of friction to just off it.
+"""
+import math
+
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.running.sums import total
+
+FRICTION, DISKS, STEPS, SETTLING, DT = 0.5, 5, 200, 10, 1e-3
+ERROR = 0.1
+
+SIDES = ("steeper", "flatter")
+
+
+def grid(full):
+    """tolerance by distance from tan(slope) = mu, a panel for each side."""
+    tolerances, distances = ((logarithmic(1e-10, 1e-1, 10), logarithmic(1e-9, 1e-1, 9)) if full
+                             else (logarithmic(1e-9, 1e-1, 5), logarithmic(1e-7, 1e-1, 4)))
+    return product(side=SIDES, tolerance=tolerances, distance=distances)
+
+
+def searches(full):
+    """How near the angle of friction the answer is right, for each tolerance."""
+    return [Search(at, "distance", 0.3, 1e-9, 1.05 if full else 1.5)
+            for at in product(side=SIDES, tolerance=logarithmic(1e-8, 1e-1, 8) if full else [1e-6, 1e-3])]
+
+
+MAP = Map(
+    group="Where rigid contacts fail", order=6,
+    title="Rigid contacts: rest or slide near the angle of friction",
+    question="How close to the angle of friction does the engine still decide correctly whether a body rests?",
+    criterion="Five touching disks that cannot turn (mu = 0.5) rest on a slope of half the angle of friction. The slope then changes to "
+              "tan(slope) = mu (1 + d) or mu (1 - d) for 200 steps of 1 ms. Inaccurate: the mean speed is off by more than a tenth of mu d g "
+              "cos(slope) t. Unstable: by more than all of it. Too slow on the steeper slope is called false rest, anything else false "
+              "motion.",
+    remedy="Below the angle of friction bodies may creep, above it none stays at rest. Speeds are off by about the tolerance times the speed "
+           "that the weight would give. Choose a tolerance below the distance from the angle that matters.",
+    x=Axis("tolerance", "tolerance"), y=Axis("distance", r"$d=|\tan(\mathrm{slope})/\mu-1|$"), panels="side",
+    measures={"speed_error": ("1", "of the mean speed, over mu d g cos(slope) t"), "unconverged": ("1", "share of the steps that missed the tolerance")},
+    grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
+
+
+def weight(tangent):
+    """Acceleration of free fall seen from a slope of that tangent."""
+    from yade_scripts.measuring import rigid
+    angle = math.atan(tangent)
+    return rigid.GRAVITY * math.sin(angle), -rigid.GRAVITY * math.cos(angle), 0
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O
+
+    from yade_scripts.measuring import rigid
+    rigid.material(FRICTION)
+    rigid.floor()
+    row = [rigid.disk((2 * k * rigid.RADIUS, rigid.RADIUS), blocked="zXYZ") for k in range(DISKS)]
+    engine = rigid.engine(DT, weight(FRICTION / 2), tolerance=case["tolerance"])
+    O.run(SETTLING, True)
+    sign = 1 if case["side"] == "steeper" else -1
+    tangent = FRICTION * (1 + sign * case["distance"])
+    engine.gravity = weight(tangent)
+    O.run(STEPS, True)
+    unit = FRICTION * case["distance"] * rigid.GRAVITY * math.cos(math.atan(tangent)) * STEPS * DT
+    exact = unit if sign > 0 else 0.0
+    error = (total(O.bodies[k].state.vel[0] for k in row) / DISKS - exact) / unit
+    measures = {"speed_error": error, "unconverged": engine.unconvergedSteps / (STEPS + SETTLING)}
+    if engine.unconvergedSteps:
+        return Outcome(NOT_SOLVED, "non-convergence", rigid.told(engine), measures)
+    if abs(error) <= ERROR:
+        return Outcome(STABLE, measures=measures)
+    reason = "false rest" if sign > 0 and error < 0 else "false motion"
+    return Outcome(UNSTABLE if abs(error) > 1 else INACCURATE, reason, rigid.told(engine), measures)

@@ -1,0 +1,71 @@
+"""CD: restitution against friction, a disk thrown into a groove.
+
+The probe: a disk with spin thrown at the bottom of a groove, so that both sides are hit at once.
+"""
+import math
+import random
+
+from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, Search, UNSTABLE, product
+
+DRAWS, STEPS, DT = 60, 6, 1e-4
+SPEED = 1.0  # [m/s]
+GAIN = 1e-9  # above round-off and the tolerance
+
+
+def grid(full):
+    """restitution by friction."""
+    return product(restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0] if full else [0.0, 0.5, 0.9, 1.0],
+                   friction=[0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0] if full else [0.0, 0.1, 0.5, 1.0])
+
+
+def searches(full):
+    """The least restitution that makes energy."""
+    return [Search(at, "restitution", 0.1, 1.0, 1.003 if full else 1.02) for at in product(friction=[0.1, 0.2, 0.3, 0.5] if full else [0.1, 0.5])]
+
+
+MAP = Map(
+    group="Where rigid contacts fail", order=9,
+    title="Rigid contacts: restitution with friction",
+    question="Where does restitution together with friction create energy?",
+    criterion="A spinning disk is thrown at the bottom of a groove and hits both sides at once; 60 random angles, velocities and spins. "
+              "Unstable: its kinetic energy exceeds the first by more than 1e-9 after one of the next six steps.",
+    remedy="Newton's law of impact creates energy in simultaneous impacts with friction when e comes close to 1 (Kane and Levinson 1985). "
+           "The engine lowers e in the islands of contacts where this would happen, so disks there rebound more slowly than e says.",
+    x=Axis("restitution", "restitution e"), y=Axis("friction", r"friction $\mu$"), panels="",
+    measures={"energy_gain": ("1", "largest kinetic energy over the first, less 1"), "draws_that_gain": ("1", "share of the draws")},
+    grid=grid, searches=searches)
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O
+    draw = random.Random(1)
+    gains, deficit = [], 0
+    for _ in range(DRAWS):
+        O.reset()
+        gain, dissipated = throw(case, math.radians(draw.uniform(20, 70)), 0.5 * draw.uniform(-1, 1), 3 * draw.uniform(-1, 1))
+        gains.append(gain)
+        deficit += dissipated < 0
+    measures = {"energy_gain": max(gains), "draws_that_gain": sum(gain > GAIN for gain in gains) / DRAWS}
+    if max(gains) > GAIN:
+        return Outcome(UNSTABLE, "energy growth", f"dissipatedEnergy falls in {deficit} draws" if deficit else "", measures)
+    return Outcome(STABLE, measures=measures)
+
+
+def throw(case, angle, aside, spin):
+    """Largest relative gain of kinetic energy, and the energy that the engine says was dissipated; aside, spin in units of SPEED."""
+    from yade import O, Quaternion, utils
+
+    from yade_scripts.measuring import rigid
+    rigid.material(case["friction"])
+    for side in (-1, 1):
+        rigid.box((1.5 * side * rigid.RADIUS * math.sin(angle), -1.5 * rigid.RADIUS * math.cos(angle)), (5 * rigid.RADIUS, 0.5 * rigid.RADIUS),
+                  orientation=Quaternion((0, 0, 1), side * angle))
+    disk = rigid.disk((0, 1e-6 * rigid.RADIUS), velocity=(aside * SPEED, -SPEED))
+    O.bodies[disk].state.angVel = (0, 0, spin * SPEED / rigid.RADIUS)
+    first, gain = utils.kineticEnergy(), 0.0
+    engine = rigid.engine(DT, (0, 0, 0), tolerance=1e-12, restitution=case["restitution"])
+    for _ in range(STEPS):
+        O.step()
+        gain = max(gain, utils.kineticEnergy() / first - 1)
+    return gain, engine.dissipatedEnergy

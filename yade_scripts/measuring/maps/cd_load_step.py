@@ -1,0 +1,65 @@
+"""CD: the step against the tolerance, a packing that must bear a small load without moving.
+
+The probe: a prepared packing with free walls, sigma2 5 % up at once.
+"""
+from yade_scripts import parameters, results, scenes
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+
+DISKS, STEPS, RISE = 100, 50, 0.05
+STRAIN, LARGE_STRAIN = 1e-6, 1e-3
+FOLDER = results.FOLDER  # of prepared packings
+
+
+def grid(full):
+    """tolerance by step."""
+    tolerances, steps = ((logarithmic(1e-9, 1e-1, 9), logarithmic(1e-5, 1e-2, 7)) if full else (logarithmic(1e-7, 1e-1, 4), logarithmic(1e-4, 1e-2, 3)))
+    return product(tolerance=tolerances, dt=steps)
+
+
+def searches(full):
+    """The loosest tolerance at which it does not strain, for each step."""
+    return [Search(at, "tolerance", 1e-8, 1.0, 1.1 if full else 1.5) for at in product(dt=logarithmic(1e-5, 1e-2, 7) if full else logarithmic(1e-4, 1e-2, 3))]
+
+
+MAP = Map(
+    group="Where rigid contacts fail", order=7,
+    title="Rigid contacts: a small load on a packing",
+    question="At which step and tolerance does a packing far below yield stay at rest, as rigid grains must?",
+    criterion="100 disks at rest under P0 with free walls; sigma2 rises by 5 % at once and stays for 50 steps. Inaccurate: |gamma| above "
+              "1e-6. Unstable: above 1e-3. Not solved: steps missed the tolerance.",
+    remedy="Until the engine has proven that a packing rests, solver error moves it by about tolerance times dt^2. The defaults of runs "
+           "(1e-8, 1 ms) are three decades inside the boundary; the engine's own tolerance of 1e-6 reaches it at 10 ms.",
+    x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"), panels="",
+    measures={"gamma": ("1", "strain2 - strain1 after the last step"), "unconverged": ("1", "share of the steps that missed the tolerance"),
+              "sweeps": ("1", "mean number of sweeps a step")},
+    grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O
+
+    from yade_scripts.measuring import rigid
+    from yade_scripts.preparing import bodies, prepare
+    from yade_scripts.running import cd, hooks, walls
+    full = parameters.complete({"disks": DISKS, "method": "CD", "tolerance": case["tolerance"]})
+    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
+    O.load(str(path))
+    O.dt = case["dt"]
+    before = walls.sides()
+    p0 = parameters.pressure(full)
+    walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
+    scene = scenes.Scene(every=STEPS, samples=1)
+    cd.set_engines(full, scene, lambda t: (p0, (1 + RISE) * p0))
+    hooks.simulate(STEPS)
+    engine = scene.watch.engine
+    strain = [now / length - 1 for now, length in zip(walls.sides(), before)]
+    measures = {"gamma": strain[1] - strain[0], "unconverged": engine.unconvergedSteps / STEPS, "sweeps": engine.totalIterations / STEPS}
+    told = rigid.told(engine, min(body.shape.radius for body in bodies.disks()))
+    if abs(measures["gamma"]) > LARGE_STRAIN:
+        return Outcome(UNSTABLE, "false motion", told, measures)
+    if engine.unconvergedSteps:
+        return Outcome(NOT_SOLVED, "non-convergence", told, measures)
+    if abs(measures["gamma"]) > STRAIN:
+        return Outcome(INACCURATE, "false motion", told, measures)
+    return Outcome(STABLE, measures=measures)

@@ -1,0 +1,42 @@
+"""CD: a fixed number of sweeps against the height of a column.
+
+The probe: a column under a fixed number of sweeps.
+"""
+from yade_scripts.measuring.maps import Axis, Map, Search, logarithmic, product
+
+STEPS = 50
+
+
+def whole(values):
+    """Rounded, without repetitions."""
+    return list(dict.fromkeys(round(value) for value in values))
+
+
+def grid(full):
+    """sweeps by number of disks, a panel with and without warm start."""
+    sweeps, disks = ((logarithmic(1, 1e4, 13), logarithmic(1, 100, 9)) if full else (logarithmic(1, 1e3, 7), logarithmic(1, 30, 4)))
+    return product(start=("warm", "cold"), disks=whole(disks), sweeps=whole(sweeps))
+
+
+def searches(full):
+    """The fewest sweeps that carry the column, for each height."""
+    return [Search(at, "sweeps", 30000, 1, 1.02 if full else 1.2) for at in product(start=("warm", "cold"), disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
+
+
+MAP = Map(
+    group="Where rigid contacts fail", order=3,
+    title="Rigid contacts: too few sweeps under a column",
+    question="How many sweeps a step does a column of disks need if the error is not checked?",
+    criterion="A column of equal disks, 50 steps of 1 ms from rest without forces, with fixedIterations. Unstable: bodies overlap by more "
+              "than 1 % of the radius. Inaccurate: a contact force is off by more than 1 %.",
+    remedy="With fixedIterations look at residual, or use a tolerance instead. The engine warns of overlaps beyond 1 % of the radius.",
+    x=Axis("sweeps", "sweeps a step"), y=Axis("disks", "disks in the column"), panels="start",
+    measures={"force_error": ("1", "largest error of a contact force, relative to the weight above it"),
+              "penetration": ("1", "largest overlap over the radius"), "residual": ("1", "error e of the last step")},
+    grid=grid, searches=searches)
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade_scripts.measuring import rigid
+    return rigid.judge(*rigid.stand(case["disks"], STEPS, fixedIterations=case["sweeps"], warmStart=case["start"] == "warm"))

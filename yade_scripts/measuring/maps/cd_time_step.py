@@ -1,0 +1,101 @@
+"""CD: the step against restitution, disks that fall into a trough.
+
+The probe: thirty disks fall into a trough and settle.
+"""
+import math
+import random
+
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.running.sums import total
+
+COLUMNS, ROWS, DURATION = 6, 5, 20
+GROWTH = 1e-5  # what the tolerance leaves
+TOLERANCE = 1e-5
+UNSOLVED = 0.01  # share of the steps
+
+
+def grid(full):
+    """step by restitution, a panel for each friction."""
+    steps = logarithmic(0.003, 3, 10) if full else logarithmic(0.01, 3, 6)
+    return product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] if full else [0.0, 0.5, 0.9], dt=steps)
+
+
+def searches(full):
+    """The longest step without deep overlaps."""
+    return [Search(at, "dt", 0.003, 10.0, 1.05 if full else 1.2)
+            for at in product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8] if full else [0.0, 0.5])]
+
+
+MAP = Map(
+    group="Where rigid contacts fail", order=8,
+    title="Rigid contacts: the step of a fall",
+    question="How long a time step do falling and settling disks allow?",
+    criterion="30 disks fall into a trough and settle within 20 sqrt(R/g), tolerance 1e-5. Unstable: kinetic, potential and dissipated "
+              "energy together grow by more than 1e-5 of the energy of the fall, or a disk leaves the trough. Inaccurate: bodies overlap by "
+              "more than 1 % of the radius. Not solved: more than 1 % of the steps missed the tolerance.",
+    remedy="Without restitution contacts hold at any step. With restitution, contacts that close during an impact elsewhere overlap by up to "
+           "the way of a step, of which the engine warns; beyond dt sqrt(g/R) = 0.1 energy may grow.",
+    x=Axis("dt", r"$dt\,\sqrt{g/R}$"), y=Axis("restitution", "restitution e"), panels="friction",
+    measures={"penetration": ("1", "largest overlap over the radius"), "energy_balance": ("1", "kinetic, potential and dissipated energy less the first, over the fall's"),
+              "energy_gain": ("1", "largest kinetic and potential energy less the first, over the fall's"),
+              "unconverged": ("1", "share of the steps that missed the tolerance")},
+    grid=grid, searches=searches,
+    marks={"1 ms at R = 1 cm": 1e-3 * math.sqrt(9.81 / 0.01)})
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O, utils
+
+    from yade_scripts.measuring import rigid
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks
+    pour(case["friction"])
+    unit = math.sqrt(rigid.RADIUS / rigid.GRAVITY)
+    dt = case["dt"] * unit
+    fall = rigid.GRAVITY * total(b.state.mass for b in bodies.disks()) * ROWS * rigid.RADIUS
+
+    def energy():
+        return utils.kineticEnergy() + rigid.GRAVITY * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
+
+    first, most = energy(), [-math.inf]
+
+    def look():
+        most[0] = max(most[0], energy() - first)
+
+    engine = rigid.engine(dt, tolerance=TOLERANCE, restitution=case["restitution"])
+    O.engines = O.engines + [hooks.runner(look, iterPeriod=1)]
+    steps = max(1, round(DURATION / case["dt"]))
+    hooks.simulate(steps)
+    balance = (energy() - first + engine.dissipatedEnergy) / fall
+    measures = {"penetration": engine.deepestPenetration / rigid.RADIUS, "energy_balance": balance, "energy_gain": most[0] / fall,
+                "unconverged": engine.unconvergedSteps / steps}
+    if measures["energy_gain"] > GROWTH or abs(balance) > GROWTH:
+        return Outcome(UNSTABLE, "energy growth", rigid.told(engine), measures)
+    if any(not inside(b.state.pos) for b in bodies.disks()):
+        return Outcome(UNSTABLE, "tunnelled", rigid.told(engine), measures)
+    if measures["penetration"] > rigid.DEEP:
+        return Outcome(INACCURATE, "penetration", rigid.told(engine), measures)
+    if measures["unconverged"] > UNSOLVED:
+        return Outcome(NOT_SOLVED, "non-convergence", rigid.told(engine), measures)
+    return Outcome(STABLE, measures=measures)
+
+
+def pour(friction):
+    """The trough and, above each other, rows of disks set off their places at random."""
+    from yade_scripts.measuring import rigid
+    rigid.material(friction)
+    rigid.floor()
+    width, r = COLUMNS * 2.4 * rigid.RADIUS, rigid.RADIUS
+    for side in (-1, 1):
+        rigid.box((side * (width / 2 + r), 50 * r), (r, 50 * r))
+    draw = random.Random(3)
+    for k in range(COLUMNS * ROWS):
+        column, row = k % COLUMNS, k // COLUMNS
+        rigid.disk(((2.4 * column + 1.2 + draw.uniform(-0.15, 0.15)) * r - width / 2, (2 + 3 * row) * r))
+
+
+def inside(place):
+    """Whether a disk's centre is above the floor and between the walls."""
+    from yade_scripts.measuring import rigid
+    return place[1] > 0 and abs(place[0]) < COLUMNS * 1.2 * rigid.RADIUS

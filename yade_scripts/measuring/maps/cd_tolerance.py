@@ -1,0 +1,43 @@
+"""CD: the tolerance against the height of a column.
+
+The probe: a column under a tolerance.
+"""
+from yade_scripts.measuring.maps import Axis, Map, Search, logarithmic, product
+from yade_scripts.measuring.maps.cd_sweeps import whole
+
+STEPS = 20
+
+METHODS = ("accelerated", "nsgs")
+
+
+def grid(full):
+    """tolerance by number of disks, a panel for each solver."""
+    tolerances, disks = ((logarithmic(1e-12, 1e-1, 12), logarithmic(1, 300, 9)) if full else (logarithmic(1e-10, 1e-1, 5), logarithmic(1, 100, 4)))
+    return product(method=METHODS if full else METHODS[:1], disks=whole(disks), tolerance=tolerances)
+
+
+def searches(full):
+    """The loosest tolerance whose forces are right, for each height."""
+    return [Search(at, "tolerance", 1e-7, 1.0, 1.05 if full else 1.3)
+            for at in product(method=METHODS if full else METHODS[:1], disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
+
+
+MAP = Map(
+    group="Where rigid contacts fail", order=4,
+    title="Rigid contacts: the tolerance under a column",
+    question="How tall may a column be at a given tolerance, and at which tolerance are its forces right?",
+    criterion="A column of equal disks, 20 steps of 1 ms from rest without forces, at most 20000 sweeps. Not solved: steps missed the "
+              "tolerance. Unstable: bodies overlap by more than 1 % of the radius. Inaccurate: a contact force is off by more than 1 %.",
+    remedy="The error e is measured over all contacts together, and the lightly loaded ones at the top of a column carry most of it: a "
+           "single force was off by 5 times the tolerance at 4 disks, 120 times at 21, 500 times at 147 and 3400 times at 300. Lower the "
+           "tolerance accordingly if single forces matter.",
+    x=Axis("tolerance", "tolerance"), y=Axis("disks", "disks in the column"), panels="method",
+    measures={"force_error": ("1", "largest error of a contact force, relative to the weight above it"),
+              "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
+    grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade_scripts.measuring import rigid
+    return rigid.judge(*rigid.stand(case["disks"], STEPS, method=case["method"], tolerance=case["tolerance"]))

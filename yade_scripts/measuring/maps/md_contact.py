@@ -1,0 +1,99 @@
+"""MD: the step against the damping, for one contact.
+
+The probe: one contact of springs: a disk pressed on a fixed one, free along the normal and in its spin, pushed a little.
+"""
+import math
+
+from yade_scripts import parameters
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.theory import spring_limits
+
+STEPS = 1000
+OVERLAP = 1e-4  # of the radius, under the pressing force: small against all lengths
+PUSH = 1e-5     # of the overlap: no contact opens, and what grows has room
+GROWN, GROWN_IN_ALL = 10, 1e6  # of the kinetic energy
+ERROR = 0.1
+
+RATIOS = (0.25, 0.5, 1.0)
+LAWS = ("standard", "avoid_ratcheting", "path_independent")
+
+
+def grid(full):
+    """omega_n dt by beta_n, a panel for each k_t/k_n; the other laws where they are searched."""
+    steps, damping = ((logarithmic(0.05, 3, 15), logarithmic(0.01, 0.9, 9)) if full else (logarithmic(0.1, 3, 6), [0.01, 0.1, 0.5]))
+    return product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping, omega_dt=steps, tangential_law=LAWS[:1])
+
+
+def searches(full):
+    """Of instability, and of an error of a tenth in the way a contact swings."""
+    damping = logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
+    precision = 1.003 if full else 1.03
+    found = [Search(at, "omega_dt", 0.2 if at["beta_n"] < 0.7 else 0.1, 3.5, precision, (STABLE, INACCURATE))
+             for at in product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping, tangential_law=LAWS[:1])
+             + product(kt_over_kn=RATIOS[1:2], beta_n=[0.1], tangential_law=LAWS[1:])]
+    return found + [Search(at, "omega_dt", 0.01, 1.5, 1.03) for at in product(kt_over_kn=RATIOS[1:2], beta_n=damping, tangential_law=LAWS[:1])]
+
+
+MAP = Map(
+    group="Where springs fail", order=0,
+    title="Springs: the step for one contact",
+    question="How long a time step does a spring with a dashpot allow in YADE's scheme?",
+    criterion="A disk pressed on a fixed one, free to move along the normal and to turn, is pushed by 1e-5 of its overlap. Unstable: its "
+              "kinetic energy grows tenfold between the second and the last quarter of 1000 steps, or 1e6-fold in all. Inaccurate: decay or "
+              "frequency of the normal motion is off by more than a tenth.",
+    remedy="The default, md_dt_factor = 0.2, is far below the limit. The decay becomes inaccurate long before, since YADE evaluates dashpots "
+           "half a step late.",
+    x=Axis("omega_dt", r"$\omega_n\,dt$, $\omega_n=\sqrt{k_n/m}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
+    measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
+              "decay_error": ("1", "of the decay a step of the normal motion, relative"),
+              "frequency_error": ("1", "of its frequency, relative")},
+    grid=grid, searches=searches, theory=lambda at: spring_limits.contact_limit(at["beta_n"], at["kt_over_kn"]),
+    theory_label=r"$\min(2\sqrt{1+\beta_n^2}-2\beta_n,\ 2/\sqrt{2k_t/k_n})$", theory_along="omega_dt")
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O
+
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, md
+    full = parameters.complete({"friction": 2.0, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
+    radius, stiffness = full["radius_mean"], parameters.stiffness(full)
+    mass = bodies.disk_mass(radius, full)
+    omega = math.sqrt(stiffness / mass)
+    O.dt = case["omega_dt"] / omega
+    bodies.append_material("disk", full["friction"], full)
+    bodies.append_disk((0, 0), radius, mass, "disk", blocked="xyzXYZ")
+    rest = (2 - OVERLAP) * radius
+    disk = bodies.append_disk((0, rest), radius, mass, "disk", blocked="xzXY")
+    O.forces.setPermF(disk, (0, -OVERLAP * radius * stiffness, 0))
+    state = O.bodies[disk].state
+    speed = PUSH * OVERLAP * radius * omega
+    state.vel, state.angVel = (0, speed, 0), (0, 0, speed / radius)
+
+    way, energy = [], []
+
+    def look():
+        way.append(state.pos[1] - rest)
+        energy.append(state.vel[1]**2 + 0.5 * (radius * state.angVel[2])**2)
+
+    O.engines = md.contact_engines(full, case["tangential_law"]) + [md.integrator(full), hooks.runner(look, iterPeriod=1)]
+    hooks.simulate(STEPS)
+    quarter = STEPS // 4
+    growth = max(energy[-quarter:]) / max(max(energy[quarter:2 * quarter]), 1e-300)
+    grown = max(energy) / speed**2
+    decay, frequency = errors(way, case["omega_dt"], case["beta_n"])
+    measures = {"growth": growth, "decay_error": decay, "frequency_error": frequency}
+    # Energies below 1e-12 of the first are round-off.
+    if grown > GROWN_IN_ALL or (growth > GROWN and max(energy[-quarter:]) > 1e-12 * speed**2):
+        return Outcome(UNSTABLE, "energy growth", measures=measures)
+    if max(decay, frequency) > ERROR:
+        return Outcome(INACCURATE, "wrong motion", measures=measures)
+    return Outcome(STABLE, measures=measures)
+
+
+def errors(way, step, damping):
+    """Relative errors of decay and frequency a step: exp(-z s), s sqrt(1 - z^2). The first swings, far above round-off."""
+    from yade_scripts.theory import spring_limits
+    decay, frequency = spring_limits.free_response(way[:max(8, min(len(way), int(6 / (step * max(damping, 0.1)))))])
+    return abs(decay / (damping * step) - 1), abs(frequency / (step * math.sqrt(1 - damping**2)) - 1)

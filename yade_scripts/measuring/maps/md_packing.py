@@ -1,0 +1,110 @@
+"""MD: the step against the damping, for a packing.
+
+The probe: a packing of springs at rest under P0 between fixed walls, its contacts sticking, pushed a little.
+"""
+import functools
+import math
+import random
+
+from yade_scripts import parameters, results
+from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.running.sums import total
+
+DISKS, STEPS, EVERY = 100, 2000, 10
+PUSH = 1e-5  # of the mean overlap
+GROWN, GROWN_IN_ALL = 10, 1e6  # of the kinetic energy
+FOLDER = results.FOLDER  # of prepared packings
+
+RATIOS = (0.25, 0.5, 1.0)
+LAWS = ("standard", "avoid_ratcheting", "path_independent")
+
+
+def grid(full):
+    """md_dt_factor by beta_n, a panel for each k_t/k_n."""
+    steps, damping = ((logarithmic(0.1, 1.6, 13), logarithmic(0.01, 0.9, 7)) if full else (logarithmic(0.1, 1.6, 7), [0.01, 0.1, 0.5]))
+    return product(kt_over_kn=RATIOS if full else RATIOS[1:2], beta_n=damping, md_dt_factor=steps, tangential_law=LAWS[:1])
+
+
+def searches(full):
+    """Of instability."""
+    damping = logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
+    precision = 1.005 if full else 1.03
+    return [Search(at, "md_dt_factor", 0.1, 2.0, precision)
+            for at in product(kt_over_kn=RATIOS if full else RATIOS[1:2], beta_n=damping, tangential_law=LAWS[:1])
+            + product(kt_over_kn=RATIOS[1:2], beta_n=[0.1], tangential_law=LAWS[1:])]
+
+
+MAP = Map(
+    group="Where springs fail", order=1,
+    title="Springs: the step for a packing",
+    question="How long a time step does a packing under pressure allow, and does the largest eigenvalue of its stiffness predict it?",
+    criterion="100 disks at rest under P0 between fixed walls, with sticking contacts, are pushed by 1e-5 of an overlap. Unstable: their "
+              "kinetic energy grows tenfold between the second and the last quarter of 2000 steps, or 1e6-fold in all.",
+    remedy="A run whose step is above the limit of the contacts that it begins with is refused. Contacts that form later are not checked; "
+           "md_dt_factor up to 0.25 is safe for every beta_n and k_t/k_n.",
+    x=Axis("md_dt_factor", r"md_dt_factor $= dt/\sqrt{m_{\min}/k_n}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
+    measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
+              "theory": ("1", "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices"),
+              "bound": ("1", "md_dt_factor that is safe for every packing in which no disk is held more stiffly than here")},
+    grid=grid, searches=searches, marks={"default": 0.2}, theory_label=r"largest eigenvalue of the packing", theory_along="md_dt_factor")
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O, utils
+
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, md, md_step
+    full = parameters.complete({"disks": DISKS, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
+    load(full)
+    lightest = min(b.state.mass for b in bodies.disks())
+    unit = math.sqrt(lightest / parameters.stiffness(full))
+    O.dt = case["md_dt_factor"] * unit
+    limits = {name: limit / unit for name, limit in step_limits(case["kt_over_kn"], case["beta_n"]).items()}
+    refusal = ""
+    try:
+        md_step.check(full | {"md_dt_factor": case["md_dt_factor"]})
+    except parameters.ParameterError as error:
+        refusal = str(error)
+    overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in O.interactions if i.isReal]
+    speed = PUSH * total(overlaps) / len(overlaps) / unit
+    draw = random.Random(1)
+    for body in bodies.disks():
+        body.state.vel = (draw.uniform(-speed, speed), draw.uniform(-speed, speed), 0)
+        body.state.angVel = (0, 0, draw.uniform(-speed, speed) / body.shape.radius)
+    energy, start = [], utils.kineticEnergy()
+    O.engines = md.contact_engines(full, case["tangential_law"]) + [
+        md.integrator(full), hooks.runner(lambda: energy.append(utils.kineticEnergy()), iterPeriod=EVERY)]
+    hooks.simulate(STEPS)
+    quarter = len(energy) // 4
+    late = max(energy[-quarter:])
+    growth = late / max(energy[quarter:2 * quarter])
+    measures = {"growth": growth} | limits
+    # Energies below 1e-12 of the first are round-off; beyond numbers is grown as well.
+    if not (max(energy) < GROWN_IN_ALL * start) or (growth > GROWN and late > 1e-12 * start):
+        return Outcome(UNSTABLE, "energy growth", refusal, measures)
+    return Outcome(STABLE, told=refusal, measures=measures)
+
+
+@functools.cache
+def step_limits(kt_over_kn, beta_n):
+    """Limits [s] of the packing in O, which is the same for all cases of this stiffness ratio and damping."""
+    from yade_scripts.running import md_step
+    return {"theory": md_step.limit(), "bound": md_step.safe_bound()}
+
+
+def load(full):
+    """The one prepared packing of all cases; its contacts get the stiffness ratio and the damping of the case, and stick."""
+    from yade import O
+
+    from yade_scripts.preparing import prepare
+    from yade_scripts.running import md
+    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
+    O.load(str(path))
+    md.set_friction(2.0, 0.0)
+    for material in O.materials:
+        material.betan = full["beta_n"]
+    for contact in O.interactions:
+        if contact.isReal:
+            contact.phys.ks = full["kt_over_kn"] * contact.phys.kn
+            contact.phys.cn = full["beta_n"] * contact.phys.cn_crit

@@ -1,0 +1,156 @@
+"""MD: the servo of the walls, its gain against the largest speed of the walls.
+
+The probe: one triangle of load by the servo, recorded like any run, with a gain and a largest speed that are not the servo's own.
+"""
+import functools
+import pathlib
+import statistics
+import tempfile
+
+from yade_scripts import parameters, results, scenes
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+
+DISKS, SAMPLES, BETA = 100, 20, 0.3
+STRESS_ERROR, STRAIN_ERROR, FLIPPING = 0.05, 0.1, 0.5
+FOLDER = results.FOLDER  # of prepared packings
+
+
+def grid(full):
+    """gain by largest speed, a panel for each period of the load."""
+    gains, speeds = ((logarithmic(0.25, 8, 11), logarithmic(1e-4, 1e2, 13)) if full else (logarithmic(0.5, 4, 4), logarithmic(1e-3, 1e2, 6)))
+    return product(period=[0.2, 0.02] if full else [0.2], max_velocity=speeds, gain=gains)
+
+
+def searches(full):
+    """The gain at which the walls lock, and the speed below which they are too slow."""
+    gain = [Search(at, "gain", 0.5, 8.0, 1.02 if full else 1.1) for at in product(period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])]
+    return gain + [Search(at, "max_velocity", 1.0, 1e-6, 1.05 if full else 1.5) for at in product(period=[0.2, 0.02] if full else [0.2], gain=[1.0])]
+
+
+MAP = Map(
+    group="Where walls fail", order=2,
+    title="The walls' servo",
+    question="When do servo-driven walls carry their load, and does the program notice when they do not?",
+    criterion="100 disks under one triangle of 0.2 P0, damping ratio 0.3, recorded 20 times. In most samples of the second half the stress "
+              "(mean of opposite walls) is off its goal by more than 5 % of P0: unstable (locked) if walls change direction at more than "
+              "half of the steps, else inaccurate (load missed). Inaccurate too if the largest gamma is off by a tenth of its value at gain "
+              "1.",
+    remedy="walls.servo keeps the gain at 1, and a run whose walls are more than 5 % of P0 off ends with an error. Below that nothing is "
+           "said, although gamma was off by up to 38 % under a load of 0.2 P0: look at 'stress error/P0' of `python3 -m analysis summary`, "
+           "which is a few 1e-3 at most where the servo works.",
+    x=Axis("gain", r"gain $(1-\mathtt{stressDamping})\,2\beta_n\,\sqrt{m/k_n}/dt$"), y=Axis("max_velocity", "max_vel [m/s]"), panels="period",
+    measures={"stress_error": ("1", "error of the worst wall's stress over P0, median of the second half"),
+              "mean_stress_error": ("1", "the same of the means of opposite walls, which is what a history shows"),
+              "reversals": ("1", "share of the steps at which wall y+ changes direction"), "largest_gamma": ("1", "largest |gamma|"),
+              "strain_error": ("1", "of the largest |gamma|, relative to that under gain 1"), "samples": ("1", "taken before the run ended"),
+              "theory": ("1", "gain at which walls begin to flip by a theory of equal disks")},
+    grid=grid, searches=searches, marks={"largest that walls.servo sets": 1.0}, theory_label="flipping walls, equal disks", theory_along="gain")
+
+
+class Watch:
+    """What the recorder does not see: each wall by itself, and the way of wall y+ step by step."""
+
+    def __init__(self, scene, full):
+        self.scene, self.p0 = scene, parameters.pressure(full)
+        from yade_scripts.running import walls
+        self.errors, self.means, self.gammas = [], [], []
+        self.sides, self.place, self.direction, self.reversals, self.steps = walls.sides(), None, 0, 0, 0
+
+    def sample(self):
+        """Stress errors over P0 and gamma, beside the recorder's sample."""
+        from yade_scripts.running import walls
+        stresses, goal = walls.stresses(), self.scene.load.goal
+        self.errors.append(max(abs(s - g) for pair, g in zip(stresses, goal) for s in pair) / self.p0)
+        self.means.append(max(abs(sum(pair) / 2 - g) for pair, g in zip(stresses, goal)) / self.p0)
+        strain = [now / first - 1 for now, first in zip(walls.sides(), self.sides)]
+        self.gammas.append(abs(strain[1] - strain[0]))
+
+    def step(self):
+        """Count the changes of direction."""
+        from yade import O
+
+        from yade_scripts.running import walls
+        place = O.bodies[walls.Y_HIGH].state.pos[1]
+        if self.place is not None and place != self.place:
+            direction = 1 if place > self.place else -1
+            self.reversals += direction == -self.direction
+            self.direction = direction
+        self.place, self.steps = place, self.steps + 1
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    error, watch = run(case)
+    half = len(watch.errors) // 2
+    reference = reference_gamma(case["period"])
+    measures = {"stress_error": statistics.median(watch.errors[half:]), "mean_stress_error": statistics.median(watch.means[half:]), "reversals": watch.reversals / watch.steps,
+                "largest_gamma": max(watch.gammas), "strain_error": abs(max(watch.gammas) / reference - 1), "samples": len(watch.errors),
+                "theory": watch.limit}
+    if measures["mean_stress_error"] > STRESS_ERROR:
+        locked = measures["reversals"] > FLIPPING
+        return Outcome(UNSTABLE if locked else INACCURATE, "locked walls" if locked else "load missed", error, measures)
+    if measures["strain_error"] > STRAIN_ERROR:
+        return Outcome(INACCURATE, "wrong motion", error, measures)
+    return Outcome(STABLE, told=error, measures=measures)
+
+
+@functools.cache
+def reference_gamma(period):
+    """The largest |gamma| under a gain of 1 and walls as fast as they need be."""
+    from yade import O
+    O.reset()
+    _, watch = run({"period": period, "gain": 1.0, "max_velocity": 1.0})
+    return max(watch.gammas)
+
+
+def gain_limit(own_gain):
+    """Of stability: the largest gain G = a own_gain, a = 1 - stressDamping, own_gain = 2 beta sqrt(m/k_n)/dt.
+
+    The controller moves a wall by d(n+1) = 0.8 d(n) - a e(n); e(n), the error of the force over the wall's stiffness, is
+    f (x(n) + own_gain d(n)) with d(n) = x(n) - x(n-1), since the dashpots see the velocity of the last step. The way out of the unit circle
+    is x(n) = (-1)^n, so 2 = a f (1 + 2 own_gain) - 1.6. Disks that the walls push to and fro answer in the opposite sense, by their inertia:
+    f = 4/(4 - Q), Q = s^2 + 4 beta s, s = dt sqrt(k_n/m), all mean disks and held by nothing else.
+    """
+    s = 2 * BETA / own_gain
+    answer = 4 / (4 - s**2 - 4 * BETA * s)
+    return 1.8 / (answer * (1 + 0.5 / own_gain))
+
+
+def run(case):
+    """(the error that ended the run or '', Watch)."""
+    from yade import O
+
+    from yade_scripts.preparing import bodies, prepare
+    from yade_scripts.running import hooks, loading, recorder, stage, wall_check
+    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
+    O.load(str(path))
+    full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
+    for material in O.materials:
+        material.betan = BETA
+    for contact in O.interactions:
+        if contact.isReal:
+            contact.phys.cn = BETA * contact.phys.cn_crit
+    scene = scenes.Scene(every=stage.set_step(full, stage.largest_step(full)), samples=SAMPLES)
+    stage.load_walls(full, scene, loading.goals(full, parameters.pressure(full)))
+    controller = scene.load.controller
+    own_gain = 2 * BETA * (bodies.mean_mass() / parameters.stiffness(full))**0.5 / O.dt
+    controller.stressDamping, controller.max_vel = 1 - case["gain"] / own_gain, case["max_velocity"]
+    watch = Watch(scene, full)
+    watch.limit = gain_limit(own_gain)
+    with tempfile.TemporaryDirectory() as folder:
+        sampler, failure = recorder.Recorder(pathlib.Path(folder) / "servo.h5", full, scene), None
+
+        def observe():
+            watch.sample()
+            sampler.sample()
+
+        scene.observer = observe
+        O.engines = O.engines + [hooks.runner(watch.step, iterPeriod=1)]
+        try:
+            scenes.method(full).run(scene)
+        except wall_check.Collapse:
+            pass  # a result, and so no way of saying that the walls have locked
+        except wall_check.StressError as ended:
+            failure = ended
+        sampler.close(failure=failure)
+    return "" if failure is None else str(failure), watch

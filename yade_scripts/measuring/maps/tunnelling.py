@@ -1,0 +1,103 @@
+"""Both methods: speed against the thickness of a wall that must stop a disk.
+
+The probe: a disk thrown at a fixed box, by springs or as a rigid body.
+"""
+import math
+
+from yade_scripts import parameters
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+
+DISTANCES = (2.13, 2.38, 2.63, 2.88)  # in ways of a step: the phases at which the step meets the wall
+CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
+NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for a flight that begins in front of the wall, within half a step
+SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}, "CD colliderMargin=0": {"colliderMargin": 0.0}}
+DEPTH = 0.5
+
+KINDS = ("MD", "CD", "CD e=0.5", "CD from near", "CD colliderMargin=0")
+
+
+def grid(full):
+    """speed by thickness, a panel for each way of computing."""
+    speeds, thicknesses = (logarithmic(0.01, 100, 13), logarithmic(0.01, 10, 4)) if full else (logarithmic(0.01, 100, 5), [0.1, 1.0])
+    return product(kind=KINDS, thickness=thicknesses, speed=speeds)
+
+
+def searches(full):
+    """The speed that gets through."""
+    return [Search(at, "speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE)) for at in product(kind=KINDS, thickness=logarithmic(0.01, 10, 4) if full else [0.1, 1.0])]
+
+
+def turning(at):
+    """Of springs: the speed, in R sqrt(k_n/m), at which the centre reaches the wall's mid-plane, where a box turns its normal round."""
+    return 1 + at["thickness"] / 2 if at["kind"] == "MD" else math.nan
+
+
+MAP = Map(
+    group="Where walls fail", order=10,
+    title="Both methods: a disk thrown at a wall",
+    question="How fast must a disk be to pass through a wall?",
+    criterion="A disk flies at a fixed box without gravity, from four distances; springs have no dashpots and md_dt_factor 0.2. Unstable: "
+              "the disk ends beyond the box. Inaccurate: on its way it overlaps the box by more than half its radius.",
+    remedy="A rigid disk is stopped at any speed if colliderMargin is above 0, as cd_engine.engines sets it. Exception: a flight that begins "
+           "within half a step of the wall may end up to a radius deep in it. Springs stop a disk if v sqrt(m/k_n) is below R; for an "
+           "overlap below a tenth of R, k_n must exceed 100 m v^2/R^2.",
+    x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
+    measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},
+    grid=grid, searches=searches, theory=turning,
+    theory_label="springs: the centre\npasses the mid-plane", theory_along="speed")
+
+
+def probe(case):
+    """The Outcome of a case, inside YADE."""
+    from yade import O
+
+    from yade_scripts.measuring import rigid
+    throw = springs if case["kind"] == "MD" else rigidly
+    flights = []
+    for distance in NEAR if case["kind"] == "CD from near" else DISTANCES:
+        O.reset()
+        rigid.material(0.0)
+        rigid.box((0, 0), (1000 * rigid.RADIUS, case["thickness"] * rigid.RADIUS / 2))
+        flights.append(throw(case, case["thickness"] * rigid.RADIUS / 2 + rigid.RADIUS, distance))
+    measures = {"through": sum(beyond for beyond, _, _ in flights) / len(flights), "penetration": max(depth for _, depth, _ in flights) / rigid.RADIUS}
+    told = next((said for _, _, said in flights if said), "")
+    if measures["through"]:
+        return Outcome(UNSTABLE, "tunnelled", told, measures)
+    if measures["penetration"] > DEPTH:
+        return Outcome(INACCURATE, "penetration", told, measures)
+    return Outcome(STABLE, measures=measures)
+
+
+def springs(case, contact, distance):
+    """(whether it got through, largest overlap [m], ''): the default springs and their default step, without dashpots."""
+    from yade import O
+
+    from yade_scripts.measuring import rigid
+    from yade_scripts.running import hooks, md
+    full = parameters.complete({})
+    for material in O.materials:
+        material.betan = 0.0
+    dt = full["md_dt_factor"] * math.sqrt(rigid.MASS / parameters.stiffness(full))
+    velocity = case["speed"] * rigid.RADIUS * math.sqrt(parameters.stiffness(full) / rigid.MASS)
+    disk = rigid.disk((0, contact + distance * velocity * dt), velocity=(0, -velocity))
+    state, lowest = O.bodies[disk].state, [math.inf]
+
+    def look():
+        lowest[0] = min(lowest[0], state.pos[1])
+
+    O.engines = md.contact_engines(full) + [md.integrator(full), hooks.runner(look, iterPeriod=1)]
+    O.dt = dt
+    hooks.simulate(MD_STEPS)
+    return state.pos[1] < 0, max(0.0, contact - lowest[0]), ""
+
+
+def rigidly(case, contact, distance):
+    """(whether it got through, largest overlap [m], what the engine said)."""
+    from yade import O
+
+    from yade_scripts.measuring import rigid
+    velocity = case["speed"] * rigid.RADIUS / CD_DT
+    disk = rigid.disk((0, contact + distance * velocity * CD_DT), velocity=(0, -velocity))
+    engine = rigid.engine(CD_DT, (0, 0, 0), tolerance=1e-10, **SETTINGS[case["kind"]])
+    O.run(CD_STEPS, True)
+    return O.bodies[disk].state.pos[1] < 0, engine.deepestPenetration, rigid.told(engine)

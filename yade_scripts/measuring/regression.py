@@ -1,0 +1,92 @@
+"""The regression run: scenes through `yade -n -x`, their numbers against those stored in regression.json.
+
+    /usr/bin/python3 yade_scripts/measuring/regression.py [--short] [--record NEW.json]
+
+Each stored number has a tolerance and the reason for it. --record writes what came out to a new file, for a person to compare and
+take over; nothing is ever overwritten. Exit status: 0 nothing drifted, 1 something did, 2 the run cannot be made.
+"""
+import json
+import pathlib
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+
+from yade_scripts import batch, commands, parameters, results
+from yade_scripts.results import sealed
+from yade_scripts.running import queue
+
+STORED = pathlib.Path(__file__).with_name("regression.json")
+PICK = {"first": lambda a: a[0], "last": lambda a: a[-1], "min": min, "max": max}
+
+
+def value(path, quantity):
+    """A number of a result file: known/NAME, or history/FIELD/(first|last|min|max)."""
+    with sealed.open_checked(path) as file:
+        kind, name, *pick = quantity.split("/")
+        return float(file[f"known/{name}"][()]) if kind == "known" else float(PICK[pick[0]](file[f"history/{name}"][:]))
+
+
+def run_cases(cases, folder):
+    """Run the cases; {name: (result file, None) or (None, why it failed)}."""
+    jobs = {case["name"]: batch.Row(case["row"], folder) for case in cases}
+    results.make(folder)
+    queue.run(list({job.path: job for job in jobs.values()}.values()), 2)
+    return {name: (job.path, None) if results.finished(job.path) else (None, results.status(job.path) or job.said(1)) for name, job in jobs.items()}
+
+
+def compare(cases, folder):
+    """Run the cases and print a line a number; how many drifted. Each number's new value is added to it as `now`."""
+    drifted = 0
+    print(f"{'case':18} {'quantity':34} {'stored':>22} {'now':>22} {'difference':>11} {'tolerance':>10}")
+    ran = run_cases(cases, folder)
+    for case in cases:
+        path, failure = ran[case["name"]]
+        if failure:
+            drifted += 1
+            print(f"{case['name']:18} {failure}   <-- FAILED")
+            continue
+        for number in case["numbers"]:
+            number["now"] = value(path, number["quantity"])
+            difference = number["now"] - number["value"]
+            drift = not abs(difference) <= number["tolerance"]
+            drifted += drift
+            print(f"{case['name']:18} {number['quantity']:34} {number['value']:22.15g} {number['now']:22.15g} {difference:11.2e} "
+                  f"{number['tolerance']:10.1e}{'   <-- DRIFTED; tolerance: ' + number['reason'] if drift else ''}", flush=True)
+    return drifted
+
+
+def record(stored, path):
+    """Write the stored file with the new values in place of measured ones, not of exact ones; refuses to overwrite."""
+    for case in stored["cases"]:
+        for number in case["numbers"]:
+            now = number.pop("now", number["value"])
+            number["value"] = number["value"] if number["exact"] else now
+    with open(path, "x") as file:
+        json.dump(stored, file, indent=1)
+        file.write("\n")
+    print(f"Written {path}; compare it with {STORED.name}, and take it over if every change is meant.")
+
+
+@commands.command("regression")
+def main(arguments=None):
+    """Command line."""
+    parser = commands.parser(__doc__)
+    parser.add_argument("--short", action="store_true", help="only the quick cases")
+    parser.add_argument("--record", metavar="NEW.json", help="write the numbers found to a new file")
+    options = parser.parse_args(arguments)
+    if options.record and pathlib.Path(options.record).exists():
+        raise parameters.ParameterError(f"{options.record} exists; name a new file")
+    stored = json.loads(STORED.read_text())
+    cases = [case for case in stored["cases"] if case["short"] or not options.short]
+    with tempfile.TemporaryDirectory() as folder:
+        drifted = compare(cases, folder)
+    if options.record:
+        record(stored, options.record)
+    print(f"{drifted} of {sum(len(case['numbers']) for case in cases)} numbers drifted." if drifted else "Nothing drifted.")
+    return 1 if drifted else 0
+
+
+if __name__ == "__main__":
+    queue.end_by_signals("regression")
+    sys.exit(main())

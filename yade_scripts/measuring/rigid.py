@@ -1,0 +1,89 @@
+"""What the probes of Contact Dynamics share, inside YADE: disks of the default radius, boxes, columns, and what the engine says of a run."""
+from yade import O, utils
+
+import cd_engine
+from yade_scripts import parameters
+from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE, Outcome
+from yade_scripts.preparing import bodies
+
+DEFAULTS = parameters.complete({})
+RADIUS = DEFAULTS["radius_mean"]  # [m]
+MASS = bodies.disk_mass(RADIUS, DEFAULTS)  # [kg]
+GRAVITY = 9.81  # [m/s^2]
+COLUMN_STEP = 1e-3  # [s]
+FORCE_ERROR = 0.01  # of the weight above, of a column that is judged
+DEEP = 0.01  # of the smallest radius: an overlap of which the engine warns
+
+
+def material(mu):
+    """The material of all bodies that follow."""
+    bodies.append_material("disk", mu, DEFAULTS)
+
+
+def disk(position, mass=MASS, velocity=(0, 0), blocked="zXY"):
+    """Append a disk of RADIUS; its id."""
+    return bodies.append_disk(position, RADIUS, mass, "disk", velocity, blocked)
+
+
+def box(centre, half, **more):
+    """Append a fixed box; its id."""
+    return O.bodies.append(utils.box((*centre, 0), (*half, DEFAULTS["depth"] / 2), fixed=True, material="disk", **more))
+
+
+def floor():
+    """A floor whose upper side is y = 0."""
+    return box((0, -RADIUS), (1000 * RADIUS, RADIUS))
+
+
+def engine(dt, gravity=(0, -GRAVITY, 0), **settings):
+    """Set the engines and the step; the ContactDynamics engine."""
+    O.engines = cd_engine.engines(gravity=gravity, **settings)
+    O.dt = dt
+    return O.engines[-1]
+
+
+def told(contact_dynamics, smallest=RADIUS):
+    """How the engine said that something is wrong, '' if it did not; smallest: radius [m]."""
+    said = []
+    if contact_dynamics.unconvergedSteps:
+        said.append(f"{contact_dynamics.unconvergedSteps} unconverged steps ({contact_dynamics.status})")
+    elif not contact_dynamics.converged:  # fixedIterations
+        said.append(f"converged is False (e = {contact_dynamics.residual:.0e})")
+    if contact_dynamics.deepestPenetration > DEEP * smallest:
+        said.append("warning of overlap")
+    return ", ".join(said)
+
+
+def normal_force(one, other):
+    """[N] between two bodies, 0 without contact."""
+    if not O.interactions.has(one, other):
+        return 0.0
+    contact = O.interactions[one, other]
+    return contact.phys.normalForce.norm() if contact.isReal else 0.0
+
+
+def stand(disks, steps, **settings):
+    """(engine, measures) after `steps` steps."""
+    material(0.5)
+    below, pairs = floor(), []
+    for k in range(disks):
+        above = disk((0, (2 * k + 1) * RADIUS))
+        pairs.append((below, above))
+        below = above
+    contact_dynamics = engine(COLUMN_STEP, **settings)
+    O.run(steps, True)
+    weight = GRAVITY * MASS
+    error = max(abs(normal_force(*pair) / ((disks - k) * weight) - 1) for k, pair in enumerate(pairs))
+    return contact_dynamics, {"force_error": error, "penetration": contact_dynamics.deepestPenetration / RADIUS,
+                    "unconverged": contact_dynamics.unconvergedSteps / steps, "residual": contact_dynamics.residual}
+
+
+def judge(contact_dynamics, measures):
+    """The Outcome of what was measured."""
+    if measures["unconverged"]:
+        return Outcome(NOT_SOLVED, "non-convergence", told(contact_dynamics), measures)
+    if measures["penetration"] > DEEP:
+        return Outcome(UNSTABLE, "penetration", told(contact_dynamics), measures)
+    if measures["force_error"] > FORCE_ERROR:
+        return Outcome(INACCURATE, "wrong forces", told(contact_dynamics), measures)
+    return Outcome(STABLE, measures=measures)

@@ -1,0 +1,59 @@
+"""Measurements as files, one each: results/<kind>/<name>.h5, HDF5 with a checksum, written whole. Needs no YADE.
+
+A measurement is a dictionary of facts and a table `rows`. What cannot be read is measured again; nothing is ever half there.
+"""
+import io
+import json
+import pathlib
+import sys
+
+import h5py
+import numpy as np
+
+from yade_scripts import results
+from yade_scripts.results import provenance, sealed
+
+
+def origin():
+    """Where a measurement comes from: commit, processor and, inside YADE, its version."""
+    found = {"git_commit": provenance.git_commit(), "processor": provenance.processor()}
+    if "yade" in sys.modules:
+        from yade import config
+        found["yade_version"] = config.version
+    return found
+
+
+def add(folder, name, facts, rows=()):
+    """Write a measurement in place of an older one of that name."""
+    results.make(folder)
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file["facts"] = json.dumps(facts)
+        for column in dict.fromkeys(key for row in rows for key in row):
+            values = [row.get(column) for row in rows]
+            texts = any(isinstance(value, str) for value in values)
+            kind = h5py.string_dtype() if texts else int if all(isinstance(value, int) for value in values) else float
+            file.create_dataset(f"rows/{column}", dtype=kind, data=[("" if texts else np.nan) if value is None else value for value in values])
+    sealed.write(pathlib.Path(folder) / f"{name}.h5", content.getvalue())
+
+
+def get(folder, name):
+    """A measurement: its facts, and under 'rows' its table as a list of dictionaries; None where there is none that can be read."""
+    path = pathlib.Path(folder) / f"{name}.h5"
+    if not path.exists():
+        return None
+    try:
+        with sealed.open_checked(path) as file:
+            columns = {column: data.asstr()[()] if data.dtype.kind == "O" else data[()] for column, data in file.get("rows", {}).items()}
+            facts = json.loads(file["facts"].asstr()[()])
+    except (sealed.Damaged, KeyError, ValueError, TypeError) as error:
+        print(f"{path} {error}: it is measured again.", file=sys.stderr)
+        return None
+    length = max(map(len, columns.values()), default=0)
+    return facts | {"rows": [{column: _value(values[k]) for column, values in columns.items()} for k in range(length)]}
+
+
+def _value(value):
+    """As plain Python has it; None for NaN."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and np.isnan(value) else value

@@ -1,0 +1,44 @@
+"""Measures, in one YADE, what is missing of one chart or map. Started by `python3 -m yade_scripts.measuring`.
+
+    yade -n -x -j 1 yade_scripts/measuring/worker.py charts stack [--full] [--results FOLDER]
+
+What is under way stands in a file beside the log, so that a crash costs one measurement only. A measurement that takes more processor time
+than it may ends the process by SIGPROF; one that waits in vain ends it by SIGALRM after twenty times as long by the clock.
+"""
+import pathlib
+import signal
+import sys
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))
+
+from yade_scripts import commands
+from yade_scripts.measuring import __main__ as runner
+
+
+@commands.command("worker")
+def main(arguments=None):
+    """Command line; the exit status is 0 once nothing is missing."""
+    parser = commands.parser(__doc__)
+    parser.add_argument("kind", choices=list(runner.KINDS))
+    parser.add_argument("name")
+    commands.add_extent(parser)
+    commands.add_results(parser)
+    options = parser.parse_args(arguments)
+    work = runner.KINDS[options.kind].Work(options.name, options.full, pathlib.Path(options.results))
+    under_way = runner.under_way(options.kind, options.name, options.results)
+
+    def begun(name, seconds):
+        under_way.write_text(name, encoding="utf-8")
+        signal.setitimer(signal.ITIMER_PROF, seconds)
+        signal.alarm(int(20 * seconds))
+
+    work.measure(begun)
+    signal.setitimer(signal.ITIMER_PROF, 0)
+    signal.alarm(0)
+    under_way.unlink(missing_ok=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,9 +1,0 @@
-"""Which YADE is running: Debian packages four precisions of one version, and a file made by one says nothing to the others."""
-
-
-def check():
-    """ImportError unless this YADE computes in double precision, as results, prepared states and the engine do."""
-    from yade import config
-    if config.highPrecisionName != "PrecisionDouble":
-        raise ImportError(f"scenes, states and results are of YADE in double precision; this is {config.version} with "
-                          f"{config.highPrecisionDecimalPlaces} decimal places, from {config.libDir}. Start `yade` or `yade-double`.")

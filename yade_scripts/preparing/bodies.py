@@ -1,0 +1,74 @@
+"""Disks: making them, finding them, counting their contacts."""
+import math
+
+from yade import O, Quaternion, utils
+from yade.wrapper import FrictViscoMat, Sphere
+
+from yade_scripts import parameters
+from yade_scripts.running import walls
+from yade_scripts.running.sums import total
+
+
+def append_material(label, mu, full):
+    """Add a material with friction coefficient mu that serves springs with dashpots and rigid contacts alike."""
+    O.materials.append(FrictViscoMat(frictionAngle=math.atan(mu), betan=full["beta_n"], density=full["density"], label=label))
+
+
+def disk_mass(radius, full):
+    """rho pi R^2 depth [kg]."""
+    return full["density"] * math.pi * radius**2 * full["depth"]
+
+
+def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"):
+    """Append a disk at (x, y) [m] of `mass` [kg] and inertia m R^2/2, free in the plane unless more is blocked; its id."""
+    body = utils.sphere((*position, 0), radius, material=material, color=(0.7, 0.7, 0.6))  # YADE's default colour is random
+    body.state.mass = mass
+    body.state.inertia = (mass * radius**2 / 2,) * 3
+    body.state.blockedDOFs = blocked
+    body.state.vel = (*velocity, 0)
+    return O.bodies.append(body)
+
+
+def append_box(centre, half, full, angle=0.0, material="disk"):
+    """Append a fixed box at (x, y) [m] of half sides (x, y) [m] as deep as the disks, turned by `angle` [rad] about z; its id."""
+    return O.bodies.append(utils.box((*centre, 0), (*half, full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
+                                     color=(0.4, 0.4, 0.4)))
+
+
+def append_floor(full, length=None, material="disk"):
+    """Append a floor whose surface is y = 0, `length` [m] to either side, ten mean radii unless given; its id."""
+    radius = full["radius_mean"]
+    return append_box((0, -radius), (length or 10 * radius, radius), full, material=material)
+
+
+def disks():
+    """The bodies that are disks, in the order of their ids."""
+    return [b for b in O.bodies if isinstance(b.shape, Sphere)]
+
+
+def mean_mass():
+    """Mean mass of the disks [kg]."""
+    masses = [b.state.mass for b in disks()]
+    return total(masses) / len(masses)
+
+
+def solid_fraction():
+    """Area of the disks over the area of the box."""
+    length_x, length_y = walls.sides()
+    return total(math.pi * b.shape.radius**2 for b in disks()) / (length_x * length_y)
+
+
+def contacts_per_disk():
+    """Mean number of loaded contacts of a disk that is no rattler."""
+    counts = [n for n in map(loaded_contacts, disks()) if n]
+    return sum(counts) / len(counts)
+
+
+def loaded_contacts(body):
+    """Number of contacts of a body that carry a force."""
+    return sum(1 for i in body.intrs() if i.isReal and i.phys.normalForce.squaredNorm() > 0)
+
+
+def sag(force, full):
+    """Overlap [m] at which a contact carries `force` [N] at rest: springs need one, rigid contacts have none."""
+    return force / parameters.stiffness(full) if full["method"] == "MD" else 0.0

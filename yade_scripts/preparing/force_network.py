@@ -1,0 +1,106 @@
+"""Other admissible contact forces for grains that do not move (Unger, Kertesz and Wolf, PRL 94, 178001, 2005).
+
+Rigid grains at rest leave their contact forces open: balance on every body, no tension and Coulomb's cone |T| <= mu R admit a convex
+set of networks. One point of it is found by adding to every contact force a random normal and a random tangential part and handing
+that to the contact solver as its first guess; a walk over the set perturbs what was found, and so on. A walk samples the set by its
+own measure, not uniformly.
+"""
+import random
+
+import numpy as np
+from yade import O, Vector3
+
+from yade_scripts.running import hooks
+
+
+class NetworkError(RuntimeError):
+    """The solver has not found another admissible network."""
+
+
+class Frozen:
+    """The touching contacts of the sample in O, in the order of their ids, and the motion of its bodies, to which `thaw` returns."""
+
+    def __init__(self):
+        contacts = sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2))
+        # Their geom and phys are kept since the engine takes them from a contact that carries nothing.
+        self.contacts = [(i, i.geom, i.phys) for i in contacts]
+        self.ids = np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2)
+        self.motion = [(b.state, b.state.pos, b.state.ori, Vector3(b.state.vel), Vector3(b.state.angVel)) for b in O.bodies]
+
+    def forces(self):
+        """(R, T) [N] of every contact as they stand in the scene, signs as in analysis/schema.py; 0 where nothing is carried."""
+        found = np.zeros((2, len(self.contacts)))
+        for k, (contact, _, _) in enumerate(self.contacts):
+            if contact.isReal:
+                n, shear = contact.geom.normal, contact.phys.shearForce
+                found[:, k] = contact.phys.normalForce.dot(n), n[0] * shear[1] - n[1] * shear[0]
+        return found
+
+    def impose(self, normal, tangential):
+        """Put (R, T) [N] on the contacts, the first guess of the next step. Pulls are left out: a rigid contact cannot."""
+        for (contact, geom, phys), pressure, along in zip(self.contacts, normal, tangential):
+            contact.geom, contact.phys = geom, phys
+            n, loaded = geom.normal, pressure > 0
+            phys.normalForce = n * (pressure if loaded else 0.0)
+            phys.shearForce = Vector3(-n[1], n[0], 0) * (along if loaded else 0.0)
+
+    def perturb(self, rng, amplitude):
+        """Add to every R and T a number uniform within +-amplitude <R>, <R> [N] being the mean normal force of the contacts that carry one."""
+        normal, tangential = self.forces()
+        most = amplitude * normal[normal > 0].mean()
+        self.impose(*([f + rng.uniform(-most, most) for f in forces] for forces in (normal, tangential)))
+
+    def thaw(self):
+        """Put every body back where it was, bit by bit, at the speed it had."""
+        for state, position, orientation, velocity, spin in self.motion:
+            state.pos, state.ori, state.vel, state.angVel = position, orientation, velocity, spin
+
+
+class Walk:
+    """A walk over the admissible networks of the sample in O, one step of ContactDynamics each: perturb, relax, put back.
+
+    After the run: normal, tangential [N], one array of the contacts' forces a step; converged: whether that step met the tolerance.
+    With cold_first the first step begins from no forces at all: the network that the solver finds alone. The walk then starts, as it
+    otherwise does at once, from the forces that were in the scene.
+    """
+
+    def __init__(self, seed, amplitude, cold_first=False):
+        self.frozen, self.rng, self.amplitude = Frozen(), random.Random(seed), amplitude
+        self.start, self.cold = self.frozen.forces(), cold_first
+        self.normal, self.tangential, self.converged = [], [], []
+
+    def surround(self):
+        """Stand in O.engines: perturb before the forces are reset, read and put back at the end of a step."""
+        self.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+        engines = O.engines
+        reset = next(k for k, engine in enumerate(engines) if type(engine).__name__ == "ForceResetter")
+        O.engines = (engines[:reset] + [hooks.runner(self._perturb, iterPeriod=1, initRun=True)] + engines[reset:]
+                     + [hooks.runner(self._take, iterPeriod=1, initRun=True)])
+
+    def _perturb(self):
+        steps = len(self.converged)
+        if steps == 0 and self.cold:
+            self.frozen.impose(*np.zeros_like(self.start))
+            return
+        if steps == self.cold:
+            self.frozen.impose(*self.start)
+        self.frozen.perturb(self.rng, self.amplitude)
+
+    def _take(self):
+        normal, tangential = self.frozen.forces()
+        self.normal.append(normal)
+        self.tangential.append(tangential)
+        self.converged.append(self.engine.converged)
+        self.frozen.thaw()
+
+
+def replace(seed, amplitude):
+    """Give the sample in O, whose engines are set for Contact Dynamics, another network; the engines have made a step and must be set anew."""
+    walk = Walk(seed, amplitude)
+    walk.surround()
+    hooks.simulate(1)
+    if not walk.converged[-1]:
+        raise NetworkError(f"network_seed = {seed}: no admissible network found, error {walk.engine.residual:.1e} after {walk.engine.iterations} "
+                           f"sweeps ({walk.engine.status}), tolerance {walk.engine.tolerance:g}; raise max_iterations or take another seed")
+    O.engines = []
+    O.resetTime()

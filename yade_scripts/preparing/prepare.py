@@ -1,0 +1,215 @@
+"""Prepares a packing at rest under P0 and saves it under the hash of its inputs.
+
+    yade -n -x yade_scripts/preparing/prepare.py seed=3 disks=400
+
+A gas of disks on a grid is compacted by YADE's TriaxialStressController in 2D with springs and dashpots (paper, section 3: "This
+first stage is carried out with the MD algorithm"), first with `preparation_friction`, its contacts stiffened where `stiffening` asks for it, then settled with `friction` and
+`wall_friction`. MD and CD start from this file.
+"""
+import gzip
+import hashlib
+import json
+import math
+import pathlib
+import random
+import struct
+import sys
+import time
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))
+
+from yade import O, config, utils
+
+from yade_scripts import commands, parameters, results
+from yade_scripts.results import sealed
+from yade_scripts.preparing import bodies
+from yade_scripts.running import hooks, locks, md, precision, progress, saved_scene, walls
+
+# Part of the hash: raise it when the procedure below changes.
+RECIPE = 2
+STRESS_ERROR, UNBALANCED = 1e-7, 1e-8  # at rest: wall stress relative to P0, mean net force on a body relative to a contact's
+CHECKS = 3          # that many checks in a row, since a rattler's hit passes between two
+CHECK_EVERY = 500   # steps
+MOST_STEPS = 2000000
+LOOSE = 1e-3  # both errors, between two stages
+LARGEST_STIFFENING = 1.3  # in one step
+
+
+class PreparationError(RuntimeError):
+    """The packing did not come to rest under its load."""
+
+
+def inputs(full):
+    """All that the saved state depends on."""
+    return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
+
+
+def state_path(full, folder):
+    """Where the state of this row is kept."""
+    return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
+
+
+def ensure(full, folder):
+    """(path, SHA-256) of the prepared state, made now unless it exists. Leaves whatever scene it made."""
+    path = state_path(full, folder)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with locks.held(path):  # rows that run at once prepare once
+        checksum = _verified(path, inputs(full))
+        if checksum is None:
+            _make(full)
+            checksum = _save(full, path)
+    return path, checksum
+
+
+def _record(path):
+    return path.with_name(path.name.split(".")[0] + ".json")
+
+
+def _sha256(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _verified(path, wanted):
+    """SHA-256 of an existing, undamaged state that was prepared from the inputs `wanted`, else None."""
+    if not path.exists():
+        return None
+    checksum = _sha256(path)
+    try:
+        record = json.loads(_record(path).read_bytes())
+        if record["sha256"] == checksum and record["inputs"] == wanted:
+            return checksum
+        reason = "is of another packing than its name says" if record["sha256"] == checksum else f"does not match its record {_record(path).name}"
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        reason = f"has no readable record {_record(path).name}"
+    print(f"{path} {reason}: preparing it again.", file=sys.stderr)
+    return None
+
+
+def _save(full, path):
+    """Write state and record, each aside and then renamed."""
+    content = gzip.compress(_forget_speed(saved_scene.take()), mtime=0)
+    checksum = hashlib.sha256(content).hexdigest()
+    facts = {"sha256": checksum, "inputs": inputs(full), "sigma": walls.mean_stresses(), "sides": walls.sides(),
+             "solid_fraction": bodies.solid_fraction(), "contacts_per_disk": bodies.contacts_per_disk(),
+             "unbalanced_force": utils.unbalancedForce()}
+    sealed.replace(_record(path), (json.dumps(facts, indent=1) + "\n").encode())
+    sealed.replace(path, content)
+    return checksum
+
+
+def _forget_speed(scene):
+    """A saved scene with the computing speed [steps/s] zero, which YADE offers no way to set; the first number of that value is it."""
+    return scene.replace(struct.pack("<d", O.speed), bytes(8), 1)
+
+
+def gas(full):
+    """Walls 0..5, then disks on a grid with random radii, shifts and velocities."""
+    draw = random.Random(full["seed"])
+    low, high = (full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1))
+    bodies.append_material("wall", 0.0, full)
+    bodies.append_material("disk", full["preparation_friction"], full)
+    columns, cell = math.ceil(math.sqrt(full["disks"])), 2.2 * high
+    walls.append(columns * cell, full["depth"], "wall")
+    speed = 0.2 * math.sqrt(parameters.pressure(full) / full["density"])
+    for k in range(full["disks"]):
+        radius = draw.uniform(low, high)
+        place = [(n + 0.5) * cell + draw.uniform(-1, 1) * (cell / 2 - radius) for n in divmod(k, columns)]
+        velocity = draw.uniform(-speed, speed), draw.uniform(-speed, speed)
+        bodies.append_disk(place, radius, bodies.disk_mass(radius, full), "disk", velocity)
+
+
+class _Rest:
+    """Asks every CHECK_EVERY steps whether the sample is at rest under P0; stops the loop when it is."""
+
+    def __init__(self, p0, stress_error, unbalanced):
+        self.p0, self.stress_error, self.unbalanced = p0, stress_error, unbalanced
+        self.passed, self.said = 0, time.monotonic()
+
+    def errors(self):
+        """(largest wall stress error relative to P0, unbalanced force)."""
+        return max(abs(s / self.p0 - 1) for pair in walls.stresses() for s in pair), utils.unbalancedForce()
+
+    def check(self):
+        """What the loop calls."""
+        stress, force = self.errors()
+        if time.monotonic() - self.said >= progress.SECONDS:
+            self.said = time.monotonic()
+            print(f"preparing: wall stress off by {stress:.0e} P0 (goal {self.stress_error:g}), "
+                  f"unbalanced force {force:.0e} (goal {self.unbalanced:g})", flush=True)
+        self.passed = self.passed + 1 if stress < self.stress_error and force < self.unbalanced else 0
+        if self.passed >= CHECKS:
+            hooks.stop()
+        # Nothing slows a disk without contacts, and its next hit would disturb the others.
+        for body in bodies.disks():
+            if not bodies.loaded_contacts(body):
+                body.state.vel = body.state.angVel = (0, 0, 0)
+
+
+def _relax(full, stiffness, stress_error, unbalanced, damping):
+    """Run under P0 until at rest, contacts of `stiffness` [N/m]; PreparationError after MOST_STEPS."""
+    p0 = parameters.pressure(full)
+    O.dt = 0.2 * math.sqrt(min(b.state.mass for b in bodies.disks()) / stiffness)
+    # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
+    controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), stiffness, 0.1 * math.sqrt(p0 / full["density"]))
+    rest = _Rest(p0, stress_error, unbalanced)
+    O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
+    hooks.simulate(MOST_STEPS)
+    if rest.passed < CHECKS:
+        stress, force = rest.errors()
+        raise PreparationError(
+            f"no rest after {MOST_STEPS} steps: wall stress off by {stress:.1e} P0 (goal {stress_error:g}), unbalanced force {force:.1e} "
+            f"(goal {unbalanced:g}). Try another seed, more disks, or preparation_friction above 0.")
+
+
+def _stiffen(full):
+    """Raise the stiffness at constant P0 in small steps, as the overlaps of softer contacts push the grains apart; still with the
+    friction of the preparation, since what slides under the final one would be mobilised when the loading begins."""
+    stages = math.ceil(math.log(full["stiffening"]) / math.log(LARGEST_STIFFENING))
+    for stage in range(1, stages + 1):
+        md.stiffen(full["stiffening"]**(1 / stages))
+        _relax(full, full["kn"] * full["stiffening"]**(stage / stages), LOOSE, LOOSE, damping=0.5)
+
+
+def _make(full):
+    """Prepare the packing in O."""
+    O.reset()
+    gas(full)
+    _relax(full, full["kn"], LOOSE, LOOSE, damping=0.2)
+    _stiffen(full)
+    md.set_friction(full["friction"], full["wall_friction"])
+    _relax(full, parameters.stiffness(full), STRESS_ERROR, UNBALANCED, damping=0.5)
+    for body in O.bodies:
+        body.state.vel = body.state.angVel = body.state.angMom = (0, 0, 0)
+    O.engines = []
+    O.resetTime()
+    _forget_circumstances()
+
+
+def _forget_circumstances():
+    """Blank what YADE saves of user, date and process, which would make every file another."""
+    for tag in list(O.tags.keys()):
+        O.tags[tag] = "-"
+    O.stopAtIter = 0
+
+
+@commands.command("prepare")
+def main(arguments=None):
+    """Command line."""
+    parser = commands.parser(__doc__)
+    commands.add_row(parser)
+    commands.add_results(parser)
+    options = parser.parse_args(arguments)
+    precision.check()
+    full = parameters.complete(parameters.from_arguments(options.row))
+    results.make(options.results)
+    try:
+        print(*ensure(full, options.results))
+    except PreparationError as error:
+        print(f"prepare: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

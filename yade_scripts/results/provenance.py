@@ -1,0 +1,33 @@
+"""Which code and which processor made a result."""
+import functools
+import pathlib
+import platform
+import subprocess
+
+
+@functools.cache
+def git_commit():
+    """Commit of this project, '-dirty' added where tracked files differ, 'unknown' outside a clone or without git."""
+    def git(*arguments):
+        return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
+
+    try:
+        commit = git("rev-parse", "--verify", "--quiet", "HEAD")
+        return (commit + ("-dirty" if git("status", "--porcelain", "--untracked-files=no") else "")) or "unknown"
+    except OSError:
+        return "unknown"
+
+
+def processor():
+    """The processor's name as Linux tells it."""
+    try:
+        lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
+def short(commit):
+    """Twelve digits of a commit's hash, and what is appended to it."""
+    digits, dash, suffix = commit.partition("-")
+    return digits[:12] + dash + suffix

@@ -1,0 +1,146 @@
+"""Reads result files and checks them: whole, of this project, finished, without impossible numbers."""
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from yade_scripts import parameters, results
+from yade_scripts.results import schema, sealed
+
+
+PARTIAL_SUFFIX = ".partial.h5"
+AGAIN = "remove it and run it again"
+RESULTS = Path(__file__).resolve().parents[2] / results.FOLDER
+
+
+class ResultError(Exception):
+    """A result file cannot be used: which one, what is wrong, and what to do."""
+
+    def __init__(self, path, what, remedy):
+        super().__init__(f"{path}: {what}; {remedy}")
+        self.what, self.remedy = what, remedy
+
+
+@dataclass(frozen=True)
+class Known:
+    """A number of a run with what it should be, as `yade_scripts.scenes.Known` declares it."""
+
+    measured: float
+    exact: float
+    unit: str
+    scale: float
+    source: str
+    deviation: float = 0.0
+
+    @property
+    def error(self):
+        """As schema.relative_error; infinite where the number is none."""
+        error = schema.relative_error(self.measured, self.exact, self.scale, self.deviation)
+        return error if np.isfinite(error) else np.inf
+
+
+@dataclass(frozen=True)
+class Run:
+    """One result file: names, units and shapes as in `analysis.schema`.
+
+    extra: {name: array} of what only this scene has. known: {name: Known}.
+    """
+
+    path: Path
+    attributes: dict
+    parameters: dict
+    history: dict
+    snapshots: list
+    extra: dict = field(default_factory=dict)
+    known: dict = field(default_factory=dict)
+
+    @property
+    def method(self):
+        """MD or CD."""
+        return self.attributes["method"]
+
+    @property
+    def pressure(self):
+        """P0 [Pa]."""
+        return float(self.attributes["pressure"])
+
+    @property
+    def finished(self):
+        """True if the run reached its end and succeeded."""
+        return bool(self.attributes["finished"]
+                    and self.attributes["status"] == schema.STATUS_FINISHED)
+
+    @property
+    def outcome(self):
+        """'completed', or 'collapsed: ' and what was seen."""
+        return str(self.attributes["outcome"])
+
+    @property
+    def collapsed(self):
+        """True if the sample gave way, which ended the run early and is a result."""
+        return self.outcome.startswith(schema.OUTCOME_COLLAPSED)
+
+    @property
+    def error(self):
+        """The largest error of what is known about the run; NaN where nothing is."""
+        return max((known.error for known in self.known.values()), default=np.nan)
+
+    def values(self, name):
+        """A history field; ResultError where it is missing or holds a NaN or an infinity."""
+        if name not in self.history:
+            raise ResultError(self.path, f"/history/{name} is missing", "run it again")
+        values = self.history[name]
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if len(wrong):
+            raise ResultError(self.path, f"/history/{name} is {values[wrong[0]]} at sample "
+                              f"{wrong[0]} ({len(wrong)} such of {len(values)})",
+                              "the run went wrong: look at its log")
+        return values
+
+
+def load(path, finished=True):
+    """The run stored at `path`. ResultError if it is no result file, is damaged or, with `finished`, did not succeed."""
+    path = Path(path)
+    if not os.path.lexists(path):
+        raise ResultError(path, "there is no such file", "make it with `make study`")
+    if path.name.endswith(PARTIAL_SUFFIX) and finished:
+        raise ResultError(path, "the run is under way or was interrupted", "start it again if it is not under way")
+    try:
+        with sealed.open_checked(path) as file:
+            if found := schema.problems(file):
+                raise ResultError(path, "; ".join(found), AGAIN)
+            run = _read(path, file)
+    except sealed.Damaged as error:
+        raise ResultError(path, str(error), AGAIN) from None
+    except (KeyError, TypeError, ValueError) as error:
+        raise ResultError(path, f"is no result file of this project ({type(error).__name__}: {error})", AGAIN) from None
+    if finished and not run.finished:
+        raise ResultError(path, f"the run did not finish: {run.attributes['status']}", "mend the cause and run it again")
+    return run
+
+
+def load_row(full, folder=results.FOLDER):
+    """The run of a full row from its file in `folder`; ResultError too where the file holds another run."""
+    path = results.path_of(full, folder)
+    run = load(path, finished=False)
+    name = parameters.result_name(parameters.complete(run.parameters))
+    if name != path.stem:
+        raise ResultError(path, f"it holds another run than its name says ({name})", AGAIN)
+    return run
+
+
+def _read(path, file):
+    attributes = {name: file.attrs[name] for name in schema.ROOT_ATTRIBUTES}
+    history = {name: data[()] for name, data in file["history"].items()}
+    snapshots = [_read_snapshot(file["snapshots"][number]) for number in sorted(file.get("snapshots", ()), key=int)]
+    extra = {name: data[()] for name, data in file.get("extra", {}).items()}
+    known = {name: Known(float(data[()]), **{key: data.attrs[key] for key in schema.KNOWN}) for name, data in file.get("known", {}).items()}
+    return Run(path, attributes, json.loads(attributes["parameters"]), history, snapshots, extra, known)
+
+
+def _read_snapshot(group):
+    data = {name: group[name][()] for name in schema.SNAPSHOT}
+    return data | {name: float(group.attrs[name]) for name in schema.SNAPSHOT_ATTRIBUTES}

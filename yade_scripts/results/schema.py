@@ -1,0 +1,183 @@
+"""What a result file holds: every name, unit, shape and meaning, in one place.
+
+The recorder writes by these tables and the loader checks against them. One run is one HDF5 file:
+root attributes say what was run, `/history/<name>` is one 1-D array a quantity (all of one length,
+unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at one instant. A finished run may
+also hold `/known/<name>`, a measured number with the attributes of KNOWN, and `/extra/<name>`, arrays
+that only its scene has, with `unit` and `doc`.
+
+Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls.
+Strain is extension positive. Equations are those of Garcia-Rojo, McNamara and Herrmann (2004).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SCHEMA_VERSION = 3
+METHODS = ("MD", "CD")
+STATUS_FINISHED = "finished"
+STATUS_FAILED = "failed: "  # followed by the reason
+OUTCOME_COMPLETED = "completed"
+OUTCOME_COLLAPSED = "collapsed: "  # followed by what was seen; the sample gave way, which is a result
+
+
+@dataclass(frozen=True)
+class Field:
+    """One quantity of a result file.
+
+    `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which
+    are 1-D. `methods` are those whose files must hold the field; none if it is optional.
+    """
+
+    name: str
+    unit: str
+    doc: str
+    shape: tuple = ()
+    methods: tuple = METHODS
+
+
+def _table(*fields):
+    return {field.name: field for field in fields}
+
+
+HISTORY = _table(
+    Field("time", "s", "time since the start of the loading"),
+    Field("cycle", "1", "time over the period of the loading; whole at the end of a cycle"),
+    Field("sigma1", "Pa", "stress on the x walls, force over height times depth"),
+    Field("sigma2", "Pa", "stress on the y walls, force over width times depth"),
+    Field("strain1", "1", "L_x/L_x0 - 1; eq. 2 writes L_x/L_x0, which leaves gamma the same"),
+    Field("strain2", "1", "L_y/L_y0 - 1; eq. 3 likewise"),
+    Field("gamma", "1", "strain2 - strain1, eq. 4; negative when the sample shortens along y"),
+    Field("contacts", "1", "contacts that carry a force, walls included"),
+    Field("sliding_contacts", "1", "contacts at the Coulomb limit, see is_sliding"),
+    Field("kinetic_energy", "J", "translation and rotation of the disks and of moving walls"),
+    Field("dissipated_energy", "J", "dissipated since the start by friction, damping and impacts"),
+    Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
+    Field("max_penetration", "m", "largest overlap; in CD beyond the reference gap of the start"),
+    Field("wall_clock", "s", "computing time since the start of the run"),
+    Field("iterations", "1", "sweeps of the step", methods=("CD",)),
+    Field("residual", "1", "error e of the step's contact problem", methods=("CD",)),
+    Field("sigma1_goal", "Pa", "sigma1 the loading asks for", methods=()),
+    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", methods=()),
+    Field("wall_work", "J", "work of the wall loads on the sample since the start", methods=()),
+    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", methods=()),
+    Field("friction_dissipation", "J", "part of dissipated_energy that YADE's law functor has summed over the slips; the rest went into "
+          "dashpots. MD with the functor's own tangential law only", methods=()),
+    Field("residual_max", "1", "largest error e since the sample before", methods=()),
+    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=()),
+)
+
+SNAPSHOT = _table(
+    Field("position", "m", "centres of the disks", ("n", 2)),
+    Field("angle", "rad", "rotation of each disk since the start", ("n",)),
+    Field("radius", "m", "radius of each disk", ("n",)),
+    Field("body_ids", "1", "YADE's id of each disk", ("n",)),
+    Field("contact_ids", "1", "ids of the two bodies, walls included", ("m", 2)),
+    Field("contact_point", "m", "where the force acts", ("m", 2)),
+    Field("contact_normal", "1", "unit vector from the first to the second body", ("m", 2)),
+    Field("contact_friction", "1", "friction coefficient mu of the contact", ("m",)),
+    Field("force_normal", "N", "R, compression positive", ("m",)),
+    Field("force_tangential", "N", "T on the second body, along the normal turned by +90 degrees",
+          ("m",)),
+    Field("box", "m", "inner faces of the walls x-, x+, y-, y+; NaN where there is no box", (4,)),
+)
+
+KNOWN = _table(
+    Field("unit", "", "unit of the number and of the next two"),
+    Field("exact", "", "what it should be"),
+    Field("scale", "", "what an error is held against; |exact|, or 1 where that is 0, in files without it"),
+    Field("source", "", "where the exact value comes from; absent from older files"),
+    Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0; absent from older files"),
+)
+
+
+def relative_error(measured, exact, scale, deviation=0.0):
+    """Of a known number, |measured - exact|/scale; where only a mean is known no run is nearer than by chance, and the error at least the deviation."""
+    return max(abs(measured - exact), deviation) / scale
+
+
+SNAPSHOT_ATTRIBUTES = _table(
+    Field("time", "s", "time since the start of the loading"),
+    Field("cycle", "1", "time over the period of the loading"),
+)
+
+ROOT_ATTRIBUTES = _table(
+    Field("schema_version", "1", "version of these tables"),
+    Field("scene", "", "name of the scene"),
+    Field("method", "", "MD or CD"),
+    Field("parameters", "", "JSON of the full row, defaults included"),
+    Field("state_sha256", "", "SHA-256 of the prepared packing; empty if the scene has none"),
+    Field("git_commit", "", "commit of this project; ends in -dirty if files had changed"),
+    Field("yade_version", "", "version of YADE"),
+    Field("seed", "1", "seed of the packing"),
+    Field("finished", "", "True if the run reached its end"),
+    Field("status", "", "'finished' or 'failed: ' and the reason"),
+    Field("outcome", "", "'completed', or 'collapsed: ' and what was seen; of no meaning in a failed run"),
+    Field("pressure", "Pa", "P0, the pressure before the loading"),
+    Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
+)
+
+# Of how a run was interrupted and gone on with; absent from older files.
+CHECKPOINT_ATTRIBUTES = _table(
+    Field("checkpoint_samples", "1", "samples between two passages through save and load; 0: none"),
+    Field("resumed", "1", "how often the run was interrupted and taken up at a checkpoint"),
+)
+
+# A Coulomb test in floating point: both methods set |T| = mu R exactly where a contact slides, so
+# any margin between rounding (1e-16) and the change of T/R in one step would do.
+SLIDING_MARGIN = 1e-6
+
+
+def is_sliding(force_normal, force_tangential, friction):
+    """Mask of the contacts with |T| >= mu R, R > 0 and mu > 0 (Coulomb's condition, section 2.2).
+
+    Forces in N. A frictionless contact has no Coulomb limit to reach and never counts.
+    """
+    limit = np.asarray(friction) * np.asarray(force_normal)
+    return (limit > 0) & (np.abs(force_tangential) >= limit * (1 - SLIDING_MARGIN))
+
+
+# History fields that may be NaN: no force to relate to, or a law whose friction nobody sums. Without a loaded box, stresses and strains
+# have no meaning either.
+MAY_BE_UNDEFINED = {"unbalanced_force", "friction_dissipation"}
+OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma"}
+
+
+def problems(file):
+    """What keeps an open file from being a result file: sentences, empty if nothing does. A failed run is a valid file that says so."""
+    missing = [name for name in ROOT_ATTRIBUTES if name not in file.attrs]
+    if missing:
+        return [f"it lacks the attributes {', '.join(missing)}"]
+    if file.attrs["schema_version"] != SCHEMA_VERSION:
+        return [f"its schema version is {file.attrs['schema_version']}, this program reads {SCHEMA_VERSION}"]
+    if file.attrs["method"] not in METHODS:
+        return [f"its method is {file.attrs['method']!r}, not one of {', '.join(METHODS)}"]
+    return _history_problems(file) + [f"/snapshots/{number} lacks {name}" for number, group in file.get("snapshots", {}).items()
+                                      for name in [*SNAPSHOT, *SNAPSHOT_ATTRIBUTES] if name not in group and name not in group.attrs]
+
+
+def _history_problems(file):
+    """Fields that are missing, of another unit or length, or NaN in a run that has finished."""
+    history, method, found = file.get("history", {}), file.attrs["method"], []
+    needed = [name for name, field in HISTORY.items() if method in field.methods]
+    missing = [name for name in needed if name not in history]
+    if missing:
+        return [f"/history lacks {', '.join(missing)}"]
+    for name in history:
+        unit = history[name].attrs.get("unit")
+        if name in HISTORY and unit != HISTORY[name].unit:
+            found.append(f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}")
+    if len({history[name].shape for name in history}) > 1:
+        found.append("the fields of /history differ in length")
+    if file.attrs["finished"] and not len(history["time"]):
+        found.append("it says that it has finished, but its history is empty")
+    if found or not file.attrs["finished"]:
+        return found
+    loaded = np.isfinite(history["gamma"][()]).any()
+    undefined = MAY_BE_UNDEFINED | (set() if loaded else OF_A_BOX)
+    for name in set(history) - undefined:
+        wrong = np.flatnonzero(~np.isfinite(history[name][()]))
+        if len(wrong):
+            found.append(f"/history/{name} is {history[name][wrong[0]]} at sample {wrong[0]} ({len(wrong)} of {len(history[name])} samples)")
+    return found

@@ -1,0 +1,63 @@
+"""HDF5 files that end with the SHA-256 of everything before it. HDF5 ignores what follows its content, so any program can open them.
+
+A file is written beside its final name and then renamed: after a crash the old file or the new one is there, whole.
+"""
+import hashlib
+import io
+import os
+import pathlib
+import stat
+
+import h5py
+
+MARK = b"\nsha256:"
+
+
+class Damaged(ValueError):
+    """The file is not what was written; the message says what is wrong with it."""
+
+
+def write(path, content):
+    """Write the bytes of an HDF5 file under its name, sealed."""
+    replace(path, content + _seal(content))
+
+
+def replace(path, content):
+    """Write bytes beside `path`, bring them to the disk, then give them that name."""
+    path = pathlib.Path(path)
+    new = path.with_name(f"{path.name}.{os.getpid()}.new")
+    try:
+        with open(new, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(new, path)
+    except BaseException:
+        new.unlink(missing_ok=True)
+        raise
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def open_checked(path):
+    """The file opened for reading, once its content has the checksum it ends with; Damaged otherwise."""
+    try:
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise Damaged("is not a regular file")
+        content = pathlib.Path(path).read_bytes()
+    except OSError as error:
+        raise Damaged(f"cannot be read ({error.strerror})") from None
+    length = len(_seal(b""))
+    if content[-length:] != _seal(content[:-length]):
+        raise Damaged("is damaged, or another program has changed it: its checksum is missing or does not match its content")
+    try:
+        return h5py.File(io.BytesIO(content[:-length]), "r")
+    except OSError as error:
+        raise Damaged(f"is no HDF5 file ({error})") from None
+
+
+def _seal(content):
+    return MARK + hashlib.sha256(content).hexdigest().encode() + b"\n"

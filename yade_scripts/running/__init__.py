@@ -1,0 +1,1 @@
+"""Runs a scene in YADE: engines of both methods, loaded walls, samples, checks, checkpoints, and many runs at a time."""

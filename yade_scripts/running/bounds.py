@@ -1,0 +1,79 @@
+"""Limits that no valid run exceeds; a run that does ends as failed, with the reason. Plain numbers, no YADE. For the walls' stress see wall_check.py.
+
+Looked at with every sample; CD's error and overlap after every step, which the engine has at hand. A look into MD's disks at every step would
+cost a fifth of its speed, so of a NaN there the message names the two samples between which it came up: it stays.
+"""
+import math
+
+from yade_scripts import parameters
+from yade_scripts.results.schema import MAY_BE_UNDEFINED, OF_A_BOX
+
+# Of mean radii: disks about to pass through each other. Packings of springs reach 0.062 in the published runs, two grains that are moved by hand
+# 0.34, rigid contacts 0.045 (at a tolerance of 1e-2).
+PENETRATION = 0.5
+# Error e of a contact problem whose forces are wrong by their own size; sweeps that are fixed in number promise none (published: 0.17).
+RESIDUAL = 1.0
+# All of energies in P0 times the disks' area times depth, what a loaded box has at stake; only there is all work known.
+# CD: work of the walls = dissipated + kinetic, an identity of the scheme, kept to 3e-11 in the published runs.
+BALANCE = 1e-9
+# What MD calls dissipated is the rest of that balance. It cannot be negative (published: -2e-9, round-off and an averaged wall force), and friction
+# cannot have dissipated more than all (published: 4e-5; the tangential law is not quite a potential, so friction may take what it gives).
+CREATED, FRICTION_EXCESS = 1e-3, 1e-3
+
+
+class OutOfBounds(RuntimeError):
+    """A quantity of the run has left its bounds: which, where, and what to do."""
+
+
+def check_step(full, step, residual, penetration):
+    """After a step of CD: its error e and largest overlap [m]."""
+    limit = math.inf if full["fixed_iterations"] else RESIDUAL
+    if not residual <= limit or residual == math.inf:
+        raise OutOfBounds(f"step {step}: the error e of the contact problem is {residual:.3g}, its forces are no solution (bound {limit:g}); "
+                          "lower cd_dt, raise max_iterations, or take another method_cd")
+    _check_penetration(full, f"step {step}", penetration)
+
+
+def _check_penetration(full, where, penetration):
+    if not penetration <= PENETRATION * full["radius_mean"]:
+        raise OutOfBounds(f"{where}: an overlap of {penetration / full['radius_mean']:.3g} mean radii (bound {PENETRATION}): bodies pass into each "
+                          "other; lower cd_dt or tolerance (CD), or pressure_ratio, speed or md_dt_factor (MD)")
+
+
+class Bounds:
+    """Looks at every sample of a run; loaded: whether it is in a box whose walls are loaded."""
+
+    def __init__(self, full, loaded):
+        self.full, self.loaded = full, loaded
+        self.kinetic = None  # [J] at the first sample
+        self.seen = 0  # step of the last sample
+        area = full["disks"] * math.pi * full["radius_mean"]**2
+        self.scale = parameters.pressure(full) * area * full["depth"]
+
+    def look(self, row, step):
+        """OutOfBounds where the run has to end; row: all that a sample measures."""
+        where = f"step {step}, t = {row['time']:.6g} s"
+        undefined = MAY_BE_UNDEFINED | (set() if self.loaded else OF_A_BOX)
+        for name, value in row.items():
+            if name not in undefined and not math.isfinite(value):
+                raise OutOfBounds(f"{where}: {name} is {value}, since a step after {self.seen}; lower md_dt_factor (MD) or cd_dt (CD)")
+        self.seen = step
+        _check_penetration(self.full, where, row["max_penetration"])
+        if self.loaded:
+            self._energies(row, where)
+
+    def _energies(self, row, where):
+        """Nothing is created, nothing lost."""
+        if self.kinetic is None:
+            self.kinetic = row["kinetic_energy"]
+        gone, unit = row["dissipated_energy"], f"{self.scale:.3g} J (P0 times the disks' area and depth)"
+        if gone < -CREATED * self.scale:
+            raise OutOfBounds(f"{where}: {-gone:.3g} J have come from nowhere, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
+        if self.full["method"] == "CD":
+            lost = row["wall_work"] - gone - (row["kinetic_energy"] - self.kinetic)
+            if abs(lost) > BALANCE * self.scale:
+                raise OutOfBounds(f"{where}: the energy balance is off by {lost:.3g} J, more than {BALANCE} of {unit}: something else than walls and "
+                                  "contacts acts on the disks")
+        elif row["friction_dissipation"] - gone > FRICTION_EXCESS * self.scale:
+            raise OutOfBounds(f"{where}: friction has dissipated {row['friction_dissipation']:.3g} J, all together {gone:.3g} J: the difference is "
+                              f"more than {FRICTION_EXCESS} of {unit}; lower md_dt_factor")

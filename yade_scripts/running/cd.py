@@ -1,0 +1,59 @@
+"""Contact Dynamics: the engine list of cd_engine with the walls' load before the contacts are solved."""
+from yade import O
+
+import cd_engine
+from yade_scripts.running import bounds, hooks, walls
+from yade_scripts.parameters import ParameterError
+
+# Parameters that are attributes of ContactDynamics: attribute -> parameter.
+SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedIterations": "fixed_iterations", "method": "method_cd",
+            "warmStart": "warm_start", "seed": "solver_seed", "restitution": "restitution", "gapCorrection": "gap_correction",
+            "handover": "reference_overlaps"}
+
+
+class Watch:
+    """Keeps the largest residual between two samples; the engine itself knows only its last step."""
+
+    def __init__(self, full, engine):
+        self.full, self.engine, self._largest = full, engine, 0.0
+
+    def look(self):
+        """After every step; OutOfBounds where the run has to end."""
+        residual = self.engine.residual
+        bounds.check_step(self.full, O.iter, residual, self.engine.maxPenetration)
+        self._largest = max(self._largest, residual)
+
+    def take(self):
+        """The largest error e since the last call."""
+        largest, self._largest = self._largest, 0.0
+        return largest
+
+
+def set_engines(full, scene, goals=None):
+    """O.engines for a scene, its free walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+
+    Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
+    middle of the step (Moreau-Jean scheme, theta = 1/2).
+    """
+    if full["method_cd"] not in cd_engine.methods():
+        raise ParameterError(f"method_cd = {full['method_cd']!r}: must be one of {', '.join(cd_engine.methods())}")
+    settings = {attribute: full[name] for attribute, name in SETTINGS.items()}
+    reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
+    engine.label = "contact_dynamics"  # its name at the console
+    scene.watch = Watch(full, engine)
+    engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
+    if goals is not None:
+        scene.load = walls.ForceLoad(goals, lead=O.dt / 2)
+        engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
+    O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True, label=hooks.WATCHING)]
+
+
+def bind(full, scene):
+    """Give the scene's functions the engine that is in O; after O.load it is another object."""
+    scene.watch.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+
+
+def run(scene, simulate=hooks.simulate):
+    """Run a scene to its end by simulate(steps); the last sample follows the last step."""
+    simulate(scene.every * scene.samples)
+    scene.observer()

@@ -1,0 +1,66 @@
+"""Calls Python functions from inside YADE's loop, and passes their exceptions on to the caller.
+
+A PyRunner holds a string, and an exception or sys.exit in it ends or hangs the process. Here an exception stops the loop instead
+and is raised again by `simulate`, so that a failed run can still write its file.
+"""
+import sys
+
+from yade import O
+from yade.wrapper import PyRunner
+
+# Labels of the runners that only record, or measure what is known of a scene: what is left without them is the simulation alone.
+SAMPLING, WATCHING, MEASURING = "sampling", "watching", "measuring"
+
+_functions = []
+_failure = None
+_awaited = False  # whether `simulate` will raise the failure
+
+
+def runner(function, **period):
+    """A PyRunner that calls `function()`; period: iterPeriod, initRun and so on."""
+    _functions.append(function)
+    return PyRunner(command=f"import yade_scripts.running.hooks; yade_scripts.running.hooks.fire({len(_functions) - 1})", updateGlobals=False, **period)
+
+
+def commands():
+    """What the PyRunners in O.engines call, in their order."""
+    return [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
+
+
+def set_commands(saved):
+    """The same back after O.load: a saved scene has the numbers that the functions had in the process that saved it."""
+    for engine, command in zip((engine for engine in O.engines if isinstance(engine, PyRunner)), saved, strict=True):
+        engine.command = command
+
+
+def fire(number):
+    """What the PyRunner number `number` does."""
+    global _failure
+    try:
+        _functions[number]()
+    except Exception as error:
+        _failure = error
+        if not _awaited:  # O.run() at the console
+            print(f"Stopped at step {O.iter}: {error}", file=sys.stderr, flush=True)
+        stop()
+
+
+def stop():
+    """End the loop from within a step, when this step is over.
+
+    O.pause() would let O.run(n, True) return while the step is still under way: what follows, O.reset() say, then waits for the step, which
+    waits for Python, for ever.
+    """
+    O.stopAtIter = O.iter + 1
+
+
+def simulate(steps):
+    """`steps` steps, waited for; raises what a hook or an engine raised."""
+    global _failure, _awaited
+    _failure, _awaited = None, True
+    try:
+        O.run(steps, True)
+    finally:
+        _awaited = False
+    if _failure is not None:
+        raise _failure

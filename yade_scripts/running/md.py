@@ -1,0 +1,102 @@
+"""Molecular Dynamics: YADE's Cundall-Strack engines with the paper's contact law.
+
+Normal: eq. 5, R = k_n delta - gamma d(delta)/dt, not clipped (a parting contact may pull), gamma = 2 beta_n sqrt(k_n m_eff).
+Tangential: eq. 6 and the Coulomb condition, without eq. 6's dashpot, which YADE's viscous law does not have. Three laws between disks:
+    standard           Cundall-Strack in YADE: the stretch takes the relative velocity at the contact point, arms R_i - delta/2
+    avoid_ratcheting   YADE's avoidGranularRatcheting: arms R_i and (R1 + R2)/d in the stretch, forces and torques as before
+    path_independent   McNamara et al. 2008: the stretch as an exact differential, and its forces (cd_engine.PathIndependentShear)
+Against walls it is always the standard one.
+"""
+import math
+
+from yade import O
+from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom,
+                          InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
+                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator, TriaxialStressController)
+
+from yade_scripts import parameters
+from yade_scripts.preparing import bodies
+from yade_scripts.running import hooks, walls
+
+
+def contact_engines(full, tangential_law="standard"):
+    """The list up to and including the contact forces; stiffnesses are constant, walls included. Packings are prepared by the standard law."""
+    def constant(value):
+        return MatchMaker(algo="val", val=value)
+
+    engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
+        InteractionLoop(
+            [Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=tangential_law == "avoid_ratcheting"), Ig2_Box_Sphere_ScGeom()],
+            [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=constant(parameters.stiffness(full)), kRatio=constant(full["kt_over_kn"]))],
+            [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
+    ]
+    if tangential_law == "path_independent":
+        import cd_engine
+        engines.append(cd_engine.PathIndependentShear())
+    return engines
+
+
+def integrator(full, damping=0.0):
+    """Newton's equations; damping is YADE's force reduction, for preparations only."""
+    return NewtonIntegrator(damping=damping, gravity=(0, -full["gravity"], 0))
+
+
+def set_friction(disks, wall):
+    """Give disks and walls their coefficients of friction, in the materials and in the contacts that exist; YADE takes the smaller of two."""
+    for label, mu in (("disk", disks), ("wall", wall)):
+        O.materials[label].frictionAngle = math.atan(mu)
+    for contact in O.interactions:
+        if contact.isReal:
+            contact.phys.tangensOfFrictionAngle = min(math.tan(O.bodies[k].mat.frictionAngle) for k in (contact.id1, contact.id2))
+
+
+def stiffen(factor):
+    """Multiply the stiffnesses of the contacts that exist; their dashpots keep the damping ratio."""
+    for contact in O.interactions:
+        if contact.isReal:
+            contact.phys.kn *= factor
+            contact.phys.ks *= factor
+            contact.phys.cn *= math.sqrt(factor)
+            contact.phys.cn_crit *= math.sqrt(factor)
+
+
+def set_engines(full, scene, goals=None):
+    """O.engines for a scene, its walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+
+    Samples are taken between the forces, loads included, and the motion, where positions and forces are of one time.
+    """
+    observer = hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING)
+    if goals is None:
+        loading = [observer]
+    elif full["md_walls"] == "servo":
+        controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
+        scene.load = walls.ServoLoad(goals, controller)
+        every = _divisor(scene.every, full["md_load_every"])
+        loading = [hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
+    else:
+        scene.load = walls.ForceLoad(goals)
+        loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
+    engines = contact_engines(full, full["tangential_law"])
+    O.engines = engines + loading + [integrator(full)]
+    bind(full, scene)
+
+
+def bind(full, scene):
+    """Give the scene the functor and the controller that are in O; after O.load they are other objects."""
+    if full["tangential_law"] != "path_independent":  # which slips at other forces than the functor's
+        scene.law = next(engine for engine in O.engines if isinstance(engine, InteractionLoop)).lawDispatcher.functors[0]
+        scene.law.traceEnergy = True
+    if isinstance(scene.load, walls.ServoLoad):
+        scene.load.controller = next(engine for engine in O.engines if isinstance(engine, TriaxialStressController))
+
+
+def _divisor(steps, most):
+    """The largest divisor of `steps` that is at most `most`: the work of the walls is then up to date at every sample."""
+    return max(n for n in range(1, most + 1) if steps % n == 0)
+
+
+def run(scene, simulate=hooks.simulate):
+    """Run a scene to its end by simulate(steps). One step more, since the last sample is taken inside it."""
+    simulate(scene.every * scene.samples + 1)

@@ -1,0 +1,91 @@
+"""The longest stable time step of the springs in O, from their stiffness and dashpots (theory/spring_limits.py), and its check before a run.
+
+Contacts stick here, which is stiffest. A run may make more of them: stay well below.
+"""
+import math
+
+import numpy as np
+from scipy import sparse
+from yade import O
+
+from yade_scripts.theory import spring_limits
+from yade_scripts.parameters import ParameterError
+
+
+class StepError(ParameterError, RuntimeError):
+    """O.dt is too long for the springs; the row cannot be run, or its run has to end."""
+
+
+def check(full):
+    """StepError if O.dt is above the limit; without contacts nothing is known of it."""
+    mass, damping, stiffness = _matrices()
+    if stiffness.nnz == 0:
+        return
+    largest = spring_limits.largest_eigenvalue(mass, O.dt**2 * stiffness + 2 * O.dt * damping)
+    if largest >= 4:
+        most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
+        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the springs swing up by themselves from {most:.3g} on "
+                        f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n']}); take at most half of that, better the default")
+
+
+def limit():
+    """The largest stable step [s] of all that is in O together."""
+    return spring_limits.matrix_limit(*_matrices())
+
+
+def safe_bound():
+    """A step [s] that is stable for every packing in which no disk is held more stiffly than here.
+
+    A contact's energy is at most twice what it would be with the one and with the other body held. So w^2 <= 2 max w_i^2 with w_i the
+    largest frequency of body i alone, all others held; dashpots likewise.
+    """
+    mass, damping, stiffness = _matrices()
+    blocks = [slice(k, k + 3) for k in range(0, len(mass), 3)]
+    return min(spring_limits.matrix_limit(mass[block], 2 * damping[block, block], 2 * stiffness[block, block])
+               for block in blocks if stiffness[block, block].nnz and np.isfinite(mass[block]).any())
+
+
+def _matrices():
+    """Diagonal of M (infinite where a freedom is blocked), then C and K (sparse) for (x, y, spin) of every body with a freedom."""
+    free = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)]
+    number = {body.id: k for k, body in enumerate(free)}
+    mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
+                     for letter, value in zip("xyZ", (body.state.mass, body.state.mass, body.state.inertia[2]))])
+    normal, tangential, dashpots, springs, sticking = _Rows(), _Rows(), [], [], []
+    for contact in O.interactions:
+        if not contact.isReal:
+            continue
+        phys, n = contact.phys, contact.geom.normal
+        for body, sign in ((contact.id1, -1), (contact.id2, 1)):
+            if body in number:
+                arm = contact.geom.contactPoint - O.bodies[body].state.pos
+                normal.add(number[body], (sign * n[0], sign * n[1], sign * (arm[0] * n[1] - arm[1] * n[0])))
+                tangential.add(number[body], (-sign * n[1], sign * n[0], sign * (arm[0] * n[0] + arm[1] * n[1])))
+        normal.end()
+        tangential.end()
+        springs.append(phys.kn)
+        dashpots.append(phys.cn)
+        sticking.append(phys.ks if phys.tangensOfFrictionAngle > 0 else 0.0)
+    along, across = normal.matrix(len(mass)), tangential.matrix(len(mass))
+    return mass, along.T @ sparse.diags(dashpots) @ along, along.T @ sparse.diags(springs) @ along + across.T @ sparse.diags(sticking) @ across
+
+
+class _Rows:
+    """The rows of a sparse matrix that turns velocities of disks into one relative velocity of each contact."""
+
+    def __init__(self):
+        self.rows, self.columns, self.values, self.count = [], [], [], 0
+
+    def add(self, disk, three):
+        """The entries of one disk in the row under way."""
+        self.rows += [self.count] * 3
+        self.columns += range(3 * disk, 3 * disk + 3)
+        self.values += three
+
+    def end(self):
+        """The next row."""
+        self.count += 1
+
+    def matrix(self, columns):
+        """All rows."""
+        return sparse.csr_matrix((self.values, (self.rows, self.columns)), shape=(self.count, columns))

@@ -1,0 +1,73 @@
+"""What a scene shows at one instant: the numbers of a history sample and the arrays of a snapshot."""
+import math
+
+import numpy as np
+from yade import O, utils
+
+from yade_scripts.results.schema import is_sliding
+from yade_scripts.preparing import bodies
+from yade_scripts.running import walls
+from yade_scripts.running.sums import total
+
+
+class Contacts:
+    """The contacts that carry a force, as arrays: normal and tangential forces [N], friction coefficient, overlap [m]."""
+
+    def __init__(self):
+        self._loaded = [i for i in O.interactions if i.isReal and i.phys.normalForce.dot(i.geom.normal) > 0]
+        rows = [(i.phys.normalForce.norm(), i.phys.shearForce.norm(), i.phys.tangensOfFrictionAngle, i.geom.penetrationDepth)
+                for i in self._loaded]
+        self.normal, self.tangential, self.friction, self.overlap = np.array(rows).reshape(-1, 4).T
+
+    def __len__(self):
+        return len(self._loaded)
+
+    def stored_energy(self):
+        """Elastic energy [J] of the springs of eqs. 5 and 6; dashpots store none, hence the overlap and not the normal force."""
+        stiffness = np.array([(i.phys.kn, i.phys.ks) for i in self._loaded]).reshape(-1, 2)
+        return float(np.sum(stiffness[:, 0] * self.overlap**2 + self.tangential**2 / stiffness[:, 1]) / 2)
+
+    def sliding(self):
+        """Number of contacts at the Coulomb limit."""
+        return int(np.count_nonzero(is_sliding(self.normal, self.tangential, self.friction)))
+
+
+def _plane(vectors):
+    """The x and y of vectors, as rows."""
+    return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
+
+
+def kinetic_energy():
+    """Of everything that is free to move [J]."""
+    return utils.kineticEnergy()
+
+
+def weight_energy(gravity):
+    """Potential energy of the weights [J]."""
+    return gravity * total(b.state.mass * b.state.pos[1] for b in bodies.disks()) if gravity else 0.0
+
+
+def angle(body):
+    """Rotation about z [rad], in (-pi, pi]."""
+    return 2 * math.atan2(body.state.ori[2], body.state.ori[3])
+
+
+def snapshot(boxed):
+    """All arrays of analysis.schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial box are there."""
+    disks = bodies.disks()
+    contacts = sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2))
+    normals, shear = _plane(i.geom.normal for i in contacts), _plane(i.phys.shearForce for i in contacts)
+    return {
+        "position": _plane(b.state.pos for b in disks),
+        "angle": np.array([angle(b) for b in disks]),
+        "radius": np.array([b.shape.radius for b in disks]),
+        "body_ids": np.array([b.id for b in disks]),
+        "contact_ids": np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2),
+        "contact_point": _plane(i.geom.contactPoint for i in contacts),
+        "contact_normal": normals,
+        "contact_friction": np.array([i.phys.tangensOfFrictionAngle for i in contacts]),
+        "force_normal": np.array([i.phys.normalForce.dot(i.geom.normal) for i in contacts]),
+        # Along the normal turned by +90 degrees: (n_x, n_y) -> (-n_y, n_x).
+        "force_tangential": normals[:, 0] * shear[:, 1] - normals[:, 1] * shear[:, 0],
+        "box": np.array(walls.faces() if boxed else [math.nan] * 4),
+    }

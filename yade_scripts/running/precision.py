@@ -1,0 +1,9 @@
+"""Which YADE is running: Debian packages it in four precisions, and their files are not interchangeable."""
+
+
+def check():
+    """ImportError unless this YADE computes in double precision, as results, prepared states and the engine do."""
+    from yade import config
+    if config.highPrecisionName != "PrecisionDouble":
+        raise ImportError(f"scenes, states and results are of YADE in double precision; this is {config.version} with "
+                          f"{config.highPrecisionDecimalPlaces} decimal places, from {config.libDir}. Start `yade` or `yade-double`.")

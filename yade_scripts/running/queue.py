@@ -1,0 +1,103 @@
+"""Runs of YADE, several at a time: the one place of this project that starts YADE.
+
+Every run has a process and a log of its own and one thread, since several are not repeatable. The kernel ends the processes with whoever
+started them, kill -9 included.
+"""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from tqdm import tqdm
+
+SECONDS = 5  # between two lines of progress where there is no terminal
+WITH_ME = ["setpriv", "--pdeathsig", "KILL"]
+SCRIPTS = pathlib.Path(__file__).resolve().parents[1]
+
+
+def environment():
+    """For YADE: one thread, and a HOME, without which it does not start."""
+    return {"HOME": tempfile.gettempdir()} | os.environ | {"OMP_NUM_THREADS": "1"}
+
+
+class Job:
+    """One run: a script below yade_scripts/ with its arguments, and where its output goes."""
+
+    def __init__(self, script, arguments, log):
+        self.script, self.arguments, self.log, self.process = script, [str(word) for word in arguments], pathlib.Path(log), None
+
+    def start(self, mode="w"):
+        """Start YADE."""
+        self.log.parent.mkdir(parents=True, exist_ok=True)
+        with open(self.log, mode, encoding="utf-8") as log:
+            self.process = subprocess.Popen([*WITH_ME, "yade", "-n", "-x", "-j", "1", str(SCRIPTS / self.script), *self.arguments],
+                                            stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment())
+
+    def elsewhere(self):
+        """Whether another process does this already."""
+        return False
+
+    def again(self):
+        """Asked at the end of the process: whether it is to be started once more."""
+        return False
+
+    def said(self, lines=8):
+        """The end of the log."""
+        return "\n".join(self.log.read_text(encoding="utf-8", errors="replace").splitlines()[-lines:])
+
+    def news(self):
+        """How far the run is, in a few words."""
+        return self.log.stem
+
+    def outcome(self):
+        """How the run ended, in words."""
+        return f"ended with {self.process.returncode}"
+
+
+def run(jobs, at_once, ended=lambda job: None):
+    """Run all jobs in their order, `at_once` at a time; calls ended(job) after each. However this ends, it ends the runs."""
+    waiting, running, told = list(jobs), [], time.monotonic()
+    bar = tqdm(total=len(waiting), unit="run", disable=not sys.stderr.isatty())
+    try:
+        while waiting or running:
+            while waiting and len(running) < at_once:
+                job = next((job for job in waiting if not job.elsewhere()), waiting[0])
+                waiting.remove(job)
+                job.start()
+                running.append(job)  # not before it has a process: a signal may come between
+            time.sleep(0.1)
+            for job in [job for job in running if job.process.poll() is not None]:
+                if job.again():
+                    job.start("a")
+                    continue
+                running.remove(job)
+                bar.update()
+                with bar.external_write_mode(file=sys.stdout):
+                    print(f"{job.log.stem}: {job.outcome()}", flush=True)
+                ended(job)
+            if running and time.monotonic() - told > SECONDS:
+                told = time.monotonic()
+                news = " | ".join(job.news() for job in running)
+                if bar.disable:
+                    print(f"{bar.total - len(waiting) - len(running)} of {bar.total} done | {news}", flush=True)
+                else:
+                    bar.set_postfix_str(news)
+    finally:
+        for job in running:
+            job.process.kill()
+        for job in running:
+            job.process.wait()
+        bar.close()
+
+
+def end_by_signals(name):
+    """Let the signals that ask for an end leave by the way that ends the runs; nohup stays in force."""
+    def end(number, frame):
+        os.write(2, f"\n{name}: ended; the same command goes on where it stopped.\n".encode())  # print may be what it has interrupted
+        sys.exit(128 + number)
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        if number == signal.SIGINT or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, end)

@@ -1,0 +1,177 @@
+"""Writes a run's HDF5 file: names, units and meanings are those of yade_scripts/results/schema.py.
+
+The file is built in memory and written whole, aside and then renamed: libhdf5, which floods the log and crashes where a write fails, never
+meets a full disk, and what is on the disk is a readable file at every moment. A run of 400 disks takes 1 MB, one of 10^5 some 20 MB a snapshot.
+"""
+import io
+import json
+import math
+import pathlib
+import time
+
+import h5py
+import numpy as np
+from yade import O, config, utils
+
+from yade_scripts import parameters
+from yade_scripts.results import schema, sealed
+from yade_scripts.running import md_step, observe, walls
+from yade_scripts.running.bounds import Bounds
+from yade_scripts.results.provenance import git_commit
+from yade_scripts.running.wall_check import Collapse, LoadCheck
+
+ROWS_AT_ONCE = 50   # into the file in memory
+SECONDS = 30        # between two writes of the unfinished file, for those who want to look
+
+
+class Recorder:
+    """Samples a scene into `<name>.partial.h5`, which becomes `<name>.h5` when the run ends, finished or failed."""
+    NOT_KEPT = ("started", "written")  # by a checkpoint: readings of clocks
+
+    def __init__(self, path, full, scene, progress=lambda fraction: None, record=None, checkpoint_samples=0):
+        """record: the file's content so far, of a run that is resumed; None: a new file. checkpoint_samples: samples between checkpoints."""
+        self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
+        self.partial = self.path.with_suffix(".partial.h5")
+        self.names = [n for n, f in schema.HISTORY.items() if full["method"] in f.methods or not f.methods]
+        if full["method"] == "MD":
+            self.names = [n for n in self.names if n not in ("residual_max", "unconverged_steps")]
+        if scene.law is None:
+            self.names.remove("friction_dissipation")
+        self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
+        self.bounds = Bounds(full, scene.load is not None)
+        self.started, self.seconds = time.perf_counter(), 0.0  # computing time before `started`
+        self.reference, self.first_sides = None, None
+        self.memory = io.BytesIO(record or b"")
+        self.file = h5py.File(self.memory, "r+" if record else "w")
+        if record:
+            self.file.attrs["resumed"] += 1
+        else:
+            self._new_file(checkpoint_samples)
+        self.written = time.monotonic()
+        self._write(self.partial)
+
+    def _new_file(self, checkpoint_samples):
+        self._write_attributes()
+        self.file.attrs.update(zip(schema.CHECKPOINT_ATTRIBUTES, (checkpoint_samples, 0)))
+        for name in self.names:
+            column = self.file.create_dataset(f"history/{name}", shape=(0,), maxshape=(None,), dtype=float)
+            column.attrs["unit"] = schema.HISTORY[name].unit
+
+    def image(self):
+        """The content of the file so far, for a checkpoint."""
+        self._write_rows()
+        self.file.flush()
+        self.seconds, self.started = self._elapsed(), time.perf_counter()
+        return self.memory.getvalue()
+
+    def _write(self, path):
+        """Write the file as it is now to `path`."""
+        if self.file:  # not closed yet
+            self.file.flush()
+        sealed.write(path, self.memory.getvalue())
+
+    def _elapsed(self):
+        """Computing time [s] of the run, without what an interruption has lost."""
+        return self.seconds + time.perf_counter() - self.started
+
+    def _write_attributes(self):
+        self.file.attrs.update({
+            "schema_version": schema.SCHEMA_VERSION, "scene": self.full["scene"], "method": self.full["method"],
+            "parameters": json.dumps(self.full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),
+            "yade_version": config.version, "seed": self.full["seed"], "finished": False, "status": "running", "outcome": "none yet",
+            "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
+
+    def sample(self):
+        """One row of the history, at some samples a snapshot. Collapse, StressError or OutOfBounds where the run has to end."""
+        if self.count == 0 and self.full["method"] == "MD":
+            md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
+        row = self._measure()
+        self.rows.append([row[name] for name in self.names])
+        if self.count in self.scene.snapshots:
+            self._snapshot(row)
+        self.count += 1
+        if len(self.rows) == ROWS_AT_ONCE:
+            self._write_rows()
+        if time.monotonic() - self.written > SECONDS:
+            self._write_rows()
+            self._write(self.partial)
+            self.written = time.monotonic()
+        self.progress((self.count - 1) / self.scene.samples)
+        self.bounds.look(row, O.iter)
+        try:
+            if self.scene.load is not None:
+                self.load_check.look(row)
+        except Collapse:
+            if self.count - 1 not in self.scene.snapshots:
+                self._snapshot(row)
+            raise
+
+    def _measure(self):
+        contacts = observe.Contacts()
+        row = {"time": O.time, "cycle": O.time / self.full["period"], "contacts": len(contacts), "sliding_contacts": contacts.sliding(),
+               "kinetic_energy": observe.kinetic_energy(), "unbalanced_force": utils.unbalancedForce(),
+               "wall_clock": self._elapsed()}
+        row |= self._box()
+        row |= self._cd(row) if self.full["method"] == "CD" else self._md(row, contacts)
+        return row
+
+    def _box(self):
+        """Stresses and strains; without a loaded box they have no meaning and are NaN."""
+        if self.scene.load is None:
+            undefined = ("sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma")
+            return dict.fromkeys(undefined, math.nan) | {"wall_work": 0.0}
+        sides = walls.sides()
+        if self.first_sides is None:
+            self.first_sides = sides
+        strain = [length / first - 1 for length, first in zip(sides, self.first_sides)]
+        sigma, goal = walls.mean_stresses(), self.scene.load.goal
+        return {"sigma1": sigma[0], "sigma2": sigma[1], "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": strain[0],
+                "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
+
+    def _md(self, row, contacts):
+        """Dissipation is what the walls and weights gave and nobody has: work - changes of stored, kinetic and potential energy."""
+        stored = contacts.stored_energy()
+        held = stored + row["kinetic_energy"] + observe.weight_energy(self.full["gravity"]) - row["wall_work"]
+        if self.reference is None:
+            self.reference = held
+        return {"stored_energy": stored, "dissipated_energy": self.reference - held,
+                "friction_dissipation": self.scene.law.plasticDissipation() if self.scene.law else math.nan,
+                "max_penetration": max(contacts.overlap, default=0.0)}
+
+    def _cd(self, row):
+        engine = self.scene.watch.engine
+        return {"stored_energy": 0.0, "dissipated_energy": engine.dissipatedEnergy, "max_penetration": engine.maxPenetration,
+                "iterations": engine.iterations, "residual": engine.residual, "residual_max": self.scene.watch.take(),
+                "unconverged_steps": engine.unconvergedSteps}
+
+    def _snapshot(self, row):
+        group = self.file.create_group(f"snapshots/{len(self.file.get('snapshots', ()))}")
+        group.attrs.update({"time": row["time"], "cycle": row["cycle"]})
+        for name, array in observe.snapshot(self.scene.load is not None).items():
+            group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
+
+    def _write_rows(self):
+        if not self.rows:
+            return
+        table = np.array(self.rows, float).reshape(-1, len(self.names))
+        for name, values in zip(self.names, table.T):
+            column = self.file[f"history/{name}"]
+            column.resize((column.shape[0] + len(values),))
+            column[-len(values):] = values
+        self.rows.clear()
+
+    def close(self, failure=None, collapse=None):
+        """End the file with its status; failure, collapse: the exception that ended the run."""
+        self._write_rows()
+        for known in () if failure else self.scene.known:
+            value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
+            value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
+        for name, (unit, doc, array) in () if failure else self.scene.extra.items():
+            values = self.file.create_dataset(f"extra/{name}", data=array() if callable(array) else array)
+            values.attrs.update({"unit": unit, "doc": doc})
+        self.file.attrs["outcome"] = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
+        self.file.attrs["finished"] = failure is None
+        self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
+        self.file.close()
+        self._write(self.path)
+        self.partial.unlink(missing_ok=True)

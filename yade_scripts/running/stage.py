@@ -1,0 +1,46 @@
+"""Sets the time step, the engines of the row's method and the loaded walls, once the bodies of a scene exist."""
+import math
+
+from yade import O
+
+from yade_scripts import parameters
+from yade_scripts.preparing import bodies
+from yade_scripts.running import md_step, walls
+from yade_scripts.scenes import Scene, method
+
+
+def set_step(full, largest):
+    """Set O.dt <= largest [s] such that samples fall on whole steps; the number of steps between two."""
+    interval = full["period"] / full["records_per_cycle"]
+    every = math.ceil(interval / largest * (1 - 1e-12))
+    O.dt = interval / every
+    return every
+
+
+def largest_step(full):
+    """The largest step [s] of the row's method for the bodies in O."""
+    if full["method"] == "CD":
+        return full["cd_dt"]
+    lightest = min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
+    return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
+
+
+def set_engines(full, scene, goals=None):
+    """O.engines of the row's method, walls loaded by goals(t) -> (sigma1, sigma2) [Pa] if given."""
+    method(full).set_engines(full, scene, goals)
+
+
+def load_walls(full, scene, goals):
+    """The same for a scene in the biaxial box; its walls x+ and y+ are freed unless a servo moves them."""
+    if full["method"] == "CD" or full["md_walls"] == "force":
+        walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
+    if full["method"] == "MD":
+        md_step.check(full)
+    set_engines(full, scene, goals)
+
+
+def small(full, known):
+    """The scene around bodies just placed, for scenes without loaded walls: step, engines, and what is known of its end."""
+    scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], known=known)
+    set_engines(full, scene)
+    return scene

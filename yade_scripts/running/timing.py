@@ -1,0 +1,55 @@
+"""Runs a scene without recording it, and times its steps alone."""
+import time
+
+from yade import O
+
+from yade_scripts import scenes
+from yade_scripts.running import hooks, walls
+
+
+RECORDING = {hooks.SAMPLING, hooks.WATCHING}
+
+
+def measures():
+    """Whether the scene in O measures something in the course of its steps."""
+    return any(engine.label == hooks.MEASURING for engine in O.engines)
+
+
+def run(scene, full, *also, without=frozenset(RECORDING)):
+    """Run a scene that stands in O; the processor time [s] from the start of its first step to the end of its last. also: further engines, in front.
+
+    without: labels of runners to leave out. A loaded sample ends where it collapses, as a recorded one does.
+    """
+    steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
+
+    def clock():
+        moments.append(time.thread_time())  # of the thread that makes the steps: what other programs do meanwhile does not count
+
+    if scene.law is not None:
+        scene.law.traceEnergy = False
+    if scene.load is not None:
+        also += (hooks.runner(_stop_at(full["collapse_strain"], clock), iterPeriod=scene.every),)
+    simulation = [engine for engine in O.engines if engine.label not in without]
+    O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1), *also, *simulation,
+                 hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
+    scenes.method(full).run(scene)
+    if len(moments) < 2:
+        raise RuntimeError(f"the run ended after {O.iter} of {steps} steps, so that its time is not known")
+    return moments[-1] - moments[0]
+
+
+def _stop_at(strain, clock):
+    """A function that ends the run, and takes the time, once |gamma| of the loaded sample exceeds `strain`."""
+    first = walls.sides()
+
+    def look():
+        x, y = (now / before for now, before in zip(walls.sides(), first))
+        if abs(y - x) > strain:
+            clock()
+            hooks.stop()
+    return look
+
+
+def contact_dynamics():
+    """The engine of CD in O."""
+    return next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")

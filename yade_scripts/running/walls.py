@@ -1,0 +1,139 @@
+"""The box of the biaxial test: six walls around the sample, moved by a servo or pushed by forces (Hambly's principle, the paper's Fig. 2).
+
+Direction 1 is x, 2 is y (paper, section 2.1). Walls have thickness 0, so that a wall's position is its inner face. Stresses [Pa]
+are compression positive; a wall force over (other side times depth).
+"""
+from yade import O, utils
+from yade.wrapper import TriaxialStressController
+
+from yade_scripts.running.sums import total
+
+X_LOW, X_HIGH, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH = range(6)
+# (axis, low wall, high wall) of the two loaded directions.
+DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
+
+
+def append(sides, depth, material):
+    """Six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2), sides (L_x, L_y) or one [m]; they must be the first bodies."""
+    if len(O.bodies):
+        raise ValueError("walls come first: their ids are 0 to 5")
+    length_x, length_y = sides if hasattr(sides, "__len__") else (sides, sides)
+    O.bodies.append(utils.aabbWalls([(0, 0, -depth / 2), (length_x, length_y, depth / 2)], thickness=0, material=material, color=(0.4, 0.4, 0.4)))
+
+
+def faces():
+    """Inner faces [m] of x-, x+, y-, y+."""
+    return [O.bodies[wall].state.pos[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
+
+
+def sides():
+    """(L_x, L_y) [m] between the inner faces."""
+    left, right, bottom, top = faces()
+    return right - left, top - bottom
+
+
+def depth():
+    """Depth of the sample [m]."""
+    return O.bodies[Z_HIGH].state.pos[2] - O.bodies[Z_LOW].state.pos[2]
+
+
+def areas():
+    """Areas [m^2] on which sigma1 and sigma2 act."""
+    length_x, length_y = sides()
+    return length_y * depth(), length_x * depth()
+
+
+def _contact_force(wall, axis):
+    """Size of the force [N] that the disks put on a wall along `axis`; walls have no friction."""
+    return abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal))
+
+
+def stresses():
+    """((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from its contacts."""
+    return tuple(tuple(_contact_force(wall, axis) / area for wall in (low, high)) for (axis, low, high), area in zip(DIRECTIONS, areas()))
+
+
+def mean_stresses():
+    """(sigma1, sigma2) [Pa]: means over opposite walls, which differ by the inertia of the disks."""
+    return tuple(sum(pair) / 2 for pair in stresses())
+
+
+def servo(goal, damping_ratio, mass, kn, max_velocity):
+    """YADE's TriaxialStressController in 2D, holding (sigma1, sigma2) = goal [Pa].
+
+    It moves a wall by stress error / wall stiffness each step. Dashpots of ratio beta add 2 beta tau/dt (tau = sqrt(m/k_n)) to that
+    stiffness without its knowing; above 2 the walls flip at their largest velocity for ever and no strain shows (locked from 2.1,
+    stable to 1.4 as measured). stressDamping takes a share of each correction, here enough to stay at 1.
+    """
+    loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
+    length_x, length_y = sides()
+    return TriaxialStressController(
+        stressMask=3, goal1=-goal[0], goal2=-goal[1], goal3=0, internalCompaction=False, thickness=0,
+        wall_front_activated=False, wall_back_activated=False,
+        stressDamping=max(0.25, 1 - 1 / max(loop_gain, 1e-9)), max_vel=max_velocity,
+        # Its stiffness is not saved with the scene; computed anew at every step, a reload gives no kick.
+        stiffnessUpdateInterval=1, computeStressStrainInterval=1,
+        width0=length_x, height0=length_y, depth0=depth())
+
+
+def set_free(mass):
+    """Let x+ and y+ move along their normals with `mass` [kg]; the walls opposite stay."""
+    for wall, blocked in ((X_HIGH, "yzXYZ"), (Y_HIGH, "xzXYZ")):
+        state = O.bodies[wall].state
+        state.mass = mass
+        state.inertia = (mass, mass, mass)  # never used: rotations are blocked
+        state.blockedDOFs = blocked
+
+
+class Load:
+    """Applies goals(t) -> (sigma1, sigma2) at every call of `apply` and sums the work done on the sample."""
+
+    def __init__(self, goals, lead=0.0):
+        """lead: time [s] ahead of O.time at which the load is evaluated; half a step for an implicit scheme."""
+        self.goals, self.lead = goals, lead
+        self.goal = goals(0.0)
+        self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
+
+    def apply(self):
+        """One update: the work since the last one, then the new load."""
+        self._sum, self._positions, self.goal = self.work(), faces(), self.goals(O.time + self.lead)
+        self._forces = self._push()
+
+    def _moved(self):
+        """Displacements [m] of x-, x+, y-, y+ since the last update."""
+        return [now - before for now, before in zip(faces(), self._positions)]
+
+
+class ServoLoad(Load):
+    """Hands the goals to a TriaxialStressController; stands between the contact loop and the controller."""
+
+    def __init__(self, goals, controller):
+        super().__init__(goals)
+        self.controller = controller
+
+    @staticmethod
+    def _contact_forces():
+        """Forces [N] of the disks on x-, x+, y-, y+."""
+        return [O.forces.f(wall)[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
+
+    def _push(self):
+        self.controller.goal1, self.controller.goal2 = -self.goal[0], -self.goal[1]
+        return self._contact_forces()
+
+    def work(self):
+        """Work on the sample so far [J]: trapezoidal rule on the contact forces on the four walls."""
+        return self._sum - total((f + g) / 2 * x for f, g, x in zip(self._forces, self._contact_forces(), self._moved()))
+
+
+class ForceLoad(Load):
+    """Pushes the free walls x+ and y+ by stress times area; stands before the integrator, every step."""
+
+    def _push(self):
+        push = [-stress * area for stress, area in zip(self.goal, areas())]
+        O.forces.addF(X_HIGH, (push[0], 0, 0))
+        O.forces.addF(Y_HIGH, (0, push[1], 0))
+        return [0.0, push[0], 0.0, push[1]]
+
+    def work(self):
+        """Work on the sample and the walls' mass so far [J]: force of the last step times the displacement it made."""
+        return self._sum + total(f * x for f, x in zip(self._forces, self._moved()))

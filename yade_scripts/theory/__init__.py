@@ -1,0 +1,1 @@
+"""Exact answers with which scenes and studies are compared."""

@@ -1,0 +1,114 @@
+"""Balance of forces on the grains in the box, and the contact forces that it admits. Shares no code with the contact solvers.
+
+Forces of a contact as in `analysis.schema`: R along the normal, compression positive, T along the normal turned by +90 degrees,
+both on the second body. SI units.
+"""
+
+import numpy as np
+from scipy import optimize, sparse
+
+from yade_scripts.results.reader import ResultError
+
+# Walls that are free to move along their normal in the biaxial box: (id, axis). The walls opposite stand.
+FREE_WALLS = ((1, 0), (3, 1))
+
+
+def balance_matrix(snapshot):
+    """A with A (R, T) = resultants on the free bodies: force along x and y and torque over radius of each disk [N], then the two walls.
+
+    Columns are the contacts' R, then their T. Torques are divided by the disk's radius so that all rows are forces.
+    """
+    ids, normal, point = (snapshot[name] for name in ("contact_ids", "contact_normal", "contact_point"))
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    row_of = {body: 3 * k for k, body in enumerate(snapshot["body_ids"].tolist())}
+    walls = {wall: (3 * len(row_of) + k, axis) for k, (wall, axis) in enumerate(FREE_WALLS)}
+    matrix = sparse.lil_matrix((3 * len(row_of) + len(walls), 2 * len(ids)))
+    for k, pair in enumerate(ids.tolist()):
+        for body, sign in zip(pair, (-1, 1)):
+            for column, direction in ((k, normal[k]), (k + len(ids), tangent[k])):
+                if body in row_of:
+                    row = row_of[body]
+                    arm = (point[k] - snapshot["position"][row // 3]) / snapshot["radius"][row // 3]
+                    matrix[row, column], matrix[row + 1, column] = sign * direction
+                    matrix[row + 2, column] = sign * (arm[0] * direction[1] - arm[1] * direction[0])
+                elif body in walls:
+                    row, axis = walls[body]
+                    matrix[row, column] = sign * direction[axis]
+    return matrix.tocsr()
+
+
+def wall_loads(snapshot, stresses, depth):
+    """The forces [N] that (sigma1, sigma2) [Pa] put on the rows of `balance_matrix`."""
+    x_low, x_high, y_low, y_high = snapshot["box"]
+    load = np.zeros(3 * len(snapshot["body_ids"]) + len(FREE_WALLS))
+    load[-2:] = -stresses[0] * (y_high - y_low) * depth, -stresses[1] * (x_high - x_low) * depth
+    return load
+
+
+def violations(snapshot, normal, tangential, load):
+    """How far networks (R and T, one row each, [N]) are from admissible: three columns, over the network's mean R.
+
+    The largest resultant on a body; the largest |T| - mu R; the largest pull, -R. The last two are negative inside.
+    """
+    normal, tangential = np.atleast_2d(normal), np.atleast_2d(tangential)
+    resultant = np.hstack([normal, tangential]) @ balance_matrix(snapshot).T + load
+    excess = np.abs(tangential) - snapshot["contact_friction"] * normal
+    scale = np.array([row[row > 0].mean() for row in normal])
+    return np.stack([np.abs(resultant).max(axis=1), excess.max(axis=1), (-normal).max(axis=1)], axis=1) / scale[:, None]
+
+
+def degrees_of_freedom(snapshot, loaded):
+    """(M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, unknowns less equations.
+
+    That is 2M - 3N less one for each free wall, where a contact without friction has one unknown and a disk that none but such
+    contacts hold has no torque to balance.
+    """
+    rough = snapshot["contact_friction"] > 0
+    held, turned = (np.isin(snapshot["body_ids"], snapshot["contact_ids"][mask]).sum() for mask in (loaded, loaded & rough))
+    unknowns = loaded.sum() + (loaded & rough).sum()
+    return int(loaded.sum()), int(held), int(unknowns - 2 * held - turned - len(FREE_WALLS))
+
+
+def dimension(snapshot, loaded):
+    """The same dimension with the rank of the equations, which need not be independent: exact, and for 400 disks a second's work."""
+    unknowns = np.flatnonzero(np.concatenate([loaded, loaded & (snapshot["contact_friction"] > 0)]))
+    return len(unknowns) - int(np.linalg.matrix_rank(balance_matrix(snapshot)[:, unknowns].toarray()))
+
+
+def limit_loads(snapshot, pressure, depth):
+    """(least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
+
+    Beyond these no rigid contacts hold the sample as it stands; between them, with Coulomb's (not associated) friction, nothing says
+    that they must.
+    """
+    constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in ((pressure, 0), (0, pressure)))
+    goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
+    goal[-1] = 1
+    return _extremes(snapshot, goal, constant, rising)
+
+
+def force_range(snapshot, load, contact):
+    """(least, largest) R [N] that admissible networks under `load` can put on one contact."""
+    goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
+    goal[contact] = 1
+    return tuple(np.abs(load).max() * value for value in _extremes(snapshot, goal, load, np.zeros_like(load)))
+
+
+def _extremes(snapshot, goal, load, rising):
+    """(least, largest) goal . (R, T, s) over all admissible forces under load + s rising [N], in units of the largest load.
+
+    Linear programmes, as Coulomb's cone is a pair of straight lines in the plane.
+    """
+    count, mu = len(snapshot["contact_ids"]), sparse.diags(snapshot["contact_friction"])
+    one, none = sparse.identity(count), sparse.csr_matrix((count, 1))
+    unit = np.abs(load).max()
+    cone = sparse.bmat([[-mu, one, none], [-mu, -one, none]])
+    balance = sparse.hstack([balance_matrix(snapshot), sparse.csr_matrix(rising[:, None] / unit)])
+    bounds = [(0, None)] * count + [(None, None)] * count + [(None, None) if rising.any() else (0, 0)]
+    found = []
+    for sign in (1, -1):
+        result = optimize.linprog(sign * goal, cone, np.zeros(2 * count), balance, -load / unit, bounds, "highs")
+        if not result.success:
+            raise ResultError("a snapshot", f"its contacts set no bound ({result.message})", "look whether its disks hold the walls at all")
+        found.append(sign * float(result.fun))
+    return tuple(found)
