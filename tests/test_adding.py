@@ -101,7 +101,7 @@ def copy(root, tmp_path_factory):
 
 
 def run(copy, *arguments):
-    done = subprocess.run([sys.executable, "-m", *arguments], cwd=copy, capture_output=True, text=True, timeout=280, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    done = subprocess.run([sys.executable, "-m", *arguments], cwd=copy, capture_output=True, text=True, timeout=1200, env=os.environ | {"OMP_NUM_THREADS": "1"})
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

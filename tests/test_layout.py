@@ -49,7 +49,7 @@ assert run.execute(dict(scene="stack", disks=2), {str(tmp_path / "results")!r}) 
 assert measure.measure(dict(scene="stack", method="CD", disks=2), {str(tmp_path / "results")!r}, 20, lambda seconds: None)[0]["status"] == "finished"
 print("new:", sorted({{name for name in sys.modules if name.split(".")[0] in ("matplotlib", "PIL", "analysis")}} - before))
 """)
-    done = subprocess.run(["yade", "-n", "-x", "-j1", script], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=250)
+    done = subprocess.run(["yade", "-n", "-x", "-j1", script], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
     assert "new: []" in done.stdout, done.stdout + done.stderr
 
 

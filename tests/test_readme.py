@@ -13,7 +13,7 @@ def test_the_minimal_script_runs(root, tmp_path):
     """As a user saves it; the module path stands in for `make install`."""
     script = re.search(r"```python\n(.*?)```", (root / "README.md").read_text(encoding="utf-8"), re.S)[1]
     (tmp_path / "heap.py").write_text(f"import sys\nsys.path.insert(0, {str(root)!r})\n" + script)
-    done = subprocess.run(["yade", "-n", "-x", "-j1", "heap.py"], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=250)
+    done = subprocess.run(["yade", "-n", "-x", "-j1", "heap.py"], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
     converged, contacts, unbalanced = done.stdout.strip().splitlines()[-1].split()
     assert converged == "True" and int(contacts) > 100 and float(unbalanced) < 1, done.stdout + done.stderr
 

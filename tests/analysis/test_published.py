@@ -31,7 +31,7 @@ def test_every_study_is_published():
 
 def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
     page = tmp_path / "new" / "report.html"
-    subprocess.run(["make", "report", "PUBLISHED=1", f"REPORT={page}"], cwd=root, check=True, capture_output=True, timeout=300)
+    subprocess.run(["make", "report", "PUBLISHED=1", f"REPORT={page}"], cwd=root, check=True, capture_output=True, timeout=1200)
     text = html.unescape(page.read_text())
     assert "Not run yet" not in text and all(studies.module(name).TITLE in text for name in PUBLISHED)
     assert page.stat().st_size < 2e6
@@ -104,7 +104,7 @@ def _cheapest_rows():
 def test_a_row_run_anew_gives_the_published_numbers(law, root, tmp_path):
     row = _cheapest_rows()[law]
     arguments = [f"--results={tmp_path}"] + [f"{name}={value}" for name, value in row.items()]
-    done = subprocess.run(["yade", "-n", "-x", "-j", "1", "yade_scripts/run.py", *arguments], cwd=root, capture_output=True, text=True, timeout=120,
+    done = subprocess.run(["yade", "-n", "-x", "-j", "1", "yade_scripts/run.py", *arguments], cwd=root, capture_output=True, text=True, timeout=1200,
                           env=os.environ | {"OMP_NUM_THREADS": "1"})
     run = reader.load(results.path_of(parameters.complete(row), tmp_path))
     fresh, = studies.module(ANEW).summarize([run])

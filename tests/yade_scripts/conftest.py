@@ -19,7 +19,7 @@ class Yade:
     def script(self, name, *arguments, **environment):
         """Run yade_scripts/<name>; the finished process."""
         return subprocess.run(["yade", "-n", "-x", str(SCRIPTS / name), *arguments], cwd=self.folder, env=os.environ | environment,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
 
     def prepare(self, *arguments):
         """Prepare a packing; its state file and the JSON record beside it."""
@@ -39,7 +39,7 @@ class Yade:
         """Run a script, options of YADE's first among the arguments; the last line printed, read as JSON."""
         options = [a for a in arguments if a.startswith("-")]
         done = subprocess.run(["yade", "-n", "-x", *options, str(path), *(a for a in arguments if a not in options)], cwd=self.folder,
-                              env=os.environ | environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=250)
+                              env=os.environ | environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
         assert done.returncode == 0, done.stderr
         return json.loads([line for line in done.stdout.splitlines() if line.startswith(("{", "["))][-1])
 

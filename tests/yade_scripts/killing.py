@@ -37,7 +37,7 @@ def whole(folder, row, *options):
     """An uninterrupted run: (result file, seconds from start to end)."""
     began = time.monotonic()
     process = start(folder, row, *options)
-    said, _ = process.communicate(timeout=100)
+    said, _ = process.communicate(timeout=1200)
     path = only_result(folder)
     assert process.returncode == 0 and results.finished(path), said
     return path, time.monotonic() - began
@@ -59,7 +59,7 @@ def kill_at(folder, row, seconds, *options, by=signal.SIGKILL):
         return False
     except subprocess.TimeoutExpired:
         os.kill(process.pid, by)
-        process.communicate(timeout=20)
+        process.communicate(timeout=1200)
     check_what_is_left(folder)
     return True
 

@@ -1,11 +1,7 @@
 """The benchmark's parts: its problems are what they are said to be, its peer is treated fairly, and a figure without proof is never quoted."""
-import json
-import subprocess
-
 import numpy as np
 import pytest
 
-from analysis import benchmark, publish
 from cd_engine import core
 from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
 from yade_scripts.measuring.benchmark.jammed import BALANCED, STIFFNESS, hilbert, jammed
@@ -133,31 +129,3 @@ def test_traffic_is_counted_once():
     contact, before, body = core.bytes_of_a_sweep()
     assert sweeps.traffic(problem, False) == pytest.approx(contact + 16 + 2 * body * 401 / problem.contacts)
     assert sweeps.traffic(problem, True) > sweeps.traffic(problem, False) + 2 * before
-
-
-def test_quick_benchmark(root, tmp_path):
-    """From nothing to tables and figures, once; started again it has nothing left to do."""
-    folder = tmp_path / "benchmark" / "quick"
-
-    def run(*more):
-        return subprocess.run(["/usr/bin/python3", "-m", "yade_scripts.measuring.benchmark", "--quick", "--results", str(tmp_path), *more], cwd=root,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
-
-    done = run()
-    assert done.returncode == 0, done.stdout + done.stderr
-    tables = {name: publish.read_table(folder / f"{name}.csv") for name in ("solutions", "sweeps", "engine")}
-    packed = tables["solutions"][tables["solutions"].kind == "packing"]
-    assert set(packed.start) == {"cold", "warm"} and (packed.residual <= packed.target).all()
-    assert tables["engine"].steps_solved[0] == 5 and tables["engine"].step_over_solver[0] > 1
-    assert (tables["sweeps"][["plain_any_ns", "accelerated_ns", "bound_plain_ns"]] > 0).all().all()
-    facts = json.loads(next((folder / "problems").glob("*-0.1.json")).read_text())
-    assert facts["residual"] < 1e-6 and facts["solid_fraction"] > 0.78 and facts["contacts_per_disk"] > 3.2
-    assert {path.name for path in benchmark.draw(folder)} == {"error_against_time.png", "sweep_cost.png"}
-    again = run()
-    assert again.returncode == 0 and "[1/" not in again.stdout
-    one = run("--table", "reduction", "--again")
-    rest = publish.read_table(folder / "reduction.csv").set_index("scene")
-    assert one.returncode == 0 and "reduction" in json.loads((folder / "provenance.json").read_text())["tables"]
-    assert rest.sweeps_with["columns at rest"] == 0 and rest.sweeps_without["box of disks at rest"] > 0
-    missing = run(str(tmp_path / "nowhere.hdf5"))
-    assert missing.returncode == 2 and "nowhere.hdf5" in missing.stderr and "Traceback" not in missing.stderr

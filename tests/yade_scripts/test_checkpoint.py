@@ -53,7 +53,7 @@ def test_a_run_goes_on_from_its_checkpoint(whole, tmp_path):
     process.communicate()
     assert len(found) == 1
     again = killing.start(tmp_path, ROWS["CD"], f"--checkpoints={EVERY}")
-    said, _ = again.communicate(timeout=60)
+    said, _ = again.communicate(timeout=1200)
     assert "goes on from its checkpoint at sample" in said, said
     path = killing.only_result(tmp_path)
     with h5py.File(path) as file:
@@ -78,7 +78,7 @@ def test_a_full_disk_loses_nothing(whole, tmp_path):
     killing.make(tmp_path, states=reference.parent / "states")
     arguments = [f"{name}={value}" for name, value in ROWS["CD"].items()]
     done = subprocess.run(["prlimit", "--fsize=100000", "yade", "-n", "-x", "-j", "1", str(killing.SCRIPTS / "run.py"), f"--results={tmp_path}",
-                           f"--checkpoints={EVERY}", *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+                           f"--checkpoints={EVERY}", *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
     assert done.returncode == 1 and "cannot be written" in done.stderr and "make room" in done.stderr
     killing.check_what_is_left(tmp_path)
     assert killing.only_result(tmp_path) is None

@@ -9,7 +9,7 @@ import time
 from .conftest import SCRIPTS
 
 
-def read_until(terminal, pattern, seconds=60):
+def read_until(terminal, pattern, seconds=600):
     """What the terminal shows up to `pattern`; answers its questions for the cursor's place on the way."""
     shown, end = "", time.monotonic() + seconds
     while not re.search(pattern, shown):
