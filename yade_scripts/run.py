@@ -1,7 +1,7 @@
 """Runs one row of parameters: one scene, one method, one result file.
 
     yade -n -x yade_scripts/run.py method=CD seed=3          by name=value arguments
-    yade-batch yade_scripts/tables/fig4.txt yade_scripts/run.py   as a row of a table
+    yade-batch TABLE.txt yade_scripts/run.py                 as a row of a table
     from yade_scripts import run; run.start(method="CD")     at YADE's console: set up, ready for O.run()
 
 Results go to results/<scene>-<method>-<hash of the row>.h5; a finished run is not run again. `--results=FOLDER` puts them elsewhere.

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from yade_scripts import parameters, results, tables
+from yade_scripts import parameters, results
 
 from . import killing
 from .killing import EVERY, ROWS
@@ -129,18 +129,18 @@ def test_damaged_checkpoints_are_turned_down(checkpoints):
         assert checkpoints.found() in (None, content)
 
 
-def test_published_runs_are_too_short_for_checkpoints(root):
-    """So that no number of theirs hangs on one: disks times steps of every row of every table, MD's steps from its smallest possible disk."""
+def test_published_runs_are_too_short_for_checkpoints():
+    """So that no number of theirs depends on one: disks times steps of every row of every study, MD's steps from its smallest possible disk."""
     import math
 
+    from analysis import studies
     from yade_scripts.running import checkpoint
-    for path in sorted((root / "yade_scripts" / "tables").rglob("*.txt")):
-        for row in tables.read(path).values():
-            full = parameters.complete(row)
+    for name in studies.names():
+        for full in studies.rows(name, False) + studies.rows(name, True):
             mass = full["density"] * math.pi * (full["radius_mean"] * (1 - full["radius_spread"]))**2 * full["depth"]
             dt = full["cd_dt"] if full["method"] == "CD" else full["md_dt_factor"] * math.sqrt(mass / parameters.stiffness(full))
             steps = math.ceil(full["period"] / full["records_per_cycle"] / dt) * full["records_per_cycle"] * full["cycles"]
-            assert full["disks"] * steps < checkpoint.INTERVAL[full["method"]], (path, results.path_of(full))
+            assert full["disks"] * steps < checkpoint.INTERVAL[full["method"]], (name, results.path_of(full))
 
 
 def test_a_long_run_has_checkpoints():

@@ -1,9 +1,8 @@
 """Values in other units are doubted; what the project's own tables ask for is not."""
-import pathlib
-
 import pytest
 
-from yade_scripts import parameters, tables
+from analysis import studies
+from yade_scripts import parameters
 from yade_scripts.running import plausible
 
 
@@ -15,6 +14,6 @@ def test_other_units_are_doubted(row, words):
     assert found and words in " ".join(found) and next(name for name in row if name not in ("scene", "method")) in " ".join(found)
 
 
-@pytest.mark.parametrize("path", sorted(pathlib.Path(tables.__file__).parent.rglob("*.txt")), ids=lambda path: "-".join(path.parts[-2:]))
-def test_no_row_of_ours_is_doubted(path):
-    assert [doubt for row in tables.read(path).values() for doubt in plausible.doubts(parameters.complete(row))] == []
+@pytest.mark.parametrize("name", studies.names())
+def test_no_row_of_ours_is_doubted(name):
+    assert [doubt for full in studies.rows(name, False) + studies.rows(name, True) for doubt in plausible.doubts(full)] == []

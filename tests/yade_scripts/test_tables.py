@@ -1,13 +1,8 @@
 """Our reader of tables against yade-batch's own, and its messages."""
-import pathlib
-
 import pytest
 
 from yade_scripts import parameters, tables
 from yade_scripts.tables import TableError
-
-FOLDER = pathlib.Path(tables.__file__).parent
-
 
 def write(tmp_path, text):
     path = tmp_path / "table.txt"
@@ -42,22 +37,23 @@ def test_broken_table_says_where(tmp_path, text, message):
         tables.read(path)
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.txt")), ids=lambda path: path.stem)
-def test_every_table_of_ours_can_be_run(path):
-    rows = [parameters.complete(row) for row in tables.read(path).values()]
-    assert len({parameters.result_name(row) for row in rows}) == len(rows), "two rows are the same run"
+def test_a_product_has_all_combinations_the_last_name_fastest():
+    assert tables.product(seed=range(1, 3), method=("MD", "CD"), disks=60) == [
+        {"seed": seed, "method": method, "disks": 60} for seed in (1, 2) for method in ("MD", "CD")]
 
 
-@pytest.mark.parametrize("name", ["fig4.txt", "quick/fig4.txt"])
-def test_fig4_runs_both_methods_from_each_packing(name):
-    rows = [parameters.complete(row) for row in tables.read(FOLDER / name).values()]
-    for md, cd in zip(rows[::2], rows[1::2], strict=True):
-        assert (md["method"], cd["method"]) == ("MD", "CD")
-        assert parameters.preparation(md) == parameters.preparation(cd)
-        assert all(md[name] == cd[name] for name in ("loading", "delta_sigma", "period", "cycles"))
+def test_rows_with_different_names_make_one_table(tmp_path):
+    """What a row leaves out stands as its default; the same runs are read back."""
+    rows = tables.product(method="MD", seed=(1, 2)) + tables.product(method="CD", tolerance=1e-6, scene="biaxial")
+    back = tables.read(write(tmp_path, tables.text(rows))).values()
+    assert [parameters.result_name(parameters.complete(row)) for row in back] == [parameters.result_name(parameters.complete(row)) for row in rows]
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.rglob("*.txt")), ids=lambda path: str(path.relative_to(FOLDER)))
-def test_every_row_can_be_run_and_is_another(path):
-    rows = [parameters.complete(row) for row in tables.read(path).values()]
-    assert len({parameters.result_name(row) for row in rows}) == len(rows)
+def test_fig4_runs_both_methods_from_each_packing():
+    from analysis import studies
+    for full in (False, True):
+        rows = studies.rows("fig4", full)
+        for md, cd in zip(rows[::2], rows[1::2], strict=True):
+            assert (md["method"], cd["method"]) == ("MD", "CD")
+            assert parameters.preparation(md) == parameters.preparation(cd)
+            assert all(md[name] == cd[name] for name in ("loading", "delta_sigma", "period", "cycles"))

@@ -1,6 +1,6 @@
 """Runs every row of tables on a Slurm cluster; the result files are those of a local run, and finished rows are skipped.
 
-    /usr/bin/python3 yade_scripts/cluster/sweep.py yade_scripts/tables/fig3.txt [--minutes 60] [--sbatch "--partition=long --mem=500M"]
+    /usr/bin/python3 yade_scripts/cluster/sweep.py TABLE.txt [--minutes 60] [--sbatch "--partition=long --mem=500M"]
 
 The rows are submitted as an array job, one core a task. A task whose node dies is put back into the queue by Slurm. When the array has ended,
 rows without a result (time limit, memory, a node's disk) are submitted again, with twice the time limit, up to `--retries` times. A row that
