@@ -170,11 +170,6 @@ def last_quarter(run):
     return float(last / before) if before else np.nan
 
 
-def is_constant(ratio):
-    """Whether a rate counts as constant: from one quarter of the cycles to the next it does not change by a factor of 2."""
-    return 0.5 <= ratio <= 2
-
-
 def _decay(found, first, middle, last):
     """p of a rate that falls as n^-p, from gamma after three numbers of cycles; infinite if the strain stops or turns back."""
     early, late = found.rates([(first + 1, middle), (middle + 1, last)])

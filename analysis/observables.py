@@ -30,11 +30,6 @@ def permanent_strain(gamma):
     return gamma[-1] - gamma[0]
 
 
-def loop_area(x, y):
-    """Area enclosed by a curve that a straight line closes; counter-clockwise positive (shoelace)."""
-    return 0.5 * (np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
-
-
 def loop_width(strain, stress):
     """Largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
     top = int(np.argmax(stress))
@@ -149,16 +144,6 @@ def stress_error(run):
 def unconverged_steps(run):
     """Steps of a CD run that missed the tolerance, counted over all steps."""
     return int(run.values("unconverged_steps")[-1])
-
-
-def above_tolerance(run):
-    """Mask of the samples of a CD run at which the step's error e exceeded the tolerance asked for."""
-    return run.values("residual") > run.parameters["tolerance"]
-
-
-def largest_residual(run):
-    """Largest error e of a CD run, of every step where the file has that, else of the sampled ones."""
-    return run.values("residual_max" if "residual_max" in run.history else "residual").max()
 
 
 def snapshot_at_load_maximum(run):

@@ -71,12 +71,6 @@ def _cycles(run):
         return None
 
 
-def _first_cycle(run):
-    """Sliding share through the first cycle."""
-    first, last = cycles.ends(run)[:2]
-    return cycles.sliding_share(run)[first:last + 1]
-
-
 def _last_cycle(run, back):
     """Sliding share through the last completed cycle, or the one `back` - 1 before it."""
     at = cycles.ends(run)

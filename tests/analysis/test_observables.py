@@ -18,12 +18,6 @@ def ellipse(a, b):
     return a * np.cos(angle), b * np.sin(angle)
 
 
-def test_loop_area_of_an_ellipse():
-    x, y = ellipse(3e-4, 0.1)
-    assert observables.loop_area(x, y) == pytest.approx(np.pi * 3e-4 * 0.1, rel=SMOOTH)
-    assert observables.loop_area(x[::-1], y[::-1]) == pytest.approx(-np.pi * 3e-4 * 0.1, rel=SMOOTH)
-
-
 def test_loop_width_of_an_ellipse():
     assert observables.loop_width(*ellipse(3e-4, 0.1)) == pytest.approx(6e-4, rel=SMOOTH)
 

@@ -12,7 +12,7 @@ from yade_scripts import parameters
 from yade_scripts.measuring import store
 from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
 
-TABLES = "solutions", "oracle", "sweeps", "engine", "reduction"
+TABLES = "solutions", "oracle", "sweeps", "engine"
 
 
 @dataclass(frozen=True)
@@ -75,13 +75,6 @@ def _engine(folder, disks, mu, **settings):
     return Piece("engine", f"engine in YADE, {disks} disks mu {mu:g} to {settings['tolerance']:g}", settings, rows)
 
 
-def _reduction(**settings):
-    def rows(say):
-        say("what it spares to solve no more than there is to solve")
-        return problems.in_yade("reduction.py", settings)
-    return Piece("reduction", "with reduce and without", settings, rows)
-
-
 def quick(folder, files=()):
     """A minute: one small packing, each table with a row or two."""
     peer = siconos.available() is None
@@ -91,7 +84,7 @@ def quick(folder, files=()):
         + [_file(path, peer, **few) for path in files] \
         + ([_oracle(4, 0.5)] if peer else []) \
         + [_sweep(folder, 400, copies, 3, peer) for copies in (1, 10)] \
-        + [_engine(folder, 400, 0.5, tolerance=1e-6, steps=5, most_sweeps=10000), _reduction(rounds=1, steps=50, tolerance=1e-6)]
+        + [_engine(folder, 400, 0.5, tolerance=1e-6, steps=5, most_sweeps=10000)]
 
 
 def _file(path, peer, **settings):
@@ -121,6 +114,5 @@ def full(folder, files=()):
         + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
         + [_engine(folder, 40000, mu, tolerance=tolerance, steps=steps, most_sweeps=10000)
            for tolerance, steps in ((1e-4, 20), (1e-6, 8)) for mu in problems.FRICTION] \
-        + [_reduction(rounds=5, steps=2000, tolerance=1e-6)] \
         + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
            for mu in problems.FRICTION for start in ("cold", "warm")]
