@@ -7,11 +7,11 @@ error of a level is estimated by the largest of
     the change of what the scene measures since the level before, over its scale (for loaded walls without such numbers: of the strains); the
     scheme is of first order, so the remaining error is about as large as the last change;
     the largest overlap that rigid disks should not have, over the mean radius.
-A level does not count while steps miss their tolerance, or disks move by more than a radius in a step: two coarse levels can agree on an event
-that both have stepped over. The first level within the accuracy is accepted if the level before it was within four times that, as a scheme that
-converges is: a single agreement can be luck. It is run once more to write its result file. All levels together cost about twice the last.
+A level does not count if steps miss their tolerance, or if disks move by more than a radius in a step, since two coarse levels can agree although
+both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy: a single
+agreement can be luck. It is run once more to write its result file. All levels together cost about twice as much as the last.
 
-For springs there is no such estimate: a smaller step does not show the error of their stiffness. `analysis recommend` tells what they reach.
+For springs there is no such estimate, since a smaller step does not show the error of their stiffness. `analysis recommend` tells what they reach.
 """
 import math
 import pathlib

@@ -44,8 +44,8 @@ class Parameter:
         """The allowed values in words."""
         if self.choices:
             return "one of " + ", ".join(map(str, self.choices))
-        if isinstance(self.default, bool):
-            return "True or False"
+        if isinstance(self.default, (bool, str)):
+            return "True or False" if isinstance(self.default, bool) else "a name"
         kind = "an integer" if isinstance(self.default, int) else "a number"
         return f"{kind} in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}]"
 
@@ -90,12 +90,12 @@ REGISTRY = {p.name: p for p in (
     Parameter("disks", 400, "1", "number of disks", low=1, high=100000, prepare=True),
     Parameter("seed", 1, "1", "seed of radii, positions and velocities of the packing", low=0, high=2**31 - 1, prepare=True),
     Parameter("radius_mean", 0.01, "m",
-              "mean radius; not in the paper, in the quasi-static limit no dimensionless result depends on it", **_positive(1e3), prepare=True),
+              "mean radius; the paper does not give it, and in the quasi-static limit no dimensionless result depends on it", **_positive(1e3), prepare=True),
     Parameter("radius_spread", 0.3, "1",
               "radii are uniform within radius_mean (1 +- radius_spread); not in the paper", low=0, high=0.9, prepare=True),
     Parameter("depth", 1.0, "m", "length of the cylinders that the disks stand for", **_positive(1e3), prepare=True),
     Parameter("density", 2600.0, "kg/m^3",
-              "of the disks: mass rho pi R^2 depth, inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
+              "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
     Parameter("kn", 2e6, "N/m",
               "normal stiffness k_n of a contact, eq. 5; the paper's 2 MPa at 1 m of depth", **_positive(1e15), prepare=True),
     Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not in the paper, nor found for its authors' "
@@ -105,7 +105,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("preparation_friction", 0.0, "1",
               "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
     Parameter("wall_friction", 0.0, "1", "mu between disks and walls once the packing is compacted; not in the paper", low=0, high=2, prepare=True),
-    Parameter("stiffening", 1.0, "1", "kn is multiplied by this at constant P0 once the packing is compacted, before its final friction: the same grains, stiffer", low=1, high=1e4, prepare=True),
+    Parameter("stiffening", 1.0, "1", "once the packing is compacted, kn is multiplied by this at constant P0: the same grains, stiffer", low=1, high=1e4, prepare=True),
     Parameter("beta_n", 0.1, "1",
               "damping of the normal contact, gamma = 2 beta_n sqrt(k_n m_eff) in eq. 5; not in the paper", low=0, high=0.9, prepare=True),
     # The loading.
@@ -114,18 +114,18 @@ REGISTRY = {p.name: p for p in (
     Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(1)),
     Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", **_positive(1e3)),
     Parameter("period", 1.0, "s",
-              "t0 of eq. 7; cycles t0 is the time simulated. MD at 1 s against 4 s: gamma within 1 % under a cosine, 4 % under a triangle",
+              "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % under a triangle",
               **_positive(1e6)),
-    Parameter("cycles", 1, "1", "periods simulated", low=1, high=10**6),
+    Parameter("cycles", 1, "1", "number of periods that are simulated", low=1, high=10**6),
     Parameter("records_per_cycle", 200, "1",
-              "samples of the history in a period, even so that one falls on the load maximum", low=2, high=10**5),
-    Parameter("collapse_strain", 0.2, "1", "a run ends, collapsed, when |gamma| exceeds this", **_positive(10)),
+              "samples of the history in a period; even, so that one falls on the load maximum", low=2, high=10**5),
+    Parameter("collapse_strain", 0.2, "1", "a run counts as collapsed and ends when |gamma| exceeds this", **_positive(10)),
     # Walls.
     Parameter("wall_mass_ratio", 20.0, "1",
-              "mass of a force-loaded wall in mean disk masses; it swings after the kinks of a triangle", **_positive(1e6)),
+              "mass of a wall that is pushed by a force, in mean disk masses; heavy walls swing after the kinks of a triangle", **_positive(1e6)),
     Parameter("md_walls", "servo", "1", "servo: TriaxialStressController moves the walls; force: free walls pushed by forces, as in CD",
               choices=("servo", "force"), method="MD"),
-    Parameter("tangential_law", "standard", "1", "of the springs: standard (Cundall-Strack, eq. 6), avoid_ratcheting (YADE's "
+    Parameter("tangential_law", "standard", "1", "tangential law of the springs: standard (Cundall-Strack, eq. 6), avoid_ratcheting (YADE's "
               "avoidGranularRatcheting), path_independent (McNamara et al. 2008: the same with its forces and arms)",
               choices=("standard", "avoid_ratcheting", "path_independent"), method="MD"),
     # Time stepping.
@@ -134,27 +134,27 @@ REGISTRY = {p.name: p for p in (
     Parameter("cd_dt", 1e-3, "s", "largest CD step", **_positive(1), method="CD"),
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "accelerated", "1", "contact solver, one of cd_engine.methods()", method="CD"),
-    Parameter("tolerance", 1e-8, "1", "a step is solved when its error e is at most this", **_positive(1), method="CD"),
-    Parameter("max_iterations", 20000, "1", "sweeps after which a step counts as unconverged", low=1, high=2**31 - 1, method="CD"),
+    Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", **_positive(1), method="CD"),
+    Parameter("max_iterations", 20000, "1", "sweeps after which a CD step counts as not converged", low=1, high=2**31 - 1, method="CD"),
     Parameter("fixed_iterations", 0, "1",
-              "if positive: exactly so many plain sweeps a step whatever method_cd, no test (under-converged CD)", low=0, high=2**31 - 1, method="CD"),
-    Parameter("warm_start", True, "1", "begin with the contact forces of the step before", method="CD"),
+              "if positive: exactly so many plain sweeps a step without any test, whatever method_cd says (CD that is left unconverged)", low=0, high=2**31 - 1, method="CD"),
+    Parameter("warm_start", True, "1", "start each CD step from the contact forces of the step before", method="CD"),
     Parameter("solver_seed", 0, "1",
-              "if positive: random order of the sweeps, drawn from this seed", low=0, high=2**31 - 1, method="CD"),
+              "if positive: the sweeps visit the contacts in a random order drawn from this seed", low=0, high=2**31 - 1, method="CD"),
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
-    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; 1 for the elastic medium that "
-              "under-converged CD is (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
-    Parameter("reference_overlaps", True, "1", "gaps count from the overlaps that the springs left, so that rigid contacts part at once; "
-              "False: from touching, so that they part where the springs would (for under-converged CD as an elastic medium)", method="CD"),
-    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, found from contact forces perturbed at random",
+    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an elastic "
+              "medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
+    Parameter("reference_overlaps", True, "1", "True: gaps count from the overlaps that the springs left, so that rigid contacts open at once when unloaded; "
+              "False: from touching, so that they open where the springs would", method="CD"),
+    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, which is found by perturbing the contact forces at random",
               low=0, high=2**31 - 1, method="CD"),
-    Parameter("network_perturbation", 1.0, "1", "of the contact forces for network_seed: uniform within this times the mean normal force",
+    Parameter("network_perturbation", 1.0, "1", "size of that perturbation: uniform within this times the mean normal force",
               **_positive(1e3), method="CD"),
     # Small scenes.
-    Parameter("gravity", 0.0, "m/s^2", "acceleration of free fall, along -y", low=0, high=1e6),
-    Parameter("slope", 30.0, "degree", "of the incline and of the walls of the groove", low=-89, high=89),
-    Parameter("path_depth", 0.01, "1", "change of the overlap along the closed path of two_grain_path, over the mean radius", **_positive(0.1)),
-    Parameter("path_angle", 0.1, "rad", "turn of the line of centres along that path", **_positive(1)),
+    Parameter("gravity", 0.0, "m/s^2", "gravitational acceleration, along -y", low=0, high=1e6),
+    Parameter("slope", 30.0, "degree", "slope of the incline and of the walls of the groove", low=-89, high=89),
+    Parameter("path_depth", 0.01, "1", "in two_grain_path: change of the overlap along the closed path, over the mean radius", **_positive(0.1)),
+    Parameter("path_angle", 0.1, "rad", "in two_grain_path: angle by which the line of centres turns", **_positive(1)),
     Parameter("speed", 1.0, "m/s", "initial speed of the disk that is thrown, in slide_to_roll, stopping_distance, bounce, cradle and thin_wall", **_positive(1e3)),
 )}
 
@@ -288,6 +288,7 @@ def listing():
     for name in scenes.names():
         scene = scenes.module(name)
         lines += ["", f"scene={name}: {scene.TITLE} ({', '.join(scene.METHODS)})"]
+        lines += [f"{'':24}{scene.HORIZON}", f"{'':24}Left out: {scene.LEFT_OUT}."]
         lines += [f"{'':24}defaults: " + ", ".join(f"{key}={value}" for key, value in scene.DEFAULTS.items())] * bool(scene.DEFAULTS)
         lines += [_lines(parameter) for parameter in scene.PARAMETERS]
     return "\n".join(lines)

@@ -1,8 +1,8 @@
 """Which of the measured settings reach an accuracy, and which of them is the cheapest.
 
-A setting of a ladder (steps, tolerances, ...) counts as reaching an accuracy only if it and every finer one of its series do: an error that
-passes through zero on its way is luck. Finer ones that ran out of time tell nothing; one that failed otherwise speaks against it. Damping is no
-ladder: there the neighbours have to reach the accuracy as well.
+A setting counts as reaching an accuracy only if it and all finer ones of its series do, since an error can pass through zero by chance. Finer
+settings that ran out of time are ignored; one that failed for another reason counts against it. The series of damping does not go from coarse to
+fine: there the neighbours have to reach the accuracy as well.
 """
 
 import math

@@ -140,7 +140,7 @@ class _Rest:
         self.passed = self.passed + 1 if stress < self.stress_error and force < self.unbalanced else 0
         if self.passed >= CHECKS:
             hooks.stop()
-        # Nothing slows a disk without contacts, and its next hit would disturb the others.
+        # Nothing slows a disk without contacts, and its next impact would disturb the others.
         for body in bodies.disks():
             if not bodies.loaded_contacts(body):
                 body.state.vel = body.state.angVel = (0, 0, 0)
@@ -187,7 +187,7 @@ def _make(full):
 
 
 def _forget_circumstances():
-    """Blank what YADE saves of user, date and process, which would make every file another."""
+    """Clear the user, date and process that YADE saves, so that the same packing gives the same file."""
     for tag in list(O.tags.keys()):
         O.tags[tag] = "-"
     O.stopAtIter = 0

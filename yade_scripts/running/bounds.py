@@ -8,10 +8,10 @@ import math
 from yade_scripts import parameters
 from yade_scripts.results.schema import MAY_BE_UNDEFINED, OF_A_BOX
 
-# Of mean radii: disks about to pass through each other. Packings of springs reach 0.062 in the published runs, two grains that are moved by hand
-# 0.34, rigid contacts 0.045 (at a tolerance of 1e-2).
+# Largest overlap in mean radii; at more, disks are about to pass through each other. In the published runs packings of springs reach 0.062, two
+# grains that are moved by hand 0.34, rigid contacts 0.045 (at a tolerance of 1e-2).
 PENETRATION = 0.5
-# Error e of a contact problem whose forces are wrong by their own size; sweeps that are fixed in number promise none (published: 0.17).
+# Error e at which the contact forces are wrong by their own size. A fixed number of sweeps promises no error (published: 0.17).
 RESIDUAL = 1.0
 # All of energies in P0 times the disks' area times depth, what a loaded box has at stake; only there is all work known.
 # CD: work of the walls = dissipated + kinetic, an identity of the scheme, kept to 3e-11 in the published runs.
@@ -63,12 +63,12 @@ class Bounds:
             self._energies(row, where)
 
     def _energies(self, row, where):
-        """Nothing is created, nothing lost."""
+        """Energy is neither created nor lost."""
         if self.kinetic is None:
             self.kinetic = row["kinetic_energy"]
         gone, unit = row["dissipated_energy"], f"{self.scale:.3g} J (P0 times the disks' area and depth)"
         if gone < -CREATED * self.scale:
-            raise OutOfBounds(f"{where}: {-gone:.3g} J have come from nowhere, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
+            raise OutOfBounds(f"{where}: {-gone:.3g} J of energy were created, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
         if self.full["method"] == "CD":
             lost = row["wall_work"] - gone - (row["kinetic_energy"] - self.kinetic)
             if abs(lost) > BALANCE * self.scale:

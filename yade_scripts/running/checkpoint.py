@@ -1,12 +1,12 @@
 """Checkpoints of long runs: an interrupted run goes on from the last one, and ends with the same numbers.
 
-At a checkpoint the run itself goes through O.save and O.load, as a resumed one does, so that both make their next steps from the same
-bits; checkpoints stand at fixed samples, never at a time of the clock. That makes resumed and uninterrupted runs equal even where YADE
-forgets on the way, as TriaxialStressController does its wall stiffness and InsertionSortCollider its bounds. Kept beside YADE's file are
-the dissipation that the law functor has summed, which functions the PyRunners call, and what lives in Python. Only runs beyond INTERVAL
-have checkpoints. The forces on the bodies are lost: what is added to O.forces after O.load outlives the next ForceResetter, so they cannot
-be put back. Every engine list computes them anew but for CD's sample at the beginning of a step, which shows those of the step before;
-hence a checkpoint stands one step behind a sample, and CD with a sample every step has none.
+At a checkpoint the run itself goes through O.save and O.load, as a resumed one does, so that both continue from the same bits. Checkpoints stand
+at fixed samples, never at a time of the clock. So resumed and uninterrupted runs are equal even though YADE does not save everything:
+TriaxialStressController loses its wall stiffness and InsertionSortCollider its bounds. Kept beside YADE's file are the dissipation that the law
+functor has summed, which functions the PyRunners call, and the numbers that live in Python. Only runs longer than INTERVAL have checkpoints.
+The forces on the bodies are lost, and forces added after O.load would outlive the next ForceResetter. Every engine list computes them anew, except
+for CD's sample at the beginning of a step, which shows those of the step before; so a checkpoint stands one step behind a sample, and CD
+with a sample at every step has none.
 
 `<result>.checkpoint.zip` holds the scene, the record up to then and the rest as JSON. It is written aside, brought to the disk, then
 renamed, and every part has a check sum; one that does not fit the run is left aside with a message.

@@ -1,7 +1,7 @@
 """Calls Python functions from inside YADE's loop, and passes their exceptions on to the caller.
 
-A PyRunner holds a string, and an exception or sys.exit in it ends or hangs the process. Here an exception stops the loop instead
-and is raised again by `simulate`, so that a failed run can still write its file.
+A PyRunner holds a string; an exception or sys.exit in it ends or hangs the process. Here an exception stops the loop and is raised
+again by `simulate`, so that a failed run can still write its file.
 """
 import sys
 

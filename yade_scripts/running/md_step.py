@@ -1,6 +1,6 @@
 """The longest stable time step of the springs in O, from their stiffness and dashpots (theory/spring_limits.py), and its check before a run.
 
-Contacts stick here, which is stiffest. A run may make more of them: stay well below.
+All contacts count as sticking, which is the stiffest case. More contacts may form in the run, so stay well below the limit.
 """
 import math
 

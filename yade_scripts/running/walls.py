@@ -61,9 +61,9 @@ def mean_stresses():
 def servo(goal, damping_ratio, mass, kn, max_velocity):
     """YADE's TriaxialStressController in 2D, holding (sigma1, sigma2) = goal [Pa].
 
-    It moves a wall by stress error / wall stiffness each step. Dashpots of ratio beta add 2 beta tau/dt (tau = sqrt(m/k_n)) to that
-    stiffness without its knowing; above 2 the walls flip at their largest velocity for ever and no strain shows (locked from 2.1,
-    stable to 1.4 as measured). stressDamping takes a share of each correction, here enough to stay at 1.
+    Each step it moves a wall by the stress error over the wall's stiffness. Dashpots of ratio beta act as a further stiffness of 2 beta tau/dt
+    (tau = sqrt(m/k_n)) that it does not know of, which raises its gain. At a gain of 2.1 the walls flip at their largest velocity for ever and no
+    strain shows; up to 1.4 they are stable (both measured). stressDamping lowers the gain, here to 1.
     """
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
     length_x, length_y = sides()
@@ -71,7 +71,7 @@ def servo(goal, damping_ratio, mass, kn, max_velocity):
         stressMask=3, goal1=-goal[0], goal2=-goal[1], goal3=0, internalCompaction=False, thickness=0,
         wall_front_activated=False, wall_back_activated=False,
         stressDamping=max(0.25, 1 - 1 / max(loop_gain, 1e-9)), max_vel=max_velocity,
-        # Its stiffness is not saved with the scene; computed anew at every step, a reload gives no kick.
+        # YADE does not save its stiffness with the scene. Computed anew at every step, it is right after a reload, too.
         stiffnessUpdateInterval=1, computeStressStrainInterval=1,
         width0=length_x, height0=length_y, depth0=depth())
 

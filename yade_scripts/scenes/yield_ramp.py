@@ -1,6 +1,6 @@
 """A ramp of sigma2 on a packing until it yields, against the largest load that its contacts can carry at all.
 
-The static theorem of limit analysis, a linear programme over the contact forces (theory/statics.py) that knows no dynamics, gives the
+The static theorem of limit analysis, a linear programme over the contact forces (theory/statics.py) without any dynamics, gives the
 largest sigma2/P0 at which the contacts, as they stand at the start, admit forces within Coulomb's cones. Rigid contacts yield
 there, but for what contacts that close in the first motion can do. Springs strain before: |gamma| passes yield_strain earlier, unless
 they are so stiff that P0/k_n is far below it.
