@@ -60,7 +60,7 @@ def share(found, series, level):
 
 def draw(rows, folder, line):
     """A panel an accuracy."""
-    fig, panels = plt.subplots(1, len(table.LEVELS), figsize=(8.4, 3.6), sharey=True)
+    fig, panels = plt.subplots(1, len(table.LEVELS), figsize=(9.4, 3.4), sharey=True)
     last = 2 * max((row["factor"] for row in rows if row["factor"]), default=10)
     for axes, level in zip(panels, table.LEVELS):
         for series, (colour, dashes, width) in SHOWN.items():
@@ -71,6 +71,6 @@ def draw(rows, folder, line):
         axes.grid(alpha=0.25, linewidth=0.5)
     panels[0].set_ylabel("share of scenes solved")
     handles = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels())}
-    panels[-1].legend(handles.values(), handles.keys(), loc="upper right", fontsize=7)
+    panels[-1].legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
     style.finish(fig, folder / "profile.png", f"{len({row['scene'] for row in rows})} scenes that both methods run; higher and further left is better.", line)
     return {"profile.png": TITLE}

@@ -18,7 +18,7 @@ FLOOR = 1e-16  # where an error of zero is drawn
 # Okabe and Ito's palette and black, told apart by marker and line as well: MD full lines, CD dashed.
 LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiffness, fine step": ("#009E73", "D"), "MD damping": ("#1A1A1A", "*"),
         "MD law avoid_ratcheting": ("#009E73", "<"), "MD law path_independent": ("#1A1A1A", ">"), "CD step": ("#E69F00", "^"), "CD accelerated": ("#D55E00", "v"),
-        "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#000000", "X")}
+        "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#000000", "X"), "CD newton": ("#7F3FBF", "d"), "CD auto": ("#B8A100", "H")}
 
 
 def numbers(table):
