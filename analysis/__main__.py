@@ -60,7 +60,7 @@ def _parser():
 
 
 def _folder(options):
-    """Where figures go unless told otherwise."""
+    """Return where figures go unless told otherwise."""
     return FIGURES / ("full" if options.full else "quick")
 
 
@@ -97,7 +97,7 @@ def _charts(options):
 
 
 def _report(options):
-    """The page, of studies and charts drawn just now or taken as they are."""
+    """Return the page, of studies and charts drawn just now or taken as they are."""
     from analysis import charts, publish, report, studies
     folder = Path(options.published or _folder(options))
     if not options.published:
@@ -116,14 +116,14 @@ def _benchmark(options):
 
 
 def _recommend(options):
-    """What to run for an accuracy."""
+    """Return what to run for an accuracy."""
     from analysis.charts import recommend
     print("\n".join(recommend.of_scene(options.scene, options.accuracy) if options.scene else recommend.by_kind(options.accuracy)))
     return 0
 
 
 def _summary(options):
-    """A table; a failed or unfinished run stays in it, with its status."""
+    """Return a table; a failed or unfinished run stays in it, with its status."""
     rows = []
     for name in options.files:
         run = reader.load(name, finished=False)
@@ -133,7 +133,7 @@ def _summary(options):
 
 
 def _numbers(run):
-    """The numbers of a run; what a scene does not have is left out."""
+    """Return the numbers of a run; what a scene does not have is left out."""
     from analysis import observables
     gamma, sigma2 = run.history["gamma"], run.history["sigma2"]
     columns = {
@@ -152,7 +152,7 @@ def _numbers(run):
 
 
 def _check(options):
-    """A line a file; says also which file holds another run than its name says, and if files come from several commits."""
+    """Return a line a file; says also which file holds another run than its name says, and if files come from several commits."""
     bad, commits = 0, {}
     for name in options.files:
         try:

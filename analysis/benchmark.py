@@ -36,7 +36,7 @@ def draw(folder):
 
 
 def _rows(path, columns):
-    """The rows of a table; empty cells are None. ResultError where it lacks a column or one that must hold numbers does not."""
+    """Return the rows of a table; empty cells are None. ResultError where it lacks a column or one that must hold numbers does not."""
     if not path.exists():
         return []
     table = publish.read_table(path)
@@ -57,12 +57,12 @@ def _save(fig, origin, path):
 
 
 def _look(method, known={}):
-    """Colour and marker; of a method that is not in the list, one of those left."""
+    """Return colour and marker; of a method that is not in the list, one of those left."""
     return LOOK.get(method) or known.setdefault(method, ("#E69F00", "v^<>ph*"[len(known) % 7]))
 
 
 def chosen(rows):
-    """The problems of the panels: of each kind, size, friction and start the first seed; large packings first."""
+    """Return the problems of the panels: of each kind, size, friction and start the first seed; large packings first."""
     first = {}
     for row in rows:
         first.setdefault((row["kind"], row["disks"], row["mu"], row["start"]), row["problem"])
@@ -73,7 +73,7 @@ def chosen(rows):
 
 
 def error_against_time(rows, origin):
-    """A panel a problem, a line a method: time to get there, and the error found there. Failures stand at the right edge, open."""
+    """Return a panel a problem, a line a method: time to get there, and the error found there. Failures stand at the right edge, open."""
     problems = chosen(rows)
     wide = min(3, len(problems))
     high = -(-len(problems) // wide)
@@ -108,7 +108,7 @@ def error_against_time(rows, origin):
 
 
 def sweep_cost(rows, origin):
-    """ns per contact against contacts, with what memory allows."""
+    """Draw ns per contact against contacts, with what memory allows."""
     rows = sorted(rows, key=lambda row: row["contacts"])
     contacts = [row["contacts"] for row in rows]
     sets = [name for name in origin["instruction_sets"] if rows[0].get(f"plain_{name}_ns")]
@@ -130,7 +130,7 @@ def sweep_cost(rows, origin):
 
 
 def sweeps_against_size(rows, origin):
-    """Sweeps of plain Gauss-Seidel and of the default method to three errors, cold packings: medians, and the range of the seeds."""
+    """Draw the sweeps of plain Gauss-Seidel and of the default method to three errors, cold packings: medians, and the range of the seeds."""
     rows = [row for row in rows if row["kind"] == "packing" and row["start"] == "cold"]
     frictions, ours = sorted({row["mu"] for row in rows}), origin["default_method"]
     if len({row["disks"] for row in rows}) < 2:

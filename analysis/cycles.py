@@ -61,19 +61,19 @@ class Cycles:
     contacts: np.ndarray
 
     def rates(self, windows):
-        """Mean strain rate in each window of cycles (first, last), from gamma at its ends."""
+        """Return the mean strain rate in each window of cycles (first, last), from gamma at its ends."""
         gamma = np.concatenate([[self.start], self.permanent])
         return np.array([(gamma[last] - gamma[first - 1]) / (last - first + 1) for first, last in windows])
 
 
 def sliding_share(run):
-    """Sliding contacts over contacts that carry a force, at each sample; 0 where there is no contact."""
+    """Return sliding contacts over contacts that carry a force, at each sample; 0 where there is no contact."""
     contacts = run.values("contacts")
     return run.values("sliding_contacts") / np.maximum(contacts, 1)
 
 
 def ends(run):
-    """Numbers of the samples at which a cycle begins or ends, the first included."""
+    """Return the numbers of the samples at which a cycle begins or ends, the first included."""
     cycle = run.values("cycle")
     if len(cycle) < 2:
         return np.arange(len(cycle))
@@ -84,7 +84,7 @@ def ends(run):
 
 
 def of(run, most=None):
-    """The Cycles of a run, at most so many; ResultError if not one is complete."""
+    """Return the Cycles of a run, at most so many; ResultError if not one is complete."""
     at = ends(run) if most is None else ends(run)[:most + 1]
     if len(at) < 2:
         raise ResultError(run.path, "no cycle is complete", "run longer")
@@ -100,7 +100,7 @@ def of(run, most=None):
 
 
 def windows(count, growth=1.15):
-    """Windows (first, last) of cycles that cover 1 .. count, each about `growth` times as late as the one before."""
+    """Return windows (first, last) of cycles that cover 1 .. count, each about `growth` times as late as the one before."""
     found, first = [], 1
     while first <= count:
         last = min(count, max(first, round(first * growth)))
@@ -124,12 +124,12 @@ class Regime:
 
 
 def other_verdicts(run):
-    """The regimes that VARIANTS of the rule give and RULE does not, sorted; empty where the verdict does not hang on a limit."""
+    """Return the regimes that VARIANTS of the rule give and RULE does not, sorted; empty where the verdict does not hang on a limit."""
     return sorted({regime(run, rule).name for rule in VARIANTS} - {regime(run).name})
 
 
 def regime(run, rule=RULE, most=None):
-    """The Regime of a run, by a rule that sees gamma at the ends of the cycles only; most: as it would be after so many cycles.
+    """Return the Regime of a run, by a rule that sees gamma at the ends of the cycles only; most: as it would be after so many cycles.
 
     collapse: the sample gave way, or at its late rate reaches collapse_strain within as many cycles again.
     shakedown: the late change is within the noise or has another sign than the one before; or the rate falls faster than 1/n - then
@@ -158,7 +158,7 @@ def regime(run, rule=RULE, most=None):
 
 
 def last_quarter(run):
-    """Strain rate of the last quarter of the cycles over that of the quarter before; NaN where there is none. 1: a constant rate."""
+    """Return the strain rate of the last quarter of the cycles over that of the quarter before; NaN where there is none. 1: a constant rate."""
     try:
         found = of(run)
     except ResultError:
@@ -171,7 +171,7 @@ def last_quarter(run):
 
 
 def _decay(found, first, middle, last):
-    """p of a rate that falls as n^-p, from gamma after three numbers of cycles; infinite if the strain stops or turns back."""
+    """Return p of a rate that falls as n^-p, from gamma after three numbers of cycles; infinite if the strain stops or turns back."""
     early, late = found.rates([(first + 1, middle), (middle + 1, last)])
     if early * late <= 0:
         return np.inf if early else -np.inf

@@ -23,7 +23,7 @@ QUANTITIES = {"largest": r"largest $|\gamma|$", "width": "width of the loop", "r
 
 
 def of(run):
-    """The Loop of a run's first cycle."""
+    """Return the Loop of a run's first cycle."""
     part = observables.cycle_range(run)
     gamma = run.values("gamma")[part] - run.values("gamma")[part][0]
     return Loop(float(np.abs(gamma).max()), observables.loop_width(gamma, run.values("sigma2")[part]),
@@ -31,7 +31,7 @@ def of(run):
 
 
 def spread(runs, scale=1.0):
-    """{quantity: mean, quantity_low, quantity_high} of the runs' loops, strains times `scale`."""
+    """Return {quantity: mean, quantity_low, quantity_high} of the runs' loops, strains times `scale`."""
     found, loops = {}, [of(run) for run in runs]
     for name in QUANTITIES:
         values = scale * np.array([getattr(loop, name) for loop in loops])
@@ -40,7 +40,7 @@ def spread(runs, scale=1.0):
 
 
 def grouped(runs, key):
-    """{key(run): [runs]} in the order of the runs."""
+    """Return {key(run): [runs]} in the order of the runs."""
     groups = {}
     for run in runs:
         groups.setdefault(key(run), []).append(run)
@@ -48,7 +48,7 @@ def grouped(runs, key):
 
 
 def draw_spread(axes, x, rows, name, factor=1.0, **style):
-    """The quantity of the rows against x with the range over the packings, on `axes`; `factor` multiplies the values."""
+    """Draw the quantity of the rows against x with the range over the packings, on `axes`; `factor` multiplies the values."""
     middle = factor * np.array([row[name] for row in rows])
     low, high = (np.array([row[f"{name}_{end}"] for row in rows]) * factor for end in ("low", "high"))
     axes.errorbar(x, middle, yerr=[np.maximum(middle - low, 0), np.maximum(high - middle, 0)], capsize=2, **style)

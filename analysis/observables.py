@@ -14,7 +14,7 @@ RATTLER_SHARE = 1e-3
 
 
 def cycle_range(run, number=1):
-    """Slice of the samples of cycle `number`, counted from 1, both ends included."""
+    """Return the slice of the samples of cycle `number`, counted from 1, both ends included."""
     cycle = run.values("cycle")
     # Half a sample of slack: the last sample of a cycle falls beside the whole number by rounding.
     slack = np.diff(cycle).max() / 2 if len(cycle) > 1 else 0
@@ -26,12 +26,12 @@ def cycle_range(run, number=1):
 
 
 def permanent_strain(gamma):
-    """Change of gamma over a loading and unloading, the remanent strain of Fig. 4 [1]."""
+    """Return the change of gamma over a loading and unloading, the remanent strain of Fig. 4 [1]."""
     return gamma[-1] - gamma[0]
 
 
 def loop_width(strain, stress):
-    """Largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
+    """Return the largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
     top = int(np.argmax(stress))
     if top in (0, len(stress) - 1):
         return 0.0
@@ -44,14 +44,14 @@ def loop_width(strain, stress):
 
 
 def _rising(stress, strain):
-    """The points at which the stress passes all its values before, as np.interp needs them."""
+    """Return the points at which the stress passes all its values before, as np.interp needs them."""
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], stress[:-1]]))
     keep = stress > highest
     return stress[keep], strain[keep]
 
 
 def stiffness(gamma, stress, share=0.2):
-    """Initial slope d sigma2 / d(-gamma) [Pa] by least squares over the first `share` of the load's rise."""
+    """Return the initial slope d sigma2 / d(-gamma) [Pa] by least squares over the first `share` of the load's rise."""
     top = int(np.argmax(stress))
     limit = stress[0] + share * (stress[top] - stress[0])
     part = slice(0, max(3, int(np.argmax(stress[:top + 1] >= limit)) + 1))
@@ -62,7 +62,7 @@ def stiffness(gamma, stress, share=0.2):
 
 
 def start_volume(run):
-    """L_x0 L_y0 depth [m^3] when the loading begins."""
+    """Return L_x0 L_y0 depth [m^3] when the loading begins."""
     if not run.snapshots:
         raise ResultError(run.path, "has no snapshots", "run it again")
     x_low, x_high, y_low, y_high = run.snapshots[0]["box"]
@@ -70,7 +70,7 @@ def start_volume(run):
 
 
 def wall_work(run, part=slice(None)):
-    """Work [J] of the walls on the sample over the samples `part`, from stress and strain alone.
+    """Return the work [J] of the walls on the sample over the samples `part`, from stress and strain alone.
 
     -sigma1 dL_x L_y - sigma2 dL_y L_x, times depth, by the trapezoidal rule.
     """
@@ -81,23 +81,23 @@ def wall_work(run, part=slice(None)):
 
 
 def integral(y, x):
-    """Of y over x by the trapezoidal rule. NumPy's own was renamed in version 2 and is gone under its old name since 2.4."""
+    """Integrate y over x by the trapezoidal rule. NumPy's own was renamed in version 2 and is gone under its old name since 2.4."""
     return np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2)
 
 
 def change(run, name, part=slice(None)):
-    """Last minus first value of a history field over the samples `part`: of an energy [J], what the cycle added."""
+    """Return the last minus the first value of a history field over the samples `part`: of an energy [J], what the cycle added."""
     values = run.values(name)[part]
     return values[-1] - values[0]
 
 
 def work_scale(run):
-    """P0 V0 [J], by which energies are divided to compare samples."""
+    """Return P0 V0 [J], by which energies are divided to compare samples."""
     return run.pressure * start_volume(run)
 
 
 def work_error(run):
-    """Work of the walls by stress and strain against that summed at every step by force and path: difference over the largest work.
+    """Compare the work of the walls by stress and strain against that summed at every step by force and path: difference over the largest work.
 
     Two ways to the same number; they differ by the trapezoidal rule over the samples and, under force-loaded walls, by the work that
     went into the walls' own motion.
@@ -108,7 +108,7 @@ def work_error(run):
 
 
 def balance_error(run):
-    """(work of the walls - stored - kinetic - dissipated) over the largest work; dissipation summed where it happens.
+    """Return (work of the walls - stored - kinetic - dissipated) over the largest work; dissipation summed where it happens.
 
     CD: by the engine, contact by contact. MD: by the law functor over the slips, without the dashpots, whose work is thus part of what
     is missing. NaN for runs whose functor sums nothing. MD's `dissipated_energy` is no check, being the remainder of this balance.
@@ -122,7 +122,7 @@ def balance_error(run):
 
 
 def critical_load(run, threshold):
-    """sigma2/P0 at which |gamma| first exceeds `threshold`, between samples by interpolation; NaN if it never does."""
+    """Return sigma2/P0 at which |gamma| first exceeds `threshold`, between samples by interpolation; NaN if it never does."""
     gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
     above = np.flatnonzero(gamma > threshold)
     if not len(above):
@@ -134,7 +134,7 @@ def critical_load(run, threshold):
 
 
 def stress_error(run):
-    """Largest |sigma - goal| / P0 over both directions and all samples; NaN if no goal was recorded."""
+    """Return the largest |sigma - goal| / P0 over both directions and all samples; NaN if no goal was recorded."""
     if "sigma1_goal" not in run.history or "sigma2_goal" not in run.history:
         return np.nan
     return max(np.abs(run.values(name) - run.values(name + "_goal")).max()
@@ -142,12 +142,12 @@ def stress_error(run):
 
 
 def unconverged_steps(run):
-    """Steps of a CD run that missed the tolerance, counted over all steps."""
+    """Return the steps of a CD run that missed the tolerance, counted over all steps."""
     return int(run.values("unconverged_steps")[-1])
 
 
 def snapshot_at_load_maximum(run):
-    """The snapshot taken where sigma2 was largest, and sigma2/P0 there."""
+    """Return the snapshot taken where sigma2 was largest, and sigma2/P0 there."""
     if not run.snapshots:
         raise ResultError(run.path, "has no snapshots", "run it again")
     time, sigma2 = run.values("time"), run.values("sigma2")
@@ -160,20 +160,20 @@ def snapshot_at_load_maximum(run):
 
 
 def sliding(snapshot):
-    """Mask of the contacts at the Coulomb limit."""
+    """Return the mask of the contacts at the Coulomb limit."""
     return schema.is_sliding(snapshot["force_normal"], snapshot["force_tangential"],
                              snapshot["contact_friction"])
 
 
 def rattlers(snapshot):
-    """Mask of the disks that carry no contact force worth the name."""
+    """Return the mask of the disks that carry no contact force worth the name."""
     force = snapshot["force_normal"]
     loaded = force > RATTLER_SHARE * force[force > 0].mean() if (force > 0).any() else force > 0
     return ~np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded])
 
 
 def matched_forces(first, second):
-    """Normal forces [N] of two snapshots, contact by contact, over the contacts that carry in either.
+    """Return the normal forces [N] of two snapshots, contact by contact, over the contacts that carry in either.
 
     Contacts are matched by the ids of their bodies; one that the other snapshot lacks has force 0 there.
     """
@@ -189,14 +189,14 @@ def _force_by_ids(snapshot):
 
 
 def coordination(snapshot):
-    """Mean number of loaded contacts on a disk that is no rattler; contacts with walls count once, those between disks twice."""
+    """Return the mean number of loaded contacts on a disk that is no rattler; contacts with walls count once, those between disks twice."""
     loaded, held = snapshot["force_normal"] > 0, ~rattlers(snapshot)
     touching = np.isin(snapshot["contact_ids"][loaded], snapshot["body_ids"][held]).sum()
     return touching / held.sum() if held.any() else 0.0
 
 
 def correlation(first, second):
-    """Pearson's correlation coefficient; NaN where one of the two does not vary."""
+    """Return Pearson's correlation coefficient; NaN where one of the two does not vary."""
     if not (np.ptp(first) and np.ptp(second)):
         return np.nan
     return float(np.corrcoef(first, second)[0, 1])

@@ -35,13 +35,13 @@ def publish(collection, folder):
 
 
 def missing_rows(collection):
-    """One row for each run that failed or is missing: its reason, file and the parameters that differ within the study."""
+    """Return one row for each run that failed or is missing: its reason, file and the parameters that differ within the study."""
     varied = _split([run.parameters for run in collection.runs] + [row for _, row, _ in collection.missing])[1]
     return [{STATUS: reason, "file": path.name} | {name: row.get(name, "") for name in varied} for path, row, reason in collection.missing]
 
 
 def write_table(path, rows):
-    """The rows as CSV under the union of their headings, `status` first; a heading that a row lacks stays empty."""
+    """Write the rows as CSV under the union of their headings, `status` first; a heading that a row lacks stays empty."""
     table = pandas.DataFrame(rows)
     if STATUS in table:
         table.insert(0, STATUS, table.pop(STATUS).fillna(""))
@@ -49,7 +49,7 @@ def write_table(path, rows):
 
 
 def read_table(path):
-    """A table as written by write_table; ResultError where it is none."""
+    """Return a table as written by write_table; ResultError where it is none."""
     try:
         return pandas.read_csv(path, keep_default_na=True)
     except (OSError, ValueError) as error:
@@ -57,12 +57,12 @@ def read_table(path):
 
 
 def write_json(path, facts):
-    """Facts as JSON."""
+    """Write facts as JSON."""
     Path(path).write_text(json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def read_json(path, kinds):
-    """The facts in a file; ResultError where it is none or one of the names {name: type} is missing or of another kind."""
+    """Return the facts in a file; ResultError where it is none or one of the names {name: type} is missing or of another kind."""
     try:
         found = json.loads(Path(path).read_bytes())
     except (OSError, ValueError, RecursionError) as error:
@@ -74,7 +74,7 @@ def read_json(path, kinds):
 
 
 def origin(collection):
-    """What the figure and the table come from; plain data for JSON."""
+    """Return what the figure and the table come from; plain data for JSON."""
     runs = collection.runs
     constant, varied = _split([run.parameters for run in runs])
     failed = [reason for _, _, reason in collection.missing if reason.startswith("failed")]
@@ -88,13 +88,13 @@ def origin(collection):
 
 
 def machine():
-    """Versions and processor of this machine."""
+    """Return the versions and the processor of this machine."""
     return {"python": platform.python_version(), "numpy": np.__version__, "h5py": h5py.__version__, "matplotlib": matplotlib.__version__,
             "processor": provenance.processor()}
 
 
 def energy_balance(runs):
-    """{method: how many runs have a balance, its median and largest error}; see observables.balance_error."""
+    """Return {method: how many runs have a balance, its median and largest error}; see observables.balance_error."""
     found = {}
     for method in ("MD", "CD"):
         errors = np.abs([observables.balance_error(run) for run in runs if run.method == method and "wall_work" in run.history])
@@ -105,12 +105,12 @@ def energy_balance(runs):
 
 
 def command(target, collection):
-    """The make command that runs a study's rows and draws it."""
+    """Return the make command that runs a study's rows and draws it."""
     return f"make {target} STUDY={collection.name}" + " FULL=1" * collection.full
 
 
 def _split(rows):
-    """(parameters that are the same in all rows, {name: values} of those that are not)."""
+    """Return (parameters that are the same in all rows, {name: values} of those that are not)."""
     values = {name: list(dict.fromkeys(row.get(name) for row in rows)) for name in dict.fromkeys(name for row in rows for name in row)}
     return ({name: seen[0] for name, seen in values.items() if len(seen) == 1},
             {name: sorted(seen, key=lambda value: (value is not None, isinstance(value, str), 0 if value is None else value))

@@ -55,7 +55,7 @@ def build(folder, path):
 
 
 def _study(name, folder, link):
-    """What the page shows of a study."""
+    """Return what the page shows of a study."""
     study, facts = studies.module(name), publish.read_json(folder / f"{name}.json", STUDY)
     if not all(isinstance(balance, dict) and all(isinstance(balance.get(key), (int, float)) for key in ("runs", "median", "largest"))
                for balance in facts["energy_balance"].values()) or not all(isinstance(word, str) for word in facts["commits"] + facts["yade"]):
@@ -69,7 +69,7 @@ def _study(name, folder, link):
 
 
 def _chart(name, folder, link):
-    """What the page shows of a chart: its one figure, or links where there are many."""
+    """Return what the page shows of a chart: its one figure, or links where there are many."""
     chart, facts = charts.module(name), publish.read_json(folder / f"{name}.json", CHART)
     pictures = [(link(folder / file), title) for file, title in facts["figures"].items()]
     single = _picture(folder / next(iter(facts["figures"]))) if len(pictures) == 1 else None
@@ -78,7 +78,7 @@ def _chart(name, folder, link):
 
 
 def _picture(path):
-    """A picture as it stands in the page: no wider than a screen shows, with as many colours as a chart has."""
+    """Return a picture as it stands in the page: no wider than a screen shows, with as many colours as a chart has."""
     try:
         with Image.open(path) as image:
             image = image.convert("RGB")
@@ -98,7 +98,7 @@ _SYMBOLS = ((r"(\d)e(-?)0*(\d+)\b", lambda m: f"{m[1]}·10<sup>{'−' if m[2] el
 
 
 def symbols(text):
-    """Plain text with the field's symbols for their names, and powers of ten as such."""
+    """Return plain text with the field's symbols for their names, and powers of ten as such."""
     html = str(escape(text))
     for pattern, symbol in _SYMBOLS:
         html = re.sub(pattern, symbol, html)
@@ -106,7 +106,7 @@ def symbols(text):
 
 
 def _duration(seconds):
-    """Seconds, minutes or hours, whichever reads best."""
+    """Return the time in seconds, minutes or hours, whichever reads best."""
     if seconds < 120:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

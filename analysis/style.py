@@ -47,7 +47,7 @@ def finish(fig, path, note, origin):
 
 
 def source(runs):
-    """Where a figure comes from: number of runs and packings, commit, YADE, and how many steps missed the solver's tolerance."""
+    """Return where a figure comes from: number of runs and packings, commit, YADE, and how many steps missed the solver's tolerance."""
     commits = sorted({run.attributes["git_commit"] for run in runs})
     states = len({run.attributes["state_sha256"] for run in runs} - {""})
     code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
@@ -75,7 +75,7 @@ def _mend_logarithms(fig):
 
 
 def number(value, digits=3):
-    """A number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
+    """Return a number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
     if not math.isfinite(value) or value == 0:
         return str(value)
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
@@ -85,13 +85,13 @@ def number(value, digits=3):
 
 
 def power_of_ten(values):
-    """The exponent that brings the largest of `values` between 1 and 10; 0 if all vanish."""
+    """Return the exponent that brings the largest of `values` between 1 and 10; 0 if all vanish."""
     largest = float(np.abs(values).max()) if len(values) else 0
     return math.floor(math.log10(largest)) if largest else 0
 
 
 def shades(values):
-    """{value: colour} for ordered values: viridis from dark to light, short of its yellow, which is faint on white."""
+    """Return {value: colour} for ordered values: viridis from dark to light, short of its yellow, which is faint on white."""
     ordered = sorted(set(values))
     colours = plt.get_cmap("viridis")([0.85 * k / max(1, len(ordered) - 1) for k in range(len(ordered))])
     return {value: tuple(colour) for value, colour in zip(ordered, colours)}

@@ -4,13 +4,13 @@ import numpy as np
 
 
 def finite(values):
-    """The finite numbers of `values` as an array."""
+    """Return the finite numbers of `values` as an array."""
     values = np.array([value for value in values if not isinstance(value, str)], float)
     return values[np.isfinite(values)]
 
 
 def groups(items, key):
-    """{key(item): [items]} in the order of the keys."""
+    """Return {key(item): [items]} in the order of the keys."""
     found = {}
     for item in items:
         found.setdefault(key(item), []).append(item)
@@ -18,6 +18,6 @@ def groups(items, key):
 
 
 def commonest(values):
-    """The value that occurs most often, the first of several such."""
+    """Return the value that occurs most often, the first of several such."""
     values = list(values)
     return max(values, key=values.count)

@@ -53,13 +53,13 @@ class Level:
 
 
 def refined(row, accuracy, level):
-    """The row of a level, 0 the coarsest."""
+    """Return the row of a level, 0 the coarsest."""
     tolerance = max(min(SHARE * accuracy, LOOSEST) * STEP**level, SMALLEST)
     return row | {"cd_dt": parameters.complete(row)["cd_dt"] * STEP**level, "tolerance": tolerance}
 
 
 def estimate(coarse, fine):
-    """The estimated error of `fine`, inf where it cannot be told."""
+    """Return the estimated error of `fine`, inf where it cannot be told."""
     if coarse is None or _untold(coarse) or _untold(fine):
         return math.inf
     changes = [abs(value - coarse.values[name]) for name, value in fine.values.items()]
@@ -68,7 +68,7 @@ def estimate(coarse, fine):
 
 
 def search(row, accuracy, run):
-    """[(Level, estimated error)] from coarse to the first that is within `accuracy`; run(row) -> Level. AccuracyError if none is."""
+    """Return [(Level, estimated error)] from coarse to the first that is within `accuracy`; run(row) -> Level. AccuracyError if none is."""
     found = []
     for level in range(LEVELS):
         found.append((fine := run(refined(row, accuracy, level)), estimate(found[-1][0] if found else None, fine)))
@@ -83,14 +83,14 @@ def search(row, accuracy, run):
 
 
 def _untold(level):
-    """Why the error of a level cannot be told, '' if it can."""
+    """Return why the error of a level cannot be told, '' if it can."""
     if level.missed_steps:
         return f"{level.missed_steps} steps miss their tolerance"
     return f"disks move {level.motion:.2g} radii a step" if level.motion > MOTION else ""
 
 
 def check(row, accuracy):
-    """ParameterError where the accuracy cannot be asked for."""
+    """Raise ParameterError where the accuracy cannot be asked for."""
     full = parameters.complete(row)
     if full["method"] != "CD" or full["fixed_iterations"]:
         raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; the error of springs is in their stiffness, which a smaller step does not show")
@@ -99,7 +99,7 @@ def check(row, accuracy):
 
 
 def run_in_yade(folder):
-    """A run(row) -> Level for `search`; `folder` holds the prepared packings."""
+    """Return a run(row) -> Level for `search`; `folder` holds the prepared packings."""
     from yade import O
 
     from yade_scripts import scenes

@@ -30,21 +30,21 @@ class Row(queue.Job):
         super().start("a" if self.elsewhere() else mode)
 
     def elsewhere(self):
-        """Whether another process runs this row."""
+        """Tell whether another process runs this row."""
         return locks.taken(self.path)
 
     def news(self):
-        """The last line of progress in the log."""
+        """Return the last line of progress in the log."""
         lines = [line for line in self.log.read_text(encoding="utf-8", errors="replace").splitlines() if line.startswith(self.path.stem)]
         return lines[-1] if lines else f"{self.path.stem}: preparing"
 
     def outcome(self):
-        """How it ended, by the result file; without one, the end of the log."""
+        """Return how it ended, by the result file; without one, the end of the log."""
         return results.status(self.path) or f"failed: it left no result file; the end of its log:\n{self.said()}"
 
 
 def jobs_of(rows, folder):
-    """The jobs of rows, each once; says what in them is probably not meant."""
+    """Return the jobs of rows, each once; says what in them is probably not meant."""
     jobs = {job.path: job for job in (Row(row, folder) for row in rows)}
     for job in jobs.values():
         for doubt in plausible.doubts(job.full):
@@ -79,7 +79,7 @@ def work_off(jobs, at_once, ended=lambda path: None):
 
 @commands.command("batch")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
     commands.add_jobs(parser)

@@ -11,35 +11,35 @@ MISTAKE = 2  # exit status of a command that cannot do what it was asked for
 
 
 def parser(doc, **more):
-    """An argument parser whose --help shows the first paragraph and whose epilogue shows the rest of a module's text."""
+    """Return an argument parser whose --help shows the first paragraph and whose epilogue shows the rest of a module's text."""
     first, _, rest = doc.partition("\n\n")
     return argparse.ArgumentParser(description=first, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
 
 
 def add_row(options):
-    """name=value arguments."""
+    """Add name=value arguments."""
     options.add_argument("row", nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters")
 
 
 def add_results(options):
-    """--results."""
+    """Add the option --results."""
     options.add_argument("--results", metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)")
 
 
 def add_jobs(options):
-    """--jobs."""
+    """Add the option --jobs."""
     options.add_argument("--jobs", type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")
 
 
 def add_extent(options):
-    """--quick, --full."""
+    """Add the options --quick and --full."""
     extent = options.add_mutually_exclusive_group()
     extent.add_argument("--quick", action="store_true", help="a first version, minutes (default)")
     extent.add_argument("--full", action="store_true", help="the real one, hours; it can be stopped and started again")
 
 
 def whole(least):
-    """A type of argument: integers from `least` on."""
+    """Return a type of argument: integers from `least` on."""
     def convert(text):
         if not text.isascii() or not text.isdecimal() or len(text) > 9 or int(text) < least:
             raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from {least} on")
@@ -48,7 +48,7 @@ def whole(least):
 
 
 def positive(text):
-    """A type of argument: numbers above 0."""
+    """Return a type of argument: numbers above 0."""
     try:
         value = float(text)
     except ValueError:

@@ -41,7 +41,7 @@ class Parameter:
     method: str | None = None
 
     def allowed(self):
-        """The allowed values in words."""
+        """Return the allowed values in words."""
         if self.choices:
             return "one of " + ", ".join(map(str, self.choices))
         if isinstance(self.default, (bool, str)):
@@ -50,7 +50,7 @@ class Parameter:
         return f"{kind} in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}]"
 
     def check(self, value):
-        """The value in the parameter's own type, or ParameterError."""
+        """Return the value in the parameter's own type, or ParameterError."""
         converted = self._converted(value)
         if converted is None or not self._in_range(converted):
             raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()} [{self.unit}] ({self.doc})")
@@ -160,17 +160,17 @@ REGISTRY = {p.name: p for p in (
 
 
 def registry(scene):
-    """The parameters that rows of a scene may have: {name: Parameter}, the general ones first."""
+    """Return the parameters that rows of a scene may have: {name: Parameter}, the general ones first."""
     return REGISTRY | {parameter.name: parameter for parameter in scenes.module(scene).PARAMETERS}
 
 
 def defaults(scene):
-    """The row of a scene in which nothing is asked for: the scene's own defaults over the registry's."""
+    """Return the row of a scene in which nothing is asked for: the scene's own defaults over the registry's."""
     return {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene} | scenes.module(scene).DEFAULTS
 
 
 def complete(row):
-    """The full row: `row` checked, over the scene's defaults, over the registry's. ParameterError if it cannot be run."""
+    """Return the full row: `row` checked, over the scene's defaults, over the registry's. ParameterError if it cannot be run."""
     scene = REGISTRY["scene"].check(row.get("scene", REGISTRY["scene"].default))
     legal = registry(scene)
     for name in row:
@@ -182,7 +182,7 @@ def complete(row):
 
 
 def _hint(name, legal, scene):
-    """What a name that is not legal in a scene may have meant."""
+    """Return what a name that is not legal in a scene may have meant."""
     others = [other for other in scenes.names() if name in registry(other)]
     if others:
         return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
@@ -191,7 +191,7 @@ def _hint(name, legal, scene):
 
 
 def _check_together(full):
-    """Conditions on several parameters at once."""
+    """Check conditions on several parameters at once."""
     scene = scenes.module(full["scene"])
     if full["method"] not in scene.METHODS:
         raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves out {scene.LEFT_OUT}")
@@ -208,7 +208,7 @@ def _check_together(full):
 
 
 def from_text(name, text):
-    """The value of name=text as typed at a prompt or in a table: a Python literal where it is one, else the text itself."""
+    """Return the value of name=text as typed at a prompt or in a table: a Python literal where it is one, else the text itself."""
     text = text.strip()
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
         return text[1:-1]
@@ -225,7 +225,7 @@ def from_text(name, text):
 
 
 def from_arguments(arguments):
-    """The row given by name=value arguments."""
+    """Return the row given by name=value arguments."""
     row = {}
     for argument in arguments:
         name, equals, text = argument.partition("=")
@@ -238,18 +238,18 @@ def from_arguments(arguments):
 
 
 def preparation(full):
-    """What shapes the prepared packing and differs from the registry's defaults: scenes with the same values share a packing."""
+    """Return what shapes the prepared packing and differs from the registry's defaults: scenes with the same values share a packing."""
     return {name: full[name] for name, parameter in REGISTRY.items() if parameter.prepare and full[name] != parameter.default}
 
 
 def digest(values, length=12):
-    """Hexadecimal hash of a dictionary of parameters; the same in every process."""
+    """Return the hexadecimal hash of a dictionary of parameters; the same in every process."""
     text = json.dumps(values, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:length]
 
 
 def result_name(full):
-    """Stem of the result file: scene, method, hash of what differs from the defaults among the parameters that this method reads.
+    """Return the stem of the result file: scene, method, hash of what differs from the defaults among the parameters that this method reads.
 
     A new parameter whose default keeps the old behaviour therefore leaves every name as it is. Whoever changes what a default means raises
     MEANING, which gives all runs new names.
@@ -261,17 +261,17 @@ def result_name(full):
 
 
 def stiffness(full):
-    """k_n [N/m] of the run, stiffening included."""
+    """Return k_n [N/m] of the run, stiffening included."""
     return full["kn"] * full["stiffening"]
 
 
 def pressure(full):
-    """P0 [Pa]."""
+    """Return P0 [Pa]."""
     return full["pressure_ratio"] * full["kn"] / full["depth"]
 
 
 def restitution(full):
-    """Normal restitution of a contact: Newton's in CD; in MD that of eq. 5's oscillator over half its period, exp(-pi beta/sqrt(1 - beta^2))."""
+    """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5's oscillator over half its period, exp(-pi beta/sqrt(1 - beta^2))."""
     if full["method"] == "CD":
         return full["restitution"]
     beta = full["beta_n"]
@@ -283,7 +283,7 @@ def _lines(parameter):
 
 
 def listing():
-    """All parameters in words, those of one scene under its name with the defaults that it changes."""
+    """Return all parameters in words, those of one scene under its name with the defaults that it changes."""
     lines = [_lines(parameter) for parameter in REGISTRY.values()]
     for name in scenes.names():
         scene = scenes.module(name)

@@ -90,7 +90,7 @@ def _run(path, full, folder, checkpoint_samples):
 
 @commands.command("run")
 def main(arguments=None):
-    """Command line and yade-batch."""
+    """Run the command line or a line of yade-batch."""
     parser = commands.parser(__doc__)
     commands.add_row(parser)
     commands.add_results(parser)

@@ -21,7 +21,7 @@ FOLDER = "charts"  # below the folder of the studies' figures
 
 
 def module(name):
-    """The module of a chart."""
+    """Return the module of a chart."""
     return importlib.import_module(f"{__name__}.{name}")
 
 
@@ -56,14 +56,14 @@ def _publish(name, rows, folder, origin):
 
 
 def origin_of(facts, full):
-    """Where measurements come from, as plain data; facts: those of each measurement."""
+    """Return where measurements come from, as plain data; facts: those of each measurement."""
     return {"extent": "full" if full else "quick", "measured": len(facts), "commits": sorted({one["git_commit"] for one in facts}),
             "yade": sorted({one["yade_version"] for one in facts if "yade_version" in one}), "run_command": "make charts" + " FULL=1" * full} | publish.machine() | {
                 "processor": ", ".join(sorted({one["processor"] for one in facts}))}
 
 
 def source(origin):
-    """The same as a line for a caption."""
+    """Return the same as a line for a caption."""
     commits = origin["commits"]
     code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
     return f"{origin['measured']} measurements, {code}, {origin['processor']}"

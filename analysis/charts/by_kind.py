@@ -20,14 +20,14 @@ LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 
 
 def numbers(table):
-    """The numbers of the text, from the table."""
+    """Return the numbers of the text, from the table."""
     reached = table[(table.accuracy == 1e-2) & table.seconds.notna() & table.kind.isin(["piles at rest", "impacts", "sliding and rolling"])]
     md, cd = (reached[reached.method == method].set_index("kind").seconds for method in ("MD", "CD"))
     return {"12": (md / cd).min(), "32": (md / cd).max()}
 
 
 def rows(measured):
-    """One row a kind, method and accuracy: the geometric mean over the kind's scenes of the time of the cheapest setting; none where a scene has none."""
+    """Return one row a kind, method and accuracy: the geometric mean over the kind's scenes of the time of the cheapest setting; none where a scene has none."""
     found, own = [], table.one_size(measured)
     for kind in dict.fromkeys(row["kind"] for row in own):
         for method in ("MD", "CD"):
@@ -44,7 +44,7 @@ def rows(measured):
 
 
 def draw(rows, folder, line):
-    """A panel a kind; hollow where some of its scenes are not solved."""
+    """Return a panel a kind; hollow where some of its scenes are not solved."""
     kinds = list(dict.fromkeys(row["kind"] for row in rows))
     fig, panels = plt.subplots(2, math.ceil(len(kinds) / 2), figsize=(8.4, 5.6), sharex=True, sharey=True, squeeze=False)
     for axes, kind in zip(panels.flat, kinds):

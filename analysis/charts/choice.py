@@ -13,7 +13,7 @@ NO_LADDER = ("MD damping",)
 
 
 def reaches(row, series, accuracy):
-    """Whether a row of `series` (its rows from coarse to fine) can be relied on to be within `accuracy`."""
+    """Tell whether a row of `series` (its rows from coarse to fine) can be relied on to be within `accuracy`."""
     if not _within(row, accuracy):
         return False
     place = series.index(row)
@@ -30,22 +30,22 @@ def _out_of_time(row):
 
 
 def reliable(rows, accuracy):
-    """The rows of one scene and size that reach the accuracy."""
+    """Return the rows of one scene and size that reach the accuracy."""
     return [row for own in table.by_series(rows).values() for row in own if reaches(row, own, accuracy)]
 
 
 def cheapest(rows, accuracy):
-    """The fastest of them, or None."""
+    """Return the fastest of them, or None."""
     return min(reliable(rows, accuracy), key=lambda row: row["seconds"], default=None)
 
 
 def finer(row, rows):
-    """How many finer settings of its series confirm a row."""
+    """Return how many finer settings of its series confirm a row."""
     return sum(other["series"] == row["series"] and other["rank"] > row["rank"] and not other["status"] for other in rows)
 
 
 def best_error(rows):
-    """The smallest accuracy that any setting reaches, and that setting; (inf, None) if none has finished."""
+    """Return the smallest accuracy that any setting reaches, and that setting; (inf, None) if none has finished."""
     found = (math.inf, None)
     for own in table.by_series(rows).values():
         for row in own:
@@ -55,7 +55,7 @@ def best_error(rows):
 
 
 def of_kind(rows, accuracy):
-    """{method: (setting, series, rows of the scenes that it solves, scenes that it does not)} for scenes of one kind.
+    """Return {method: (setting, series, rows of the scenes that it solves, scenes that it does not)} for scenes of one kind.
 
     One setting for all: the one that solves most scenes, then the fastest by the geometric mean. Settings are the same where series and rank
     are: time steps of CD are relative to what a scene has of its own.

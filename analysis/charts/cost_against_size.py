@@ -19,14 +19,14 @@ LOOK = {"MD step": (style.COLOUR["MD"], "o"), "CD accelerated": (style.COLOUR["C
 
 
 def numbers(table):
-    """The numbers of the text, from the table."""
+    """Return the numbers of the text, from the table."""
     seconds = table.set_index(["scene", "series", "disks"]).seconds.astype(float)
     return {"0.49": seconds["loaded_box", "CD accelerated", 6400], "0.99": seconds["loaded_box", "MD step", 6400],
             "1.3": seconds["elastic_step", "CD accelerated", 960], "2.3": seconds["elastic_step", "MD step", 960]}
 
 
 def rows(measured):
-    """One row a scene, series and size: the cheapest setting that reaches LEVEL."""
+    """Return one row a scene, series and size: the cheapest setting that reaches LEVEL."""
     found = []
     for scene, size in sorted({(row["scene"], row["size"]) for row in measured if row["size"]}):
         for series, members in table.by_series([row for row in measured if (row["scene"], row["size"]) == (scene, size)]).items():
@@ -38,14 +38,14 @@ def rows(measured):
 
 
 def power(found):
-    """Exponent of the time in the number of disks, fitted over the larger half of the sizes; NaN of fewer than two."""
+    """Return the exponent of the time in the number of disks, fitted over the larger half of the sizes; NaN of fewer than two."""
     points = sorted((row["disks"], row["seconds"]) for row in found if row["seconds"])
     points = points[len(points) // 2 - 1:] if len(points) > 3 else points
     return float(np.polyfit(*np.log(points).T, 1)[0]) if len(points) > 1 else float("nan")
 
 
 def draw(rows, folder, line):
-    """A panel a scene."""
+    """Return a panel a scene."""
     names = list(dict.fromkeys(row["scene"] for row in rows))
     fig, panels = plt.subplots(1, len(names), figsize=(1 + 2.7 * len(names), 3.6), squeeze=False)
     for axes, scene in zip(panels[0], names):

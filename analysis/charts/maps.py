@@ -23,7 +23,7 @@ GIVEN = ("1", "2", "4", "1.5", "1e-5")
 
 
 def numbers(table):
-    """The numbers of the text, from the table of boundaries."""
+    """Return the numbers of the text, from the table of boundaries."""
     found = table[(table["from"] == "instability") & table.theory.notna()]
     off = (found.boundary.astype(float) / found.theory - 1).abs() * 100
     return {"0.1": off[found.map == "md_contact"].max(), "0.2": _first_failures(table, "md_packing")}
@@ -45,7 +45,7 @@ LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
 
 
 def descriptions():
-    """The maps with what they ask, by what a case is judged, and what to do."""
+    """Return the maps with what they ask, by what a case is judged, and what to do."""
     return [maps.get(name) for name in maps.names()]
 
 
@@ -65,7 +65,7 @@ class _Missing(Exception):
 
 
 def measured(results, full):
-    """(Found of every map that was probed, where they come from); ResultError if none was."""
+    """Return (Found of every map that was probed, where they come from); ResultError if none was."""
     several = [found for found in (collect(name, results, full) for name in maps.names()) if found.rows]
     if not several:
         raise ResultError(Path(results) / maps.FOLDER, "no case has been probed", "run `make charts`")
@@ -73,7 +73,7 @@ def measured(results, full):
 
 
 def collect(name, results, full):
-    """The Found of a map, of the quick or the full grid."""
+    """Return the Found of a map, of the quick or the full grid."""
     chart, work, facts = maps.get(name), maps.Work(name, full, results), []
 
     def row_of(case):
@@ -101,7 +101,7 @@ def collect(name, results, full):
 
 
 def theory(found, line, row):
-    """Where theory puts the boundary of a search, NaN if it does not."""
+    """Return where theory puts the boundary of a search, NaN if it does not."""
     if found.map.theory_along != line.along:
         return math.nan
     if "theory" in found.map.measures:
@@ -110,7 +110,7 @@ def theory(found, line, row):
 
 
 def boundaries(several):
-    """The table of boundaries: one row a search."""
+    """Return the table of boundaries: one row a search."""
     rows = []
     for found in several:
         for line, boundary, row in found.boundaries:
@@ -123,7 +123,7 @@ def boundaries(several):
 
 
 def draw(several, folder, line):
-    """A figure and a table of cells a map."""
+    """Return a figure and a table of cells a map."""
     figures = {}
     for found in several:
         publish.write_table(folder / f"map_{found.name}.csv", found.rows)
@@ -167,7 +167,7 @@ def _title(name):
 
 
 def _scale(axis, found):
-    """Logarithmic where the values are positive and span more than a decade."""
+    """Use a logarithmic axis where the values are positive and span more than a decade."""
     for name, scale in ((found.map.x.name, axis.set_xscale), (found.map.y.name, axis.set_yscale)):
         values = [row[name] for row in found.rows]
         if min(values) > 0 and max(values) > 10 * min(values):
@@ -175,7 +175,7 @@ def _scale(axis, found):
 
 
 def _cells(axis, found, panel):
-    """The markers; a ring around a failure that the program says nothing of."""
+    """Draw the markers; a ring around a failure that the program says nothing of."""
     chart, kinds = found.map, {}
     for row in found.rows:
         if panel is None or row[chart.panels] == panel:
@@ -190,7 +190,7 @@ def _cells(axis, found, panel):
 
 
 def _boundaries(axis, found, panel):
-    """What was searched, full lines; what theory says, dashed."""
+    """Draw what was searched as full lines and what theory says as dashed ones."""
     chart, groups = found.map, {}
     fixed = {chart.x.name, chart.y.name, chart.panels}
     for line, boundary, row in found.boundaries:
@@ -219,7 +219,7 @@ def _ordered(points, along_x):
 
 
 def _legend(aside, axes):
-    """One legend of all panels, each entry once, beside them."""
+    """Put one legend of all panels, each entry once, beside them."""
     handles = {}
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels()):

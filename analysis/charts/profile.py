@@ -24,7 +24,7 @@ SHOWN = {BEST["MD"]: (style.COLOUR["MD"], "-", 2.4), "MD step": ("#56B4E9", "-",
 
 
 def numbers(table):
-    """The numbers of the text, from the table."""
+    """Return the numbers of the text, from the table."""
     solved = table[table.seconds.notna()]
     own = {(method, level): solved[(solved.series == BEST[method]) & (solved.accuracy == level)].set_index("scene").factor.astype(float)
            for method in BEST for level in (1e-2, 1e-4, 1e-6)}
@@ -34,7 +34,7 @@ def numbers(table):
 
 
 def rows(measured):
-    """One row a scene, accuracy and series: its time over that of the fastest series; status tells where none of its settings comes so far."""
+    """Return one row a scene, accuracy and series: its time over that of the fastest series; status tells where none of its settings comes so far."""
     found, measured = [], table.one_size(measured)
     for scene in dict.fromkeys(row["scene"] for row in measured):
         own = [row for row in measured if row["scene"] == scene]
@@ -53,13 +53,13 @@ def _factors(scene, rows, level):
 
 
 def share(found, series, level):
-    """(factors in rising order, share of the scenes solved within each)."""
+    """Return (factors in rising order, share of the scenes solved within each)."""
     solved = sorted(row["factor"] for row in found if row["series"] == series and row["accuracy"] == level and row["factor"])
     return np.array(solved), np.arange(1, len(solved) + 1) / max(1, len({row["scene"] for row in found}))
 
 
 def draw(rows, folder, line):
-    """A panel an accuracy."""
+    """Return a panel an accuracy."""
     fig, panels = plt.subplots(1, len(table.LEVELS), figsize=(9.4, 3.4), sharey=True)
     last = 2 * max((row["factor"] for row in rows if row["factor"]), default=10)
     for axes, level in zip(panels, table.LEVELS):

@@ -6,7 +6,7 @@ from yade_scripts.results.reader import ResultError
 
 
 def of_scene(scene, accuracy):
-    """The lines of an answer for one scene. ResultError for a scene without measurements, or an accuracy that no setting reaches."""
+    """Return the lines of an answer for one scene. ResultError for a scene without measurements, or an accuracy that no setting reaches."""
     found = table.one_size(table.from_csv(table.PUBLISHED))
     own = [row for row in found if row["scene"] == scene]
     if not own:
@@ -33,7 +33,7 @@ def _line(row, rows_of_scene):
 
 
 def by_kind(accuracy):
-    """The lines of an answer for each kind of scene: one setting for all its scenes."""
+    """Return the lines of an answer for each kind of scene: one setting for all its scenes."""
     kinds, lines = {}, []
     for row in table.one_size(table.from_csv(table.PUBLISHED)):
         kinds.setdefault(row["kind"], []).append(row)

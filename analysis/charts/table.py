@@ -22,7 +22,7 @@ PUBLISHED = Path(charts.__file__).resolve().parents[1] / "published" / charts.FO
 
 
 def measured(results, full):
-    """(rows of all scenes, where they come from); ResultError where nothing was measured."""
+    """Return (rows of all scenes, where they come from); ResultError where nothing was measured."""
     rows, facts, folder = [], [], Path(results) / settings.FOLDER
     for scene in settings.names():
         for setting in settings.settings(scene, full):
@@ -49,7 +49,7 @@ def _row(setting, found):
 
 
 def from_csv(path):
-    """The rows of a published table."""
+    """Return the rows of a published table."""
     table = publish.read_table(path)
     try:
         table = table[["status", "scene", "kind", "size", "method", "series", "rank", "setting", "arguments", "error", "seconds", "fastest", "slowest", "steps", "sweeps",
@@ -61,12 +61,12 @@ def from_csv(path):
 
 
 def one_size(rows):
-    """The rows of the scenes as they are, without those at other numbers of disks."""
+    """Return the rows of the scenes as they are, without those at other numbers of disks."""
     return [row for row in rows if not row["size"]]
 
 
 def by_series(rows):
-    """{series: its rows from coarse to fine} in the order of the rows."""
+    """Return {series: its rows from coarse to fine} in the order of the rows."""
     found = {}
     for row in rows:
         found.setdefault(row["series"], []).append(row)

@@ -22,17 +22,17 @@ LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiff
 
 
 def numbers(table):
-    """The text has none."""
+    """Return the text has none."""
     return {}
 
 
 def rows(measured):
-    """All settings."""
+    """Return all settings."""
     return measured
 
 
 def draw(rows, folder, line):
-    """A figure a scene."""
+    """Return a figure a scene."""
     rows, figures = table.one_size(rows), {}
     for scene in dict.fromkeys(row["scene"] for row in rows):
         figures[f"work_precision-{scene}.png"] = scenes.module(scene).TITLE
@@ -61,7 +61,7 @@ def _draw(rows, scene, path, line):
 
 
 def _write_labels(axes, labels):
-    """The labels that have room: none within a twentieth of the axes of one written before."""
+    """Write the labels that have room: none within a twentieth of the axes of one written before."""
     written = []
     for text, place, colour in labels:
         spot = axes.transAxes.inverted().transform(axes.transData.transform(place))

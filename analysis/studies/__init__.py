@@ -41,21 +41,21 @@ class Collection:
 
 
 def names():
-    """The studies there are, in the order of the report."""
+    """Return the studies there are, in the order of the report."""
     found = [path.stem for path in Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")]
     return sorted(found, key=lambda name: (module(name).ORDER, name))
 
 
 @functools.cache
 def module(name):
-    """The file of a study; ParameterError for a name that is none."""
+    """Return the file of a study; ParameterError for a name that is none."""
     if not (Path(__file__).parent / f"{name}.py").is_file():
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
     return importlib.import_module(f"{__name__}.{name}")
 
 
 def rows(name, full):
-    """The rows of a study, full rows, each once."""
+    """Return the rows of a study, full rows, each once."""
     found = {}
     for row in module(name).ROWS["full" if full else "quick"]:
         row = parameters.complete(row)
@@ -64,7 +64,7 @@ def rows(name, full):
 
 
 def collect(name, folder=reader.RESULTS, full=False):
-    """The Collection of a study from the result files in `folder`."""
+    """Return the Collection of a study from the result files in `folder`."""
     found = Collection(name, full)
     for row in rows(name, full):
         path = results.path_of(row, folder)

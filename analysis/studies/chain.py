@@ -27,7 +27,7 @@ SIZE = {MEMORY: 8, OVERLAP: 4}  # they lie on each other
 
 
 def kind(run):
-    """What the row is expected to do."""
+    """Return what the row is expected to do."""
     row = run.parameters
     if not row["fixed_iterations"]:
         return SOLVED
@@ -36,7 +36,7 @@ def kind(run):
 
 
 def summarize(runs):
-    """One row a kind and number of sweeps, over the orders of the sweeps: measured against the theory, in steps."""
+    """Return one row a kind and number of sweeps, over the orders of the sweeps: measured against the theory, in steps."""
     return [_row(*key, group) for key, group in loops.grouped(runs, lambda run: (kind(run), run.parameters["fixed_iterations"])).items()]
 
 
@@ -60,12 +60,12 @@ def _mean(values):
 
 
 def _way(run):
-    """Way of the free end over that at rest, after every step."""
+    """Return the path of the free end over that at rest, after every step."""
     return run.extra["end_displacement"] / float(run.extra["end_at_rest"])
 
 
 def draw(runs, rows, path):
-    """Left: the end of the row after the push. Right: period and decay against the sweeps, where there are several."""
+    """Draw the end of the row after the push on the left, on the right period and decay against the sweeps, where there are several."""
     plt = style.plt
     fig, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.2))
     _draw_way(left, runs)
@@ -118,7 +118,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     row = {(one["row"], one.sweeps): one for _, one in table.iterrows()}
     memory, overlap = row[MEMORY, 40], row[OVERLAP, 40]
     elastic = table[table["row"].isin([MEMORY, OVERLAP])]

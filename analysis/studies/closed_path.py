@@ -22,7 +22,7 @@ FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
 
 
 def summarize(runs):
-    """One row a run. Force and work are in units of the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
+    """Return one row a run. Force and work are in units of the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
     return [_row(run) for run in runs]
 
 
@@ -36,7 +36,7 @@ def _row(run):
 
 
 def draw(runs, rows, path):
-    """Force left and work taken against the depth of the path, on logarithmic axes, measured and from theory."""
+    """Draw force left and work taken against the depth of the path, on logarithmic axes, measured and from theory."""
     fig, axes = plt.subplots(1, 2, figsize=(8.6, 4.4))
     for axis, quantity, label in zip(axes, ("left_force", "loop_work"), (
             r"force left $|T|\,/\,(k_t\,2R\,A)$", r"work taken by the path $|W|\,/\,\frac{1}{2}k_t(2R\,A)^2$")):
@@ -65,7 +65,7 @@ def _draw_law(axis, law, quantity, rows):
 
 
 def _by_angle(rows, law):
-    """(angle, rows in the order of their depth) of a law, one set a step."""
+    """Return (angle, rows in the order of their depth) of a law, one set a step."""
     sets = {(row["path_angle"], row["period_s"]) for row in rows if row["law"] == law}
     for angle, period in sorted(sets):
         yield angle, sorted((row for row in rows if (row["law"], row["path_angle"], row["period_s"]) == (law, angle, period)),
@@ -87,7 +87,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     most = {law: rows[["left_force", "loop_work"]].abs().max() for law, rows in table.groupby("law")}
     return {"0.050": [most["standard"].left_force, most["avoid_ratcheting"].loop_work], "0.0025": most["standard"].loop_work,
             "2e-5": most["avoid_ratcheting"].left_force, "2e-14": most["path_independent"].left_force, "5e-13": most["path_independent"].loop_work}

@@ -31,24 +31,24 @@ NEARLY = 0.95  # share of the limit load at which creep, and elastic strain, are
 
 
 def packing(run):
-    """What names a prepared packing of this study."""
+    """Return what names a prepared packing of this study."""
     return run.parameters["preparation_friction"], run.parameters["seed"]
 
 
 def load(run):
-    """sigma2/P0 asked for, sample by sample."""
+    """Return sigma2/P0 asked for, sample by sample."""
     return run.values("sigma2_goal") / run.pressure
 
 
 def summarize(runs):
-    """One row a ramp."""
+    """Return one row a ramp."""
     first = {packing(run): run for run in reversed(runs) if run.method == "CD" and run.parameters["network_seed"] == 0}
     order = sorted(runs, key=lambda run: (run.method, *packing(run), run.parameters["network_seed"]))
     return [_row(run, first.get(packing(run))) for run in order]
 
 
 def _row(run, other):
-    """other: the CD run of the same packing that starts from the springs' own forces."""
+    """Return one row. other: the CD run of the same packing that starts from the springs' own forces."""
     limit = statics.limit_loads(run.snapshots[0], run.pressure, run.attributes["depth"])[1]
     before = [snapshot for snapshot in run.snapshots if _at(run, snapshot) < limit]
     motion, change = zip(*(_between(a, b, run) for a, b in zip(before, before[1:]))) if len(before) > 1 else ((np.nan,), (np.nan,))
@@ -71,30 +71,30 @@ def _row(run, other):
 
 
 def _at(run, snapshot):
-    """sigma2/P0 asked for at a snapshot."""
+    """Return sigma2/P0 asked for at a snapshot."""
     return float(np.interp(snapshot["time"], run.values("time"), load(run)))
 
 
 def _rms_difference(first, second):
-    """rms difference of the normal forces of two snapshots over their mean, contact by contact."""
+    """Return the rms difference of the normal forces of two snapshots over their mean, contact by contact."""
     forces = observables.matched_forces(first, second)
     return float(np.sqrt(((forces[1] - forces[0])**2).mean()) / forces.mean())
 
 
 def _between(first, second, run):
-    """(largest displacement over the mean radius, force change) from one snapshot to the next."""
+    """Return (largest displacement over the mean radius, force change) from one snapshot to the next."""
     moved = np.abs(second["position"] - first["position"]).max() / run.parameters["radius_mean"]
     return float(moved), _rms_difference(first, second)
 
 
 def _apart(run, other):
-    """[(sigma2/P0, difference of the normal forces from those of `other`)] at the loads below which neither has yielded."""
+    """Return [(sigma2/P0, difference of the normal forces from those of `other`)] at the loads below which neither has yielded."""
     end = min(observables.critical_load(run, CRITICAL), observables.critical_load(other, CRITICAL))
     return [(_at(run, a), _rms_difference(a, b)) for a, b in zip(run.snapshots, other.snapshots) if not _at(run, a) > end]
 
 
 def draw(runs, rows, path):
-    """gamma under the ramp; loads against the limit load; how far networks are from each other on the way."""
+    """Draw gamma under the ramp; the loads against the limit load; how far networks are from each other on the way."""
     fig, axes = plt.subplots(1, 3, figsize=(10.5, 4.2))
     main = packing(next((run for run in runs if run.parameters["network_seed"] > 0), runs[0]))
     mine = [run for run in runs if packing(run) == main]
@@ -149,7 +149,7 @@ POINTS = (
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     cd, md = (table[table.method == method] for method in ("CD", "MD"))
     load, creep, change, motion = "load at 0.0001", "gamma at 0.95 limit", "force change, median", "motion over R, median"
     other = cd[cd.network > 0].iloc[0]

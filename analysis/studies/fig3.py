@@ -30,7 +30,7 @@ COMPARED = 20
 
 
 def summarize(runs):
-    """One row a run: regime, rates, sliding contacts, dissipation, contacts."""
+    """Return one row a run: regime, rates, sliding contacts, dissipation, contacts."""
     return [_row(run) for run in sorted(runs, key=_order)]
 
 
@@ -40,7 +40,7 @@ def _order(run):
 
 
 def _group(run):
-    """Runs of one panel: MD before CD, then by the friction during the preparation."""
+    """Return the panel of a run, for sorting: MD before CD, then by the friction during the preparation."""
     return run.method != "MD", run.parameters["preparation_friction"]
 
 
@@ -64,7 +64,7 @@ def _row(run):
 
 
 def _cycles(run):
-    """The run's Cycles; None if it collapsed in the first."""
+    """Return the run's Cycles; None if it collapsed in the first."""
     try:
         return cycles.of(run)
     except ResultError:
@@ -72,13 +72,13 @@ def _cycles(run):
 
 
 def _last_cycle(run, back):
-    """Sliding share through the last completed cycle, or the one `back` - 1 before it."""
+    """Return the sliding share through the last completed cycle, or the one `back` - 1 before it."""
     at = cycles.ends(run)
     return cycles.sliding_share(run)[at[-1 - back]:at[-back] + 1]
 
 
 def _sliding_change(run):
-    """How much the sliding share differs between the last two cycles: rms over its mean; NaN where there are no two."""
+    """Return how much the sliding share differs between the last two cycles: rms over its mean; NaN where there are no two."""
     if len(cycles.ends(run)) < 3:
         return float("nan")
     last, before = _last_cycle(run, 1), _last_cycle(run, 2)
@@ -86,7 +86,7 @@ def _sliding_change(run):
 
 
 def draw(runs, rows, path):
-    """The strain rate against the strain, both methods on the same axes; what slides, dissipates and touches in a figure of its own."""
+    """Draw the strain rate against the strain, both methods on the same axes; what slides, dissipates and touches in a figure of its own."""
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
     groups = summary.groups(runs, lambda run: run.parameters["preparation_friction"])
     fig, axes = plt.subplots(1, len(groups), figsize=(1 + 3.7 * len(groups), 4), squeeze=False, sharex=True, sharey=True)
@@ -108,7 +108,7 @@ LINES = {"MD": "-", "CD": "--"}
 
 
 def _rates(axis, runs, colour, method):
-    """Medians over the packings of strain and rate, over windows that grow with the number of the cycle; a cross where a sample collapses."""
+    """Draw medians over the packings of strain and rate, over windows that grow with the number of the cycle; a cross where a sample collapses."""
     strains = []
     for run in runs:
         found = _cycles(run)
@@ -125,7 +125,7 @@ def _rates(axis, runs, colour, method):
 
 
 def _appendix(runs, look, path):
-    """Cycle by cycle: the most sliding contacts, the energy dissipated, and the contacts; a column a method and preparation."""
+    """Draw cycle by cycle the most sliding contacts, the energy dissipated, and the contacts; a column a method and preparation."""
     groups = summary.groups(runs, _group)
     fig, axes = plt.subplots(3, len(groups), figsize=(1 + 2.6 * len(groups), 7.5), squeeze=False, sharex=True, sharey="row")
     labels = (("sliding_max", "most contacts at the Coulomb\nlimit / contacts"), ("dissipated", "dissipated in a cycle\n/ $P_0V_0$"), ("contacts", "contacts $2M/N$"))
@@ -175,7 +175,7 @@ POINTS = (
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     md, cd = (table[table.method == method] for method in ("MD", "CD"))
     ratchets, after = md[md.regime == "ratcheting"], f"regime after {COMPARED}"
     keys = ["preparation friction", "dSigma", "seed"]

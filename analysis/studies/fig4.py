@@ -16,7 +16,7 @@ ROWS = {"quick": product(seed=1, **LOADING), "full": product(seed=range(1, 6), *
 
 
 def summarize(runs):
-    """One row a run: the loop, the energies in units of P0 V0, and how well they balance."""
+    """Return one row a run: the loop, the energies in units of P0 V0, and how well they balance."""
     return [_row(run) for run in runs]
 
 
@@ -38,7 +38,7 @@ def _row(run):
 
 
 def draw(runs, rows, path):
-    """Both methods on the same axes; the inset shows CD's strain, which is the error of its solver. A line a packing, the first one bold."""
+    """Draw both methods on the same axes; the inset shows CD's strain, which is the error of its solver. A line a packing, the first one bold."""
     fig, axis = plt.subplots(figsize=(6.4, 4.6))
     inset = axis.inset_axes([0.08, 0.1, 0.25, 0.28])
     exponent = style.power_of_ten(np.concatenate([run.values("gamma") for run in runs if run.method == "CD"] or [[0.0]]))
@@ -80,7 +80,7 @@ POINTS = (
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     md, cd = (table[table.method == method].set_index("seed") for method in ("MD", "CD"))
     largest, ratio = "largest |gamma|", md["largest |gamma|"] / cd["largest |gamma|"]
     both = (md["dissipated/P0V0"] > cd["dissipated/P0V0"]) & (md["remanent gamma"].abs() > cd["remanent gamma"].abs())

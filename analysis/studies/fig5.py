@@ -24,7 +24,7 @@ THRESHOLDS = (1e-4, 1e-3, 1e-2)
 
 
 def summarize(runs):
-    """One row a run: critical loads, the largest jump, volume, sliding contacts against their bound."""
+    """Return one row a run: critical loads, the largest jump, volume, sliding contacts against their bound."""
     return [_row(run) for run in sorted(runs, key=_order)]
 
 
@@ -56,7 +56,7 @@ def _row(run):
 
 
 def _share_of_bound(run):
-    """Sliding contacts over the most that can slide at rest, at each sample; rattlers and walls' contacts as at the start.
+    """Return the sliding contacts over the most that can slide at rest, at each sample; rattlers and walls' contacts as at the start.
 
     A snapshot counts unknowns and equations; between snapshots each contact more adds two unknowns. 1 where the bound is not positive.
     """
@@ -67,13 +67,13 @@ def _share_of_bound(run):
 
 
 def _at(run, values, threshold):
-    """The value where |gamma| passes the threshold; NaN if it never does."""
+    """Return the value where |gamma| passes the threshold; NaN if it never does."""
     above = np.flatnonzero(np.abs(run.values("gamma")) > threshold)
     return float(values[above[0]]) if len(above) else float("nan")
 
 
 def draw(runs, rows, path):
-    """A column for each preparation: gamma over the load with CD enlarged in the inset, and the critical loads."""
+    """Draw a column for each preparation: gamma over the load with CD enlarged in the inset, and the critical loads."""
     groups = summary.groups(runs, lambda run: run.parameters["preparation_friction"])
     fig, axes = plt.subplots(2, len(groups), figsize=(1 + 3.7 * len(groups), 6.8), squeeze=False)
     for column, (friction, own) in enumerate(groups.items()):
@@ -113,7 +113,7 @@ def _strain(axis, runs):
 
 
 def _loads(axis, rows):
-    """Critical loads by threshold: a point a packing, MD and CD of one packing joined by a line."""
+    """Draw the critical loads by threshold: a point a packing, MD and CD of one packing joined by a line."""
     for place, threshold in enumerate(THRESHOLDS):
         name = f"load at |gamma| = {threshold:g}"
         for seed, pair in summary.groups(rows, lambda row: (row["ramp rate"], row["seed"])).items():
@@ -151,7 +151,7 @@ POINTS = (
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     small, large, most = "load at |gamma| = 0.0001", "load at |gamma| = 0.01", "largest load"
     slow = table[table["ramp rate"] == table["ramp rate"].min()]
     keys = ["preparation friction", "ramp rate", "seed"]

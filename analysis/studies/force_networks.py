@@ -24,7 +24,7 @@ POINTS_PER_MEAN = 1.0
 
 
 def summarize(runs):
-    """One row of the pair: contacts, sliding contacts and rattlers of both, and how far their normal forces agree."""
+    """Return one row of the pair: contacts, sliding contacts and rattlers of both, and how far their normal forces agree."""
     md, cd = _pair(runs)
     row = {}
     for run, (snapshot, load) in ((run, observables.snapshot_at_load_maximum(run)) for run in (md, cd)):
@@ -38,7 +38,7 @@ def summarize(runs):
 
 
 def _pair(runs):
-    """(MD run, CD run); ResultError where one is missing."""
+    """Return (MD run, CD run); ResultError where one is missing."""
     by = {run.method: run for run in runs}
     if len(by) < 2:
         raise ResultError("force_networks", "needs a run of each method", "run both: make study STUDY=force_networks")
@@ -46,7 +46,7 @@ def _pair(runs):
 
 
 def draw(runs, rows, path):
-    """Both networks, and contact by contact."""
+    """Draw both networks and compare their forces contact by contact."""
     md, cd = _pair(runs)
     snapshots = [observables.snapshot_at_load_maximum(run)[0] for run in (md, cd)]
     forces = np.concatenate([snapshot["force_normal"][_loaded(snapshot)] for snapshot in snapshots])
@@ -68,7 +68,7 @@ def _loaded(snapshot):
 
 
 def _network(axis, snapshot, mean):
-    """Disks, walls and force chains."""
+    """Draw disks, walls and force chains."""
     rattlers = observables.rattlers(snapshot)
     circles = [Circle(centre, radius) for centre, radius in zip(snapshot["position"], snapshot["radius"])]
     axis.add_collection(PatchCollection(
@@ -92,14 +92,14 @@ def _network(axis, snapshot, mean):
 
 
 def _segments(snapshot):
-    """End points (m, 2, 2) [m] of each force line: the disks' centres, or the contact point at a wall."""
+    """Return end points (m, 2, 2) [m] of each force line: the disks' centres, or the contact point at a wall."""
     place = {int(body): centre for body, centre in zip(snapshot["body_ids"], snapshot["position"])}
     return np.array([[place.get(int(body), point) for body in ids]
                      for ids, point in zip(snapshot["contact_ids"], snapshot["contact_point"])]).reshape(-1, 2, 2)
 
 
 def _comparison(axis, snapshots, mean):
-    """Normal force of each contact in CD over that in MD."""
+    """Draw the normal force of each contact in CD over that in MD."""
     md, cd = observables.matched_forces(*snapshots) / mean
     both = (md > 0) & (cd > 0)
     axis.plot(md[both], cd[both], "o", markersize=2.2, color=style.CHAIN, alpha=0.6, markeredgewidth=0,
@@ -135,7 +135,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     row = table.iloc[0]
     return {"775": row["contacts MD"], "765": row["contacts CD"], "14": row["in MD only"], "4": row["in CD only"], "0.9988": row.correlation,
             "3.5": 100 * row["rms difference"], "128": row["at the Coulomb limit MD"], "112": row["at the Coulomb limit CD"]}

@@ -38,12 +38,12 @@ OWN, DENSE = "near the rigid limit", "dense, P0 = 6e-4 k_n"
 
 
 def kind(run):
-    """Which of the table's two kinds of packing a run has."""
+    """Return which of the table's two kinds of packing a run has."""
     return OWN if run.parameters["stiffening"] > 1 else DENSE
 
 
 def summarize(runs):
-    """One row a walk."""
+    """Return one row a walk."""
     order = sorted(runs, key=lambda run: (kind(run) == DENSE, run.parameters["friction"], run.parameters["seed"]))
     first = min((run.parameters["seed"] for run in runs), default=0)
     return [_row(run, kind(run) == OWN and run.parameters["seed"] == first) for run in order]
@@ -72,30 +72,30 @@ def _row(run, probed):
 
 
 def ambiguity(networks):
-    """eta of networks (samples, contacts, 2) [1]."""
+    """Return eta of networks (samples, contacts, 2) [1]."""
     return float(_spread(networks).mean() / np.linalg.norm(networks, axis=2).mean())
 
 
 def _spread(networks):
-    """deltaF of each contact [N]."""
+    """Return deltaF of each contact [N]."""
     return np.sqrt(networks.var(axis=0).sum(axis=1))
 
 
 def distances(networks, others):
-    """Distance of each of `others` from the mean of `networks`, over all contacts, in units of the samples' own rms distance."""
+    """Return the distance of each of `others` from the mean of `networks`, over all contacts, in units of the samples' own rms distance."""
     centre, unit = networks.mean(axis=0), np.sqrt((_spread(networks)**2).sum())
     return np.sqrt(((others - centre)**2).sum(axis=(1, 2))) / unit
 
 
 def within(networks, forces):
-    """Share of the contacts at which both components lie between the smallest and the largest of the walk, to rounding of the solver."""
+    """Return the share of the contacts at which both components lie between the smallest and the largest of the walk, to rounding of the solver."""
     slack = ADMISSIBLE * networks[..., 0].mean()
     inside = (forces >= networks.min(axis=0) - slack) & (forces <= networks.max(axis=0) + slack)
     return float(inside.all(axis=1).mean())
 
 
 def coverage(snapshot, load, normal):
-    """Mean over PROBED contacts, evenly spaced in the list of those that carry: range of R in the walk over the range that statics admits."""
+    """Return the mean over PROBED contacts, evenly spaced in the list of those that carry: range of R in the walk over the range that statics admits."""
     carrying = np.flatnonzero((normal > 0).any(axis=0))
     chosen = carrying[np.linspace(0, len(carrying) - 1, PROBED).astype(int)]
     exact = np.array([np.subtract(*statics.force_range(snapshot, load, contact)[::-1]) for contact in chosen])
@@ -104,14 +104,14 @@ def coverage(snapshot, load, normal):
 
 
 def medians(rows, packing, name):
-    """(mu, median over the seeds) of a column for one kind of packing."""
+    """Return (mu, median over the seeds) of a column for one kind of packing."""
     mine = [row for row in rows if row["packing"] == packing]
     frictions = sorted({row["mu"] for row in mine})
     return np.array(frictions), np.array([np.median([row[name] for row in mine if row["mu"] == mu]) for mu in frictions])
 
 
 def draw(runs, rows, path):
-    """eta, dimension and distances against mu; mu = 0 stands at the left edge of the logarithmic axis."""
+    """Draw eta, dimension and distances against mu; mu = 0 stands at the left edge of the logarithmic axis."""
     fig, axes = plt.subplots(1, 3, figsize=(10.5, 4.2))
     least = min((row["mu"] for row in rows if row["mu"] > 0), default=1.0) / 3
     looks = {OWN: dict(color=style.COLOUR["CD"], marker="o"), DENSE: dict(color=style.COLOUR["MD"], marker="s")}
@@ -155,7 +155,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     own, dense = (table[table.packing == kind] for kind in (OWN, DENSE))
     eta = own.groupby("mu").eta.median()
     small = eta[(eta.index > 0) & (eta.index <= 0.011)]

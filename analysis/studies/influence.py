@@ -35,7 +35,7 @@ PAPER = {0.4: cycles.COLLAPSE, 0.5: cycles.COLLAPSE}
 
 
 def summarize(runs):
-    """One row for each value of a parameter, over the packings; then one for each point of the search."""
+    """Return one row for each value of a parameter, over the packings; then one for each point of the search."""
     runs = [run for run in runs if run.method == "MD"]
     base = _base(runs)
     rows = []
@@ -47,7 +47,7 @@ def summarize(runs):
 
 
 def _base(runs):
-    """Of each parameter the value that most runs have; runs made before a parameter existed do not have it."""
+    """Return for each parameter the value that most runs have; runs made before a parameter existed do not have it."""
     names = [name for name in runs[0].parameters if name not in IGNORED and all(name in run.parameters for run in runs)]
     return {name: summary.commonest(run.parameters[name] for run in runs) for name in names}
 
@@ -57,7 +57,7 @@ def _differences(run, base, ignore=()):
 
 
 def _variations(runs, base):
-    """{(parameter, value): runs}: what differs from the base in one parameter, at the load of those that vary something physical."""
+    """Return {(parameter, value): runs}: what differs from the base in one parameter, at the load of those that vary something physical."""
     varied = [run for run in runs if len(_physical(run, base)) == 1]
     anchor = _anchor(runs, varied)
     found = {}
@@ -71,7 +71,7 @@ def _variations(runs, base):
 
 
 def _physical(run, base):
-    """What a run varies; walls pushed by forces count as one variation with their mass, which only they read."""
+    """Return what a run varies; walls pushed by forces count as one variation with their mass, which only they read."""
     names = _differences(run, base, NOT_COMPARED)
     return ["wall_mass_ratio"] if set(names) == {"md_walls", "wall_mass_ratio"} else names
 
@@ -85,18 +85,18 @@ def _search_point(run):
 
 
 def _anchor(runs, varied):
-    """The point of the search around which parameters are varied."""
+    """Return the point of the search around which parameters are varied."""
     return summary.commonest(_search_point(run) for run in varied or runs)
 
 
 def _partners(same, runs, base):
-    """{seed: run} of the base at the same point of the search, the longest of each packing."""
+    """Return {seed: run} of the base at the same point of the search, the longest of each packing."""
     bases = [run for run in runs if not _physical(run, base) and _search_point(run) == _search_point(same[0])]
     return {run.parameters["seed"]: run for run in sorted(bases, key=lambda run: run.parameters["cycles"])}
 
 
 def _search(runs, base):
-    """{(preparation friction, dSigma): runs}, of each packing the longest."""
+    """Return {(preparation friction, dSigma): runs}, of each packing the longest."""
     points = {}
     for run in sorted(runs, key=lambda run: run.parameters["cycles"]):
         if not _physical(run, base):
@@ -105,7 +105,7 @@ def _search(runs, base):
 
 
 def _numbers(runs, partners):
-    """Medians over the packings; strains after the cycles that all of the runs and their partners have."""
+    """Return the medians over the packings; strains after the cycles that all of the runs and their partners have."""
     longest = {run.parameters["seed"]: run for run in sorted(runs, key=lambda run: run.parameters["cycles"])}
     runs = list(longest.values())
     regimes = [cycles.regime(run).name for run in runs]
@@ -127,7 +127,7 @@ def _completed(run):
 
 
 def _strain(run, count):
-    """|gamma| after `count` cycles; of a run that collapsed before, what it had strained then."""
+    """Return |gamma| after `count` cycles; of a run that collapsed before, what it had strained then."""
     return float(abs(cycles.of(run).permanent[count - 1] if 0 < count <= _completed(run) else run.values("gamma")[-1]))
 
 
@@ -137,7 +137,7 @@ def _median(values):
 
 
 def draw(runs, rows, path):
-    """Left: the ratio of strain to the base, value by value; right: the regimes over preparation and load."""
+    """Draw the ratio of strain to the base, value by value, on the left; on the right the regimes over preparation and load."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(12, 6.6), gridspec_kw=dict(width_ratios=(1.15, 1)))
     _ratios(left, [row for row in rows if row["kind"] == "variation"])
     _map(right, [row for row in rows if row["kind"] == "search"])
@@ -167,7 +167,7 @@ _REGIME_COLOUR = {cycles.SHAKEDOWN: "#56B4E9", cycles.RATCHETING: "#F0E442", cyc
 
 
 def _map(axis, rows):
-    """Cells divided by the share of packings in each regime."""
+    """Draw cells divided by the share of packings in each regime."""
     frictions, loads = sorted({row["value"] for row in rows}), sorted({row["dSigma"] for row in rows})
     for row in rows:
         left, bottom = frictions.index(row["value"]), loads.index(row["dSigma"])
@@ -202,7 +202,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     variation, search = (table[table.kind == kind] for kind in ("variation", "search"))
     ratio = {(row.parameter, str(row.value)): row["ratio to the base"] for _, row in variation.iterrows()}
     named = {("beta_n", "0.4"), ("wall_friction", "0.1"), ("wall_mass_ratio", "200.0"), ("radius_spread", "0.1"), ("beta_n", "0.02")}

@@ -24,7 +24,7 @@ STANDARD = "standard"
 
 
 def summarize(runs):
-    """One row a run, with its strain and late rate over those of the standard law on the same packing under the same load."""
+    """Return one row a run, with its strain and late rate over those of the standard law on the same packing under the same load."""
     standard = {_case(run): run for run in runs if run.parameters["tangential_law"] == STANDARD}
     return [_row(run, standard.get(_case(run))) for run in sorted(runs, key=lambda run: (_case(run), _order(run)))]
 
@@ -59,7 +59,7 @@ def _cycles(run):
 
 
 def _ratio(found, standard):
-    """|gamma| over the standard law's after the cycles that both have."""
+    """Return |gamma| over the standard law's after the cycles that both have."""
     if not found or not standard:
         return float("nan")
     count = min(len(found.number), len(standard.number))
@@ -71,7 +71,7 @@ def _over(value, reference):
 
 
 def draw(runs, rows, path):
-    """Above, strain rate against strain, a panel for each pressure and load; below, strain over that of the standard law."""
+    """Draw the strain rate against strain above, a panel for each pressure and load; below, strain over that of the standard law."""
     cases = summary.groups(runs, lambda run: _case(run)[:3])
     fig, axes = plt.subplots(2, len(cases), figsize=(max(6.4, 1.6 + 3.4 * len(cases)), 7.6), squeeze=False, sharey="row")
     look = {law: (colour, marker) for law, colour, marker in zip(
@@ -121,7 +121,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     keys = ["P0/k_n", "preparation friction", "dSigma", "seed"]
     standard = table[(table.law == STANDARD) & (table.regime == "ratcheting") & table["last quarter's rate over the one before"].between(0.5, 2)]
     same = {law: table[table.law == law].merge(standard[keys], on=keys) for law in ("avoid_ratcheting", "path_independent")}

@@ -38,14 +38,14 @@ MARKER = {MD: "o", AS_SPRINGS: "s", AS_RIGID: "^"}
 
 
 def kind(run):
-    """Which of the three media a run is."""
+    """Return which of the three media a run is."""
     if run.method == "MD":
         return MD
     return AS_RIGID if run.parameters["reference_overlaps"] else AS_SPRINGS
 
 
 def stiffness_ratio(run):
-    """Stiffness of the contacts over the k_n of the table: MD's springs, or kappa."""
+    """Return the stiffness of the contacts over the k_n of the table: MD's springs, or kappa."""
     row = run.parameters
     return (parameters.stiffness(row) if run.method == "MD" else effective_medium.stiffness(row)) / row["kn"]
 
@@ -57,7 +57,7 @@ def _key(run):
 
 
 def summarize(runs):
-    """One row a medium and setting, over the packings. Strains times stiffness, `scaled_`, are equal on one curve.
+    """Return one row a medium and setting, over the packings. Strains times stiffness, `scaled_`, are equal on one curve.
 
     `comparison` is empty for the rows to be compared, "check" for those whose k_t/k_n or period differs from the others'.
     """
@@ -68,13 +68,13 @@ def summarize(runs):
 
 
 def _same_packings(others, group):
-    """Those of `others` whose packings have the seeds of the group."""
+    """Return those of `others` whose packings have the seeds of the group."""
     seeds = {run.attributes["seed"] for run in group}
     return [run for run in others if run.attributes["seed"] in seeds]
 
 
 def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, compared):
-    """compared: None for a row of the comparison, for a check the runs that it varies."""
+    """Return one row. compared: None for a row of the comparison, for a check the runs that it varies."""
     ratio = stiffness_ratio(group[0])
     modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
     return {
@@ -88,7 +88,7 @@ def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, compared):
 
 
 def draw(runs, rows, path):
-    """Left: the loop's numbers against the stiffness. Right: loops of one packing, strains times stiffness."""
+    """Draw the loop's numbers against the stiffness on the left, on the right loops of one packing, strains times stiffness."""
     fig, (left, middle, right) = style.plt.subplots(1, 3, figsize=(12, 4.4))
     for axes, name in ((left, "largest"), (middle, "remanent")):
         for medium, marker in MARKER.items():
@@ -109,7 +109,7 @@ def draw(runs, rows, path):
 
 
 def _draw_loops(axes, runs):
-    """The loops of the first packing at the softest and at ten times the stiffness."""
+    """Draw the loops of the first packing at the softest and at ten times the stiffness."""
     seed = runs[0].attributes["seed"]
     shown = {}
     for run in runs:
@@ -136,7 +136,7 @@ POINTS = ()
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     main = table[table.comparison.isna() | (table.comparison == "")]
     md = main[main.medium == MD].set_index("springs_over_kn").sort_index()
     slope = np.polyfit(np.log(md.index.astype(float)), np.log(md.largest), 1)[0]

@@ -27,14 +27,14 @@ SHADE = {"largest": "#1A1A1A", "width": style.COLOUR["CD"], "remanent": style.CO
 
 
 def summarize(runs):
-    """One row a setting, over the packings; `effort` names what is varied."""
+    """Return one row a setting, over the packings; `effort` names what is varied."""
     step = _usual_step(runs)
     groups = loops.grouped(runs, lambda run: _key(run, step))
     return [_row(*key, group) for key, group in groups.items()]
 
 
 def _usual_step(runs):
-    """The step that most CD rows have; rows with another one are about the step."""
+    """Return the step that most CD rows have; rows with another one are about the step."""
     steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
     return max(set(steps), key=steps.count) if steps else None
 
@@ -69,7 +69,7 @@ def _of(rows, effort):
 
 
 def draw(runs, rows, path):
-    """The three numbers of the loop against the tolerance, and against the sweeps, with MD's."""
+    """Draw the three numbers of the loop against the tolerance, and against the sweeps, with MD's."""
     fig, panels = style.plt.subplots(1, 2, figsize=(9.5, 4.4), sharey=True)
     texts = {BY_TOLERANCE: ("tolerance on the error $e$", "solved to a tolerance"),
              BY_SWEEPS: ("sweeps a step, no test", "a fixed number of sweeps")}
@@ -104,7 +104,7 @@ POINTS = (
 
 
 def numbers(table):
-    """The numbers of the text, from the summary table."""
+    """Return the numbers of the text, from the summary table."""
     solved = table[table.effort == BY_TOLERANCE].set_index("value").sort_index()
     swept = table[table.effort == BY_SWEEPS].set_index("value").sort_index()
     md, best, worst = table[table.effort == MD].iloc[0], solved.iloc[0], solved.iloc[-1]

@@ -1,1 +1,1 @@
-"""Tables on a cluster: rows as array jobs of Slurm."""
+"""Runs the rows of tables on a cluster, as array jobs of Slurm."""

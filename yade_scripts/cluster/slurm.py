@@ -1,4 +1,4 @@
-"""What a sweep asks of Slurm, through its own commands. Needs no accounting database: only sbatch, squeue and scontrol."""
+"""Asks Slurm to run and tell, by its commands sbatch, squeue and scontrol. It needs no accounting database."""
 import collections
 import re
 import shutil
@@ -17,18 +17,18 @@ def _ask(*command):
 
 
 def present():
-    """Whether jobs can be submitted from here."""
+    """Tell whether jobs can be submitted from here."""
     return shutil.which("sbatch") is not None
 
 
 def largest_array():
-    """The most tasks of one array job."""
+    """Return how many tasks one array job may have."""
     found = re.search(r"^MaxArraySize\s*=\s*(\d+)", _ask("scontrol", "show", "config"), re.M)
     return max(1, int(found.group(1)) - 1 if found else 1000)
 
 
 def submit(name, command, tasks, output, minutes=None, at_once=None, options=()):
-    """Submit an array job of `tasks` tasks, one core each; a task whose node dies goes back into the queue. The job's number."""
+    """Submit an array job of `tasks` tasks, one core each; a task whose node dies goes back into the queue. Return the job's number."""
     array = f"--array=0-{tasks - 1}" + (f"%{at_once}" if at_once else "")
     limit = [f"--time={minutes}"] if minutes else []
     return _ask("sbatch", "--parsable", f"--job-name={name}", array, "--ntasks=1", "--cpus-per-task=1", "--requeue", "--open-mode=append",
@@ -36,10 +36,10 @@ def submit(name, command, tasks, output, minutes=None, at_once=None, options=())
 
 
 def states(name):
-    """{state: number of tasks} of what is in the queue under this name."""
+    """Return {state: number of tasks} of the jobs in the queue under this name."""
     return collections.Counter(_ask("squeue", "--me", "--noheader", "--array", f"--name={name}", "--format=%T").split())
 
 
 def reasons(name):
-    """Why what is in the queue does not run, as Slurm words it: a sorted list."""
+    """Return why the jobs in the queue do not run, in Slurm's words, as a sorted list."""
     return sorted(set(_ask("squeue", "--me", "--noheader", f"--name={name}", "--states=PENDING", "--format=%r").split("\n")) - {"", "None", "Resources", "Priority"})

@@ -29,7 +29,7 @@ SECONDS = 10  # between two looks at the queue
 
 
 class Rows:
-    """The rows of a sweep, and which of them have an answer."""
+    """The rows of a sweep; knows which of them have an answer."""
 
     def __init__(self, jobs):
         self.jobs = list(jobs)
@@ -46,7 +46,7 @@ class Rows:
 
 
 def _stamp(path):
-    """What changes when a file is replaced; None without one."""
+    """Return what changes when a file is replaced; None if there is no file."""
     try:
         facts = path.stat()
     except OSError:
@@ -59,7 +59,7 @@ SLURM_SAYS = re.compile(r"(slurmstepd\S*:|\[[-\dT:.]+\]) error: ")
 
 
 def _packings_first(jobs):
-    """One row of each packing, then the second ones, and so on: those that start together do not wait for the same packing."""
+    """Sort the rows: one of each packing first, then the second ones, and so on. Rows that start together then do not wait for the same packing."""
     seen, turn = collections.Counter(), {}
     for job in jobs:
         packing = parameters.digest(parameters.preparation(job.full))
@@ -78,7 +78,7 @@ class Sweep:
         self.folder = pathlib.Path(options.results) / "sweeps" / self.name
 
     def run(self):
-        """Until every row has an answer or has been tried often enough."""
+        """Submit and watch until every row has an answer or has been tried often enough."""
         earlier = bool(slurm.states(self.name))
         if earlier:
             print(f"{self.name}: an earlier call's tasks are in the queue: watching them.", flush=True)
@@ -92,7 +92,7 @@ class Sweep:
             self.watch()
 
     def submit(self, attempt):
-        """One array job for all open rows; with more of them than an array has tasks, each task gets several."""
+        """Submit one array job for all open rows. If there are more rows than tasks, each task gets several."""
         self.folder.mkdir(parents=True, exist_ok=True)
         for old in self.folder.glob("task-*.out"):
             old.unlink()
@@ -106,7 +106,7 @@ class Sweep:
         print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks" + (f" of at most {minutes} min" if minutes else ""), flush=True)
 
     def watch(self):
-        """Say how far it is until nothing is left in the queue. A controller that does not answer is asked again: the tasks run without it."""
+        """Report progress until nothing is left in the queue. A controller that does not answer is asked again: the tasks run without it."""
         told = None
         while True:
             try:
@@ -125,7 +125,7 @@ class Sweep:
             time.sleep(self.options.seconds)
 
     def _explain(self):
-        """What Slurm said of the tasks that have left rows without a result."""
+        """Print what Slurm said of the tasks that left rows without a result."""
         said = [line[found.end():] for path in sorted(self.folder.glob("task-*.out"))
                 for line in path.read_text(errors="replace").splitlines() if (found := SLURM_SAYS.match(line))]
         print(f"{self.name}: {len(self.rows.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
@@ -133,7 +133,7 @@ class Sweep:
 
 @commands.command("sweep")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
     commands.add_results(parser)

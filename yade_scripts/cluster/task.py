@@ -1,4 +1,4 @@
-"""One task of a sweep: its share of the rows, one after the other, each in its own YADE. Called by Slurm.
+"""Runs one task of a sweep: its share of the rows, one after the other, each in its own YADE. Slurm calls it.
 
     /usr/bin/python3 yade_scripts/cluster/task.py ROWS.json INDEX TASKS
 
@@ -17,7 +17,7 @@ from yade_scripts.running import queue
 
 @commands.command("task")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("rows", metavar="ROWS.json", type=pathlib.Path)
     parser.add_argument("index", metavar="INDEX", type=commands.whole(0))

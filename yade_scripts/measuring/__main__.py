@@ -18,7 +18,7 @@ MOST_FAILURES = 100  # of one chart or map; more are no matter of single measure
 
 
 def under_way(kind, name, folder):
-    """The file that names the measurement that the worker is at."""
+    """Return the file that names the measurement that the worker is at."""
     return pathlib.Path(folder) / kind / f"{name}.under-way"
 
 
@@ -47,13 +47,13 @@ class Measurements(queue.Job):
         return True
 
     def outcome(self):
-        """What the runner says of it."""
+        """Return what the runner says of it."""
         return self.trouble or "measured"
 
 
 @commands.command("measuring")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring")
     commands.add_extent(parser)
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")

@@ -1,4 +1,4 @@
-"""The regression run: scenes through `yade -n -x`, their numbers against those stored in regression.json.
+"""Runs scenes by `yade -n -x` and compares their numbers with those stored in regression.json.
 
     /usr/bin/python3 yade_scripts/measuring/regression.py [--short] [--record NEW.json]
 
@@ -21,14 +21,14 @@ PICK = {"first": lambda a: a[0], "last": lambda a: a[-1], "min": min, "max": max
 
 
 def value(path, quantity):
-    """A number of a result file: known/NAME, or history/FIELD/(first|last|min|max)."""
+    """Return a number of a result file: known/NAME, or history/FIELD/(first|last|min|max)."""
     with sealed.open_checked(path) as file:
         kind, name, *pick = quantity.split("/")
         return float(file[f"known/{name}"][()]) if kind == "known" else float(PICK[pick[0]](file[f"history/{name}"][:]))
 
 
 def run_cases(cases, folder):
-    """Run the cases; {name: (result file, None) or (None, why it failed)}."""
+    """Run the cases. Return {name: (result file, None) or (None, why it failed)}."""
     jobs = {case["name"]: batch.Row(case["row"], folder) for case in cases}
     results.make(folder)
     queue.run(list({job.path: job for job in jobs.values()}.values()), 2)
@@ -36,7 +36,7 @@ def run_cases(cases, folder):
 
 
 def compare(cases, folder):
-    """Run the cases and print a line a number; how many drifted. Each number's new value is added to it as `now`."""
+    """Run the cases and print a line for each number. Return how many drifted. Each number's new value is added to it as `now`."""
     drifted = 0
     print(f"{'case':18} {'quantity':34} {'stored':>22} {'now':>22} {'difference':>11} {'tolerance':>10}")
     ran = run_cases(cases, folder)
@@ -70,7 +70,7 @@ def record(stored, path):
 
 @commands.command("regression")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("--short", action="store_true", help="only the quick cases")
     parser.add_argument("--record", metavar="NEW.json", help="write the numbers found to a new file")

@@ -1,4 +1,4 @@
-"""What the probes of Contact Dynamics share, inside YADE: disks of the default radius, boxes, columns, and what the engine says of a run."""
+"""Gives the probes of Contact Dynamics, inside YADE, what they share: disks of the default radius, boxes, columns, and what the engine says of a run."""
 from yade import O, utils
 
 import cd_engine
@@ -16,34 +16,34 @@ DEEP = 0.01  # of the smallest radius: an overlap of which the engine warns
 
 
 def material(mu):
-    """The material of all bodies that follow."""
+    """Set the material of all bodies that follow."""
     bodies.append_material("disk", mu, DEFAULTS)
 
 
 def disk(position, mass=MASS, velocity=(0, 0), blocked="zXY"):
-    """Append a disk of RADIUS; its id."""
+    """Append a disk of RADIUS and return its id."""
     return bodies.append_disk(position, RADIUS, mass, "disk", velocity, blocked)
 
 
 def box(centre, half, **more):
-    """Append a fixed box; its id."""
+    """Append a fixed box and return its id."""
     return O.bodies.append(utils.box((*centre, 0), (*half, DEFAULTS["depth"] / 2), fixed=True, material="disk", **more))
 
 
 def floor():
-    """A floor whose upper side is y = 0."""
+    """Append a floor whose upper side is y = 0."""
     return box((0, -RADIUS), (1000 * RADIUS, RADIUS))
 
 
 def engine(dt, gravity=(0, -GRAVITY, 0), **settings):
-    """Set the engines and the step; the ContactDynamics engine."""
+    """Set the engines and the step. Return the ContactDynamics engine."""
     O.engines = cd_engine.engines(gravity=gravity, **settings)
     O.dt = dt
     return O.engines[-1]
 
 
 def told(contact_dynamics, smallest=RADIUS):
-    """How the engine said that something is wrong, '' if it did not; smallest: radius [m]."""
+    """Return how the engine said that something is wrong, '' if it did not; smallest: radius [m]."""
     said = []
     if contact_dynamics.unconvergedSteps:
         said.append(f"{contact_dynamics.unconvergedSteps} unconverged steps ({contact_dynamics.status})")
@@ -55,7 +55,7 @@ def told(contact_dynamics, smallest=RADIUS):
 
 
 def normal_force(one, other):
-    """[N] between two bodies, 0 without contact."""
+    """Return the normal force between two bodies [N], 0 without contact."""
     if not O.interactions.has(one, other):
         return 0.0
     contact = O.interactions[one, other]
@@ -63,7 +63,7 @@ def normal_force(one, other):
 
 
 def stand(disks, steps, **settings):
-    """(engine, measures) after `steps` steps."""
+    """Make `steps` steps. Return (engine, measures)."""
     material(0.5)
     below, pairs = floor(), []
     for k in range(disks):
@@ -79,7 +79,7 @@ def stand(disks, steps, **settings):
 
 
 def judge(contact_dynamics, measures):
-    """The Outcome of what was measured."""
+    """Return the Outcome of what was measured."""
     if measures["unconverged"]:
         return Outcome(NOT_SOLVED, "non-convergence", told(contact_dynamics), measures)
     if measures["penetration"] > DEEP:

@@ -1,4 +1,4 @@
-"""Measurements as files, one each: results/<kind>/<name>.h5, HDF5 with a checksum, written whole. Needs no YADE.
+"""Keeps each measurement in a file: results/<kind>/<name>.h5, HDF5 with a checksum, written whole. Needs no YADE.
 
 A measurement is a dictionary of facts and a table `rows`. What cannot be read is measured again; nothing is ever half there.
 """
@@ -15,7 +15,7 @@ from yade_scripts.results import provenance, sealed
 
 
 def origin():
-    """Where a measurement comes from: commit, processor and, inside YADE, its version."""
+    """Return where a measurement comes from: commit, processor and, inside YADE, its version."""
     found = {"git_commit": provenance.git_commit(), "processor": provenance.processor()}
     if "yade" in sys.modules:
         from yade import config
@@ -38,7 +38,7 @@ def add(folder, name, facts, rows=()):
 
 
 def get(folder, name):
-    """A measurement: its facts, and under 'rows' its table as a list of dictionaries; None where there is none that can be read."""
+    """Return a measurement: its facts, and under 'rows' its table as a list of dictionaries. Return None if there is none that can be read."""
     path = pathlib.Path(folder) / f"{name}.h5"
     if not path.exists():
         return None
@@ -54,6 +54,6 @@ def get(folder, name):
 
 
 def _value(value):
-    """As plain Python has it; None for NaN."""
+    """Return the value as a plain Python number or text; None for NaN."""
     value = value.item() if isinstance(value, np.generic) else value
     return None if isinstance(value, float) and np.isnan(value) else value

@@ -15,7 +15,7 @@ def append_material(label, mu, full):
 
 
 def disk_mass(radius, full):
-    """rho pi R^2 depth [kg]."""
+    """Return rho pi R^2 depth [kg]."""
     return full["density"] * math.pi * radius**2 * full["depth"]
 
 
@@ -42,33 +42,33 @@ def append_floor(full, length=None, material="disk"):
 
 
 def disks():
-    """The bodies that are disks, in the order of their ids."""
+    """Return the bodies that are disks, in the order of their ids."""
     return [b for b in O.bodies if isinstance(b.shape, Sphere)]
 
 
 def mean_mass():
-    """Mean mass of the disks [kg]."""
+    """Return the mean mass of the disks [kg]."""
     masses = [b.state.mass for b in disks()]
     return total(masses) / len(masses)
 
 
 def solid_fraction():
-    """Area of the disks over the area of the box."""
+    """Return the area of the disks over the area of the box."""
     length_x, length_y = walls.sides()
     return total(math.pi * b.shape.radius**2 for b in disks()) / (length_x * length_y)
 
 
 def contacts_per_disk():
-    """Mean number of loaded contacts of a disk that is no rattler."""
+    """Return the mean number of loaded contacts of a disk that is no rattler."""
     counts = [n for n in map(loaded_contacts, disks()) if n]
     return sum(counts) / len(counts)
 
 
 def loaded_contacts(body):
-    """Number of contacts of a body that carry a force."""
+    """Return the number of contacts of a body that carry a force."""
     return sum(1 for i in body.intrs() if i.isReal and i.phys.normalForce.squaredNorm() > 0)
 
 
 def sag(force, full):
-    """Overlap [m] at which a contact carries `force` [N] at rest: springs need one, rigid contacts have none."""
+    """Return the overlap [m] at which a contact carries `force` [N] at rest: springs need one, rigid contacts have none."""
     return force / parameters.stiffness(full) if full["method"] == "MD" else 0.0

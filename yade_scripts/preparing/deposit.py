@@ -10,7 +10,7 @@ CLOSE = 1e-12  # of the largest radius: round-off of a touching position
 
 
 def deposit(radii, width, drop):
-    """Centres, rows (x, y) [m], of disks of `radii` [m] let fall one after the other between walls at x = 0 and `width` on a floor at y = 0.
+    """Return the centres, rows (x, y) [m], of disks of `radii` [m] let fall one after the other between walls at x = 0 and `width` on a floor at y = 0.
 
     drop: a function that draws where in [0, 1] of the free width the next one falls.
     """
@@ -38,7 +38,7 @@ class _Heap:
         self.count += 1
 
     def _fall(self, x, y, radius):
-        """(height, disk met) of a vertical fall from (x, y); None for the floor."""
+        """Return (height, disk met) of a vertical fall from (x, y); None for the floor."""
         dx = self.place[:self.count, 0] - x
         reach = self.radius[:self.count] + radius
         below = np.flatnonzero((np.abs(dx) < reach - self.close) & (self.place[:self.count, 1] < y))
@@ -49,7 +49,7 @@ class _Heap:
         return tops.max(), below[tops.argmax()]
 
     def _roll(self, x, y, radius, under):
-        """One way down over the disk `under`: (x, y, disk it goes on over), None where it rests."""
+        """Return one way down over the disk `under`: (x, y, disk it goes on over), None where it rests."""
         (cx, cy), reach = self.place[under], self.radius[under] + radius
         side = 1 if x >= cx else -1
         # Angles from the top of `under` to the side it rolls to; it leaves the disk at 90 degrees.
@@ -72,7 +72,7 @@ class _Heap:
         return x, y, None if side * (self.place[stop, 0] - x) >= 0 else stop
 
     def _meetings(self, cx, cy, reach, radius, under, side):
-        """For every disk the angle at which one rolling over `under` meets it from outside, infinite where it does not."""
+        """Return for every disk the angle at which one rolling over `under` meets it from outside, infinite where it does not."""
         dx, dy = side * (self.place[:self.count, 0] - cx), self.place[:self.count, 1] - cy
         distance, other = np.hypot(dx, dy), self.radius[:self.count] + radius
         near = (distance < reach + other) & (distance > abs(reach - other)) & (np.arange(self.count) != under)

@@ -28,7 +28,7 @@ class Frozen:
         self.motion = [(b.state, b.state.pos, b.state.ori, Vector3(b.state.vel), Vector3(b.state.angVel)) for b in O.bodies]
 
     def forces(self):
-        """(R, T) [N] of every contact as they stand in the scene, signs as in analysis/schema.py; 0 where nothing is carried."""
+        """Return (R, T) [N] of every contact as they stand in the scene, signs as in analysis/schema.py; 0 where nothing is carried."""
         found = np.zeros((2, len(self.contacts)))
         for k, (contact, _, _) in enumerate(self.contacts):
             if contact.isReal:

@@ -41,17 +41,17 @@ class PreparationError(RuntimeError):
 
 
 def inputs(full):
-    """All that the saved state depends on."""
+    """Return all that the saved state depends on."""
     return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
 
 
 def state_path(full, folder):
-    """Where the state of this row is kept."""
+    """Return where the state of this row is kept."""
     return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
 
 
 def ensure(full, folder):
-    """(path, SHA-256) of the prepared state, made now unless it exists. Leaves whatever scene it made."""
+    """Return (path, SHA-256) of the prepared state, made now unless it exists. Leaves whatever scene it made."""
     path = state_path(full, folder)
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at once prepare once
@@ -71,7 +71,7 @@ def _sha256(path):
 
 
 def _verified(path, wanted):
-    """SHA-256 of an existing, undamaged state that was prepared from the inputs `wanted`, else None."""
+    """Return the SHA-256 of an existing, undamaged state that was prepared from the inputs `wanted`, else None."""
     if not path.exists():
         return None
     checksum = _sha256(path)
@@ -99,12 +99,12 @@ def _save(full, path):
 
 
 def _forget_speed(scene):
-    """A saved scene with the computing speed [steps/s] zero, which YADE offers no way to set; the first number of that value is it."""
+    """Return a saved scene with the computing speed [steps/s] zero, which YADE offers no way to set; the first number of that value is it."""
     return scene.replace(struct.pack("<d", O.speed), bytes(8), 1)
 
 
 def gas(full):
-    """Walls 0..5, then disks on a grid with random radii, shifts and velocities."""
+    """Append walls 0..5, then disks on a grid with random radii, shifts and velocities."""
     draw = random.Random(full["seed"])
     low, high = (full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1))
     bodies.append_material("wall", 0.0, full)
@@ -127,11 +127,11 @@ class _Rest:
         self.passed, self.said = 0, time.monotonic()
 
     def errors(self):
-        """(largest wall stress error relative to P0, unbalanced force)."""
+        """Return (largest wall stress error relative to P0, unbalanced force)."""
         return max(abs(s / self.p0 - 1) for pair in walls.stresses() for s in pair), utils.unbalancedForce()
 
     def check(self):
-        """What the loop calls."""
+        """Check the rest; the loop calls it."""
         stress, force = self.errors()
         if time.monotonic() - self.said >= progress.SECONDS:
             self.said = time.monotonic()
@@ -195,7 +195,7 @@ def _forget_circumstances():
 
 @commands.command("prepare")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     commands.add_row(parser)
     commands.add_results(parser)

@@ -25,12 +25,12 @@ def make(folder):
 
 
 def path_of(full, folder=FOLDER):
-    """The result file of a full row."""
+    """Return the result file of a full row."""
     return pathlib.Path(folder) / f"{parameters.result_name(full)}.h5"
 
 
 def ending(path):
-    """(status, commit) of the run in a file: 'finished' or 'failed: reason', and the code that made it; (None, '') where there is no file."""
+    """Return (status, commit) of the run in a file: 'finished' or 'failed: reason', and the code that made it; (None, '') where there is no file."""
     if not os.path.lexists(path):
         return None, ""
     try:
@@ -42,7 +42,7 @@ def ending(path):
 
 
 def reason_against(path, file):
-    """Why an open file is not the result that its name says, as a status; '' if it is."""
+    """Return why an open file is not the result that its name says, as a status; '' if it is."""
     try:
         row = parameters.complete(json.loads(file.attrs["parameters"]))
     except (KeyError, TypeError, ValueError) as error:
@@ -55,10 +55,10 @@ def reason_against(path, file):
 
 
 def status(path):
-    """'finished', 'failed: reason', or None where there is no file."""
+    """Return 'finished', 'failed: reason', or None where there is no file."""
     return ending(path)[0]
 
 
 def finished(path):
-    """Whether the run has ended well."""
+    """Tell whether the run has ended well."""
     return status(path) == STATUS_FINISHED

@@ -7,7 +7,7 @@ import subprocess
 
 @functools.cache
 def git_commit():
-    """Commit of this project, '-dirty' added where tracked files differ, 'unknown' outside a clone or without git."""
+    """Return the commit of this project, '-dirty' added where tracked files differ, 'unknown' outside a clone or without git."""
     def git(*arguments):
         return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
 
@@ -19,7 +19,7 @@ def git_commit():
 
 
 def processor():
-    """The processor's name as Linux tells it."""
+    """Return the processor's name as Linux tells it."""
     try:
         lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -28,6 +28,6 @@ def processor():
 
 
 def short(commit):
-    """Twelve digits of a commit's hash, and what is appended to it."""
+    """Return twelve digits of a commit's hash, and what is appended to it."""
     digits, dash, suffix = commit.partition("-")
     return digits[:12] + dash + suffix

@@ -44,7 +44,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Run:
-    """One result file: names, units and shapes as in `analysis.schema`.
+    """One result file: names, units and shapes as in `yade_scripts.results.schema`.
 
     extra: {name: array} of what only this scene has. known: {name: Known}.
     """
@@ -89,7 +89,7 @@ class Run:
         return max((known.error for known in self.known.values()), default=np.nan)
 
     def values(self, name):
-        """A history field; ResultError where it is missing or holds a NaN or an infinity."""
+        """Return a history field; ResultError where it is missing or holds a NaN or an infinity."""
         if name not in self.history:
             raise ResultError(self.path, f"/history/{name} is missing", "run it again")
         values = self.history[name]
@@ -102,7 +102,7 @@ class Run:
 
 
 def load(path, finished=True):
-    """The run stored at `path`. ResultError if it is no result file, is damaged or, with `finished`, did not succeed."""
+    """Return the run stored at `path`. ResultError if it is no result file, is damaged or, with `finished`, did not succeed."""
     path = Path(path)
     if not os.path.lexists(path):
         raise ResultError(path, "there is no such file", "make it with `make study`")
@@ -123,7 +123,7 @@ def load(path, finished=True):
 
 
 def load_row(full, folder=results.FOLDER):
-    """The run of a full row from its file in `folder`; ResultError too where the file holds another run."""
+    """Return the run of a full row from its file in `folder`; ResultError too where the file holds another run."""
     path = results.path_of(full, folder)
     run = load(path, finished=False)
     name = parameters.result_name(parameters.complete(run.parameters))

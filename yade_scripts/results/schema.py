@@ -93,7 +93,7 @@ KNOWN = _table(
 
 
 def relative_error(measured, exact, scale, deviation=0.0):
-    """Of a known number, |measured - exact|/scale; where only a mean is known no run is nearer than by chance, and the error at least the deviation."""
+    """Return for a known number |measured - exact|/scale; where only a mean is known no run is nearer than by chance, and the error at least the deviation."""
     return max(abs(measured - exact), deviation) / scale
 
 
@@ -130,7 +130,7 @@ SLIDING_MARGIN = 1e-6
 
 
 def is_sliding(force_normal, force_tangential, friction):
-    """Mask of the contacts with |T| >= mu R, R > 0 and mu > 0 (Coulomb's condition, section 2.2).
+    """Return the mask of the contacts with |T| >= mu R, R > 0 and mu > 0 (Coulomb's condition, section 2.2).
 
     Forces in N. A frictionless contact has no Coulomb limit to reach and never counts.
     """
@@ -145,7 +145,7 @@ OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain
 
 
 def problems(file):
-    """What keeps an open file from being a result file: sentences, empty if nothing does. A failed run is a valid file that says so."""
+    """Return what keeps an open file from being a result file: sentences, empty if nothing does. A failed run is a valid file that says so."""
     missing = [name for name in ROOT_ATTRIBUTES if name not in file.attrs]
     if missing:
         return [f"it lacks the attributes {', '.join(missing)}"]
@@ -158,7 +158,7 @@ def problems(file):
 
 
 def _history_problems(file):
-    """Fields that are missing, of another unit or length, or NaN in a run that has finished."""
+    """Name the fields that are missing, of another unit or length, or NaN in a run that has finished."""
     history, method, found = file.get("history", {}), file.attrs["method"], []
     needed = [name for name, field in HISTORY.items() if method in field.methods]
     missing = [name for name in needed if name not in history]

@@ -43,7 +43,7 @@ def replace(path, content):
 
 
 def open_checked(path):
-    """The file opened for reading, once its content has the checksum it ends with; Damaged otherwise."""
+    """Return the file opened for reading, once its content has the checksum it ends with; Damaged otherwise."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise Damaged("is not a regular file")

@@ -26,7 +26,7 @@ class OutOfBounds(RuntimeError):
 
 
 def check_step(full, step, residual, penetration):
-    """After a step of CD: its error e and largest overlap [m]."""
+    """Check after a step of CD its error e and largest overlap [m]."""
     limit = math.inf if full["fixed_iterations"] else RESIDUAL
     if not residual <= limit or residual == math.inf:
         raise OutOfBounds(f"step {step}: the error e of the contact problem is {residual:.3g}, its forces are no solution (bound {limit:g}); "
@@ -51,7 +51,7 @@ class Bounds:
         self.scale = parameters.pressure(full) * area * full["depth"]
 
     def look(self, row, step):
-        """OutOfBounds where the run has to end; row: all that a sample measures."""
+        """Raise OutOfBounds where the run has to end; row: all that a sample measures."""
         where = f"step {step}, t = {row['time']:.6g} s"
         undefined = MAY_BE_UNDEFINED | (set() if self.loaded else OF_A_BOX)
         for name, value in row.items():
@@ -63,7 +63,7 @@ class Bounds:
             self._energies(row, where)
 
     def _energies(self, row, where):
-        """Energy is neither created nor lost."""
+        """Check that energy is neither created nor lost."""
         if self.kinetic is None:
             self.kinetic = row["kinetic_energy"]
         gone, unit = row["dissipated_energy"], f"{self.scale:.3g} J (P0 times the disks' area and depth)"

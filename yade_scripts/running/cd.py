@@ -18,19 +18,19 @@ class Watch:
         self.full, self.engine, self._largest = full, engine, 0.0
 
     def look(self):
-        """After every step; OutOfBounds where the run has to end."""
+        """Look after every step; raise OutOfBounds where the run has to end."""
         residual = self.engine.residual
         bounds.check_step(self.full, O.iter, residual, self.engine.maxPenetration)
         self._largest = max(self._largest, residual)
 
     def take(self):
-        """The largest error e since the last call."""
+        """Return the largest error e since the last call."""
         largest, self._largest = self._largest, 0.0
         return largest
 
 
 def set_engines(full, scene, goals=None):
-    """O.engines for a scene, its free walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+    """Set O.engines for a scene, its free walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
 
     Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
     middle of the step (Moreau-Jean scheme, theta = 1/2).

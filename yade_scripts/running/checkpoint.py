@@ -34,13 +34,13 @@ SCENE, RECORD, MEMORY = "scene.yade", "record.h5", "memory.json"
 
 
 def samples_between(full, scene):
-    """Samples between two checkpoints of a run; 0: it has none, being short, or cannot be resumed."""
+    """Return the samples between two checkpoints of a run; 0: it has none, being short, or cannot be resumed."""
     count = math.ceil(INTERVAL[full["method"]] / (full["disks"] * scene.every))
     return count if resumable(full, scene) and count < scene.samples else 0
 
 
 def resumable(full, scene):
-    """Whether a run can have checkpoints."""
+    """Tell whether a run can have checkpoints."""
     return scene.kept is not None and (full["method"] == "MD" or scene.every > 1)
 
 
@@ -54,7 +54,7 @@ class Checkpoints:
                        "samples_between": every}
 
     def found(self):
-        """{RECORD: bytes, SCENE: bytes, MEMORY: dict} of the last checkpoint that fits this run, or None; says why one does not."""
+        """Return {RECORD: bytes, SCENE: bytes, MEMORY: dict} of the last checkpoint that fits this run, or None; says why one does not."""
         if not self.path.exists():
             return None
         try:
@@ -74,7 +74,7 @@ class Checkpoints:
         print(f"{self.path} is not used, {reason}: starting from the beginning.", file=sys.stderr)
 
     def simulate(self, steps, recorder):
-        """Steps up to number `steps` of the run, with a checkpoint after every step with a sample that one stands at."""
+        """Make steps up to number `steps` of the run, with a checkpoint after every step with a sample that one stands at."""
         between = self.every * self.scene.every
         while O.iter < steps:
             goal = min(O.iter // between * between + between + 1, steps) if between else steps
@@ -102,7 +102,7 @@ class Checkpoints:
         self._go_on(parts[SCENE], parts[MEMORY], recorder)
 
     def _go_on(self, scene, memory, recorder):
-        """O.load, and what it forgets; the same for a run that has just saved and for one that is resumed."""
+        """Do O.load and what it forgets; it is the same for a run that has just saved and for one that is resumed."""
         commands = hooks.commands()
         saved_scene.restore(scene)
         hooks.set_commands(commands)
@@ -116,20 +116,20 @@ class Checkpoints:
             self.scene.kept[name][:] = values
 
     def _keepers(self, recorder):
-        """The objects in Python that change as the run goes on."""
+        """Return the objects in Python that change as the run goes on."""
         found = {"load": self.scene.load, "watch": self.scene.watch, "recorder": recorder, "load_check": recorder.load_check, "bounds": recorder.bounds}
         return {name: keeper for name, keeper in found.items() if keeper is not None}
 
     def remove(self):
-        """The run has ended, and nobody will go on with it."""
+        """Remove the checkpoint: the run has ended, and nobody will go on with it."""
         self.path.unlink(missing_ok=True)
 
 
 def _kept(keeper):
-    """All numbers that an object holds; not a chosen few, so that none is forgotten when it is given one more."""
+    """Return all numbers that an object holds; not a chosen few, so that none is forgotten when it is given one more."""
     return {name: value for name, value in vars(keeper).items() if _is_numbers(value) and name not in getattr(keeper, "NOT_KEPT", ())}
 
 
 def _is_numbers(value):
-    """None, numbers, and lists of them."""
+    """Tell whether a value consists of None, numbers, and lists of them."""
     return value is None or isinstance(value, (int, float)) or isinstance(value, (list, tuple)) and all(map(_is_numbers, value))

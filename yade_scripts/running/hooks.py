@@ -17,24 +17,24 @@ _awaited = False  # whether `simulate` will raise the failure
 
 
 def runner(function, **period):
-    """A PyRunner that calls `function()`; period: iterPeriod, initRun and so on."""
+    """Return a PyRunner that calls `function()`; period: iterPeriod, initRun and so on."""
     _functions.append(function)
     return PyRunner(command=f"import yade_scripts.running.hooks; yade_scripts.running.hooks.fire({len(_functions) - 1})", updateGlobals=False, **period)
 
 
 def commands():
-    """What the PyRunners in O.engines call, in their order."""
+    """Return what the PyRunners in O.engines call, in their order."""
     return [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
 
 
 def set_commands(saved):
-    """The same back after O.load: a saved scene has the numbers that the functions had in the process that saved it."""
+    """Set the same after O.load: a saved scene has the numbers that the functions had in the process that saved it."""
     for engine, command in zip((engine for engine in O.engines if isinstance(engine, PyRunner)), saved, strict=True):
         engine.command = command
 
 
 def fire(number):
-    """What the PyRunner number `number` does."""
+    """Do what the PyRunner number `number` does."""
     global _failure
     try:
         _functions[number]()
@@ -55,7 +55,7 @@ def stop():
 
 
 def simulate(steps):
-    """`steps` steps, waited for; raises what a hook or an engine raised."""
+    """Make `steps` steps, waited for; raises what a hook or an engine raised."""
     global _failure, _awaited
     _failure, _awaited = None, True
     try:

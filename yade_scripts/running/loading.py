@@ -3,23 +3,23 @@ import math
 
 
 def cosine(t, p0, delta_sigma, t0):
-    """sigma2 [Pa] of the paper's eq. 7: P0 [1 + dSigma/2 (1 - cos(2 pi t/t0))]."""
+    """Return sigma2 [Pa] of the paper's eq. 7: P0 [1 + dSigma/2 (1 - cos(2 pi t/t0))]."""
     return p0 * (1 + delta_sigma / 2 * (1 - math.cos(2 * math.pi * t / t0)))
 
 
 def triangle(t, p0, delta_sigma, t0):
-    """sigma2 [Pa] rising linearly from P0 to P0 (1 + dSigma) in half a period and falling at the same rate (text of the paper's Fig. 4)."""
+    """Return sigma2 [Pa] rising linearly from P0 to P0 (1 + dSigma) in half a period and falling at the same rate (text of the paper's Fig. 4)."""
     phase = (t / t0) % 1.0
     return p0 * (1 + delta_sigma * (1 - abs(1 - 2 * phase)))
 
 
 def ramp(t, p0, alpha):
-    """sigma2 [Pa] of the paper's eq. 1: P0 (1 + alpha t)."""
+    """Return sigma2 [Pa] of the paper's eq. 1: P0 (1 + alpha t)."""
     return p0 * (1 + alpha * t)
 
 
 def goals(full, p0):
-    """The function t -> (sigma1, sigma2) [Pa] that a full row of parameters asks for; sigma1 = P0 always (eqs. 1 and 7)."""
+    """Return the function t -> (sigma1, sigma2) [Pa] that a full row of parameters asks for; sigma1 = P0 always (eqs. 1 and 7)."""
     if full["loading"] == "ramp":
         return lambda t: (p0, ramp(t, p0, full["ramp_rate"]))
     shape = {"cosine": cosine, "triangle": triangle}[full["loading"]]

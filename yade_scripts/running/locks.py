@@ -12,7 +12,7 @@ FILE = ".locks"
 
 
 def _byte(path):
-    """Where in the file the lock of `path` is: 62 bits, so that two names share a byte in none of any real folder."""
+    """Return where in the file the lock of `path` is: 62 bits, so that two names share a byte in none of any real folder."""
     return int.from_bytes(hashlib.sha256(path.name.encode()).digest()[:8], "big") >> 2
 
 
@@ -33,7 +33,7 @@ def held(path, waiting=lambda: None):
 
 
 def taken(path):
-    """Whether another process holds the lock of a file."""
+    """Tell whether another process holds the lock of a file."""
     path = pathlib.Path(path)
     if not (path.parent / FILE).exists():
         return False

@@ -20,7 +20,7 @@ from yade_scripts.running import hooks, walls
 
 
 def contact_engines(full, tangential_law="standard"):
-    """The list up to and including the contact forces; stiffnesses are constant, walls included. Packings are prepared by the standard law."""
+    """Return the list up to and including the contact forces; stiffnesses are constant, walls included. Packings are prepared by the standard law."""
     def constant(value):
         return MatchMaker(algo="val", val=value)
 
@@ -39,7 +39,7 @@ def contact_engines(full, tangential_law="standard"):
 
 
 def integrator(full, damping=0.0):
-    """Newton's equations; damping is YADE's force reduction, for preparations only."""
+    """Return the engine of Newton's equations; damping is YADE's force reduction, for preparations only."""
     return NewtonIntegrator(damping=damping, gravity=(0, -full["gravity"], 0))
 
 
@@ -63,7 +63,7 @@ def stiffen(factor):
 
 
 def set_engines(full, scene, goals=None):
-    """O.engines for a scene, its walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+    """Set O.engines for a scene, its walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
 
     Samples are taken between the forces, loads included, and the motion, where positions and forces are of one time.
     """
@@ -93,7 +93,7 @@ def bind(full, scene):
 
 
 def _divisor(steps, most):
-    """The largest divisor of `steps` that is at most `most`: the work of the walls is then up to date at every sample."""
+    """Return the largest divisor of `steps` that is at most `most`: the work of the walls is then up to date at every sample."""
     return max(n for n in range(1, most + 1) if steps % n == 0)
 
 

@@ -17,7 +17,7 @@ class StepError(ParameterError, RuntimeError):
 
 
 def check(full):
-    """StepError if O.dt is above the limit; without contacts nothing is known of it."""
+    """Raise StepError if O.dt is above the limit; without contacts nothing is known of it."""
     mass, damping, stiffness = _matrices()
     if stiffness.nnz == 0:
         return
@@ -29,12 +29,12 @@ def check(full):
 
 
 def limit():
-    """The largest stable step [s] of all that is in O together."""
+    """Return the largest stable step [s] of all that is in O together."""
     return spring_limits.matrix_limit(*_matrices())
 
 
 def safe_bound():
-    """A step [s] that is stable for every packing in which no disk is held more stiffly than here.
+    """Return a step [s] that is stable for every packing in which no disk is held more stiffly than here.
 
     A contact's energy is at most twice what it would be with the one and with the other body held. So w^2 <= 2 max w_i^2 with w_i the
     largest frequency of body i alone, all others held; dashpots likewise.
@@ -46,7 +46,7 @@ def safe_bound():
 
 
 def _matrices():
-    """Diagonal of M (infinite where a freedom is blocked), then C and K (sparse) for (x, y, spin) of every body with a freedom."""
+    """Return the diagonal of M (infinite where a freedom is blocked), then C and K (sparse) for (x, y, spin) of every body with a freedom."""
     free = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)]
     number = {body.id: k for k, body in enumerate(free)}
     mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
@@ -77,15 +77,15 @@ class _Rows:
         self.rows, self.columns, self.values, self.count = [], [], [], 0
 
     def add(self, disk, three):
-        """The entries of one disk in the row under way."""
+        """Add the entries of one disk in the row under way."""
         self.rows += [self.count] * 3
         self.columns += range(3 * disk, 3 * disk + 3)
         self.values += three
 
     def end(self):
-        """The next row."""
+        """End the row under way."""
         self.count += 1
 
     def matrix(self, columns):
-        """All rows."""
+        """Return all rows."""
         return sparse.csr_matrix((self.values, (self.rows, self.columns)), shape=(self.count, columns))

@@ -23,37 +23,37 @@ class Contacts:
         return len(self._loaded)
 
     def stored_energy(self):
-        """Elastic energy [J] of the springs of eqs. 5 and 6; dashpots store none, hence the overlap and not the normal force."""
+        """Return the elastic energy [J] of the springs of eqs. 5 and 6; dashpots store none, hence the overlap and not the normal force."""
         stiffness = np.array([(i.phys.kn, i.phys.ks) for i in self._loaded]).reshape(-1, 2)
         return float(np.sum(stiffness[:, 0] * self.overlap**2 + self.tangential**2 / stiffness[:, 1]) / 2)
 
     def sliding(self):
-        """Number of contacts at the Coulomb limit."""
+        """Return the number of contacts at the Coulomb limit."""
         return int(np.count_nonzero(is_sliding(self.normal, self.tangential, self.friction)))
 
 
 def _plane(vectors):
-    """The x and y of vectors, as rows."""
+    """Return the x and y of vectors, as rows."""
     return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
 
 
 def kinetic_energy():
-    """Of everything that is free to move [J]."""
+    """Return the kinetic energy of everything that is free to move [J]."""
     return utils.kineticEnergy()
 
 
 def weight_energy(gravity):
-    """Potential energy of the weights [J]."""
+    """Return the potential energy of the weights [J]."""
     return gravity * total(b.state.mass * b.state.pos[1] for b in bodies.disks()) if gravity else 0.0
 
 
 def angle(body):
-    """Rotation about z [rad], in (-pi, pi]."""
+    """Return the rotation about z [rad], in (-pi, pi]."""
     return 2 * math.atan2(body.state.ori[2], body.state.ori[3])
 
 
 def snapshot(boxed):
-    """All arrays of analysis.schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial box are there."""
+    """Return all arrays of schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial box are there."""
     disks = bodies.disks()
     contacts = sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2))
     normals, shear = _plane(i.geom.normal for i in contacts), _plane(i.phys.shearForce for i in contacts)

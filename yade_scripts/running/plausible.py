@@ -20,7 +20,7 @@ BLOW = 3.0  # a period below this many times in which P0 moves a grain by its si
 
 
 def doubts(full):
-    """What of a full row is probably not meant: sentences, each with name, value and remedy."""
+    """Return what of a full row is probably not meant: sentences, each with name, value and remedy."""
     found = []
     for name, (least, most, remedy) in USUAL.items():
         value = full[name]

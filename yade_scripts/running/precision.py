@@ -2,7 +2,7 @@
 
 
 def check():
-    """ImportError unless this YADE computes in double precision, as results, prepared states and the engine do."""
+    """Raise ImportError unless this YADE computes in double precision, as results, prepared states and the engine do."""
     from yade import config
     if config.highPrecisionName != "PrecisionDouble":
         raise ImportError(f"scenes, states and results are of YADE in double precision; this is {config.version} with "

@@ -22,5 +22,5 @@ class Progress:
         self.bar.update(fraction - self.bar.n)
 
     def close(self):
-        """The run has ended."""
+        """Say that the run has ended."""
         self.bar.close()

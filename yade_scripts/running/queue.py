@@ -19,7 +19,7 @@ SCRIPTS = pathlib.Path(__file__).resolve().parents[1]
 
 
 def environment():
-    """For YADE: one thread, and a HOME, without which it does not start."""
+    """Return the environment for YADE: one thread, and a HOME, without which it does not start."""
     return {"HOME": tempfile.gettempdir()} | os.environ | {"OMP_NUM_THREADS": "1"}
 
 
@@ -37,23 +37,23 @@ class Job:
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment())
 
     def elsewhere(self):
-        """Whether another process does this already."""
+        """Tell whether another process does this already."""
         return False
 
     def again(self):
-        """Asked at the end of the process: whether it is to be started once more."""
+        """Tell, at the end of the process, whether it is to be started once more."""
         return False
 
     def said(self, lines=8):
-        """The end of the log."""
+        """Return the end of the log."""
         return "\n".join(self.log.read_text(encoding="utf-8", errors="replace").splitlines()[-lines:])
 
     def news(self):
-        """How far the run is, in a few words."""
+        """Return how far the run is, in a few words."""
         return self.log.stem
 
     def outcome(self):
-        """How the run ended, in words."""
+        """Return how the run ended, in words."""
         return f"ended with {self.process.returncode}"
 
 

@@ -58,7 +58,7 @@ class Recorder:
             column.attrs["unit"] = schema.HISTORY[name].unit
 
     def image(self):
-        """The content of the file so far, for a checkpoint."""
+        """Return the content of the file so far, for a checkpoint."""
         self._write_rows()
         self.file.flush()
         self.seconds, self.started = self._elapsed(), time.perf_counter()
@@ -71,7 +71,7 @@ class Recorder:
         sealed.write(path, self.memory.getvalue())
 
     def _elapsed(self):
-        """Computing time [s] of the run, without what an interruption has lost."""
+        """Return the computing time [s] of the run, without what an interruption has lost."""
         return self.seconds + time.perf_counter() - self.started
 
     def _write_attributes(self):
@@ -82,7 +82,7 @@ class Recorder:
             "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
 
     def sample(self):
-        """One row of the history, at some samples a snapshot. Collapse, StressError or OutOfBounds where the run has to end."""
+        """Write one row of the history, at some samples a snapshot. Raise Collapse, StressError or OutOfBounds where the run has to end."""
         if self.count == 0 and self.full["method"] == "MD":
             md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
         row = self._measure()
@@ -116,7 +116,7 @@ class Recorder:
         return row
 
     def _box(self):
-        """Stresses and strains; without a loaded box they have no meaning and are NaN."""
+        """Return stresses and strains; without a loaded box they have no meaning and are NaN."""
         if self.scene.load is None:
             undefined = ("sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma")
             return dict.fromkeys(undefined, math.nan) | {"wall_work": 0.0}
@@ -129,7 +129,7 @@ class Recorder:
                 "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
 
     def _md(self, row, contacts):
-        """Dissipation is what the walls and weights gave and nobody has: work - changes of stored, kinetic and potential energy."""
+        """Return MD's energies. Dissipation is what the walls and weights gave and nobody has: work - changes of stored, kinetic and potential energy."""
         stored = contacts.stored_energy()
         held = stored + row["kinetic_energy"] + observe.weight_energy(self.full["gravity"]) - row["wall_work"]
         if self.reference is None:

@@ -8,7 +8,7 @@ from yade import O
 
 
 def take():
-    """What O.save writes, uncompressed."""
+    """Return what O.save writes, uncompressed."""
     with _memory() as file:
         O.save(_path(file))
         file.seek(0)
@@ -16,7 +16,7 @@ def take():
 
 
 def restore(scene):
-    """O.load of what `take` gave."""
+    """Load what `take` gave."""
     with _memory() as file:
         file.write(scene)
         file.flush()

@@ -18,7 +18,7 @@ def set_step(full, largest):
 
 
 def largest_step(full):
-    """The largest step [s] of the row's method for the bodies in O."""
+    """Return the largest step [s] of the row's method for the bodies in O."""
     if full["method"] == "CD":
         return full["cd_dt"]
     lightest = min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
@@ -26,7 +26,7 @@ def largest_step(full):
 
 
 def set_engines(full, scene, goals=None):
-    """O.engines of the row's method, walls loaded by goals(t) -> (sigma1, sigma2) [Pa] if given."""
+    """Set O.engines of the row's method, walls loaded by goals(t) -> (sigma1, sigma2) [Pa] if given."""
     method(full).set_engines(full, scene, goals)
 
 
@@ -40,7 +40,7 @@ def load_walls(full, scene, goals):
 
 
 def small(full, known):
-    """The scene around bodies just placed, for scenes without loaded walls: step, engines, and what is known of its end."""
+    """Return the scene around bodies just placed, for scenes without loaded walls: step, engines, and what is known of its end."""
     scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], known=known)
     set_engines(full, scene)
     return scene

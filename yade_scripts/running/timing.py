@@ -11,7 +11,7 @@ RECORDING = {hooks.SAMPLING, hooks.WATCHING}
 
 
 def measures():
-    """Whether the scene in O measures something in the course of its steps."""
+    """Tell whether the scene in O measures something in the course of its steps."""
     return any(engine.label == hooks.MEASURING for engine in O.engines)
 
 
@@ -39,7 +39,7 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
 
 
 def _stop_at(strain, clock):
-    """A function that ends the run, and takes the time, once |gamma| of the loaded sample exceeds `strain`."""
+    """Return a function that ends the run, and takes the time, once |gamma| of the loaded sample exceeds `strain`."""
     first = walls.sides()
 
     def look():
@@ -51,5 +51,5 @@ def _stop_at(strain, clock):
 
 
 def contact_dynamics():
-    """The engine of CD in O."""
+    """Return the engine of CD in O."""
     return next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")

@@ -35,7 +35,7 @@ class LoadCheck:
         self.gammas = (0.0, 0.0)  # the range of gamma since the stress was last on its goal
 
     def look(self, row):
-        """Collapse or StressError where the run has to end; row: time, gamma, sigma1, sigma1_goal, sigma2, sigma2_goal."""
+        """Raise Collapse or StressError where the run has to end; row: time, gamma, sigma1, sigma1_goal, sigma2, sigma2_goal."""
         p0 = parameters.pressure(self.full)
         above = [(row[f"sigma{k}"] - row[f"sigma{k}_goal"]) / p0 for k in (1, 2)]
         off, gamma = max(map(abs, above)), row["gamma"]

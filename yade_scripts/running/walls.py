@@ -14,7 +14,7 @@ DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
 
 
 def append(sides, depth, material):
-    """Six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2), sides (L_x, L_y) or one [m]; they must be the first bodies."""
+    """Append six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2), sides (L_x, L_y) or one [m]; they must be the first bodies."""
     if len(O.bodies):
         raise ValueError("walls come first: their ids are 0 to 5")
     length_x, length_y = sides if hasattr(sides, "__len__") else (sides, sides)
@@ -22,44 +22,44 @@ def append(sides, depth, material):
 
 
 def faces():
-    """Inner faces [m] of x-, x+, y-, y+."""
+    """Return the inner faces [m] of x-, x+, y-, y+."""
     return [O.bodies[wall].state.pos[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
 
 
 def sides():
-    """(L_x, L_y) [m] between the inner faces."""
+    """Return (L_x, L_y) [m] between the inner faces."""
     left, right, bottom, top = faces()
     return right - left, top - bottom
 
 
 def depth():
-    """Depth of the sample [m]."""
+    """Return the depth of the sample [m]."""
     return O.bodies[Z_HIGH].state.pos[2] - O.bodies[Z_LOW].state.pos[2]
 
 
 def areas():
-    """Areas [m^2] on which sigma1 and sigma2 act."""
+    """Return the areas [m^2] on which sigma1 and sigma2 act."""
     length_x, length_y = sides()
     return length_y * depth(), length_x * depth()
 
 
 def _contact_force(wall, axis):
-    """Size of the force [N] that the disks put on a wall along `axis`; walls have no friction."""
+    """Return the size of the force [N] that the disks put on a wall along `axis`; walls have no friction."""
     return abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal))
 
 
 def stresses():
-    """((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from its contacts."""
+    """Return ((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from its contacts."""
     return tuple(tuple(_contact_force(wall, axis) / area for wall in (low, high)) for (axis, low, high), area in zip(DIRECTIONS, areas()))
 
 
 def mean_stresses():
-    """(sigma1, sigma2) [Pa]: means over opposite walls, which differ by the inertia of the disks."""
+    """Return (sigma1, sigma2) [Pa]: means over opposite walls, which differ by the inertia of the disks."""
     return tuple(sum(pair) / 2 for pair in stresses())
 
 
 def servo(goal, damping_ratio, mass, kn, max_velocity):
-    """YADE's TriaxialStressController in 2D, holding (sigma1, sigma2) = goal [Pa].
+    """Return YADE's TriaxialStressController in 2D, holding (sigma1, sigma2) = goal [Pa].
 
     Each step it moves a wall by the stress error over the wall's stiffness. Dashpots of ratio beta act as a further stiffness of 2 beta tau/dt
     (tau = sqrt(m/k_n)) that it does not know of, which raises its gain. At a gain of 2.1 the walls flip at their largest velocity for ever and no
@@ -95,12 +95,12 @@ class Load:
         self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
 
     def apply(self):
-        """One update: the work since the last one, then the new load."""
+        """Update: add the work since the last one, then the new load."""
         self._sum, self._positions, self.goal = self.work(), faces(), self.goals(O.time + self.lead)
         self._forces = self._push()
 
     def _moved(self):
-        """Displacements [m] of x-, x+, y-, y+ since the last update."""
+        """Return the displacements [m] of x-, x+, y-, y+ since the last update."""
         return [now - before for now, before in zip(faces(), self._positions)]
 
 
@@ -113,7 +113,7 @@ class ServoLoad(Load):
 
     @staticmethod
     def _contact_forces():
-        """Forces [N] of the disks on x-, x+, y-, y+."""
+        """Return the forces [N] of the disks on x-, x+, y-, y+."""
         return [O.forces.f(wall)[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
 
     def _push(self):
@@ -121,7 +121,7 @@ class ServoLoad(Load):
         return self._contact_forces()
 
     def work(self):
-        """Work on the sample so far [J]: trapezoidal rule on the contact forces on the four walls."""
+        """Return the work on the sample so far [J]: trapezoidal rule on the contact forces on the four walls."""
         return self._sum - total((f + g) / 2 * x for f, g, x in zip(self._forces, self._contact_forces(), self._moved()))
 
 
@@ -135,5 +135,5 @@ class ForceLoad(Load):
         return [0.0, push[0], 0.0, push[1]]
 
     def work(self):
-        """Work on the sample and the walls' mass so far [J]: force of the last step times the displacement it made."""
+        """Return the work on the sample and the walls' mass so far [J]: force of the last step times the displacement it made."""
         return self._sum + total(f * x for f, x in zip(self._forces, self._moved()))

@@ -89,17 +89,17 @@ class Scene:
 
 
 def names():
-    """The scenes: the names of the files in this folder."""
+    """Return the scenes: the names of the files in this folder."""
     return tuple(sorted(path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")))
 
 
 def module(name):
-    """The file of a scene."""
+    """Return the file of a scene."""
     return importlib.import_module(f"{__name__}.{name}")
 
 
 def method(full):
-    """The module md or cd."""
+    """Return the module md or cd."""
     return importlib.import_module(f"yade_scripts.running.{full['method'].lower()}")
 
 

@@ -27,12 +27,12 @@ CHART = Chart(rolling=True)
 
 
 def rise(mu):
-    """The angle phi [rad] at which an arch needs the friction mu."""
+    """Return the angle phi [rad] at which an arch needs the friction mu."""
     return math.pi / 2 - 2 * math.atan(mu)
 
 
 def check(full):
-    """The side disks must be apart, phi < 60 degrees, and the flat arch must be one."""
+    """Check that the side disks are apart, phi < 60 degrees, and the flat arch must be one."""
     least, most = (full["friction"] * (1 + sign * full["arch_margin"]) for sign in (-1, 1))
     if not math.tan(math.radians(15)) < least < most < 1:
         raise ParameterError(f"friction = {full['friction']}: must be between 0.268/(1 - arch_margin) and 1/(1 + arch_margin) for an arch whose "
@@ -40,12 +40,12 @@ def check(full):
 
 
 def fall(full, phi):
-    """How far [m] the key of an arch that does not stand has fallen by the end."""
+    """Return how far [m] the key of an arch that does not stand has fallen by the end."""
     from scipy.integrate import solve_ivp
     mu, g, span = full["friction"], full["gravity"], 2 * full["radius_mean"]
 
     def motion(_, state):
-        """phi' and phi'': x = span cos phi and y = span sin phi give x'' and y'' by phi''; N/m is eliminated."""
+        """Return phi' and phi'': x = span cos phi and y = span sin phi give x'' and y'' by phi''; N/m is eliminated."""
         phi, rate = state
         c, s = math.cos(phi), math.sin(phi)
         out, up = (c - mu * (1 + s)) / 1.5, 2 * (s + mu * c)  # x'' and y'' + g over N/m
@@ -58,7 +58,7 @@ def fall(full, phi):
 
 
 def build(full, folder):
-    """The arch that stands around x = 0, the one that falls far from it."""
+    """Return the arch that stands around x = 0, the one that falls far from it."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -69,7 +69,7 @@ def build(full, folder):
     bodies.append_floor(full, length=2 * apart)
 
     def arch(x, phi):
-        """An arch about x; a function for how far its key has come down, at the end of the time and not MD's step later."""
+        """Return an arch about x; a function for how far its key has come down, at the end of the time and not MD's step later."""
         for place, height in ((-math.cos(phi), 0), (math.cos(phi), 0), (0, math.sin(phi))):
             disk = bodies.append_disk((x + 2 * radius * place, (1 + 2 * height) * radius), radius, mass, "disk")
         state, start = O.bodies[disk].state, O.bodies[disk].state.pos[1]

@@ -12,7 +12,7 @@ CHART = Chart(physics=("beta_n",))
 
 
 def build(full, folder):
-    """CD: Newton's restitution. MD: the damped oscillator of eq. 5 over the half period of a contact."""
+    """Build disk and floor. CD: Newton's restitution. MD: the damped oscillator of eq. 5 over the half period of a contact."""
     from yade import O
 
     from yade_scripts import parameters

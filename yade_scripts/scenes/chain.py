@@ -28,7 +28,7 @@ STRAIN = 1e-5  # of the row at rest under the force, so small that lengths do no
 
 
 def build(full, folder):
-    """`disks` touching disks that can only move along x; /extra holds the way of the last one after every step."""
+    """Build `disks` touching disks that can only move along x; /extra holds the way of the last one after every step."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -53,7 +53,7 @@ def build(full, folder):
 
 
 def _known(full, way):
-    """Period and decay in steps where the medium is elastic and the run long enough to see them."""
+    """Return period and decay in steps where the medium is elastic and the run long enough to see them."""
     elastic = full["fixed_iterations"] and full["warm_start"] == (full["gap_correction"] == 0) and full["gap_correction"] in (0, 1)
     if not elastic:
         return []
@@ -66,7 +66,7 @@ def _known(full, way):
 
 
 def swing(way, period, decay):
-    """Period and decay time, in steps, of the damped swing that fits the way of the end best; NaN where none does.
+    """Return period and decay time, in steps, of the damped swing that fits the way of the end best; NaN where none does.
 
     period, decay: a first guess. Left out is the first half period, in which the overtones of the sudden push die: the third harmonic
     decays nine times as fast.

@@ -32,13 +32,13 @@ SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
 
 
 def width(full):
-    """L0 [m]: of a column of column_aspect at a solid fraction of 0.8."""
+    """Return L0 [m]: the width of a column of column_aspect at a solid fraction of 0.8."""
     area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
     return math.sqrt(area / (0.8 * full["column_aspect"]))
 
 
 def _known(full, quantile):
-    """Front and height where they have been found: for the defaults' grains and column, without bounce."""
+    """Return the front and height where they have been found: for the defaults' grains and column, without bounce."""
     if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
         return []
     *values, how = CONVERGED[full["disks"]]
@@ -48,7 +48,7 @@ def _known(full, quantile):
 
 
 def build(full, folder):
-    """The deposit of `seed` at x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
+    """Return the deposit of `seed` at x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
     import numpy as np
     from yade import O
 

@@ -26,7 +26,7 @@ MOMENTUM = "conservation of momentum"
 
 
 def last_speed(full):
-    """Of the last disk, over `speed`; None where others may catch up with it."""
+    """Return the speed of the last disk over `speed`; None where others may catch up with it."""
     e, others = parameters.restitution(full), full["disks"] - 1
     if e == 0:
         return 1 / full["disks"]
@@ -35,7 +35,7 @@ def last_speed(full):
 
 
 def check(full):
-    """All collisions must happen, and the last disk must not be caught up with."""
+    """Check: all collisions must happen, and the last disk must not be caught up with."""
     way = full["disks"] * full["gap"] * full["radius_mean"]
     slowest = min(1, ((1 + parameters.restitution(full)) / 2)**(full["disks"] - 1)) * full["speed"]
     if way >= slowest * full["period"] * full["cycles"]:
@@ -46,7 +46,7 @@ def check(full):
 
 
 def build(full, folder):
-    """The row along x; the first disk starts a gap before the second."""
+    """Return the row along x; the first disk starts a gap before the second."""
     from yade import O
 
     from yade_scripts.preparing import bodies

@@ -19,7 +19,7 @@ CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 
 
 
 def build(full, folder):
-    """The biaxial test's packing and walls."""
+    """Return the biaxial test's packing and walls."""
     from yade_scripts.running import walls
     from yade_scripts.theory import elastic
     p0, time = parameters.pressure(full), full["period"] * full["cycles"]

@@ -22,7 +22,7 @@ CHART = Chart()
 
 
 def build(full, folder):
-    """The resting block at x = 0, the sliding one far from it."""
+    """Return the resting block at x = 0, the sliding one far from it."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -35,7 +35,7 @@ def build(full, folder):
     length = sliding * time**2 + 10 * radius
 
     def block(x, t):
-        """On a slope through (x, 0) that falls towards +x at t [rad]; a function for its mean acceleration since time 0."""
+        """Append a block on a slope through (x, 0) that falls towards +x at t [rad]; a function for its mean acceleration since time 0."""
         bodies.append_box((x, 0), (length, radius), full, angle=-t)
         height = 2 * radius - bodies.sag(mass * g * math.cos(t), full)
         state = O.bodies[bodies.append_disk((x + height * math.sin(t), height * math.cos(t)), radius, mass, "disk", blocked="zXYZ")].state

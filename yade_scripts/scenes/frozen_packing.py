@@ -20,7 +20,7 @@ CHART = None
 
 
 def check(full):
-    """The perturbed forces are the solver's first guess."""
+    """Check the solver's start: the perturbed forces are the solver's first guess."""
     if not full["warm_start"] or not full["network_seed"]:
         raise ParameterError("scene = frozen_packing: needs warm_start = True and a network_seed above 0, for its perturbed forces are the "
                              "solver's first guess")

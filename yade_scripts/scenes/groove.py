@@ -29,7 +29,7 @@ CHART = Chart()
 
 
 def regime(full):
-    """'slide', 'roll' or 'jam'."""
+    """Return 'slide', 'roll' or 'jam'."""
     slope = math.tan(math.radians(full["slope"]))
     if full["friction"] * slope >= 1:
         return "jam"
@@ -37,13 +37,13 @@ def regime(full):
 
 
 def critical(full):
-    """Critical torque over m g R; of a groove that jams, the one at which both contacts may slide."""
+    """Return the critical torque over m g R; of a groove that jams, the one at which both contacts may slide."""
     t, mu = math.radians(full["slope"]), full["friction"]
     return math.sin(t) if regime(full) == "roll" else mu / ((1 + mu**2) * math.cos(t))
 
 
 def check(full):
-    """The groove must be one and have one answer, and the disk that rolls out must not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
+    """Check: the groove must be one and have one answer, and the disk that rolls out must not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
     if not 0 < full["slope"] < 89:
         raise ParameterError(f"slope = {full['slope']}: must be in (0, 89) degrees for a groove")
     if regime(full) == "jam" and full["method"] == "MD":
@@ -53,7 +53,7 @@ def check(full):
 
 
 def build(full, folder):
-    """The groove of the smaller torque at x = 0, that of the larger far from it; springs are compressed by the weight from the start."""
+    """Return the groove of the smaller torque at x = 0, that of the larger far from it; springs are compressed by the weight from the start."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -67,7 +67,7 @@ def build(full, folder):
     length = 5 * radius + radius * spinning * time**2
 
     def turning(x, share):
-        """A groove at x and its disk under `share` of the critical torque; a function for its mean angular acceleration since time 0."""
+        """Return a groove at x and its disk under `share` of the critical torque; a function for its mean angular acceleration since time 0."""
         for side in (-1, 1):
             bodies.append_box((x + side * 2 * radius * math.sin(t), -2 * radius * math.cos(t)), (length, radius), full, angle=side * t)
         sag = bodies.sag(mass * full["gravity"] / (2 * math.cos(t)), full) / math.cos(t)

@@ -19,7 +19,7 @@ CHART = Chart()
 
 
 def build(full, folder):
-    """Both disks of radius_mean, touching."""
+    """Build both disks of radius_mean, touching."""
     from yade import O
 
     from yade_scripts.preparing import bodies

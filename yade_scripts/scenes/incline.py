@@ -14,7 +14,7 @@ CHART = Chart()
 
 
 def build(full, folder):
-    """Block of radius_mean on a slope that falls towards +x."""
+    """Build a block of radius_mean on a slope that falls towards +x."""
     from yade import O
 
     from yade_scripts.preparing import bodies

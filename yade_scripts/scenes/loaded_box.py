@@ -15,7 +15,7 @@ CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 
 def build(full, folder):
-    """As many disks as fill a square, at most `disks`; the springs of MD compressed by P0 from the start."""
+    """Build as many disks as fill a square, at most `disks`; the springs of MD compressed by P0 from the start."""
     from yade_scripts import parameters
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage, walls

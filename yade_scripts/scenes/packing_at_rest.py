@@ -13,7 +13,7 @@ CHART = Chart(prepared=True, physics=("beta_n",))
 
 
 def build(full, folder):
-    """The biaxial test's packing and walls, sigma1 = sigma2 = P0."""
+    """Return the biaxial test's packing and walls, sigma1 = sigma2 = P0."""
     from yade_scripts.running import walls
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder, lambda t: (p0, p0))

@@ -20,7 +20,7 @@ CHART = Chart(rolling=True)
 
 
 def build(full, folder):
-    """The pyramid, symmetric about x = 0."""
+    """Return the pyramid, symmetric about x = 0."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -36,7 +36,7 @@ def build(full, folder):
     weight = mass * full["gravity"]
 
     def across(row):
-        """(horizontal, vertical) force and its moment about x = 0, per weight and radius, of everything under `row` on it."""
+        """Return (horizontal, vertical) force and its moment about x = 0, per weight and radius, of everything under `row` on it."""
         horizontal = vertical = moment = 0.0
         for contact in O.interactions:
             if contact.isReal and {row_of[contact.id1], row_of[contact.id2]} == {row - 1, row}:
@@ -47,7 +47,7 @@ def build(full, folder):
         return horizontal, vertical, moment
 
     def worst_row():
-        """Largest deviation of a row's resultant from the weight above, per that weight."""
+        """Return the largest deviation of a row's resultant from the weight above, per that weight."""
         above = [(count - row) * (count - row + 1) / 2 for row in range(count)]
         return max(max(abs(across(row)[0]), abs(across(row)[1] - carried)) / carried for row, carried in enumerate(above))
 

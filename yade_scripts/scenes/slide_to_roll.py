@@ -12,7 +12,7 @@ CHART = Chart()
 
 
 def build(full, folder):
-    """Disk of radius_mean at `speed` along +x; it rolls after speed/(3 mu g)."""
+    """Build a disk of radius_mean at `speed` along +x; it rolls after speed/(3 mu g)."""
     from yade import O
 
     from yade_scripts.preparing import bodies

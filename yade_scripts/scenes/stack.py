@@ -13,7 +13,7 @@ CHART = Chart(sizes=(4, 16, 64, 256))
 
 
 def build(full, folder):
-    """`disks` equal disks, the springs of MD compressed by the weights from the start."""
+    """Build `disks` equal disks, the springs of MD compressed by the weights from the start."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -29,7 +29,7 @@ def build(full, folder):
         height = O.bodies[-1].state.pos[1] + radius
 
     def force(lower):
-        """Of the contact between a disk or the floor and the disk above it [N]; 0 where they have parted."""
+        """Return the force of the contact between a disk or the floor and the disk above it [N]; 0 where they have parted."""
         contact = O.interactions[lower, lower + 1] if O.interactions.has(lower, lower + 1, onlyReal=True) else None
         return contact.phys.normalForce.norm() if contact else 0.0
 

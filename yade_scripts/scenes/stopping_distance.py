@@ -13,7 +13,7 @@ CHART = Chart()
 
 
 def check(full):
-    """It must have stopped by the end."""
+    """Check: it must have stopped by the end."""
     pull = full["friction"] * full["gravity"]
     if full["speed"] >= pull * full["period"] * full["cycles"]:
         raise ParameterError(f"speed = {full['speed']}: must be below friction times gravity times the time simulated, "
@@ -21,7 +21,7 @@ def check(full):
 
 
 def build(full, folder):
-    """Block of radius_mean at `speed` along +x."""
+    """Build a block of radius_mean at `speed` along +x."""
     from yade import O
 
     from yade_scripts.preparing import bodies

@@ -17,7 +17,7 @@ CHART = Chart(physics=("beta_n",))
 
 
 def build(full, folder):
-    """The wall's face at x = 0; the disk comes along +x and reaches it after a third of the time."""
+    """Return the wall's face at x = 0; the disk comes along +x and reaches it after a third of the time."""
     from yade import O
 
     from yade_scripts.preparing import bodies

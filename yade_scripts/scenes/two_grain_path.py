@@ -35,12 +35,12 @@ MOST = 0.5  # of the mean radius: deeper, disks of unequal size have no line of 
 
 
 def check(full):
-    """That the path can be led without slip."""
+    """Check that the path can be led without slip."""
     Path(full)
 
 
 def build(full, folder):
-    """Two disks of radius_mean (1 -+ radius_spread) that go as they are led, `cycles` times around."""
+    """Build two disks of radius_mean (1 -+ radius_spread) that go as they are led, `cycles` times around."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -87,14 +87,14 @@ class Path:
                                  "the smaller radius; take a smaller path_angle or kt_over_kn, or more friction")
 
     def place(self, leg, part):
-        """The second disk's centre [m] when `part` of a leg (0 to 3) is done."""
+        """Return the second disk's centre [m] when `part` of a leg (0 to 3) is done."""
         shallow = self.sum - self.overlap
         depth = self.depth * (part, 1, 1 - part, 0)[leg]
         theta = self.angle * (0, part, 1, 1 - part)[leg]
         return (shallow - depth) * math.cos(theta), (shallow - depth) * math.sin(theta)
 
     def left(self, steps):
-        """Force and work, in the units of `build`, that the law leaves after `cycles` paths of `steps` steps a leg."""
+        """Return the force and work, in the units of `build`, that the law leaves after `cycles` paths of `steps` steps a leg."""
         if self.law == "path_independent":
             return 0.0, 0.0
         share, turned = self.depth / self.sum, self.cycles * self.angle**2 / steps
@@ -103,7 +103,7 @@ class Path:
         return self.cycles - turned / (2 * share) * self._distance(1.5), (self.cycles * share)**2 - 2 / 3 * turned * self._distance(1)**2
 
     def _distance(self, depths):
-        """d/(R1 + R2) at so many depths of the path; the effective one of a term is from expanding it in h."""
+        """Return d/(R1 + R2) at so many depths of the path; the effective one of a term is from expanding it in h."""
         return 1 - (self.overlap + depths * self.depth) / self.sum
 
 
@@ -120,7 +120,7 @@ class Lead:
         self.count, self.work, self.before = 0, 0.0, None
 
     def step(self):
-        """Before the motion of a step: the forces are those of the place reached."""
+        """Lead the disk before the motion of a step; the forces are those of the place reached."""
         state, force, dt = self.omega.bodies[1].state, self.omega.forces.f(1, True), self.omega.dt
         if self.before is not None:
             self.work -= 0.5 * (self.before + force).dot(state.vel) * dt
@@ -135,6 +135,6 @@ class Lead:
 
 
 def shear_force(contact):
-    """Of the spring on the second disk along the normal turned by +90 degrees [N]."""
+    """Return the force of the spring on the second disk along the normal turned by +90 degrees [N]."""
     n, force = contact.geom.normal, contact.phys.shearForce
     return n[0] * force[1] - n[1] * force[0]

@@ -22,13 +22,13 @@ CHART = Chart(patience=2, prepared=True, physics=("beta_n",), rolling=True)
 
 
 def check(full):
-    """A run ends at collapse_strain."""
+    """Check: a run ends at collapse_strain."""
     if full["yield_strain"] > full["collapse_strain"] or full["loading"] != "ramp":
         raise ParameterError(f"yield_strain = {full['yield_strain']}: must be at most collapse_strain, {full['collapse_strain']}, and loading = ramp")
 
 
 def build(full, folder):
-    """The biaxial test's packing and walls; gamma is looked at with every sample."""
+    """Return the biaxial test's packing and walls; gamma is looked at with every sample."""
     from yade import O
 
     from yade_scripts.theory import statics
@@ -39,7 +39,7 @@ def build(full, folder):
     sides, goals, yielded = walls.sides(), loading.goals(full, p0), []
 
     def watch():
-        """sigma2/P0 when |gamma| first passes yield_strain."""
+        """Note sigma2/P0 when |gamma| first passes yield_strain."""
         x, y = (now / before for now, before in zip(walls.sides(), sides))
         if not yielded and abs(y - x) > full["yield_strain"]:
             yielded.append(goals(O.time)[1] / p0)

@@ -14,13 +14,13 @@ class TableError(parameters.ParameterError):
 
 
 def product(**values):
-    """The rows of all combinations, the last name fastest; a single value stands in all of them."""
+    """Return the rows of all combinations, the last name fastest; a single value stands in all of them."""
     several = {name: value if isinstance(value, (list, tuple, range)) else (value,) for name, value in values.items()}
     return [dict(zip(several, combination)) for combination in itertools.product(*several.values())]
 
 
 def text(rows):
-    """The rows as a table that yade-batch runs; what a row leaves out is written as its default."""
+    """Return the rows as a table that yade-batch runs; what a row leaves out is written as its default."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     full = [parameters.complete(row) for row in rows]
     lines = [names] + [[str(row[name]) for name in names] for row in full]
@@ -29,7 +29,7 @@ def text(rows):
 
 
 def read(path):
-    """The rows of a table: {line number: row}, every one of which can be run."""
+    """Return the rows of a table: {line number: row}, every one of which can be run."""
     path = pathlib.Path(path)
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -63,7 +63,7 @@ def read(path):
 
 
 def batch_row(place):
-    """The row at 'table:line', which is what yade-batch puts into YADE_BATCH."""
+    """Return the row at 'table:line', which is what yade-batch puts into YADE_BATCH."""
     path, _, line = place.rpartition(":")
     rows = read(path)
     if not line.isdecimal() or int(line) not in rows:

@@ -1,4 +1,4 @@
-"""With too few Gauss-Seidel sweeps a step, rigid contacts behave as an elastic medium: its stiffness, damping and motion. Needs no YADE.
+"""Gives stiffness, damping and motion of the elastic medium that rigid contacts become with too few Gauss-Seidel sweeps a step. Needs no YADE.
 
 N_I sweeps spread a force diffusively, D = q d^2 a sweep, over less than the sample. On what varies slowly over that length they change
 the impulse of a contact in a step by -q m N_I u_n and no more (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002);
@@ -19,40 +19,40 @@ RELAXATION = (4 * math.sqrt(math.e) - 5) / 2
 
 
 def step(full):
-    """O.dt [s] of a CD row: samples fall on whole steps, see scenes.set_step."""
+    """Return O.dt [s] of a CD row: samples fall on whole steps, see scenes.set_step."""
     interval = full["period"] / full["records_per_cycle"]
     return interval / math.ceil(interval / full["cd_dt"] * (1 - 1e-12))
 
 
 def mean_mass(full):
-    """Expected mass of a disk [kg], radii uniform within radius_mean (1 +- radius_spread)."""
+    """Return the expected mass of a disk [kg], its radius uniform within radius_mean (1 +- radius_spread)."""
     return full["density"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3) * full["depth"]
 
 
 def stiffness(full):
-    """kappa = q m N_I/dt^2 [N/m] of a CD row with fixed_iterations N_I; infinite if it solves every step instead."""
+    """Return kappa = q m N_I/dt^2 [N/m] of a CD row with fixed_iterations N_I; infinite if it solves every step instead."""
     if not full["fixed_iterations"]:
         return math.inf
     return RELAXATION * mean_mass(full) * full["fixed_iterations"] / step(full)**2
 
 
 def dashpot(full):
-    """q m N_I/dt [N s/m], beside that spring."""
+    """Return q m N_I/dt [N s/m], the dashpot beside that spring."""
     return stiffness(full) * step(full)
 
 
 def chain_period(full):
-    """Period [s] of the slowest swing of a chain of `disks` between a wall and a free end: 4 L/c, c = sqrt(q N_I) d/dt, L = disks d."""
+    """Return the period [s] of the slowest swing of a chain of `disks` between a wall and a free end: 4 L/c, c = sqrt(q N_I) d/dt, L = disks d."""
     return 4 * full["disks"] * math.sqrt(mean_mass(full) / stiffness(full))
 
 
 def chain_decay(full):
-    """Time [s] in which the amplitude of that swing falls to 1/e: 2/(D' k^2), D' = q N_I d^2/dt, k = pi/(2 L)."""
+    """Return the time [s] in which the amplitude of that swing falls to 1/e: 2/(D' k^2), D' = q N_I d^2/dt, k = pi/(2 L)."""
     return 2 * mean_mass(full) / dashpot(full) / (math.pi / (2 * full["disks"]))**2
 
 
 def chain_response(full, time):
-    """Way of the free end at `time` [s] over its way at rest, after a constant push from time 0: a rod of Kelvin-Voigt's kind.
+    """Return the path of the free end at `time` [s] over its way at rest, after a constant push from time 0: a rod of Kelvin-Voigt's kind.
 
     1 - sum over odd n of 8/(pi n)^2 exp(-b t) [cos(w t) + b/w sin(w t)], b = n^2/chain_decay, w^2 = (2 pi n/chain_period)^2 - b^2;
     as many terms as disks, those of high n decaying without a swing. Those left out miss 0.4 % of the way at time 0, soon nothing.

@@ -1,4 +1,4 @@
-"""Linear elasticity of the packing in O: how its springs respond to a small load, by a stiffness matrix without dynamics.
+"""Computes how the springs of the packing in O respond to a small load: linear elasticity by a stiffness matrix, without dynamics.
 
 Energy of a contact: k_n (n.D)^2/2 + k_t (t.D)^2/2, D the relative displacement at the contact point, rotations included; t only where
 there is friction. What it leaves out: changes of geometry under the forces present, of the order of the overlaps over the radii,
@@ -14,7 +14,7 @@ FREE_WALLS = ((walls.X_HIGH, 0), (walls.Y_HIGH, 1))
 
 
 def stiffness_matrix():
-    """(K [N/m, N, N m], index): rows and columns are x, y, rotation of each disk, then the two free walls; index: body -> first row."""
+    """Return (K [N/m, N, N m], index): rows and columns are x, y, rotation of each disk, then the two free walls; index: body -> first row."""
     index = {disk.id: 3 * k for k, disk in enumerate(bodies.disks())}
     size = 3 * len(index) + len(FREE_WALLS)
     wall_rows = {wall: (3 * len(index) + k, axis) for k, (wall, axis) in enumerate(FREE_WALLS)}
@@ -38,7 +38,7 @@ def stiffness_matrix():
 
 
 def strain(stress):
-    """gamma of the sample when sigma2 rises by `stress` [Pa] at constant sigma1. Disks that nothing holds stay out of it."""
+    """Return gamma of the sample when sigma2 rises by `stress` [Pa] at constant sigma1. Disks that nothing holds stay out of it."""
     matrix, _ = stiffness_matrix()
     load = np.zeros(len(matrix))
     load[-1] = -stress * walls.areas()[1]

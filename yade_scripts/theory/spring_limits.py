@@ -1,4 +1,4 @@
-"""The longest stable time step of YADE's scheme for springs with dashpots. Needs no YADE.
+"""Computes the longest stable time step of YADE's scheme for springs with dashpots. Needs no YADE.
 
 YADE moves by v' = v + dt f(x, v)/m, x' = x + dt v' (leapfrog), its dashpots take the velocity v of half a step before. With M, C and K
 of a linear system,
@@ -20,12 +20,12 @@ from scipy.sparse.linalg import eigsh
 
 
 def oscillator_limit(damping):
-    """The largest stable w dt of one mode of this damping ratio."""
+    """Return the largest stable w dt of one mode of this damping ratio."""
     return 2 * (math.sqrt(1 + damping**2) - damping)
 
 
 def contact_limit(damping, kt_over_kn):
-    """The largest stable w_n dt, w_n = sqrt(k_n/m), of a disk that moves along the normal of one contact and turns.
+    """Return the largest stable w_n dt, w_n = sqrt(k_n/m), of a disk that moves along the normal of one contact and turns.
 
     The spin has no dashpot and w^2 = k_t R^2/I = 2 (k_t/k_n) w_n^2 for I = m R^2/2.
     """
@@ -33,7 +33,7 @@ def contact_limit(damping, kt_over_kn):
 
 
 def largest_eigenvalue(mass, matrix):
-    """Of `matrix` (symmetric, SciPy sparse) with respect to the diagonal `mass`."""
+    """Return the largest eigenvalue of `matrix` (symmetric, SciPy sparse) with respect to the diagonal `mass`."""
     scale = sparse.diags(1 / np.sqrt(mass))
     scaled = (scale @ matrix @ scale).tocsr()
     if scaled.shape[0] < 20:
@@ -43,7 +43,7 @@ def largest_eigenvalue(mass, matrix):
 
 
 def matrix_limit(mass, damping, stiffness):
-    """The smallest dt [s] at which dt^2 K + 2 dt C has the eigenvalue 4 with respect to M; `mass` is the diagonal of M."""
+    """Return the smallest dt [s] at which dt^2 K + 2 dt C has the eigenvalue 4 with respect to M; `mass` is the diagonal of M."""
     low, high = 0.0, 2 / math.sqrt(largest_eigenvalue(mass, stiffness))
     while high - low > 1e-4 * high:
         dt = (low + high) / 2
@@ -52,7 +52,7 @@ def matrix_limit(mass, damping, stiffness):
 
 
 def free_response(values):
-    """(decay, frequency) a step of the mode in a series x(n): from the roots of the recurrence x(n+1) = a x(n) + b x(n-1) that fits it.
+    """Return (decay, frequency) a step of the mode in a series x(n), from the roots of the recurrence x(n+1) = a x(n) + b x(n-1) that fits it.
 
     Frequency 0 where the roots are real: it does not swing.
     """

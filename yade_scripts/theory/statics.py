@@ -1,6 +1,6 @@
-"""Balance of forces on the grains in the box, and the contact forces that it admits. Shares no code with the contact solvers.
+"""Computes the balance of forces on the grains in the box and the contact forces that it admits. It shares no code with the contact solvers.
 
-Forces of a contact as in `analysis.schema`: R along the normal, compression positive, T along the normal turned by +90 degrees,
+Forces of a contact as in `yade_scripts.results.schema`: R along the normal, compression positive, T along the normal turned by +90 degrees,
 both on the second body. SI units.
 """
 
@@ -14,7 +14,7 @@ FREE_WALLS = ((1, 0), (3, 1))
 
 
 def balance_matrix(snapshot):
-    """A with A (R, T) = resultants on the free bodies: force along x and y and torque over radius of each disk [N], then the two walls.
+    """Return A with A (R, T) = resultants on the free bodies: force along x and y and torque over radius of each disk [N], then the two walls.
 
     Columns are the contacts' R, then their T. Torques are divided by the disk's radius so that all rows are forces.
     """
@@ -38,7 +38,7 @@ def balance_matrix(snapshot):
 
 
 def wall_loads(snapshot, stresses, depth):
-    """The forces [N] that (sigma1, sigma2) [Pa] put on the rows of `balance_matrix`."""
+    """Return the forces [N] that (sigma1, sigma2) [Pa] put on the rows of `balance_matrix`."""
     x_low, x_high, y_low, y_high = snapshot["box"]
     load = np.zeros(3 * len(snapshot["body_ids"]) + len(FREE_WALLS))
     load[-2:] = -stresses[0] * (y_high - y_low) * depth, -stresses[1] * (x_high - x_low) * depth
@@ -46,7 +46,7 @@ def wall_loads(snapshot, stresses, depth):
 
 
 def violations(snapshot, normal, tangential, load):
-    """How far networks (R and T, one row each, [N]) are from admissible: three columns, over the network's mean R.
+    """Return how far networks (R and T, one row each, [N]) are from admissible: three columns, over the network's mean R.
 
     The largest resultant on a body; the largest |T| - mu R; the largest pull, -R. The last two are negative inside.
     """
@@ -58,7 +58,7 @@ def violations(snapshot, normal, tangential, load):
 
 
 def degrees_of_freedom(snapshot, loaded):
-    """(M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, unknowns less equations.
+    """Return (M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, unknowns less equations.
 
     That is 2M - 3N less one for each free wall, where a contact without friction has one unknown and a disk that none but such
     contacts hold has no torque to balance.
@@ -70,13 +70,13 @@ def degrees_of_freedom(snapshot, loaded):
 
 
 def dimension(snapshot, loaded):
-    """The same dimension with the rank of the equations, which need not be independent: exact, and for 400 disks a second's work."""
+    """Return the same dimension with the rank of the equations, which need not be independent. It is exact and takes a second for 400 disks."""
     unknowns = np.flatnonzero(np.concatenate([loaded, loaded & (snapshot["contact_friction"] > 0)]))
     return len(unknowns) - int(np.linalg.matrix_rank(balance_matrix(snapshot)[:, unknowns].toarray()))
 
 
 def limit_loads(snapshot, pressure, depth):
-    """(least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
+    """Return (least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
 
     Beyond these no rigid contacts hold the sample as it stands; between them, with Coulomb's (not associated) friction, nothing says
     that they must.
@@ -88,14 +88,14 @@ def limit_loads(snapshot, pressure, depth):
 
 
 def force_range(snapshot, load, contact):
-    """(least, largest) R [N] that admissible networks under `load` can put on one contact."""
+    """Return (least, largest) R [N] that admissible networks under `load` can put on one contact."""
     goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
     goal[contact] = 1
     return tuple(np.abs(load).max() * value for value in _extremes(snapshot, goal, load, np.zeros_like(load)))
 
 
 def _extremes(snapshot, goal, load, rising):
-    """(least, largest) goal . (R, T, s) over all admissible forces under load + s rising [N], in units of the largest load.
+    """Return (least, largest) goal . (R, T, s) over all admissible forces under load + s rising [N], in units of the largest load.
 
     Linear programmes, as Coulomb's cone is a pair of straight lines in the plane.
     """

@@ -26,7 +26,7 @@ from yade_scripts.running import queue
 
 @commands.command("benchmark")
 def main(arguments=None):
-    """Command line."""
+    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
     parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
     commands.add_extent(parser)
@@ -53,7 +53,7 @@ def main(arguments=None):
 
 
 def run(todo, folder, again=False):
-    """({table: rows}, number of pieces that failed); a piece's failure becomes a row."""
+    """Return ({table: rows}, number of pieces that failed). A piece that fails becomes a row that says why."""
     tables, failed, begin = {}, 0, time.monotonic()
     for number, piece in enumerate(todo, 1):
         rows = None if again else piece.stored(folder)
@@ -72,13 +72,13 @@ def run(todo, folder, again=False):
 
 
 def _say(what):
-    """What is going on, on the terminal's last line."""
+    """Show what is going on, on the terminal's last line."""
     if sys.stderr.isatty():
         print(f"\r\033[K{what}", end="", file=sys.stderr, flush=True)
 
 
 def write(tables, folder, busy, only=None):
-    """A CSV for each table, and what was measured where; of a single table its own provenance."""
+    """Write a CSV for each table and the provenance. A single table gets a provenance of its own."""
     for name, rows in tables.items():
         table = pandas.DataFrame(rows)
         table.to_csv(folder / f"{name}.csv", index=False)
@@ -92,7 +92,7 @@ def write(tables, folder, busy, only=None):
 
 
 def provenance(busy):
-    """What was measured by which code, on what."""
+    """Return which code measured what on which machine."""
     from cd_engine import core
     try:
         peer = importlib.metadata.version("siconos")

@@ -1,4 +1,4 @@
-"""The whole engine in YADE on a prepared packing: the cost of a step beside that of its bare solution, the memory, and the share of solved steps.
+"""Measures the whole engine in YADE on a prepared packing: the cost of a step and of its bare solution, the memory, and the share of solved steps.
 
     yade -n -x yade_scripts/measuring/benchmark/engine.py '{"stem": "results/benchmark/problems/packing1-4000-1-0.1", "tolerance": 1e-4, "steps": 20,
                                                   "most_sweeps": 10000}'
@@ -26,7 +26,7 @@ from yade_scripts.measuring.benchmark import packing
 
 
 def resident():
-    """Memory of this process now [bytes]."""
+    """Return the memory that this process uses now [bytes]."""
     return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 

@@ -1,4 +1,4 @@
-"""Jammed packings of tens of thousands of disks within seconds: soft disks at random places quenched to a minimum of their enthalpy.
+"""Makes jammed packings of tens of thousands of disks within seconds: it quenches soft disks at random places to a minimum of their enthalpy.
 
 Springs without friction, E = sum k d^2/2 over all overlaps d, and walls that hold the pressure P (O'Hern, Silbert, Liu & Nagel 2003,
 Phys. Rev. E 68, 011306, with the box as two more unknowns), sought by damped motion. It ends close to mechanical equilibrium; what is left
@@ -31,11 +31,11 @@ class SoftDisks:
         self.listed = None
 
     def positions(self):
-        """(N, 2) [m]."""
+        """Return (N, 2) [m]."""
         return self.places * self.sides
 
     def _list(self, x):
-        """Pairs that may touch before anything has moved by half the skin."""
+        """Return the pairs that may touch before anything has moved by half the skin."""
         skin = SKIN * self.radii.mean()
         if self.listed is None or np.max(np.sum((x - self.listed)**2, axis=1)) > (skin / 2)**2:
             self.listed = x
@@ -46,7 +46,7 @@ class SoftDisks:
             self.reach = self.radii[self.i] + self.radii[self.j]
 
     def forces(self):
-        """(N, 2) forces on the disks, forces that strain the box along x and y [N m], mean contact force [N]."""
+        """Return (N, 2) forces on the disks, forces that strain the box along x and y [N m], mean contact force [N]."""
         x, n = self.positions(), len(self.radii)
         self._list(x)
         way = x[self.j] - x[self.i]
@@ -66,7 +66,7 @@ class SoftDisks:
 
 
 def jammed(radii, seed):
-    """(N, 2) positions and (L_x, L_y) [m] of disks of these radii [m] near equilibrium under 1 N/m, drawn from `seed`.
+    """Return (N, 2) positions and (L_x, L_y) [m] of disks of these radii [m] near equilibrium under 1 N/m, drawn from `seed`.
 
     The disks are numbered anew along a Hilbert curve, so that neighbours have numbers near each other: their radii come third.
     """
@@ -90,7 +90,7 @@ def jammed(radii, seed):
 
 
 def hilbert(places, bits=12):
-    """Positions along Hilbert's curve of points in the unit square (Skilling 2004, AIP Conf. Proc. 707, 381, in two dimensions)."""
+    """Return the positions along Hilbert's curve of points in the unit square (Skilling 2004, AIP Conf. Proc. 707, 381, in two dimensions)."""
     x, y = np.clip((places * 2**bits).astype(np.int64), 0, 2**bits - 1).T
     along = np.zeros(len(x), np.int64)
     for bit in range(bits - 1, -1, -1):

@@ -1,4 +1,4 @@
-"""A dense packing of disks at rest under the load of its walls, and problems of its next step.
+"""Makes a dense packing of disks at rest under the load of its walls, and contact problems of its next step.
 
     yade -n -x yade_scripts/measuring/benchmark/packing.py '{"disks": 4000, "seed": 1, "friction": [0.1, 0.5], "stem": "results/packing"}'
 
@@ -36,7 +36,7 @@ MOST_SWEEPS = 2000  # a step: what 40000 disks leave unsolved is stated in the f
 
 
 def build(places, sides, radii, mu):
-    """Walls 0 .. 5, x+ and y+ free, then the disks; the unit of time sqrt(m/P) [s]."""
+    """Append walls 0 .. 5, x+ and y+ free, then the disks. Return the unit of time sqrt(m/P) [s]."""
     O.reset()
     O.materials.append(FrictMat(frictionAngle=math.atan(mu), density=1, label="disk"))
     walls.append(sides, DEPTH, "disk")
@@ -47,24 +47,24 @@ def build(places, sides, radii, mu):
 
 
 def movable():
-    """The disks and the two free walls."""
+    """Return the disks and the two free walls."""
     return bodies.disks() + [O.bodies[walls.X_HIGH], O.bodies[walls.Y_HIGH]]
 
 
 def load(more=1.0):
-    """Permanent forces of P on both free walls, `more` times P on y+."""
+    """Set permanent forces: P on both free walls, `more` times P on y+."""
     area_x, area_y = walls.areas()
     O.forces.setPermF(walls.X_HIGH, (-PRESSURE * area_x, 0, 0))
     O.forces.setPermF(walls.Y_HIGH, (0, -PRESSURE * area_y * more, 0))
 
 
 def largest_displacement():
-    """Of any body in the last step [m]."""
+    """Return the largest displacement of a body in the last step [m]."""
     return max(b.state.vel.norm() for b in movable()) * O.dt
 
 
 def come_to_rest(unit):
-    """Hold P until nothing moves by more than REST in a step; every five steps the speed is halved. Facts of the state."""
+    """Hold P until nothing moves by more than REST in a step; every five steps the speed is halved. Return the facts of the state."""
     def slow():
         load()
         for body in movable():
@@ -88,7 +88,7 @@ def come_to_rest(unit):
 
 
 def load_on():
-    """The steps before the problem, under rising load; what is known of them."""
+    """Make the steps before the problem, under rising load. Return what is known of them."""
     for step in range(1, STEPS + 1):
         load(1 + step * MORE)
         hooks.simulate(1)

@@ -1,4 +1,4 @@
-"""What `make bench` consists of, piece by piece; a piece that was measured with this build is not measured again.
+"""Lists the pieces of `make bench`. A piece that was measured with this build is not measured again.
 
 A piece is the table its rows belong to, its name, the settings it is measured with, and a function that gives its rows. Its file bears the hash
 of the settings and of the compiled solvers. After a change to how things are measured, or on another machine, measure --again.
@@ -23,29 +23,29 @@ class Piece:
     rows: Callable  # rows(say): the rows, telling say(what) what is going on
 
     def key(self):
-        """What its file is called: the table and a hash of settings and build."""
+        """Return the name of its file: the table and a hash of settings and build."""
         return f"{self.table}-{parameters.digest([self.table, self.name, self.settings, build()])}"
 
     def stored(self, folder):
-        """Its rows if they were measured with this build, else None."""
+        """Return its rows if they were measured with this build, else None."""
         found = store.get(pathlib.Path(folder) / "pieces", self.key())
         return found and found["rows"]
 
     def measure(self, folder, say):
-        """Measure and store; the rows."""
+        """Measure, store and return the rows."""
         rows = self.rows(say)
         store.add(pathlib.Path(folder) / "pieces", self.key(), {"piece": self.name, "settings": self.settings}, rows)
         return rows
 
 
 def build():
-    """SHA-256 of the compiled solvers and of the plug-in."""
+    """Return the SHA-256 of the compiled solvers and of the plug-in."""
     engine = problems.ROOT / "cd_engine"
     return hashlib.sha256(b"".join(path.read_bytes() for path in (engine / "core" / "_core.so", engine / "_yade_plugin.so"))).hexdigest()
 
 
 def _solve(name, make, peer, **settings):
-    """A piece of solutions.py; make() gives the case."""
+    """Return a piece of solutions.py; make() gives the case."""
     settings = {"rounds": 3, "targets": solutions.TARGETS, "most_seconds": 5.0, "peer": peer} | settings
     return Piece("solutions", name, settings, lambda say: solutions.measure(make(), say=say, **settings))
 
@@ -76,7 +76,7 @@ def _engine(folder, disks, mu, **settings):
 
 
 def quick(folder, files=()):
-    """A minute: one small packing, each table with a row or two."""
+    """Return the pieces of a minute: one small packing, a row or two in each table."""
     peer = siconos.available() is None
     few = {"targets": (1e-2, 1e-4, 1e-6), "most_seconds": 2.0}
     return [_packing(folder, 400, 1, mu, start, peer, **few) for mu in problems.FRICTION for start in ("cold", "warm")] \
@@ -95,7 +95,7 @@ def _file(path, peer, **settings):
 
 
 def full(folder, files=()):
-    """The set that the goals are about."""
+    """Return the pieces of the full benchmark."""
     peer = siconos.available() is None
     cases = [_packing(folder, 400, seed, mu, start, peer, most_seconds=5.0)
              for seed in range(1, 6) for mu in problems.FRICTION for start in ("cold", "warm")]

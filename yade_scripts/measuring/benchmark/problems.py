@@ -1,4 +1,4 @@
-"""The contact problems that are measured; made once and kept under results/benchmark/problems."""
+"""Makes the contact problems that are measured, once, and keeps them under results/benchmark/problems."""
 import json
 import math
 import pathlib
@@ -18,7 +18,7 @@ SIDE = 0.01         # radius of a lattice's disks [m]
 
 @dataclass(frozen=True)
 class Case:
-    """A problem and how it is started from."""
+    """A contact problem and its first guess."""
     name: str
     kind: str      # packing, crystal, masses, pile, file
     mu: float      # nan: of a file, where contacts may differ
@@ -38,7 +38,7 @@ class PreparationError(RuntimeError):
 
 
 def state(folder, disks, seed, mu):
-    """Path, without its ending, of a packing's files (.npz problem, .yade.gz scene, .json facts), made now unless they exist."""
+    """Return the path, without its ending, of a packing's files (.npz problem, .yade.gz scene, .json facts). Make them unless they exist."""
     folder = pathlib.Path(folder)
     stem = folder / f"packing{PACKING_RECIPE}-{disks}-{seed}-{mu:g}"
     folder.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def state(folder, disks, seed, mu):
 
 
 def in_yade(script, wish):
-    """Run a script of this folder in YADE with `wish` as its argument; the JSON of the last line it prints. PreparationError if it fails."""
+    """Run a script of this folder in YADE with `wish` as its argument. Return the JSON of the last line it prints; raise PreparationError if it fails."""
     with tempfile.TemporaryDirectory() as folder:
         job = queue.Job(f"measuring/benchmark/{script}", [json.dumps(wish)], pathlib.Path(folder) / "log")
         queue.run([job], 1)
@@ -62,13 +62,13 @@ def in_yade(script, wish):
 
 
 def packing(folder, disks, seed, mu, start="cold"):
-    """The step of +0.2 % load of a dense packing (packing.py)."""
+    """Return the step of +0.2 % load of a dense packing (packing.py)."""
     stem = state(folder, disks, seed, mu)
     return Case(f"packing {disks} mu {mu:g} {start} #{seed}", "packing", mu, disks, seed, start, core.read_problem(f"{stem}.npz"))
 
 
 def masses(folder, disks, seed, mu, decades=6):
-    """The same with every mass multiplied by up to 10^decades, drawn evenly in the logarithm."""
+    """Return the same problem with every mass multiplied by up to 10^decades, drawn evenly in the logarithm."""
     case = packing(folder, disks, seed, mu)
     factor = 10.0**np.random.default_rng(seed).uniform(0, decades, (len(case.problem.inverse_masses), 1))
     light = replace(case.problem, inverse_masses=case.problem.inverse_masses / factor)
@@ -78,7 +78,7 @@ def masses(folder, disks, seed, mu, decades=6):
 
 
 def crystal(rows, mu, ratio=1.0, name="crystal"):
-    """rows x rows equal disks in a triangular lattice between a floor and two walls, under gravity: every contact closed, forces undetermined.
+    """Return rows x rows equal disks in a triangular lattice between a floor and two walls, under gravity: every contact closed, forces undetermined.
 
     ratio: mass of the disks in the upper half over that of those below.
     """
@@ -109,18 +109,18 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
 
 
 def pile(rows, mu, ratio=1000.0):
-    """Heavy disks on light ones."""
+    """Return the problem of a pile of heavy disks on light ones."""
     return crystal(rows, mu, ratio, f"pile {ratio:g}:1 of")
 
 
 def from_file(path):
-    """A problem in a file that `core.read_problem` reads; ValueError says what is wrong with it."""
+    """Return a problem in a file that `core.read_problem` reads; ValueError says what is wrong with it."""
     problem = core.read_problem(path)
     return Case(pathlib.Path(path).stem, "file", float("nan"), 0, 0, "cold", problem)
 
 
 def tiled(problem, copies):
-    """So many copies of a problem of bodies side by side, which do not touch: as large as memory allows, with the order of the original."""
+    """Return so many copies of a problem of bodies side by side, which do not touch: as large as memory allows, with the order of the original."""
     bodies = len(problem.inverse_masses)
     pairs = (problem.pairs[None] + bodies * np.arange(copies)[:, None, None]).reshape(-1, 2)
     rest = {name: np.concatenate([getattr(problem, name)] * copies)

@@ -1,4 +1,4 @@
-"""Siconos's 2D solvers on the same W, q and mu: fc2d_nsgs for packings, fc2d_lexicolemke as an oracle for a few contacts.
+"""Runs Siconos's 2D solvers on the same W, q and mu: fc2d_nsgs for packings, fc2d_lexicolemke as an oracle for a few contacts.
 
 Its Gauss-Seidel takes W in sparse blocks, the storage that is fastest here. It is memoryless, so that it can be stopped every few sweeps, asked
 for the error e by our code, and go on from the same impulses to the same bits: what is timed are sweeps alone, with its own test for
@@ -17,7 +17,7 @@ FEWEST = 4
 
 
 def available():
-    """Why Siconos cannot be had, else None."""
+    """Return why Siconos cannot be used, None if it can."""
     try:
         importlib.import_module("siconos.numerics")
     except ImportError as error:
@@ -26,7 +26,7 @@ def available():
 
 
 def write_blocks(file, problem):
-    """The text in which Siconos reads a problem with W in sparse blocks; every digit of a number is written."""
+    """Write the text in which Siconos reads a problem with W in sparse blocks; every digit of a number is written."""
     def lines(values):
         file.write("\n".join(map(repr, values)) + "\n")
 
@@ -57,7 +57,7 @@ class Peer:
             self.theirs = numerics.frictionContact_new_from_filename(file.name)
 
     def sweeps(self, impulses, count):
-        """Make so many from `impulses`, in place; the seconds of processor time they took."""
+        """Make so many sweeps from `impulses`, in place. Return the seconds of processor time they took."""
         n = self.numerics
         options = n.SolverOptions(n.SICONOS_FRICTION_2D_NSGS)
         options.iparam[n.SICONOS_IPARAM_MAX_ITER] = count
@@ -69,7 +69,7 @@ class Peer:
         return time.process_time() - begin
 
     def history(self, impulses, target, most_seconds):
-        """[(sweeps, seconds, e, e_max)] from a first guess until e is at most `target` or the seconds are used up."""
+        """Return [(sweeps, seconds, e, e_max)] from a first guess until e is at most `target` or the seconds are used up."""
         p = impulses.copy()
         made, seconds = 0, 0.0
         points = [(0, 0.0, core.residual(self.problem, p), core.residual_max(self.problem, p))]
@@ -81,7 +81,7 @@ class Peer:
         return points
 
     def lemke(self):
-        """(impulses, status) of the pivoting solver; status 0 is its claim of success."""
+        """Return (impulses, status) of the pivoting solver; status 0 is its claim of success."""
         n = self.numerics
         dense = n.FrictionContactProblem(2, self.contacts, self.matrix.W.toarray(), self.matrix.q, self.matrix.mu)
         options = n.SolverOptions(n.SICONOS_FRICTION_2D_LEMKE)
@@ -90,7 +90,7 @@ class Peer:
 
 
 def reached(points, target):
-    """(sweeps, seconds, e, e_max) at which a history first meets a target, at least one sweep; both interpolated in log e. None if it does not."""
+    """Return (sweeps, seconds, e, e_max) at which a history first meets a target, at least one sweep; both interpolated in log e. None if it does not."""
     if points[0][2] <= target:
         return points[0]
     for before, after in zip(points, points[1:]):

@@ -1,4 +1,4 @@
-"""Time and sweeps to an error, problem by problem: every method of the core and Siconos's Gauss-Seidel in turn, round after round.
+"""Measures time and sweeps to an error, problem by problem: every method of the core and Siconos's Gauss-Seidel in turn, round after round.
 
 A row is one (problem, method, target): medians over the rounds. Its error is the one that core.residual finds in the impulses returned, as
 2-norm and as maximum; a row whose 2-norm misses the target has a reason in `status` and no time.
@@ -19,7 +19,7 @@ NEWTON_DISKS = 1000  # above which a factorization takes so long that Newton's m
 
 
 def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_seconds=None, say=lambda what: None):
-    """The rows of a case. most_seconds: of sweeps in one run of a method, after which it is left unsolved; what takes more than a tenth of it
+    """Return the rows of a case. most_seconds: of sweeps in one run of a method, after which it is left unsolved; what takes more than a tenth of it
     is run once only. peer_seconds: the same of Siconos, whose sweeps cost forty times as much."""
     methods = [method for method in core.methods() if method != "newton" or case.disks <= NEWTON_DISKS]
     peer_seconds = peer_seconds or most_seconds
@@ -59,19 +59,19 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_s
 
 
 def _seconds_a_sweep(case):
-    """Of plain sweeps, roughly: the difference of two solutions, which both prepare the same."""
+    """Estimate the time of a plain sweep from the difference of two solutions, which both prepare the same."""
     few, many = (core.solve(case.problem, fixed_iterations=count).seconds for count in (10, 50))
     return max(1e-9, (many - few) / 40)
 
 
 def _quick(history, targets, seconds):
-    """The smallest target that a history met within so many seconds, None if there is none."""
+    """Return the smallest target that a history met within so many seconds, None if there is none."""
     met = [target for target in targets if (point := siconos.reached(history, target)) and point[1] <= seconds]
     return min(met, default=None)
 
 
 def _median(runs, target):
-    """(rounds, sweeps, seconds, e, e_max, status): the run of median time; solved only if every run was."""
+    """Return (rounds, sweeps, seconds, e, e_max, status) of the run of median time; solved only if every run was."""
     if failed := [run for run in runs if not run[2] <= target]:
         return len(runs), failed[0][0], None, *failed[0][2:4], failed[0][4]
     middle = sorted(runs, key=lambda run: run[1])[len(runs) // 2]
@@ -96,7 +96,7 @@ def _row(case, method, target, found):
 
 
 def oracle(case):
-    """Rows of a case of at most 50 contacts: Siconos's pivoting solver, its error by our measure, and its relative velocities beside ours."""
+    """Return the rows of a case of at most 50 contacts: Siconos's pivoting solver, its error by our measure, and its relative velocities beside ours."""
     ours = core.solve(case.problem, tolerance=1e-12, max_iterations=MOST_SWEEPS)
     p, claim = siconos.Peer(case.problem).lemke()
     e = core.residual(case.problem, p)

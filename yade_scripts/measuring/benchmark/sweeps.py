@@ -1,4 +1,4 @@
-"""What one sweep costs per contact, by size, kind of sweep and instruction set, beside Siconos's and the bound set by memory.
+"""Measures what one sweep costs per contact, by size, kind of sweep and instruction set, beside Siconos's and the bound set by memory.
 
 Sizes: packings of 400, 4000 and 40000 disks, and twenty copies of the largest (tiled), whose 1.5 million contacts fit no cache. The time of
 a sweep is the difference between many and few in one solution, so that what is done once drops out; it is processor time. The bound: the bytes
@@ -20,7 +20,7 @@ AHEAD = 600              # of those with momentum; in the last sixth, which is w
 
 
 def bandwidth(arrays=[]):
-    """Bytes per second of a += b, of one core."""
+    """Measure the bytes per second of a += b on one core."""
     if not arrays:
         arrays += [np.ones(LONG), np.ones(LONG)]
     a, b = arrays
@@ -30,7 +30,7 @@ def bandwidth(arrays=[]):
 
 
 def traffic(problem, ahead):
-    """Bytes that a sweep moves per contact if every contact comes from memory once and every body once: read, and what has changed written."""
+    """Return the bytes that a sweep moves per contact if every contact comes from memory once and every body once: read, and what has changed written."""
     contact, before, body = core.bytes_of_a_sweep()
     impulses = 16
     bodies = body * len(np.unique(problem.pairs)) / problem.contacts
@@ -40,25 +40,25 @@ def traffic(problem, ahead):
 
 
 def plain(problem, sweeps):
-    """(seconds, sweeps made) of a solution by plain sweeps, with all that comes with one."""
+    """Return (seconds, sweeps made) of a whole solution by plain sweeps."""
     report = core.solve(problem, fixed_iterations=sweeps)
     return report.seconds, report.iterations
 
 
 def ahead(problem, sweeps):
-    """The same with momentum."""
+    """Return the same for sweeps with momentum."""
     report = core.solve(problem, "accelerated", 1e-300, sweeps)
     return report.seconds, report.iterations
 
 
 def of_a_sweep(solution, problem, sweeps, first):
-    """Seconds of one sweep: the difference between `sweeps` and the `first` of them."""
+    """Return the seconds of one sweep: the difference between `sweeps` and the `first` of them."""
     (many, made), (few, made_first) = solution(problem, sweeps), solution(problem, first)
     return (many - few) / (made - made_first)
 
 
 def setup(problem, other):
-    """Seconds (contacts as before, anew) of a solution of one sweep, packing and error included; `other` has different contacts."""
+    """Return the seconds (contacts as before, new contacts) of a solution of one sweep, packing and error included; `other` has different contacts."""
     plain(problem, 1)
     same = plain(problem, 1)[0]
     plain(other, 1)
@@ -66,7 +66,7 @@ def setup(problem, other):
 
 
 def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: None):
-    """One row: ns per contact of every kind of sweep (medians over rounds taken in turn), of the set-up, and the bound."""
+    """Return one row: ns per contact of every kind of sweep (medians over rounds taken in turn), of the set-up, and the bound."""
     sweeps = int(min(MOST, max(FEWEST, WORK / problem.contacts)))
     sets = core.instruction_sets()
     peer = siconos.Peer(problem) if with_peer else None

@@ -34,7 +34,7 @@ class Series:
     costlier: bool = True
 
     def rows(self, scene, quick):
-        """The rows for a scene, each {parameter: value} with its method."""
+        """Return the rows for a scene, each {parameter: value} with its method."""
         own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
         values = self.values[::-1][::2][::-1] if quick else self.values
         return [{"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed | {self.parameter: value * own if self.relative else value}
@@ -56,28 +56,28 @@ class Setting:
         return parameters.result_name(parameters.complete(own)) + (f"-{ACCURACY}-{asked:g}" if asked else "")
 
     def slower_than(self, other):
-        """Whether it takes longer than another setting, for what the series tells."""
+        """Tell whether it takes longer than another setting, for what the series tells."""
         return self.series == other.series and self.size == other.size and self.rank > other.rank and self.series.costlier
 
 
 def split(row):
-    """(the row of parameters, the accuracy asked for or None)."""
+    """Return (the row of parameters, the accuracy asked for or None)."""
     own = {name: value for name, value in row.items() if name != ACCURACY}
     return own, row.get(ACCURACY)
 
 
 def chart_of(scene):
-    """The Chart of a scene; None if it has none."""
+    """Return the Chart of a scene; None if it has none."""
     return scenes.module(scene).CHART
 
 
 def names():
-    """The scenes that have a chart."""
+    """Return the scenes that have a chart."""
     return [name for name in scenes.names() if chart_of(name)]
 
 
 def _solvers():
-    """Names of the contact solvers; those known when the engine is not built."""
+    """Return the names of the contact solvers; those known when the engine is not built."""
     try:
         from cd_engine import core
         return core.methods()
@@ -86,7 +86,7 @@ def _solvers():
 
 
 def series(scene):
-    """The series of a scene."""
+    """Return the series of a scene."""
     chart = chart_of(scene)
     stiffer = STIFFER[:2] if chart.prepared else STIFFER
     laws = ("avoid_ratcheting", "path_independent") if chart.rolling or scene == "two_grain_path" else ()
@@ -106,7 +106,7 @@ def series(scene):
 
 
 def settings(scene, full):
-    """All settings of a scene in the order in which they are run: the coarse ones of all series first, then those at several sizes."""
+    """Return all settings of a scene in the order in which they are run: the coarse ones of all series first, then those at several sizes."""
     found = [Setting(one, rank, row) for one in series(scene) for rank, row in enumerate(one.rows(scene, not full))]
     sizes = chart_of(scene).sizes[:None if full else -1]
     return sorted(found, key=lambda setting: setting.rank) + [
@@ -115,13 +115,13 @@ def settings(scene, full):
 
 
 def error(known):
-    """Largest relative error |measured - exact|/scale of a measurement's rows; NaN where one was not measured."""
+    """Return the largest relative error |measured - exact|/scale of a measurement's rows; NaN where one was not measured."""
     return max((math.nan if one["measured"] is None else relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in known),
                key=lambda value: math.inf if math.isnan(value) else value, default=math.nan)
 
 
 def status(known):
-    """'finished', or why the measured values are no solution."""
+    """Return 'finished', or why the measured values are no solution."""
     if not known:
         return f"{STATUS_FAILED}nothing is known of the scene"
     lost = [one["name"] for one in known if one["measured"] is None]
@@ -139,7 +139,7 @@ class Work:
         self.settings = settings(scene, full)  # several series may hold one row, such as the scene's defaults: it is measured once
 
     def left(self):
-        """Settings without a measurement, or that ran out of a shorter time; of those with one name the first."""
+        """Return settings without a measurement, or that ran out of a shorter time; of those with one name the first."""
         first = {setting.name: setting for setting in reversed(self.settings)}
         done = {name for name in first if self._done(store.get(self.folder, name))}
         return [setting for setting in self.settings if setting.name not in done and setting is first[setting.name]]

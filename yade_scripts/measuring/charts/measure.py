@@ -20,7 +20,7 @@ PREPARATION = 600      # s a packing may take that is not there yet
 
 
 def measure(row, folder, limit, allow):
-    """(facts, known quantities as rows); `folder` holds the prepared packings, allow(seconds) sets the processor time from now on."""
+    """Return (facts, known quantities as rows); `folder` holds the prepared packings, allow(seconds) sets the processor time from now on."""
     own, asked = charts.split(row)
     full = parameters.complete(own)
     facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit} | store.origin()
@@ -43,7 +43,7 @@ def measure(row, folder, limit, allow):
 
 
 def run(row, asked, folder, limit, known, allow):
-    """(seconds, known quantities) of one run, or of a search for the accuracy `asked`.
+    """Return (seconds, known quantities) of one run, or of a search for the accuracy `asked`.
 
     A scene that measures in the course of its steps, which costs more than they do, has its numbers from a first run without a time (None),
     and its times from runs that do not measure; known: the numbers so far.
@@ -66,7 +66,7 @@ def run(row, asked, folder, limit, known, allow):
 
 
 def values(known, scene):
-    """What is kept of a Known."""
+    """Return what is kept of a Known."""
     measured = float(known.measure())
     return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
             "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}

@@ -81,7 +81,7 @@ class Search:
     accepted: tuple = (STABLE,)
 
     def case(self, value):
-        """The case at one point of the line."""
+        """Return the case at one point of the line."""
         return self.at | {self.along: round(value) if isinstance(self.good, int) else float(f"{value:.6g}")}
 
 
@@ -119,24 +119,24 @@ class Map:
 
 
 def names():
-    """The maps there are, in the order of the report."""
+    """Return the maps there are, in the order of the report."""
     found = [path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")]
     return sorted(found, key=lambda name: (get(name).order, name))
 
 
 @functools.cache
 def module(name):
-    """The file of a map."""
+    """Return the file of a map."""
     return importlib.import_module(f"{__name__}.{name}")
 
 
 def get(name):
-    """The Map of a name."""
+    """Return the Map of a name."""
     return module(name).MAP
 
 
 def logarithmic(low, high, count):
-    """`count` numbers from low to high, evenly in the logarithm, of three digits."""
+    """Return `count` numbers from low to high, evenly in the logarithm, of three digits."""
     return [float(f"{low * (high / low)**(k / (count - 1)):.3g}") for k in range(count)]
 
 
@@ -157,7 +157,7 @@ class Boundary:
 
 
 def bisect(search, probe):
-    """The Boundary along a Search. probe(case) -> an object with verdict and reason.
+    """Return the Boundary along a Search. probe(case) -> an object with verdict and reason.
 
     One crossing is assumed. A map that has more shows them in its cells, and the search ends at one of them.
     """
@@ -188,7 +188,7 @@ class Work:
         self.name, self.map, self.full, self.folder, self.limit = name, get(name), full, pathlib.Path(results) / FOLDER, CASE_SECONDS
 
     def find(self, case):
-        """What was measured of a case: its facts, or None."""
+        """Return what was measured of a case: its facts, or None."""
         return store.get(self.folder, self._file(case))
 
     def _file(self, case):
@@ -228,5 +228,5 @@ class Work:
 
 
 def outcome(facts):
-    """The Outcome that was kept."""
+    """Return the Outcome that was kept."""
     return Outcome(facts["verdict"], facts["reason"], facts["told"], facts["measures"])

@@ -14,14 +14,14 @@ SIDES = ("steeper", "flatter")
 
 
 def grid(full):
-    """tolerance by distance from tan(slope) = mu, a panel for each side."""
+    """Return the cases of the grid: tolerance by distance from tan(slope) = mu, a panel for each side."""
     tolerances, distances = ((logarithmic(1e-10, 1e-1, 10), logarithmic(1e-9, 1e-1, 9)) if full
                              else (logarithmic(1e-9, 1e-1, 5), logarithmic(1e-7, 1e-1, 4)))
     return product(side=SIDES, tolerance=tolerances, distance=distances)
 
 
 def searches(full):
-    """How near the angle of friction the answer is right, for each tolerance."""
+    """Return the searches of how near the angle of friction the answer is right, for each tolerance."""
     return [Search(at, "distance", 0.3, 1e-9, 1.05 if full else 1.5)
             for at in product(side=SIDES, tolerance=logarithmic(1e-8, 1e-1, 8) if full else [1e-6, 1e-3])]
 
@@ -42,14 +42,14 @@ MAP = Map(
 
 
 def weight(tangent):
-    """Acceleration of free fall seen from a slope of that tangent."""
+    """Return the acceleration of free fall seen from a slope of that tangent."""
     from yade_scripts.measuring import rigid
     angle = math.atan(tangent)
     return rigid.GRAVITY * math.sin(angle), -rigid.GRAVITY * math.cos(angle), 0
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid

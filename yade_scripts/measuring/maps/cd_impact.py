@@ -13,13 +13,13 @@ GAIN = 1e-9  # above round-off and the tolerance
 
 
 def grid(full):
-    """restitution by friction."""
+    """Return the cases of the grid: restitution by friction."""
     return product(restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0] if full else [0.0, 0.5, 0.9, 1.0],
                    friction=[0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0] if full else [0.0, 0.1, 0.5, 1.0])
 
 
 def searches(full):
-    """The least restitution that makes energy."""
+    """Return the searches for the least restitution that makes energy."""
     return [Search(at, "restitution", 0.1, 1.0, 1.003 if full else 1.02) for at in product(friction=[0.1, 0.2, 0.3, 0.5] if full else [0.1, 0.5])]
 
 
@@ -37,7 +37,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O
     draw = random.Random(1)
     gains, deficit = [], 0
@@ -53,7 +53,7 @@ def probe(case):
 
 
 def throw(case, angle, aside, spin):
-    """Largest relative gain of kinetic energy, and the energy that the engine says was dissipated; aside, spin in units of SPEED."""
+    """Return the largest relative gain of kinetic energy, and the energy that the engine says was dissipated; aside, spin in units of SPEED."""
     from yade import O, Quaternion, utils
 
     from yade_scripts.measuring import rigid

@@ -11,13 +11,13 @@ FOLDER = results.FOLDER  # of prepared packings
 
 
 def grid(full):
-    """tolerance by step."""
+    """Return the cases of the grid: tolerance by step."""
     tolerances, steps = ((logarithmic(1e-9, 1e-1, 9), logarithmic(1e-5, 1e-2, 7)) if full else (logarithmic(1e-7, 1e-1, 4), logarithmic(1e-4, 1e-2, 3)))
     return product(tolerance=tolerances, dt=steps)
 
 
 def searches(full):
-    """The loosest tolerance at which it does not strain, for each step."""
+    """Return the searches for the loosest tolerance at which it does not strain, for each step."""
     return [Search(at, "tolerance", 1e-8, 1.0, 1.1 if full else 1.5) for at in product(dt=logarithmic(1e-5, 1e-2, 7) if full else logarithmic(1e-4, 1e-2, 3))]
 
 
@@ -36,7 +36,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid

@@ -11,14 +11,14 @@ METHODS = ("accelerated", "nsgs")
 
 
 def grid(full):
-    """tolerance by mass ratio, a panel for each solver."""
+    """Return the cases of the grid: tolerance by mass ratio, a panel for each solver."""
     tolerances, ratios = ((logarithmic(1e-12, 1e-2, 11), logarithmic(1e-8, 1e8, 17)) if full
                           else (logarithmic(1e-10, 1e-2, 5), logarithmic(1e-8, 1e8, 9)))
     return product(method=METHODS if full else METHODS[:1], tolerance=tolerances, mass_ratio=ratios)
 
 
 def searches(full):
-    """The largest ratio at which forces are right, and where a step is still solved, for each tolerance."""
+    """Return the searches for the largest ratio at which forces are right, and where a step is still solved, for each tolerance."""
     return [Search(at, "mass_ratio", 1.0, 1e8, 1.05 if full else 1.3)
             for at in product(method=METHODS if full else METHODS[:1], tolerance=logarithmic(1e-12, 1e-2, 11) if full else logarithmic(1e-10, 1e-2, 5))]
 
@@ -40,7 +40,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid

@@ -8,18 +8,18 @@ STEPS = 50
 
 
 def whole(values):
-    """Rounded, without repetitions."""
+    """Round the values, without repetitions."""
     return list(dict.fromkeys(round(value) for value in values))
 
 
 def grid(full):
-    """sweeps by number of disks, a panel with and without warm start."""
+    """Return the cases of the grid: sweeps by number of disks, a panel with and without warm start."""
     sweeps, disks = ((logarithmic(1, 1e4, 13), logarithmic(1, 100, 9)) if full else (logarithmic(1, 1e3, 7), logarithmic(1, 30, 4)))
     return product(start=("warm", "cold"), disks=whole(disks), sweeps=whole(sweeps))
 
 
 def searches(full):
-    """The fewest sweeps that carry the column, for each height."""
+    """Return the searches for the fewest sweeps that carry the column, for each height."""
     return [Search(at, "sweeps", 30000, 1, 1.02 if full else 1.2) for at in product(start=("warm", "cold"), disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
 
 
@@ -37,6 +37,6 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade_scripts.measuring import rigid
     return rigid.judge(*rigid.stand(case["disks"], STEPS, fixedIterations=case["sweeps"], warmStart=case["start"] == "warm"))

@@ -15,13 +15,13 @@ UNSOLVED = 0.01  # share of the steps
 
 
 def grid(full):
-    """step by restitution, a panel for each friction."""
+    """Return the cases of the grid: step by restitution, a panel for each friction."""
     steps = logarithmic(0.003, 3, 10) if full else logarithmic(0.01, 3, 6)
     return product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] if full else [0.0, 0.5, 0.9], dt=steps)
 
 
 def searches(full):
-    """The longest step without deep overlaps."""
+    """Return the searches for the longest step without deep overlaps."""
     return [Search(at, "dt", 0.003, 10.0, 1.05 if full else 1.2)
             for at in product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8] if full else [0.0, 0.5])]
 
@@ -44,7 +44,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O, utils
 
     from yade_scripts.measuring import rigid
@@ -82,7 +82,7 @@ def probe(case):
 
 
 def pour(friction):
-    """The trough and, above each other, rows of disks set off their places at random."""
+    """Build the trough and, above each other, rows of disks displaced at random."""
     from yade_scripts.measuring import rigid
     rigid.material(friction)
     rigid.floor()
@@ -96,6 +96,6 @@ def pour(friction):
 
 
 def inside(place):
-    """Whether a disk's centre is above the floor and between the walls."""
+    """Tell whether a disk's centre is above the floor and between the walls."""
     from yade_scripts.measuring import rigid
     return place[1] > 0 and abs(place[0]) < COLUMNS * 1.2 * rigid.RADIUS

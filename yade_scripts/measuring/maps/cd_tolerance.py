@@ -11,13 +11,13 @@ METHODS = ("accelerated", "nsgs")
 
 
 def grid(full):
-    """tolerance by number of disks, a panel for each solver."""
+    """Return the cases of the grid: tolerance by number of disks, a panel for each solver."""
     tolerances, disks = ((logarithmic(1e-12, 1e-1, 12), logarithmic(1, 300, 9)) if full else (logarithmic(1e-10, 1e-1, 5), logarithmic(1, 100, 4)))
     return product(method=METHODS if full else METHODS[:1], disks=whole(disks), tolerance=tolerances)
 
 
 def searches(full):
-    """The loosest tolerance whose forces are right, for each height."""
+    """Return the searches for the loosest tolerance whose forces are right, for each height."""
     return [Search(at, "tolerance", 1e-7, 1.0, 1.05 if full else 1.3)
             for at in product(method=METHODS if full else METHODS[:1], disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
 
@@ -38,6 +38,6 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade_scripts.measuring import rigid
     return rigid.judge(*rigid.stand(case["disks"], STEPS, method=case["method"], tolerance=case["tolerance"]))

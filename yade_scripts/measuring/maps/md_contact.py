@@ -19,13 +19,13 @@ LAWS = ("standard", "avoid_ratcheting", "path_independent")
 
 
 def grid(full):
-    """omega_n dt by beta_n, a panel for each k_t/k_n; the other laws where they are searched."""
+    """Return the cases of the grid: omega_n dt by beta_n, a panel for each k_t/k_n; the other laws where they are searched."""
     steps, damping = ((logarithmic(0.05, 3, 15), logarithmic(0.01, 0.9, 9)) if full else (logarithmic(0.1, 3, 6), [0.01, 0.1, 0.5]))
     return product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping, omega_dt=steps, tangential_law=LAWS[:1])
 
 
 def searches(full):
-    """Of instability, and of an error of a tenth in the way a contact swings."""
+    """Return the searches of instability, and of an error of a tenth in the way a contact swings."""
     damping = logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
     precision = 1.003 if full else 1.03
     found = [Search(at, "omega_dt", 0.2 if at["beta_n"] < 0.7 else 0.1, 3.5, precision, (STABLE, INACCURATE))
@@ -52,7 +52,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -93,7 +93,7 @@ def probe(case):
 
 
 def errors(way, step, damping):
-    """Relative errors of decay and frequency a step: exp(-z s), s sqrt(1 - z^2). The first swings, far above round-off."""
+    """Return the relative errors of decay and frequency a step: exp(-z s), s sqrt(1 - z^2). They come from the first swings, which are far above round-off."""
     from yade_scripts.theory import spring_limits
     decay, frequency = spring_limits.free_response(way[:max(8, min(len(way), int(6 / (step * max(damping, 0.1)))))])
     return abs(decay / (damping * step) - 1), abs(frequency / (step * math.sqrt(1 - damping**2)) - 1)

@@ -20,13 +20,13 @@ LAWS = ("standard", "avoid_ratcheting", "path_independent")
 
 
 def grid(full):
-    """md_dt_factor by beta_n, a panel for each k_t/k_n."""
+    """Return the cases of the grid: md_dt_factor by beta_n, a panel for each k_t/k_n."""
     steps, damping = ((logarithmic(0.1, 1.6, 13), logarithmic(0.01, 0.9, 7)) if full else (logarithmic(0.1, 1.6, 7), [0.01, 0.1, 0.5]))
     return product(kt_over_kn=RATIOS if full else RATIOS[1:2], beta_n=damping, md_dt_factor=steps, tangential_law=LAWS[:1])
 
 
 def searches(full):
-    """Of instability."""
+    """Return the searches of instability."""
     damping = logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
     precision = 1.005 if full else 1.03
     return [Search(at, "md_dt_factor", 0.1, 2.0, precision)
@@ -50,7 +50,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O, utils
 
     from yade_scripts.preparing import bodies
@@ -88,13 +88,13 @@ def probe(case):
 
 @functools.cache
 def step_limits(kt_over_kn, beta_n):
-    """Limits [s] of the packing in O, which is the same for all cases of this stiffness ratio and damping."""
+    """Return the limits [s] of the packing in O, which is the same for all cases of this stiffness ratio and damping."""
     from yade_scripts.running import md_step
     return {"theory": md_step.limit(), "bound": md_step.safe_bound()}
 
 
 def load(full):
-    """The one prepared packing of all cases; its contacts get the stiffness ratio and the damping of the case, and stick."""
+    """Load the one prepared packing of all cases; its contacts get the stiffness ratio and the damping of the case, and stick."""
     from yade import O
 
     from yade_scripts.preparing import prepare

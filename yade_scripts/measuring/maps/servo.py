@@ -16,13 +16,13 @@ FOLDER = results.FOLDER  # of prepared packings
 
 
 def grid(full):
-    """gain by largest speed, a panel for each period of the load."""
+    """Return the cases of the grid: gain by largest speed, a panel for each period of the load."""
     gains, speeds = ((logarithmic(0.25, 8, 11), logarithmic(1e-4, 1e2, 13)) if full else (logarithmic(0.5, 4, 4), logarithmic(1e-3, 1e2, 6)))
     return product(period=[0.2, 0.02] if full else [0.2], max_velocity=speeds, gain=gains)
 
 
 def searches(full):
-    """The gain at which the walls lock, and the speed below which they are too slow."""
+    """Return the searches for the gain at which the walls lock, and the speed below which they are too slow."""
     gain = [Search(at, "gain", 0.5, 8.0, 1.02 if full else 1.1) for at in product(period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])]
     return gain + [Search(at, "max_velocity", 1.0, 1e-6, 1.05 if full else 1.5) for at in product(period=[0.2, 0.02] if full else [0.2], gain=[1.0])]
 
@@ -48,7 +48,7 @@ MAP = Map(
 
 
 class Watch:
-    """What the recorder does not see: each wall by itself, and the way of wall y+ step by step."""
+    """Records what the recorder does not: each wall by itself, and the path of wall y+ step by step."""
 
     def __init__(self, scene, full):
         self.scene, self.p0 = scene, parameters.pressure(full)
@@ -57,7 +57,7 @@ class Watch:
         self.sides, self.place, self.direction, self.reversals, self.steps = walls.sides(), None, 0, 0, 0
 
     def sample(self):
-        """Stress errors over P0 and gamma, beside the recorder's sample."""
+        """Record the stress errors over P0 and gamma, beside the recorder's sample."""
         from yade_scripts.running import walls
         stresses, goal = walls.stresses(), self.scene.load.goal
         self.errors.append(max(abs(s - g) for pair, g in zip(stresses, goal) for s in pair) / self.p0)
@@ -79,7 +79,7 @@ class Watch:
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     error, watch = run(case)
     half = len(watch.errors) // 2
     reference = reference_gamma(case["period"])
@@ -96,7 +96,7 @@ def probe(case):
 
 @functools.cache
 def reference_gamma(period):
-    """The largest |gamma| under a gain of 1 and walls as fast as they need be."""
+    """Return the largest |gamma| under a gain of 1 and walls as fast as they need be."""
     from yade import O
     O.reset()
     _, watch = run({"period": period, "gain": 1.0, "max_velocity": 1.0})
@@ -104,7 +104,7 @@ def reference_gamma(period):
 
 
 def gain_limit(own_gain):
-    """Of stability: the largest gain G = a own_gain, a = 1 - stressDamping, own_gain = 2 beta sqrt(m/k_n)/dt.
+    """Return the limit of stability: the largest gain G = a own_gain, a = 1 - stressDamping, own_gain = 2 beta sqrt(m/k_n)/dt.
 
     The controller moves a wall by d(n+1) = 0.8 d(n) - a e(n); e(n), the error of the force over the wall's stiffness, is
     f (x(n) + own_gain d(n)) with d(n) = x(n) - x(n-1), since the dashpots see the velocity of the last step. The way out of the unit circle
@@ -117,7 +117,7 @@ def gain_limit(own_gain):
 
 
 def run(case):
-    """(the error that ended the run or '', Watch)."""
+    """Make the run. Return (the error that ended it or '', Watch)."""
     from yade import O
 
     from yade_scripts.preparing import bodies, prepare

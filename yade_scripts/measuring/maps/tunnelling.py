@@ -17,18 +17,18 @@ KINDS = ("MD", "CD", "CD e=0.5", "CD from near", "CD colliderMargin=0")
 
 
 def grid(full):
-    """speed by thickness, a panel for each way of computing."""
+    """Return the cases of the grid: speed by thickness, a panel for each way of computing."""
     speeds, thicknesses = (logarithmic(0.01, 100, 13), logarithmic(0.01, 10, 4)) if full else (logarithmic(0.01, 100, 5), [0.1, 1.0])
     return product(kind=KINDS, thickness=thicknesses, speed=speeds)
 
 
 def searches(full):
-    """The speed that gets through."""
+    """Return the searches for the speed that gets through."""
     return [Search(at, "speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE)) for at in product(kind=KINDS, thickness=logarithmic(0.01, 10, 4) if full else [0.1, 1.0])]
 
 
 def turning(at):
-    """Of springs: the speed, in R sqrt(k_n/m), at which the centre reaches the wall's mid-plane, where a box turns its normal round."""
+    """Return for springs the speed, in R sqrt(k_n/m), at which the centre reaches the wall's mid-plane, where a box turns its normal round."""
     return 1 + at["thickness"] / 2 if at["kind"] == "MD" else math.nan
 
 
@@ -48,7 +48,7 @@ MAP = Map(
 
 
 def probe(case):
-    """The Outcome of a case, inside YADE."""
+    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid
@@ -69,7 +69,7 @@ def probe(case):
 
 
 def springs(case, contact, distance):
-    """(whether it got through, largest overlap [m], ''): the default springs and their default step, without dashpots."""
+    """Return (whether it got through, largest overlap [m], '') by the default springs and their default step, without dashpots."""
     from yade import O
 
     from yade_scripts.measuring import rigid
@@ -92,7 +92,7 @@ def springs(case, contact, distance):
 
 
 def rigidly(case, contact, distance):
-    """(whether it got through, largest overlap [m], what the engine said)."""
+    """Return (whether it got through, largest overlap [m], what the engine said) of rigid contacts."""
     from yade import O
 
     from yade_scripts.measuring import rigid
