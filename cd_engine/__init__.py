@@ -7,7 +7,7 @@ Inside YADE (a script, a batch job, the console):
 
 `ContactDynamics` is a class registered in YADE itself (C++); its attributes, units and ranges are in `help(cd_engine.ContactDynamics)`.
 `PathIndependentShear`, a second one, serves the springs of Molecular Dynamics: put it right behind InteractionLoop.
-Import this module before `O.load` of a scene that contains either: `cd_engine.ContactDynamics` makes both known.
+Import this module before `O.load` of a scene that contains either.
 """
 import sys
 
@@ -149,3 +149,10 @@ def release():
     for contact in list(O.interactions):
         if contact.isReal and type(contact.phys).__name__ == "FrictPhys" and contact.phys.kn == 0:
             O.interactions.erase(contact.id1, contact.id2)
+
+
+if "yade" in sys.modules:
+    try:
+        _plugin()
+    except ImportError:
+        pass  # whoever asks for an engine is told why there is none; cd_engine.core serves without

@@ -10,6 +10,31 @@ namespace {
 
 	std::atomic<int> waiting { 0 };
 
+	bool isA(const std::string& name, const char* base)
+	{
+		return name == base || Singleton<yade::Omega>::instance().isInheritingFrom_recursive(name, base);
+	}
+
+	// Why an engine does not go with Contact Dynamics, and what to do; empty if it does. before: it stands before ContactDynamics.
+	std::string quarrel(const std::string& name, bool before)
+	{
+		const std::string remove = " Remove it or set its dead=True";
+		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
+			return name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
+			    + " the bodies a second time." + remove;
+		if (isA(name, "TimeStepper"))
+			return name + " sets O.dt by the stiffness of springs, which rigid bodies do not have." + remove;
+		if (isA(name, "BoundaryController"))
+			return name + " moves walls by the stiffness of springs, which rigid bodies do not have." + remove
+			    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
+		for (const char* const pushing :
+		    { "ForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier", "DragEngine", "LinearDragEngine", "HydroForceEngine" })
+			if (!before && isA(name, pushing))
+				return name
+				    + " stands after it, so its forces are cleared before they can act. Put it before ContactDynamics in O.engines";
+		return "";
+	}
+
 } // namespace
 
 bool awaited() { return waiting > 0; }
@@ -48,9 +73,8 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
-			if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
-				problem = name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
-				    + " the bodies a second time. Remove it or set its dead=True";
+			if (const std::string reason = quarrel(name, before); !reason.empty())
+				problem = reason;
 		}
 		others.push_back(other);
 	}

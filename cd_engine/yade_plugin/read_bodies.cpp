@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <sstream>
 
 namespace cd_engine {
@@ -256,6 +257,8 @@ void SceneLink::readFriction(int id, void* material)
 	KnownBody& known = bodies[id];
 	if (!material || !inherits(material, Base::FrictMat))
 		refuseBody(id, "has a material without friction angle", "Set " + ofBody(id) + ".mat to a FrictMat or a material derived from it");
+	if (*static_cast<const void* const*>(material) != frictMat)
+		tellOfMaterial(id, material);
 	const double angle = at<double>(material, layout.frictMat_frictionAngle);
 	if (angle == known.frictionAngle)
 		return;
@@ -263,6 +266,33 @@ void SceneLink::readFriction(int id, void* material)
 		refuseBody(id, "has the friction angle " + text(angle) + " rad", "Set " + ofBody(id) + ".mat.frictionAngle within [0, pi/2)");
 	known.frictionAngle = angle;
 	known.friction = std::tan(angle);
+}
+
+// A warning that comes once.
+void SceneLink::tell(const std::string& what, const std::string& remedy)
+{
+	if (!inspecting && told.insert(what).second)
+		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
+}
+
+void SceneLink::tellOfMaterial(int id, const void* material)
+{
+	const std::string name = className(material);
+	if (name == "FrictMat")
+		frictMat = *static_cast<const void* const*>(material);
+	else
+		tell("of a " + name + " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping.",
+		    "(Body #" + std::to_string(id) + " has one.) Use a FrictMat to say so, and `restitution` for bouncing.");
+}
+
+// A Box under gravity with nothing but disks to hold it.
+void SceneLink::tellOfFall(int id)
+{
+	const double* const w = world.bodies[id].inverseMass;
+	if ((w[0] > 0 && gravity[0] != 0) || (w[1] > 0 && gravity[1] != 0))
+		tell("body #" + std::to_string(id)
+			+ " is a boundary that gravity moves, and only disks can hold it: Box and Wall never touch each other.",
+		    "Block its freedoms if it is not to fall.");
 }
 
 // All that a step asks of a body. Whatever it asks is looked at in every step, since anybody may have changed it since the last one.
@@ -285,6 +315,8 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	readShape(id, world.bodies[id]);
 	readFriction(id, pointer<yade::Material>(body, layout.body_material));
 	readMotion(id, world.bodies[id], forces, g);
+	if (known.boundary && known.inPlane)
+		tellOfFall(id);
 	world.bodies[id].friction = known.friction;
 	surfaces[id] = { known.friction, world.bodies[id].radius };
 }
@@ -337,10 +369,12 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	outdated = changed || !gone.empty();
 }
 
-void SceneLink::checkScene(yade::Scene* scene, double dt) const
+void SceneLink::checkScene(yade::Scene* scene, double dt)
 {
 	if (at<bool>(scene, layout.scene_isPeriodic))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
+	if (dt == 1e-8)
+		tell("O.dt is 1e-8 s, which YADE sets where nobody has.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
 	if (!(dt > 0 && std::isfinite(dt)))
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
 }

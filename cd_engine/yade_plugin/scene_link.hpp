@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -108,7 +109,7 @@ class SceneLink {
 		}
 	};
 
-	void checkScene(yade::Scene*, double dt) const;
+	void checkScene(yade::Scene*, double dt);
 	void gatherBodies(yade::Scene*, const Vector3r& gravity);
 	void prefetchBody(const KnownBody&) const;
 	void findLayer(yade::BodyContainer&);
@@ -120,6 +121,8 @@ class SceneLink {
 	void readBox(int id, cd::Shape&);
 	void readWall(int id, cd::Shape&);
 	void readFriction(int id, void* material);
+	void tellOfMaterial(int id, const void* material);
+	void tellOfFall(int id);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
@@ -143,6 +146,7 @@ class SceneLink {
 	void writeMotion(std::size_t id);
 
 	std::array<const void*, 3> vtables {}; // of the classes of shapes, once met
+	const void* frictMat = nullptr; // vtable of this class, once met
 	std::vector<KnownBody> bodies;
 	std::vector<Surface> surfaces; // of the bodies
 	std::vector<int> gone; // ids whose body of the last step is no more, or is another one now
@@ -150,6 +154,8 @@ class SceneLink {
 	std::vector<Candidate> candidates; // scratch
 	std::vector<yade::Interaction*> interactions; // of world.pairs
 	bool inspecting = false; // the scene is only looked at
+	void tell(const std::string& what, const std::string& remedy);
+	std::set<std::string> told; // what has been warned of
 	std::vector<Forces> forces; // of world.pairs, as they were when they were read or published last
 	std::vector<Held> held; // of world.pairs
 	bool behind = false; // the scene

@@ -1,0 +1,90 @@
+"""What the engine cannot honour is refused, or warned of once, with the remedy."""
+import subprocess
+import sys
+
+import pytest
+from yade import utils, wrapper
+
+import cd_engine
+
+from . import plane
+
+
+def one_disk(**settings):
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mat=mat)
+    return cd_engine.engines(gravity=(0, -9.81, 0), **settings)
+
+
+@pytest.mark.parametrize("engine, said", [
+    (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after it.*Put it before"),
+    (lambda: wrapper.RadialForceEngine(ids=[1]), r"RadialForceEngine stands after it"),
+    (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after it"),
+    (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
+    (lambda: wrapper.TriaxialStressController(), r"TriaxialStressController moves walls.*O\.forces\.setPermF"),
+], ids=["force", "radial force", "gravity", "time step", "triaxial"])
+def test_engines_that_do_not_go_with_it(O, engine, said):
+    O.engines = one_disk() + [engine()]
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match=said):
+        O.run(1, True)
+    O.engines[-1].dead = True
+    O.run(1, True)
+
+
+def test_forces_before_it_act(O):
+    reset, collider, cd = one_disk()
+    O.engines = [reset, collider, wrapper.ForceEngine(ids=[1], force=(3, 0, 0)), cd]
+    O.materials[0].frictionAngle = 0
+    O.dt = 1e-3
+    O.run(10, True)
+    assert O.bodies[1].state.vel[0] == pytest.approx(3 * 10 * 1e-3)
+
+
+def said_by(O, capfd, steps=3):
+    O.run(steps, True)
+    return [line for line in capfd.readouterr().err.splitlines() if line.startswith("ContactDynamics: ")]
+
+
+@pytest.mark.parametrize("make", [wrapper.CohFrictMat, wrapper.ViscElMat], ids=["cohesion", "damping"])
+def test_materials_of_which_only_friction_is_used(O, capfd, make):
+    O.engines = one_disk()
+    O.dt = 1e-3
+    for body in O.bodies:
+        body.mat = make(frictionAngle=0.3)
+    line, = said_by(O, capfd)
+    assert make.__name__ in line and "only the frictionAngle is used" in line and "Body #0" in line
+
+
+def test_the_default_step_of_yade(O, capfd):
+    O.engines = one_disk()
+    O.dt = 1e-8
+    line, = said_by(O, capfd)
+    assert "O.dt is 1e-8 s" in line and "1e-3" in line
+
+
+def test_a_boundary_that_gravity_moves(O, capfd):
+    """A free Box over a Wall: neither touches the other, and it falls through."""
+    O.engines = one_disk()
+    O.dt = 1e-3
+    box = plane.box((1, 1), (0.1, 0.1), blocked="zXY")
+    line, = said_by(O, capfd)
+    assert f"body #{box} is a boundary that gravity moves" in line and "never touch each other" in line
+
+
+def test_nothing_is_said_of_a_scene_that_is_well(O, capfd):
+    O.engines = one_disk()
+    O.dt = 1e-3
+    O.bodies.append(utils.wall(-1, axis=0, material=0))
+    assert said_by(O, capfd) == []
+
+
+def test_importing_it_makes_its_classes_known(root, tmp_path):
+    """A scene with the engine is loaded after the import alone."""
+    path = tmp_path / "scene.yade.gz"
+    program = f"import glob, sys; sys.path[:0] = [{str(root)!r}, *glob.glob('/usr/lib/*/yade-double/py')]; import yade, cd_engine; from yade import O; "
+    for task in (f"O.engines = cd_engine.engines(tolerance=1e-5); O.save({str(path)!r})", f"O.load({str(path)!r}); print(O.engines[-1].tolerance)"):
+        done = subprocess.run([sys.executable, "-c", program + task], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    assert "1e-05" in done.stdout
