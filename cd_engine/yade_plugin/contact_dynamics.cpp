@@ -265,6 +265,12 @@ void ContactDynamics::checkLoaded() const
 	}
 }
 
+void ContactDynamics::summary(const boost::python::object& self)
+{
+	namespace py = boost::python;
+	py::import("builtins").attr("print")(py::import("cd_engine.summary").attr("text")(self));
+}
+
 void ContactDynamics::checkText(const char* attribute, const std::string& value)
 {
 	if (std::string(attribute) == "publish" && value != "always" && value != "due")

@@ -85,6 +85,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	// Of the engine that has made the last step: brings the scene up to date.
 	static void settleLatest();
 	void exportProblem(const std::string& path, bool bodies);
+	static void summary(const boost::python::object& self);
 	template <class Class> static void methods(Class&);
 
     private:
@@ -240,6 +241,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 
 template <class Class> void ContactDynamics::methods(Class& cls)
 {
+	cls.def("summary", &ContactDynamics::summary, boost::python::arg("self"),
+	    "Print how the engine is set and how its steps went, on one screen.");
 	cls.def("exportProblem", &ContactDynamics::exportProblem,
 	    (boost::python::arg("self"), boost::python::arg("path"), boost::python::arg("bodies") = false),
 	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5; with *bodies* a BodyProblem as .npz, in the order of "

@@ -88,3 +88,15 @@ def test_importing_it_makes_its_classes_known(root, tmp_path):
         done = subprocess.run([sys.executable, "-c", program + task], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
     assert "1e-05" in done.stdout
+
+
+def test_summary_says_how_it_went(O, capsys):
+    O.engines = one_disk()
+    O.dt = 1e-3
+    cd = O.engines[-1]
+    cd.summary()
+    assert "No step yet" in capsys.readouterr().out
+    O.run(5, True)
+    cd.summary()
+    out = capsys.readouterr().out
+    assert len(out.splitlines()) == 4 and "All 5 steps: 0 missed" in out and "1 contacts, 1 loaded" in out

@@ -1,0 +1,25 @@
+"""What ContactDynamics.summary() prints: how the engine is set and how its steps went, on one screen."""
+
+
+def text(engine):
+    """Lines about settings, the last step and all steps of an engine."""
+    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}, at most {engine.maxIterations} iterations a step, "
+             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g}"]
+    if engine.fixedIterations:
+        lines[0] += f", exactly {engine.fixedIterations} sweeps"
+    if not engine.steps:
+        return "\n".join(lines + ["No step yet."])
+    lines += [
+        f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}); error of the contacts {engine.residual:.2g}, "
+        f"of the bodies {engine.bodyError:.2g}",
+        f"  {engine.contacts} contacts, {engine.loadedContacts} loaded, {engine.slidingContacts} sliding; {engine.islands} islands, {engine.sleeping} asleep; "
+        f"overlap at most {engine.maxPenetration:.2g} m",
+        f"All {engine.steps} steps: {engine.unconvergedSteps} missed the tolerance; {engine.totalIterations / engine.steps:.3g} iterations and "
+        f"{1e3 * engine.solveTime / engine.steps:.3g} ms in the solver a step; overlap at most {engine.deepestPenetration:.2g} m; "
+        f"{engine.dissipatedEnergy:.3g} J lost in friction and impacts",
+    ]
+    if engine.unsolvableContact:
+        lines.insert(2, f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} apart")
+    elif engine.worstBody >= 0 and not engine.converged:
+        lines.insert(2, f"  the velocity of body #{engine.worstBody} may be the most wrong")
+    return "\n".join(lines)
