@@ -17,19 +17,20 @@ TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00",
 PANELS = 6
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
-TEXTS = "status", "problem", "kind", "start", "method"
+TEXTS = "status", "problem", "kind", "start", "method", "order"
 COLUMNS = {"solutions": (*TEXTS, "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
-           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated", "bandwidth_gb_per_s")}
+           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated", "bandwidth_gb_per_s"),
+           "step": ("order", "disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs", "over_springs")}
 
 
 def draw(folder):
     """Draw all that the tables in `folder` have rows for; the paths of the figures."""
     folder = Path(folder)
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
-    solutions, sweeps = (_rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items())
+    solutions, sweeps, steps = (_rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items())
     drawn = []
     for name, rows, figure in (("error_against_time", solutions, error_against_time), ("sweep_cost", sweeps, sweep_cost),
-                               ("sweeps_against_size", solutions, sweeps_against_size)):
+                               ("sweeps_against_size", solutions, sweeps_against_size), ("step_cost", steps, step_cost)):
         if rows and (fig := figure(rows, origin)):
             drawn.append(_save(fig, origin, folder / f"{name}.png"))
     return drawn
@@ -126,6 +127,26 @@ def sweep_cost(rows, origin):
     axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
     axis.set_title("One sweep; below the bound: what fits a cache is not read from memory")
+    return fig
+
+
+def step_cost(rows, origin):
+    """Draw ns per contact of a whole warm step against the number of disks, for Contact Dynamics and for the springs of the same packing."""
+    built = sorted((row for row in rows if row["order"] == "built"), key=lambda row: row["disks"])
+    fig, axis = plt.subplots(figsize=(6.4, 4.4))
+    for tolerance, (colour, marker) in TARGET_LOOK.items():
+        ours = [row for row in built if row["tolerance"] == tolerance]
+        if ours:
+            axis.loglog([row["disks"] for row in ours], [row["ns_a_contact"] for row in ours], marker=marker, color=colour,
+                        label=f"Contact Dynamics to {tolerance:.0e}")
+    springs = [row for row in built if row["tolerance"] == built[0]["tolerance"]]
+    axis.loglog([row["disks"] for row in springs], [1e9 * row["seconds_of_springs"] / row["contacts"] for row in springs], marker="X", color="#000000",
+                label="YADE's springs")
+    axis.set_xlabel("disks")
+    axis.set_ylabel("ns per contact and step")
+    axis.grid(True, which="major", linewidth=0.3)
+    axis.legend(fontsize=7)
+    axis.set_title("A whole step of a packing at rest, one thread")
     return fig
 
 

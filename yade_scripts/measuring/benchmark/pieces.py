@@ -12,7 +12,7 @@ from yade_scripts import parameters
 from yade_scripts.measuring import store
 from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
 
-TABLES = "solutions", "oracle", "sweeps", "engine"
+TABLES = "solutions", "oracle", "sweeps", "engine", "step"
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,16 @@ def _engine(folder, disks, mu, **settings):
     return Piece("engine", f"engine in YADE, {disks} disks mu {mu:g} to {settings['tolerance']:g}", settings, rows)
 
 
+def _step(rows, columns, **settings):
+    """Return a piece of step.py: what a step of a packing at rest costs beside YADE's springs."""
+    wish = {"rows": rows, "columns": columns} | settings
+
+    def measured(say):
+        say(f"a step of {rows * columns} disks")
+        return [problems.in_yade("step.py", wish)]
+    return Piece("step", f"a step of {rows * columns} disks to {settings['tolerance']:g}, {settings['order']}", wish, measured)
+
+
 def quick(folder, files=()):
     """Return the pieces of a minute: one small packing, a row or two in each table."""
     peer = siconos.available() is None
@@ -84,7 +94,7 @@ def quick(folder, files=()):
         + [_file(path, peer, **few) for path in files] \
         + ([_oracle(4, 0.5)] if peer else []) \
         + [_sweep(folder, 400, copies, 3, peer) for copies in (1, 10)] \
-        + [_engine(folder, 400, 0.5, tolerance=1e-6, steps=5, most_sweeps=10000)]
+        + [_engine(folder, 400, 0.5, tolerance=1e-6, steps=5, most_sweeps=10000), _step(20, 20, tolerance=1e-4, steps=100, order="built")]
 
 
 def _file(path, peer, **settings):
@@ -114,5 +124,8 @@ def full(folder, files=()):
         + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
         + [_engine(folder, 40000, mu, tolerance=tolerance, steps=steps, most_sweeps=10000)
            for tolerance, steps in ((1e-4, 20), (1e-6, 8)) for mu in problems.FRICTION] \
+        + [_step(20, columns, tolerance=tolerance, steps=steps, order="built") for columns, steps in ((20, 2000), (200, 500), (2000, 100), (12500, 25))
+           for tolerance in (1e-4, 1e-6)] \
+        + [_step(20, 2000, tolerance=1e-4, steps=100, order="shuffled"), _step(20, 50000, tolerance=1e-4, steps=5, order="built")] \
         + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
            for mu in problems.FRICTION for start in ("cold", "warm")]

@@ -1,0 +1,102 @@
+"""Measures what a step costs where nothing much happens: hexagonal packings under gravity, by Contact Dynamics and by YADE's springs.
+
+    yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
+
+Equal disks (R = 1 cm, mu = 0.5) in a tray as wide as a row, all in one island that is solved whole (reduce=False), warm: the steps before are not
+counted. Both methods make the same number of steps in runs that are waited for, in turns, so that a busy machine slows both. Times are processor
+time, medians over the runs; nothing is recorded within them. The last line printed is the row, in JSON.
+    order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
+Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
+"""
+import json
+import math
+import pathlib
+import random
+import resource
+import statistics
+import sys
+import time
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[3]))
+
+import yade
+from yade import O, utils
+from yade import wrapper as w
+
+import cd_engine
+
+RADIUS, MASS, FRICTION, GRAVITY = 0.01, 1000 * math.pi * 0.01**2, 0.5, 9.81  # [m], [kg] of a disk of depth 1 m, [1], [m/s^2]
+STEP = 1e-3        # of Contact Dynamics [s]
+YOUNG = 1e7        # of the springs [Pa]
+RUNS = 5           # over which the median is taken
+
+
+def resident():
+    """Return the memory that this process uses now [bytes]."""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def build(rows, columns, order):
+    """Fill the scene: the tray, and the disks row by row or shuffled."""
+    O.reset()
+    O.materials.append(w.FrictMat(young=YOUNG, poisson=0.3, density=1000, frictionAngle=math.atan(FRICTION)))
+    width, height = (2 * columns + 1) * RADIUS, rows * math.sqrt(3) * RADIUS + 2 * RADIUS
+    for centre, half in (((width / 2, -0.05), (width, 0.05)), ((-0.05, height / 2), (0.05, height)), ((width + 0.05, height / 2), (0.05, height))):
+        O.bodies.append(utils.box((*centre, 0), (*half, 0.5), fixed=True, material=0))
+    places = [((2 * c + 1 + r % 2) * RADIUS, RADIUS + r * math.sqrt(3) * RADIUS) for r in range(rows) for c in range(columns)]
+    if order == "shuffled":
+        random.Random(1).shuffle(places)
+    for place in places:
+        disk = utils.sphere((*place, 0), RADIUS, material=0)
+        disk.state.mass, disk.state.inertia, disk.state.blockedDOFs = MASS, (MASS * RADIUS**2 / 2,) * 3, "zXY"
+        O.bodies.append(disk)
+
+
+def springs():
+    """Return the engines of YADE's springs for the same scene."""
+    return [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb()], verletDist=0.1 * RADIUS),
+            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                              [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+            w.NewtonIntegrator(damping=0.3, gravity=(0, -GRAVITY, 0))]
+
+
+def seconds(steps):
+    """Make so many steps; the processor time of one [s]."""
+    begin = time.process_time()
+    O.run(steps, True)
+    return (time.process_time() - begin) / steps
+
+
+def main(wish):
+    """Build, warm up, measure, print the row."""
+    empty = resident()
+    build(wish["rows"], wish["columns"], wish["order"])
+    loaded = resident()
+    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=wish["tolerance"], reduce=False)
+    engine, O.dt = O.engines[-1], STEP
+    O.run(20, True)
+    each = max(1, wish["steps"] // RUNS)
+    ours, solver, sweeps = [], [], []
+    for _ in range(RUNS):
+        before = engine.solveTime, engine.totalIterations
+        ours.append(seconds(each))
+        solver.append((engine.solveTime - before[0]) / each)
+        sweeps.append((engine.totalIterations - before[1]) / each)
+    memory = resident() - loaded
+    contacts, missed = engine.contacts, engine.unconvergedSteps
+    cd_engine.release()
+    O.engines, O.dt = springs(), 0.3 * math.sqrt(MASS / YOUNG)
+    O.run(20, True)
+    theirs = [seconds(each) for _ in range(RUNS)]
+    whole, spring = statistics.median(ours), statistics.median(theirs)
+    print(json.dumps({
+        "status": "measured", "disks": wish["rows"] * wish["columns"], "contacts": contacts, "order": wish["order"], "tolerance": wish["tolerance"],
+        "steps": each * RUNS, "steps_missed": missed, "sweeps_a_step": statistics.median(sweeps), "seconds_a_step": whole, "seconds_of_the_solver": statistics.median(solver),
+        "ns_a_contact": 1e9 * whole / contacts, "seconds_of_springs": spring, "over_springs": whole / spring,
+        "bytes_a_disk_in_yade": (loaded - empty) / (wish["rows"] * wish["columns"]), "bytes_a_contact_of_engine": memory / contacts,
+        "yade": yade.config.version}))
+
+
+if __name__ == "__main__":
+    main({"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 50, "order": "built"} | json.loads(sys.argv[1]))
