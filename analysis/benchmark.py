@@ -18,7 +18,7 @@ PANELS = 6
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 TEXTS = "status", "problem", "kind", "start", "method", "order"
-COLUMNS = {"solutions": (*TEXTS, "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
+COLUMNS = {"solutions": ("status", "problem", "kind", "start", "method", "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
            "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated", "bandwidth_gb_per_s"),
            "step": ("order", "disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs", "over_springs")}
 

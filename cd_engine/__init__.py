@@ -48,14 +48,15 @@ def _plugin():
 
 
 def _tell_of_waiting(plugin):
-    """Have O.run(n, True) and O.wait() tell the plug-in that nobody looks at the scene before they return.
+    """Have O.run(n, True) and O.wait() tell the plug-in that nobody looks at the scene before they return, and O.pause() that somebody does.
 
     ContactDynamics then writes to the scene only what its other engines look at, and all of it at the end.
     """
     from yade import O
-    run, wait = type(O).run, type(O).wait
+    run, wait, pause = type(O).run, type(O).wait, type(O).pause
 
     def run_and_tell(self, nSteps=-1, wait=False):
+        plugin.run_begins()
         if not wait:
             return run(self, nSteps)
         plugin.wait_begins()
@@ -71,7 +72,12 @@ def _tell_of_waiting(plugin):
         finally:
             plugin.wait_ends()
 
-    for name, told, original in (("run", run_and_tell, run), ("wait", wait_and_tell, wait)):
+    def pause_and_tell(self):
+        plugin.pause_begins()
+        pause(self)
+        plugin.settle()
+
+    for name, told, original in (("run", run_and_tell, run), ("wait", wait_and_tell, wait), ("pause", pause_and_tell, pause)):
         told.__name__, told.__doc__ = name, original.__doc__
         setattr(type(O), name, told)
 

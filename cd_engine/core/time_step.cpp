@@ -276,18 +276,21 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	return gaps[index] + turning(pair, world, touch, gaps[index], dt) + dt * un < 0;
 }
 
+bool TimeStep::anyViolated(const World& world, const StepSettings& settings) const
+{
+	return narrowest <= 2.001 * settings.dt * fastest
+	    && std::any_of(world.awake.begin(), world.awake.end(), [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); });
+}
+
 // If there are such pairs, adds them, and all that the fastest body could reach, since an impact may go on from body to body; says whether there
 // were.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
-	if (narrowest > 2.001 * settings.dt * fastest)
-		return false;
-	const auto violated = [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); };
-	if (std::none_of(world.awake.begin(), world.awake.end(), violated))
+	if (!anyViolated(world, settings))
 		return false;
 	const double wide = reach(world, settings.dt).gap;
 	for (const int32_t i : world.awake)
-		if (!solved[i] && (gaps[i] <= wide || violated(i))) {
+		if (!solved[i] && (gaps[i] <= wide || crosses(i, world, settings.dt))) {
 			const Pair& pair = world.pairs[i];
 			addRow(world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), gaps[i], settings);
 		}
@@ -312,14 +315,19 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		meanVelocities(world);
+		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= settings.solver.maxIterations;
 		if (settings.restitution > 0) {
 			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
 			const bool judged = report.solver.status == Status::converged && settings.gapCorrection == 0; // which adds energy by itself
 			if (!judged || !rebounds.any() || !rebounds.lower(system, before, free, settings.solver.tolerance))
 				return true;
+			if (spent)
+				return end(report);
 			freeVelocities(world, settings.dt);
 			continue;
 		}
+		if (spent)
+			return !anyViolated(world, settings) || end(report);
 		if (!addViolated(world, settings))
 			return true;
 		if (sleepers.wake(system.contacts, world))
@@ -328,6 +336,14 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		if (settings.solver.fixedIterations > 0)
 			beginAgain(world, report);
 	}
+}
+
+// Another solution is needed and nothing is left for it.
+bool TimeStep::end(StepReport& report)
+{
+	if (report.solver.status == Status::converged)
+		report.solver.status = Status::max_iterations;
+	return true;
 }
 
 // So many sweeps from the first guess, and no more, is what fixedIterations mean.

@@ -92,9 +92,11 @@ class TimeStep {
 	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
 	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
+	bool anyViolated(const World&, const StepSettings&) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void beginAgain(const World&, StepReport&);
+	static bool end(StepReport&);
 	void finishContacts(World&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);
 	void push(std::size_t row, const Pair&, SleepingIsland*);

@@ -9,6 +9,7 @@ namespace cd_engine {
 namespace {
 
 	std::atomic<int> waiting { 0 };
+	std::atomic<bool> paused { false };
 
 	bool isA(const std::string& name, const char* base)
 	{
@@ -37,7 +38,9 @@ namespace {
 
 } // namespace
 
-bool awaited() { return waiting > 0; }
+bool awaited() { return waiting > 0 && !paused; }
+void pauseBegins() { paused = true; }
+void runBegins() { paused = false; }
 void waitBegins() { waiting++; }
 void waitEnds() { waiting--; }
 
@@ -57,6 +60,7 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
 	if (!changed(engines, rest.engine()))
 		return;
+	changedAt = at<long>(scene, layout.scene_iter);
 	others.clear();
 	std::string problem;
 	bool resets = false, finds = false, before = true;
@@ -99,11 +103,23 @@ static bool isDue(yade::Engine* engine, long iteration)
 	    || at<long>(engine, layout.periodic_nDone) == 0 || (period > 0 && iteration - last >= period) || iteration < last;
 }
 
+// Whether a periodic engine has run in the step `iteration`; it may have died in it.
+static bool hasRun(yade::Engine* engine, long iteration)
+{
+	return inherits(engine, Base::PeriodicEngine) && at<long>(engine, layout.periodic_iterLast) == iteration;
+}
+
 bool Company::looks(long iteration) const
 {
-	for (const Other& other : others)
-		if (!other.dead && !other.self && !other.ours && isDue(other.engine, other.before ? iteration + 1 : iteration))
+	if (changedAt == iteration)
+		return true;
+	for (const Other& other : others) {
+		if (other.self || other.ours)
+			continue;
+		if ((other.before && hasRun(other.engine, iteration))
+		    || (!other.dead && isDue(other.engine, other.before ? iteration + 1 : iteration)))
 			return true;
+	}
 	return false;
 }
 

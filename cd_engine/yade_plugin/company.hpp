@@ -12,6 +12,9 @@ namespace cd_engine {
 bool awaited();
 void waitBegins();
 void waitEnds();
+// Another thread has paused the run: whoever looks now sees the last step; until the next run begins.
+void pauseBegins();
+void runBegins();
 
 // The other engines of the scene. An engine with a period (PyRunner and its like) looks at the scene when that is over; any other in every step.
 class Company {
@@ -19,7 +22,8 @@ class Company {
 	// Looks at the list of engines if it is another one than the last time. Attaches the collider found to `rest`. Throws SceneError for engines
 	// that do not go with Contact Dynamics. margin: the colliderMargin.
 	void check(const yade::Engine* self, yade::Scene*, ColliderRest& rest, double margin);
-	// Whether one of them runs between this step of `self` and the next.
+	// Whether one of them runs between this step of `self` and the next, or has run before it in this one: what it has added to O.forces then
+	// ends with this step.
 	bool looks(long iteration) const;
 
     private:
@@ -32,6 +36,7 @@ class Company {
 	bool changed(const std::vector<boost::shared_ptr<yade::Engine>>&, const yade::Engine* collider) const;
 
 	std::vector<Other> others; // all engines, at the last check
+	long changedAt = -1; // iteration of the last check that found another list
 };
 
 } // namespace cd_engine

@@ -58,7 +58,7 @@ void ContactDynamics::settle()
 	{
 		const std::lock_guard<std::mutex> lock(stepping);
 		if (link.ahead())
-			link.publish(scene, step, last.dt);
+			link.publish(scene, step);
 		rest->wake();
 	}
 	PyEval_RestoreThread(gil);
@@ -90,7 +90,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
-	const bool awake = sleeping == 0 || sleeping < islands; // else there is nothing to try
+	const bool awake = sleeping < islands; // else there is nothing to try
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
@@ -106,18 +106,18 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 
 bool ContactDynamics::somebodyLooks() const
 {
-	return !awaited() || read(&ContactDynamics::publish) == "always" || company.looks(at<long>(scene, layout.scene_iter));
+	return !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || company.looks(at<long>(scene, layout.scene_iter));
 }
 
 void ContactDynamics::advance()
 {
-	if (idle && link.ahead()) {
+	if (idle && link.ahead() && !looksAtOrder()) {
 		{
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
 		}
 		if (somebodyLooks())
-			link.publish(scene, step, last.dt);
+			link.publish(scene, step);
 		return;
 	}
 	company.check(this, scene, *rest, colliderMargin);
@@ -139,10 +139,10 @@ void ContactDynamics::advance()
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
-	link.hold(step, settings.dt);
+	link.hold(step, settings.dt, at<long>(scene, layout.scene_iter));
 	idle = made.idle;
 	if (somebodyLooks())
-		link.publish(scene, step, settings.dt);
+		link.publish(scene, step);
 	const double before = deepestPenetration;
 	report(made, settings);
 	if (deepestPenetration > before)

@@ -241,8 +241,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 
 template <class Class> void ContactDynamics::methods(Class& cls)
 {
-	cls.def("summary", &ContactDynamics::summary, boost::python::arg("self"),
-	    "Print how the engine is set and how its steps went, on one screen.");
+	cls.def(
+	    "summary", &ContactDynamics::summary, boost::python::arg("self"), "Print how the engine is set and how its steps went, on one screen.");
 	cls.def("exportProblem", &ContactDynamics::exportProblem,
 	    (boost::python::arg("self"), boost::python::arg("path"), boost::python::arg("bodies") = false),
 	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5; with *bodies* a BodyProblem as .npz, in the order of "

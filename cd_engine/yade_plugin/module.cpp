@@ -110,6 +110,9 @@ namespace {
 		    "Repeat the check made on import with false claims {member: offset or type name}; ImportError where one is found out.");
 		py::def("wait_begins", waitBegins, "Somebody waits for the run to end and does not look at the scene meanwhile.");
 		py::def("wait_ends", endWait, "The end of that: the scene is up to date.");
+		py::def("pause_begins", pauseBegins, "Somebody is about to pause the run and to look at the scene.");
+		py::def("settle", ContactDynamics::settleLatest, "Bring the scene up to date.");
+		py::def("run_begins", runBegins, "A run begins or goes on.");
 		py::def("methods", methods, "Names of the contact solvers.");
 		py::def("instruction_sets", instructionSets, "Names of those the sweeps can use on this processor, the fastest first.");
 		py::def("use_instruction_set", useInstructionSet, "Sweep with this one from now on. The results are the same bits with all.");

@@ -400,7 +400,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());
 	const bool search = rest.needed(world, scene, dt, margin, changed);
 	if (behind && (search || reordered))
-		publishScene(at<long>(scene, layout.scene_iter));
+		publishScene();
 	if (search)
 		rest.search(world, scene);
 	rest.rest(scene);

@@ -184,6 +184,7 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 		if (found == held[now])
 			continue;
 		held[now] = found;
+		held[now].since = at<long>(interactions[now], layout.interaction_iterMadeReal);
 		if (sleepers)
 			sleepers->disturb(world.pairs[now]);
 	}

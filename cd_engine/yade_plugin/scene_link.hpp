@@ -55,12 +55,14 @@ class SceneLink {
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
 	// Takes in what a step of dt has left. The scene is behind from then on, until it is published.
-	void hold(cd::TimeStep&, double dt);
+	void hold(cd::TimeStep&, double dt, long iteration);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void publish(yade::Scene*, const cd::TimeStep&, double dt);
+	void publish(yade::Scene*, const cd::TimeStep&);
 	// Whether steps have been made that are not published.
 	bool ahead() const { return behind; }
+	// Whether all that these hold are numbers; what is not is refused when the next step reads it.
+	bool finite() const { return numbers; }
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 
@@ -101,6 +103,7 @@ class SceneLink {
 		bool any = false; // else it carries nothing, and what follows means nothing
 		double nx, ny, fn[2], ft[2]; // normal; normal and tangential force [N]
 		cd::Touch touch; // with the step's own normal
+		long since = -1; // iteration in which it became loaded
 
 		bool operator==(const Held& o) const
 		{
@@ -136,11 +139,11 @@ class SceneLink {
 	static std::array<double, 2> impulseIn(const Held&, double dt);
 	void collectSpares();
 	Spare takeSpare();
-	void makeReal(std::size_t pair, long iteration);
+	void makeReal(std::size_t pair);
 	void makeUnreal(std::size_t pair);
 	void turnBodies();
 	void orient(int id);
-	void publishScene(long iteration);
+	void publishScene();
 	void writeContact(std::size_t pair);
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
@@ -159,6 +162,8 @@ class SceneLink {
 	std::vector<Forces> forces; // of world.pairs, as they were when they were read or published last
 	std::vector<Held> held; // of world.pairs
 	bool behind = false; // the scene
+	bool numbers = true; // whether the motion after the last step is made of these
+	double heldStep = 0; // length of the last step held [s]
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
 	std::vector<Spare> pool; // of pairs that are no more, for others
 	Vector3r gravity = Vector3r::Zero();

@@ -39,7 +39,7 @@ SceneLink::Spare SceneLink::takeSpare()
 }
 
 // Gives the interaction objects to hold its force: those it had when it was last loaded, or others, of which every member is set anew.
-void SceneLink::makeReal(std::size_t index, long iteration)
+void SceneLink::makeReal(std::size_t index)
 {
 	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
 	auto& phys = at<boost::shared_ptr<yade::IPhys>>(interactions[index], layout.interaction_phys);
@@ -47,7 +47,6 @@ void SceneLink::makeReal(std::size_t index, long iteration)
 		spare[index] = takeSpare();
 	geom = spare[index].geom;
 	phys = spare[index].phys;
-	at<long>(interactions[index], layout.interaction_iterMadeReal) = iteration;
 	forces[index] = { geom.get(), phys.get(), true };
 	const cd::Pair& pair = world.pairs[index];
 	const double radiusB = surfaces[pair.b].radius;
@@ -73,6 +72,7 @@ void SceneLink::makeUnreal(std::size_t index)
 void SceneLink::writeContact(std::size_t index)
 {
 	const Held& h = held[index];
+	at<long>(interactions[index], layout.interaction_iterMadeReal) = h.since;
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;
 	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(h.touch.cx, h.touch.cy, layer);
@@ -132,7 +132,7 @@ void SceneLink::turnBodies()
 
 // Forces that say already what they are to say stay as they are, since taken up again they would differ in the last digit. Where one changes, its
 // island does not sleep.
-void SceneLink::hold(cd::TimeStep& step, double dt)
+void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 {
 	const std::vector<int32_t>& solved = step.pairs();
 	assert(solved.size() == step.touches().size() && held.size() == world.pairs.size());
@@ -147,7 +147,8 @@ void SceneLink::hold(cd::TimeStep& step, double dt)
 		if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
 			continue;
 		const double fn = pair.pn * rate, ft = pair.pt * rate;
-		h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch };
+		const long since = h.any ? h.since : iteration;
+		h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch, since };
 		step.sleepers.disturb(pair);
 	}
 	for (const int32_t i : world.awake)
@@ -156,10 +157,13 @@ void SceneLink::hold(cd::TimeStep& step, double dt)
 			step.sleepers.disturb(world.pairs[i]);
 		}
 	turnBodies();
+	heldStep = dt;
+	numbers = std::all_of(
+	    world.bodies.begin(), world.bodies.end(), [](const cd::Body& b) { return (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0; });
 	behind = true;
 }
 
-void SceneLink::publishScene(long iteration)
+void SceneLink::publishScene()
 {
 	assert(spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
@@ -167,7 +171,7 @@ void SceneLink::publishScene(long iteration)
 			prefetchContact(forces[i + early]);
 		if (held[i].any) {
 			if (!forces[i].geom)
-				makeReal(i, iteration);
+				makeReal(i);
 			writeContact(i);
 		} else if (forces[i].any)
 			makeUnreal(i);
@@ -181,11 +185,11 @@ void SceneLink::publishScene(long iteration)
 	behind = false;
 }
 
-void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step, double dt)
+void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step)
 {
-	publishScene(at<long>(scene, layout.scene_iter));
+	publishScene();
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
-	const double rate = 1 / dt;
+	const double rate = 1 / heldStep;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
 		if (!bodies[id].exists)
 			continue;

@@ -12,11 +12,11 @@ import cd_engine
 from . import plane, test_invariants
 
 
-def seen(O):
-    """Digest of all that a step leaves in the scene."""
+def seen(O, born=True):
+    """Digest of all that a step leaves in the scene; born: with the steps in which contacts became loaded."""
     rows = [(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel, *O.forces.f(b.id), *O.forces.t(b.id)) for b in O.bodies]
     for i in sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2)):
-        rows.append((i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce, i.phys.tangensOfFrictionAngle, *i.geom.normal, *i.geom.contactPoint,
+        rows.append((i.id1, i.id2, i.iterMadeReal if born else 0, *i.phys.normalForce, *i.phys.shearForce, i.phys.tangensOfFrictionAngle, *i.geom.normal, *i.geom.contactPoint,
                      i.geom.penetrationDepth, i.geom.refR1, i.geom.refR2))
     return hashlib.sha256(b"".join(np.array(row, float).tobytes() for row in rows)).hexdigest()
 
@@ -100,6 +100,88 @@ def test_what_an_engine_changes_is_read(O, call, place):
     both(O, run)
 
 
+@pytest.mark.parametrize("dies", [False, True])
+def test_a_force_acts_in_the_step_it_was_added_in_and_no_longer(O, call, dies):
+    """Nine pushes of 1 N for 1 ms on 1 kg; one where the engine that pushes dies in its step."""
+    def build(O):
+        plane.floor(plane.material())
+        plane.disk((0, 1), 0.01)
+
+    def run(engine):
+        def push():
+            O.forces.addF(1, (1, 9.81, 0))
+            O.engines[2].dead = dies
+
+        O.engines = [*O.engines[:2], call(push, iterPeriod=11), engine]
+        O.run(100, True)
+        return O.bodies[1].state.vel[0], seen(O)
+
+    assert both(O, run, build=build)[0] == pytest.approx(1e-3 if dies else 9e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize("contacts", [False, True])
+def test_what_lies_still_is_tried_and_ordered_as_if_somebody_looked(O, call, contacts):
+    """The plan of trials and the order of the bodies, which decide the last digits later."""
+    def build(O):
+        mat = plane.material()
+        plane.floor(mat)
+        for k in range(12):
+            plane.disk((0.05 * k, 0.01 if contacts else 1.0), 0.01, mat=mat)
+
+    def run(engine):
+        engine.gravity = (0, -9.81, 0) if contacts else (0, 0, 0)
+        O.engines = [*O.engines, call(lambda: setattr(engine, "gravity", (0.1, -9.81, 0)) if O.iter == 150 else None, iterPeriod=50)]
+        found = []
+        for steps in (51, 50, 300):
+            O.run(steps, True)
+            found.append((engine.restTrialAt, engine.restTrialPause, list(engine.loadsBeforeTrial), seen(O)))
+        return found
+
+    both(O, run, build=build)
+
+
+def test_a_step_that_ends_in_no_number_leaves_the_forces_of_the_one_before(O):
+    def build(O):
+        mat = plane.material()
+        for x, v in ((-0.03, 0.5), (0.03, -0.5)):
+            plane.disk((x, 0), 0.01, mass=1e157, velocity=(v, 0), mat=mat)
+        plane.disk((1, 0), 0.01, mat=mat)
+
+    def run(engine):
+        with pytest.raises(RuntimeError, match="not finite"):
+            O.run(200, True)
+        return [tuple(O.forces.f(b.id)) for b in O.bodies] + [seen(O)]
+
+    found = both(O, run, build=build)
+    assert np.isfinite(found[2]).all()
+
+
+def test_paused_by_another_thread_than_the_one_that_waits(O):
+    """It sees the last step, and what it sets stays."""
+    import threading
+
+    def build(O):
+        plane.disk((0, 0), 0.01, velocity=(1, 0))
+
+    for publish in ("always", "due"):
+        O.reset()
+        build(O)
+        O.engines = cd_engine.engines(publish=publish)
+        O.dt = 1e-3
+        engine = O.engines[-1]
+        waiter = threading.Thread(target=lambda: O.run(10**9, True))
+        waiter.start()
+        while engine.steps < 50:
+            time.sleep(0.001)
+        O.pause()
+        while engine.steps != O.iter:
+            time.sleep(0.001)
+        assert O.bodies[0].state.pos[0] == pytest.approx(1e-3 * O.iter, rel=1e-9)
+        O.bodies[0].state.vel = (0, 7, 0)
+        waiter.join()
+        assert tuple(O.bodies[0].state.vel) == (0, 7, 0)
+
+
 def test_an_engine_without_a_period_is_always_due(O):
     def run(engine):
         O.engines = [*O.engines[:2], wrapper.ForceEngine(ids=[len(O.bodies) - 5], force=(1, 2, 0)), engine]
@@ -115,11 +197,11 @@ def test_saved_by_an_engine_of_the_run_and_gone_on(O, call, tmp_path):
         path = str(tmp_path / f"{engine.publish}.yade.gz")
         O.engines = [*O.engines, call(lambda: O.save(path) if O.iter == 99 else None, iterPeriod=1)]
         O.run(200, True)
-        straight = seen(O)
+        straight = seen(O, born=False)
         O.load(path)
         O.engines = O.engines[:3]
         O.run(100, True)  # the hundredth step was over, though O.iter had not risen yet
-        return straight, seen(O)
+        return straight, seen(O, born=False)
 
     straight, gone_on = both(O, run)
     assert straight == gone_on
