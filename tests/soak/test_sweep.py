@@ -1,10 +1,13 @@
 """A table on a cluster: the same result files as locally, whatever happens to its tasks."""
+import io
 import itertools
+import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import types
 
 import h5py
 import numpy
@@ -13,6 +16,7 @@ import pytest
 from tests.soak import cluster
 from yade_scripts import batch, parameters, results, tables
 from yade_scripts.cluster import slurm, sweep
+from yade_scripts.results import sealed
 
 TABLE = """\
 description     scene   speed  method_cd
@@ -119,10 +123,13 @@ def rows(tmp_path):
 
 
 def leave(job, status):
-    """A result file with nothing but its status."""
+    """A result file with its row, its status and next to nothing of a history."""
     job.path.parent.mkdir(exist_ok=True)
-    with h5py.File(job.path, "w") as file:
-        file.attrs["status"] = status
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file.attrs["status"], file.attrs["parameters"] = status, json.dumps(job.full)
+        file["history/time"] = [0.0]
+    sealed.write(job.path, content.getvalue())
 
 
 def test_a_row_that_says_why_it_failed_has_its_answer_and_an_old_failure_is_none(rows):
@@ -150,7 +157,8 @@ def test_more_rows_than_an_array_has_tasks_are_shared_out(monkeypatch, tmp_path,
     monkeypatch.setattr(slurm, "largest_array", lambda: 4)
     monkeypatch.setattr(slurm, "submit", lambda name, command, count, *rest: submitted.append((command, count)) or "1")
     jobs = [batch.Row({"scene": "bounce", "speed": float(k + 1)}, str(tmp_path)) for k in range(rows_open)]
-    sweep.Sweep(sweep.Rows(jobs), sweep._options(["table", "--results", str(tmp_path)])).submit(0)
+    options = types.SimpleNamespace(results=str(tmp_path), minutes=None, at_once=None, sbatch="")
+    sweep.Sweep(sweep.Rows(jobs), options).submit(0)
     (command, count), = submitted
     assert count == tasks and command.endswith(f"$SLURM_ARRAY_TASK_ID {tasks}")
     shares = [range(rows_open)[index::tasks] for index in range(tasks)]  # as task.py takes them
