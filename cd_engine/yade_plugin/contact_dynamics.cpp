@@ -106,7 +106,9 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 
 bool ContactDynamics::somebodyLooks() const
 {
-	return !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || company.looks(at<long>(scene, layout.scene_iter));
+	const long iteration = at<long>(scene, layout.scene_iter);
+	const bool ends = at<long>(scene, layout.scene_stopAtIter) == iteration + 1;
+	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || company.looks(iteration);
 }
 
 void ContactDynamics::advance()
