@@ -26,11 +26,11 @@ def numbers(table):
     """Return the numbers of the text, from the table of boundaries."""
     found = table[(table["from"] == "instability") & table.theory.notna()]
     off = (found.boundary.astype(float) / found.theory - 1).abs() * 100
-    return {"0.1": off[found.map == "md_contact"].max(), "0.2": _first_failures(table, "md_packing")}
+    return {"0.1": off[found["map"] == "md_contact"].max(), "0.2": _first_failures(table, "md_packing")}
 
 
 def _first_failures(table, name):
-    found = table[(table.map == name) & table.theory.notna()]
+    found = table[(table["map"] == name) & table.theory.notna()]
     return (100 * (found.boundary.astype(float) / found.theory - 1).abs()).max()
 
 

@@ -23,7 +23,8 @@ template <class T, class User> class HandedOn {
 	std::vector<T> values;
 
     private:
-	static std::vector<std::vector<T>>& left() // of those that live at the same time the first begun is the last
+	// A stack: where several live at once, the one that ends first leaves its vector to the one that begins next.
+	static std::vector<std::vector<T>>& left()
 	{
 		static thread_local std::vector<std::vector<T>> all;
 		return all;

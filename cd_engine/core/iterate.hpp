@@ -81,7 +81,7 @@ template <class S> class Iteration {
 		sweep.store();
 		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was asked for
 			evaluate();
-		if (std::isnan(report.residual))
+		if (std::isnan(report.error)) // or an impulse that is not a number
 			report.status = Status::diverged;
 		return report;
 	}

@@ -102,22 +102,51 @@ template <class Form> class ProximalProblem {
 		return { at.pk[2 * i] - un / (at.sigma * d[2 * i]), at.pk[2 * i + 1] - ut / (at.sigma * d[2 * i + 1]) };
 	}
 
+	ContactState stateOf(const Impulse& z, double bound) const
+	{
+		if (!(z.n > 0))
+			return ContactState::open;
+		if (std::abs(z.t) < bound)
+			return ContactState::stick;
+		return z.t > 0 ? ContactState::slidePlus : ContactState::slideMinus;
+	}
+
+	double bound(std::size_t i, const Impulse& z) const { return form.friction(i) * std::max(z.n, 0.); }
+
 	// Sets states and bounds to those of u. Whether any state changed.
 	bool findStates()
 	{
 		bool changed = false;
 		for (std::size_t i = 0; i < form.size(); i++) {
 			const Impulse z = point(i, 0);
-			const double bound = at.bounds[i] = form.friction(i) * std::max(z.n, 0.);
-			ContactState state = z.t > 0 ? ContactState::slidePlus : ContactState::slideMinus;
-			if (!(z.n > 0))
-				state = ContactState::open;
-			else if (std::abs(z.t) < bound)
-				state = ContactState::stick;
+			at.bounds[i] = bound(i, z);
+			const ContactState state = stateOf(z, at.bounds[i]);
 			changed = changed || state != at.states[i];
 			at.states[i] = state;
 		}
 		return changed;
+	}
+
+	// Whether a step changes nothing but the last digits: its slope has no sign then.
+	bool stepIsRoundOff() const
+	{
+		double change = 0, size = 0;
+		for (std::size_t k = 0; k < x.size(); k++) {
+			change = std::max(change, std::abs(xNew[k] - x[k]));
+			size = std::max(size, std::abs(x[k]));
+		}
+		return change <= 1e-12 * size;
+	}
+
+	// Whether what a step leads to has the states it was made for: then it is the solution.
+	bool leadsToSolution() const
+	{
+		for (std::size_t i = 0; i < form.size(); i++) {
+			const Impulse z = point(i, 1);
+			if (stateOf(z, bound(i, z)) != at.states[i])
+				return false;
+		}
+		return true;
 	}
 
 	// (uNew - u) . (x - P) at the share a of the step: the slope of the convex function where there is no friction.
@@ -180,6 +209,10 @@ template <class Form> class ProximalProblem {
 				return true;
 			if (!propose(true))
 				return false;
+			if (stepIsRoundOff() && leadsToSolution()) {
+				advance(1);
+				return true;
+			}
 			if (slope(0) >= 0 && (exhausted() || !propose(false)))
 				return false;
 			const double start = slope(0), a = start < 0 ? share(start) : 1;

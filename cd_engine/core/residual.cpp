@@ -153,7 +153,7 @@ double ResidualSum::bodies() const
 	if (missed == 0)
 		return 0;
 	const double root = mass > 0 ? weighted / mass : 0, mean = root * root;
-	const double every = std::sqrt(missed) / std::max(least, nothing * mean);
+	const double every = std::sqrt(static_cast<double>(contacts) * missed) / std::max(least, nothing * mean);
 	if (contacts <= touched)
 		return every;
 	const double loops = std::min(1., static_cast<double>(contacts - touched) / manyLoops);

@@ -1,5 +1,5 @@
 #include "collider_rest.hpp"
-#include "company.hpp"
+#include "waiting.hpp"
 #include "scene_error.hpp"
 
 #include <algorithm>

@@ -28,7 +28,7 @@ class ColliderRest {
 	bool needed(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
 	// Runs it, with the bodies of the scene as they are here. Throws SceneError if a body's bounds stay too narrow, or missing, after it has run.
 	void search(const cd::World&, yade::Scene*);
-	// Lets it rest until the last step of O.run(n), or while somebody waits for the end of the run (company.hpp).
+	// Lets it rest until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void rest(yade::Scene*);
 	const yade::Engine* engine() const { return collider.get(); }
 	// Gives the collider back to YADE's loop.

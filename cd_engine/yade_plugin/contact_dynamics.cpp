@@ -1,4 +1,5 @@
 #include "contact_dynamics.hpp"
+#include "waiting.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +46,7 @@ void ContactDynamics::forget()
 	link = SceneLink();
 	rest.emplace();
 	step = cd::TimeStep();
-	company = Company();
+	others = OtherEngines();
 	last = {};
 	idle = false;
 	PyGILState_Release(gil);
@@ -108,7 +109,7 @@ bool ContactDynamics::somebodyLooks() const
 {
 	const long iteration = at<long>(scene, layout.scene_iter);
 	const bool ends = at<long>(scene, layout.scene_stopAtIter) == iteration + 1;
-	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || company.looks(iteration);
+	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || others.looks(iteration);
 }
 
 void ContactDynamics::advance()
@@ -122,7 +123,7 @@ void ContactDynamics::advance()
 			link.publish(scene, step);
 		return;
 	}
-	company.check(this, scene, *rest, colliderMargin);
+	others.check(this, scene, *rest, colliderMargin);
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);

@@ -1,7 +1,7 @@
 // The engine YADE sees.
 #pragma once
 
-#include "company.hpp"
+#include "other_engines.hpp"
 #include "registered_engine.hpp"
 #include "scene_link.hpp"
 
@@ -109,7 +109,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	cd::TimeStep step;
 	static std::atomic<ContactDynamics*> latest; // that engine
 	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
-	Company company;
+	OtherEngines others;
 	bool warned = false;
 	cd::StepSettings last; // of the last step
 	bool idle = false; // it left everything as it was, and so will the next unless somebody changes something

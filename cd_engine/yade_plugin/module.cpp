@@ -9,6 +9,7 @@
 #include "contact_dynamics.hpp"
 #include "path_independent_shear.hpp"
 #include "python_registration.hpp"
+#include "waiting.hpp"
 
 #include <boost/serialization/export.hpp>
 

@@ -4,32 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
-#include <sstream>
 
 namespace cd_engine {
 namespace {
-
-	constexpr unsigned dofX = 1, dofY = 2, dofZ = 4, rotX = 8, rotY = 16, rotZ = 32;
-
-	[[noreturn]] void refuseBody(int id, const std::string& what, const std::string& remedy)
-	{
-		throw SceneError("ContactDynamics: body #" + std::to_string(id) + " " + what + ". " + remedy);
-	}
-
-	std::string ofBody(int id) { return "O.bodies[" + std::to_string(id) + "]"; }
-
-	const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";
-
-	// A clump is a body itself and comes behind its members, which need not be looked at for that.
-	[[noreturn]] void refuseShape(int id, const std::string& name)
-	{
-		if (name == "Clump")
-			refuseBody(id, "is a clump", releaseClump);
-		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
-	}
-
-	std::string className(const void* serializable) { return static_cast<const yade::Serializable*>(serializable)->getClassName(); }
 
 	// Whether both are of one body. The count of its owners outlives it while it is remembered here, so, unlike its address, it cannot be another
 	// one's.
@@ -41,13 +18,6 @@ namespace {
 	// One test for several vectors, since nearly always all are well: a product with 0 is 0 unless there is an infinity or a NaN.
 	template <class... V> bool allFinite(const V&... v) { return ((v[0] * 0 + v[1] * 0 + v[2] * 0) + ...) == 0; }
 
-	std::string text(double x)
-	{
-		std::ostringstream s;
-		s << x;
-		return s.str();
-	}
-
 	void mustBeFinite(int id, const char* what, const Vector3r& v)
 	{
 		if (!v.allFinite())
@@ -56,24 +26,6 @@ namespace {
 	}
 
 } // namespace
-
-// Which of cd::ShapeKind a shape is, -1: none of them. Its class is told by its vtable, whose name is asked for once: the address of a shape tells
-// nothing, since another one may come to lie where the last one was.
-int SceneLink::kindOf(const void* shape)
-{
-	static const char* const names[] = { "Sphere", "Box", "Wall" };
-	const void* const vtable = *static_cast<const void* const*>(shape);
-	for (std::size_t kind = 0; kind < vtables.size(); kind++)
-		if (vtables[kind] == vtable)
-			return static_cast<int>(kind);
-	const std::string name = className(shape);
-	for (std::size_t kind = 0; kind < vtables.size(); kind++)
-		if (name == names[kind]) {
-			vtables[kind] = vtable;
-			return static_cast<int>(kind);
-		}
-	return -1;
-}
 
 // The plane of the disks is that of the first one, in which it stays: boxes that reach that plane would not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
@@ -166,92 +118,6 @@ void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Ve
 	body.force[2] = torque[2];
 }
 
-// Class, size and orientation of the shape, any of which may change at any time.
-void SceneLink::readShape(int id, cd::Body& body)
-{
-	KnownBody& known = bodies[id];
-	const int found = kindOf(known.shape);
-	if (found < 0)
-		refuseShape(id, className(known.shape));
-	const auto kind = static_cast<cd::ShapeKind>(found);
-	cd::Shape& shape = world.shapes[id];
-	if (shape.kind != kind) {
-		shape = {};
-		shape.kind = kind;
-	}
-	known.boundary = kind != cd::ShapeKind::disk;
-	body.radius = 0;
-	if (kind == cd::ShapeKind::disk)
-		readDisk(id, body);
-	else if (kind == cd::ShapeKind::box)
-		readBox(id, shape);
-	else
-		readWall(id, shape);
-}
-
-void SceneLink::readDisk(int id, cd::Body& body)
-{
-	KnownBody& known = bodies[id];
-	const double z = at<Vector3r>(known.state, layout.state_se3)[2], radius = at<double>(known.shape, layout.sphere_radius);
-	if (!(radius > 0 && std::isfinite(radius)))
-		refuseBody(id, "has the radius " + text(radius) + " m", "Set " + ofBody(id) + ".shape.radius to a positive number");
-	if (!(std::abs(z - layer) <= 1e-9 * radius))
-		refuseBody(id, "has z = " + text(z) + " m but body #" + std::to_string(layerId) + " has z = " + text(layer) + " m",
-		    "Put all disks in one plane: set the third component of their state.pos");
-	known.inPlane = true;
-	body.radius = radius;
-}
-
-void SceneLink::readBox(int id, cd::Shape& shape)
-{
-	KnownBody& known = bodies[id];
-	const Vector3r& extents = at<Vector3r>(known.shape, layout.box_extents);
-	if (!allFinite(extents) || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
-		refuseBody(id, "is a box with the extents " + text(extents[0]) + ", " + text(extents[1]) + ", " + text(extents[2]) + " m",
-		    "Set " + ofBody(id) + ".shape.extents, the halves of its edges, to numbers that are not negative");
-	const double* const q = known.orientation;
-	const double norm = q[2] * q[2] + q[3] * q[3];
-	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
-		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: " + ofBody(id) + ".state.ori");
-	if (!(norm > 0.5 && norm < 2))
-		refuseBody(id, "has an orientation that is not a rotation", "Set " + ofBody(id) + ".state.ori to a unit quaternion");
-	// A box that the disks' plane does not cut (a front or back wall) is never touched.
-	known.inPlane = layerId < 0 || std::abs(at<Vector3r>(known.state, layout.state_se3)[2] - layer) <= extents[2] * (1 + 1e-9);
-	shape.ex = extents[0];
-	shape.ey = extents[1];
-	orient(id);
-}
-
-// The orientation of a box in the plane.
-void SceneLink::orient(int id)
-{
-	const double* const q = bodies[id].orientation;
-	const double norm = q[2] * q[2] + q[3] * q[3];
-	world.shapes[id].cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
-	world.shapes[id].sine = 2 * q[2] * q[3] / norm;
-}
-
-// A wall is as wide as the plane: it has no point to turn about.
-void SceneLink::readWall(int id, cd::Shape& shape)
-{
-	KnownBody& known = bodies[id];
-	const double spin = at<Vector3r>(known.state, layout.state_angVel)[2];
-	if (spin != 0)
-		refuseBody(id, "is a wall with the angular velocity " + text(spin) + " rad/s about z",
-		    "Set " + ofBody(id) + ".state.angVel to 0, or use a Box, which can turn");
-	if (!(at<unsigned>(known.state, layout.state_blockedDOFs) & rotZ))
-		refuseBody(
-		    id, "is a wall that is free to turn about z", "Block 'Z' in " + ofBody(id) + ".state.blockedDOFs, or use a Box, which can turn");
-	shape.axis = at<int>(known.shape, layout.wall_axis);
-	shape.sense = at<int>(known.shape, layout.wall_sense);
-	if (shape.axis < 0 || shape.axis > 2)
-		refuseBody(id, "is a wall with the axis " + std::to_string(shape.axis),
-		    "Set " + ofBody(id) + ".shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
-	if (shape.sense < -1 || shape.sense > 1)
-		refuseBody(id, "is a wall with the sense " + std::to_string(shape.sense), "Set " + ofBody(id) + ".shape.sense to -1, 0 or 1");
-	known.inPlane = shape.axis != 2;
-}
-
 void SceneLink::readFriction(int id, void* material)
 {
 	KnownBody& known = bodies[id];
@@ -266,13 +132,6 @@ void SceneLink::readFriction(int id, void* material)
 		refuseBody(id, "has the friction angle " + text(angle) + " rad", "Set " + ofBody(id) + ".mat.frictionAngle within [0, pi/2)");
 	known.frictionAngle = angle;
 	known.friction = std::tan(angle);
-}
-
-// A warning that comes once.
-void SceneLink::tell(const std::string& what, const std::string& remedy)
-{
-	if (!inspecting && told.insert(what).second)
-		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
 }
 
 void SceneLink::tellOfMaterial(int id, const void* material)
@@ -367,74 +226,6 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
 	}
 	outdated = changed || !gone.empty();
-}
-
-void SceneLink::checkScene(yade::Scene* scene, double dt)
-{
-	if (at<bool>(scene, layout.scene_isPeriodic))
-		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
-	if (dt == 1e-8)
-		tell("O.dt is 1e-8 s, which YADE sets where nobody has.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
-	if (!(dt > 0 && std::isfinite(dt)))
-		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
-}
-
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest,
-    double margin, cd::Sleepers& sleepers)
-{
-	checkScene(scene, dt);
-	const bool read = !behind;
-	if (read) {
-		gravity = g;
-		gatherBodies(scene, g);
-	}
-	bool reordered;
-	{
-		const std::lock_guard<std::mutex> lock(memory.lock);
-		memory.overlaps.forgetBodies(gone);
-		reordered = cd::renewOrder(world, memory.order, look);
-	}
-	gone.clear();
-	outdated = outdated || reordered;
-	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
-	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());
-	const bool search = rest.needed(world, scene, dt, margin, changed);
-	if (behind && (search || reordered))
-		publishScene();
-	if (search)
-		rest.search(world, scene);
-	rest.rest(scene);
-	if (read || search || reordered)
-		gatherPairs(scene, dt, impulses, memory, sleepers);
-	else {
-		sleepers.look(world);
-		guess(dt, impulses);
-	}
-}
-
-void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)
-{
-	namespace py = boost::python;
-	inspecting = true;
-	checkScene(scene, dt);
-	gatherBodies(scene, g);
-	// O.forces holds what the last step left there, its contact forces among them; a ForceResetter comes before the next one.
-	const py::object lasting = py::import("yade").attr("O").attr("forces");
-	const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
-	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
-		cd::Body& body = world.bodies[id];
-		if (!bodies[id].exists || !(body.inverseMass[0] > 0 || body.inverseMass[1] > 0 || body.inverseMass[2] > 0))
-			continue;
-		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
-		if (any) { // YADE reads past the end of its list where there are none
-			force = py::extract<Vector3r>(lasting.attr("permF")(id));
-			torque = py::extract<Vector3r>(lasting.attr("permT")(id));
-		}
-		setForce(id, body, force, torque, g);
-	}
-	cd::renewOrder(world, memory.order, look);
-	cd::Sleepers none;
-	gatherPairs(scene, dt, impulses, memory, none);
 }
 
 } // namespace cd_engine

@@ -20,6 +20,12 @@ namespace cd_engine {
 
 using yade::Vector3r;
 
+// Bits of State.blockedDOFs.
+constexpr unsigned dofX = 1, dofY = 2, dofZ = 4, rotX = 8, rotY = 16, rotZ = 32;
+
+// The class of a shape or a material.
+inline std::string className(const void* serializable) { return static_cast<const yade::Serializable*>(serializable)->getClassName(); }
+
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
 	std::vector<int>& ids;

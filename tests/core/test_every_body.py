@@ -73,6 +73,7 @@ CASES = {f"{name} {ratio:g}": (make, ratio) for ratio in RATIOS for name, make i
     "light on heavy": lambda r: column([r, 1]),
     "mixed column": lambda r: column([1, r, 1, 1, r**0.5, 1, r, 1]),
     "tall mixed column": lambda r: column([1, r] * 15),
+    "hundred": lambda r: column([1] * 99 + [r]),
     "arch": arch,
     "layer": layer,
     "plate": pressed,
@@ -82,11 +83,10 @@ CASES = {f"{name} {ratio:g}": (make, ratio) for ratio in RATIOS for name, make i
 @pytest.mark.parametrize("method", core.methods())
 @pytest.mark.parametrize("case", CASES)
 def test_converged_is_true_of_every_body(case, method):
-    """10: the errors of a contact network's bodies are sums of what its contacts miss, along chains of up to 30; residual.hpp bounds their 2-norm,
-    and a sum of 30 is at most 5.5 times that. In the lattice under the plate, whose contacts make loops, each may miss ten times the tolerance, and
-    the plate feels six rows of them: 60."""
+    """1 in chains: residual.hpp bounds the sum of what their contacts miss. In the lattice under the plate, whose contacts make loops, each may miss
+    ten times the tolerance, and the plate feels six rows of them: 60."""
     make, ratio = CASES[case]
-    allowed = 60 if make is pressed else 10
+    allowed = 60 if make is pressed else 1
     problem = make(ratio)
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10):
         report = core.solve(problem, method, tolerance, 3000 if method in ("nsgs", "accelerated") else 20000)
@@ -102,10 +102,12 @@ def test_converged_is_true_of_every_body(case, method):
 @pytest.mark.parametrize("case", CASES)
 def test_newton_s_method_reaches_it(case, method):
     """At 1e-6 and every ratio of masses up to 1e8: round-off, 2e-16 of what acts on the lightest, leaves 2e-8 of what acts on the heaviest. But where
-    a disk of 1 kg carries fifteen of 1e8 kg: 3e-7, and as much again from each of the others."""
+    a disk of 1 kg carries fifteen of 1e8 kg: 3e-7, and as much again from each of the others; where a hundred carry one: 2e-6."""
     make, ratio = CASES[case]
     report = core.solve(make(ratio), method, 1e-6, 20000)
-    if case == "tall mixed column 1e+08" or (case, method) == ("tall mixed column 1e+06", "newton"):
-        assert report.status in ("stagnated", "max_iterations")  # newton alone starts from fewer sweeps
+    beyond_round_off = case in ("tall mixed column 1e+08", "hundred 1e+08")
+    few_sweeps = method == "newton" and case == "hundred 1e+06"  # newton alone starts from these
+    if beyond_round_off or few_sweeps:
+        assert report.status in ("stagnated", "max_iterations")
     else:
         assert report.status == "converged"

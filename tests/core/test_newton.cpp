@@ -231,7 +231,8 @@ TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its v
 
 TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are none")
 {
-	for (const Solver solver : solvers) {
+	for (const std::string name : { "newton", "auto" }) {
+		const Solver solver = name == "newton" ? solvers[0] : solvers[1];
 		ContactSystem none;
 		CHECK(solver(none, to(1e-8)).status == Status::converged);
 		none = lattice(3, 0.3); // all open
@@ -268,8 +269,8 @@ TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are no
 			jammed.contacts.push_back(c);
 		}
 		jammed.assembleBlocks();
-		const Status end = solver(jammed, to(1e-8)).status;
-		CHECK((end == Status::stagnated || end == Status::max_iterations));
+		// The method alone may be content with impulses that have grown until its error, relative to them, is small.
+		CHECK(findSolver(name)(jammed, to(1e-8)).status == Status::no_solution);
 	}
 	DelassusSystem none = assembleDelassus(ContactSystem());
 	CHECK(newton(none, to(1e-8)).status == Status::converged);

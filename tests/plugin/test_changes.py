@@ -29,8 +29,10 @@ def made_at(place, make):
 def swap(owner, attribute, between, make):
     """Replaces an attribute by another object that lies where the first one was, which `between` has freed."""
     place = address(getattr(owner, attribute))
+    kept = [make() for _ in range(100)]  # so that malloc has no other free piece of that size, and keeps the one that is freed now
     setattr(owner, attribute, between)
     setattr(owner, attribute, made_at(place, make))
+    del kept
 
 
 def test_a_disk_that_becomes_a_wall_in_its_place_in_memory_is_a_wall(O):

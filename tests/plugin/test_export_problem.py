@@ -78,6 +78,7 @@ def test_it_is_the_problem_of_the_next_step(O, tmp_path, restitution):
 def test_bodies(O, tmp_path):
     """The same problem by its bodies, with the impulses of the last step as its first guess."""
     cd = heap(O)
+    O.bodies[-1].state.vel, cd.tolerance = (1, -1, 0), 1e-3  # so that the first guess does not solve it, and few sweeps do
     cd.exportProblem(str(tmp_path / "matrix"))
     cd.exportProblem(str(tmp_path / "bodies"), bodies=True)
     matrix, bodies = (core.read_problem(tmp_path / name) for name in ("matrix", "bodies"))
@@ -87,9 +88,10 @@ def test_bodies(O, tmp_path):
     assert np.allclose(matrix.q, bodies.delassus().q, rtol=0, atol=1e-12) and np.array_equal(matrix.mu, bodies.mu)
     assert np.allclose(bodies.impulses, impulses(O, tmp_path / "matrix"), rtol=1e-12, atol=1e-14)
     O.run(1, True)
-    # The engine and plain Python go through the same sweeps.
+    # The engine and plain Python go through the same sweeps, from first guesses that differ by round-off (1e-16); what is left of the error, 1e-5,
+    # may differ by ten times that: 1e-10 of itself.
     report = core.solve(bodies, cd.method, cd.tolerance, impulses=bodies.impulses)
-    assert (report.iterations, report.residual) == (cd.iterations, cd.residual)
+    assert report.iterations == cd.iterations > 0 and report.residual == pytest.approx(cd.residual, rel=1e-9)
 
 
 def test_nothing_changes(O, tmp_path):

@@ -1,4 +1,4 @@
-// Who else sees the scene: the other engines of O.engines, and whoever may look while a run goes on.
+// The other engines of O.engines: which of them do not go with Contact Dynamics, and when one of them looks at the scene.
 #pragma once
 
 #include "collider_rest.hpp"
@@ -7,17 +7,8 @@
 
 namespace cd_engine {
 
-// Whether somebody waits for the run to end, so that nobody looks at the scene meanwhile but its engines: O.run(n, True) and O.wait() tell
-// (cd_engine/__init__.py).
-bool awaited();
-void waitBegins();
-void waitEnds();
-// Another thread has paused the run: whoever looks now sees the last step; until the next run begins.
-void pauseBegins();
-void runBegins();
-
 // The other engines of the scene. An engine with a period (PyRunner and its like) looks at the scene when that is over; any other in every step.
-class Company {
+class OtherEngines {
     public:
 	// Looks at the list of engines if it is another one than the last time. Attaches the collider found to `rest`. Throws SceneError for engines
 	// that do not go with Contact Dynamics. margin: the colliderMargin.

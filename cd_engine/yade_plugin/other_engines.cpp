@@ -1,15 +1,11 @@
-#include "company.hpp"
+#include "other_engines.hpp"
 #include "inheritance.hpp"
 #include "scene_error.hpp"
 
-#include <atomic>
 #include <string>
 
 namespace cd_engine {
 namespace {
-
-	std::atomic<int> waiting { 0 };
-	std::atomic<bool> paused { false };
 
 	bool isA(const std::string& name, const char* base)
 	{
@@ -17,7 +13,7 @@ namespace {
 	}
 
 	// Why an engine does not go with Contact Dynamics, and what to do; empty if it does. before: it stands before ContactDynamics.
-	std::string quarrel(const std::string& name, bool before)
+	std::string refusal(const std::string& name, bool before)
 	{
 		const std::string remove = " Remove it or set its dead=True";
 		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
@@ -36,16 +32,27 @@ namespace {
 		return "";
 	}
 
+	// Whether an engine runs in the step `iteration`, or may.
+	bool isDue(yade::Engine* engine, long iteration)
+	{
+		if (!inherits(engine, Base::PeriodicEngine))
+			return true;
+		const long period = at<long>(engine, layout.periodic_iterPeriod), last = at<long>(engine, layout.periodic_iterLast);
+		// Before its first call it counts from that one.
+		return at<double>(engine, layout.periodic_virtPeriod) > 0 || at<double>(engine, layout.periodic_realPeriod) > 0
+		    || at<long>(engine, layout.periodic_nDone) == 0 || (period > 0 && iteration - last >= period) || iteration < last;
+	}
+
+	// Whether a periodic engine has run in the step `iteration`; it may have died in it.
+	bool hasRun(yade::Engine* engine, long iteration)
+	{
+		return inherits(engine, Base::PeriodicEngine) && at<long>(engine, layout.periodic_iterLast) == iteration;
+	}
+
 } // namespace
 
-bool awaited() { return waiting > 0 && !paused; }
-void pauseBegins() { paused = true; }
-void runBegins() { paused = false; }
-void waitBegins() { waiting++; }
-void waitEnds() { waiting--; }
-
 // The collider's own rest is no change.
-bool Company::changed(const std::vector<boost::shared_ptr<yade::Engine>>& engines, const yade::Engine* collider) const
+bool OtherEngines::changed(const std::vector<boost::shared_ptr<yade::Engine>>& engines, const yade::Engine* collider) const
 {
 	if (engines.size() != others.size())
 		return true;
@@ -55,7 +62,7 @@ bool Company::changed(const std::vector<boost::shared_ptr<yade::Engine>>& engine
 	return false;
 }
 
-void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& rest, double margin)
+void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& rest, double margin)
 {
 	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
 	if (!changed(engines, rest.engine()))
@@ -77,7 +84,7 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
-			if (const std::string reason = quarrel(name, before); !reason.empty())
+			if (const std::string reason = refusal(name, before); !reason.empty())
 				problem = reason;
 		}
 		others.push_back(other);
@@ -92,24 +99,7 @@ void Company::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& 
 	}
 }
 
-// Whether an engine runs in the step `iteration`, or may.
-static bool isDue(yade::Engine* engine, long iteration)
-{
-	if (!inherits(engine, Base::PeriodicEngine))
-		return true;
-	const long period = at<long>(engine, layout.periodic_iterPeriod), last = at<long>(engine, layout.periodic_iterLast);
-	// Before its first call it counts from that one.
-	return at<double>(engine, layout.periodic_virtPeriod) > 0 || at<double>(engine, layout.periodic_realPeriod) > 0
-	    || at<long>(engine, layout.periodic_nDone) == 0 || (period > 0 && iteration - last >= period) || iteration < last;
-}
-
-// Whether a periodic engine has run in the step `iteration`; it may have died in it.
-static bool hasRun(yade::Engine* engine, long iteration)
-{
-	return inherits(engine, Base::PeriodicEngine) && at<long>(engine, layout.periodic_iterLast) == iteration;
-}
-
-bool Company::looks(long iteration) const
+bool OtherEngines::looks(long iteration) const
 {
 	if (changedAt == iteration)
 		return true;

@@ -1,0 +1,101 @@
+// What the impulses of a step did: to the pairs, to the bodies, to the energy.
+#include "time_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	// A contact whose tangential impulse is within this fraction of the cone slides; the solvers put sliding impulses on the cone
+	// to round-off, and a sticking one lies this close by chance with negligible probability.
+	constexpr double onCone = 1e-9;
+
+	constexpr size_t ahead = 12; // contacts whose bodies are asked for before they are wanted
+
+} // namespace
+
+// Adds a contact's impulse to both of its bodies, or, for a sleeping island, to what it remembers of those that cannot move.
+inline void TimeStep::push(size_t row, const Pair& pair, SleepingIsland* asleep)
+{
+	const Touch& touch = rowTouch[row];
+	const Place &a = places[pair.a], &b = places[pair.b];
+	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
+	// A disk takes it on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
+	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
+	const double turnB = (b.radius - 0.5 * touch.overlap) * pair.pt;
+	const auto add = [&](int32_t body, double px, double py, double turn) {
+		if (asleep && !sleepers.sleeps(body)) {
+			asleep->onImmobile.push_back({ body, { px, py, turn } });
+			return;
+		}
+		std::array<double, 3>& on = impulses[body];
+		on[0] += px;
+		on[1] += py;
+		on[2] += turn;
+	};
+	add(pair.a, -x, -y, -turnA);
+	add(pair.b, x, y, -turnB);
+}
+
+// The sleeping island that a contact belongs to, if any.
+SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
+{
+	for (const int32_t body : { c.a, c.b })
+		if (sleepers.sleeps(body))
+			return &sleepers.islandOf(body);
+	return nullptr;
+}
+
+void TimeStep::finishContacts(World& world, StepReport& report)
+{
+	impulses.resize(world.bodies.size());
+	for (size_t i = 0; i < impulses.size(); i++)
+		if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
+			impulses[i] = { 0, 0, 0 };
+	for (size_t i = 0; i < system.contacts.size(); i++) {
+		if (i + ahead < system.contacts.size()) {
+			__builtin_prefetch(&means[system.contacts[i + ahead].a]);
+			__builtin_prefetch(&means[system.contacts[i + ahead].b]);
+		}
+		const ContactRow& c = system.contacts[i];
+		Pair& pair = world.pairs[rowPair[i]];
+		pair.pn = c.pn;
+		pair.pt = c.pt;
+		SleepingIsland* const asleep = asleepAt(c);
+		if (asleep) {
+			asleep->contacts++;
+			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
+			asleep->disturbed = asleep->disturbed || i >= assembled; // one that was taken back is none in the next step
+		}
+		if (c.pn > 0 || asleep)
+			push(i, pair, asleep);
+		if (c.pn <= 0)
+			continue;
+		(asleep ? asleep->loaded : report.loadedContacts)++;
+		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone))
+			(asleep ? asleep->sliding : report.slidingContacts)++;
+		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
+		const double *a = means[c.a].v, *b = means[c.b].v;
+		const double dx = b[0] - a[0], dy = b[1] - a[1];
+		const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
+		const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
+		report.dissipated -= c.pn * un + c.pt * ut;
+	}
+}
+
+// What sleeping islands add, those that this step has looked at and the others.
+void TimeStep::finishSleepers(StepReport& report)
+{
+	for (const SleepingIsland& island : sleepers.islands()) {
+		report.contacts += island.found ? 0 : island.contacts;
+		report.loadedContacts += island.loaded;
+		report.slidingContacts += island.sliding;
+		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
+		for (const Push& push : island.onImmobile)
+			for (int k = 0; k < 3; k++)
+				impulses[push.body][k] += push.impulse[k];
+	}
+}
+
+} // namespace cd

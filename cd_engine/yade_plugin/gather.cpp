@@ -1,0 +1,84 @@
+// A step's reading of the scene: bodies, the search for pairs, the pairs.
+#include "scene_link.hpp"
+
+#include <cmath>
+#include <iostream>
+
+namespace cd_engine {
+
+// A warning that comes once.
+void SceneLink::tell(const std::string& what, const std::string& remedy)
+{
+	if (!inspecting && told.insert(what).second)
+		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
+}
+
+void SceneLink::checkScene(yade::Scene* scene, double dt)
+{
+	if (at<bool>(scene, layout.scene_isPeriodic))
+		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
+	if (dt == 1e-8)
+		tell("O.dt is 1e-8 s, which YADE sets where nobody has.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
+	if (!(dt > 0 && std::isfinite(dt)))
+		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
+}
+
+void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest,
+    double margin, cd::Sleepers& sleepers)
+{
+	checkScene(scene, dt);
+	const bool read = !behind;
+	if (read) {
+		gravity = g;
+		gatherBodies(scene, g);
+	}
+	bool reordered;
+	{
+		const std::lock_guard<std::mutex> lock(memory.lock);
+		memory.overlaps.forgetBodies(gone);
+		reordered = cd::renewOrder(world, memory.order, look);
+	}
+	gone.clear();
+	outdated = outdated || reordered;
+	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
+	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());
+	const bool search = rest.needed(world, scene, dt, margin, changed);
+	if (behind && (search || reordered))
+		publishScene();
+	if (search)
+		rest.search(world, scene);
+	rest.rest(scene);
+	if (read || search || reordered)
+		gatherPairs(scene, dt, impulses, memory, sleepers);
+	else {
+		sleepers.look(world);
+		guess(dt, impulses);
+	}
+}
+
+void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)
+{
+	namespace py = boost::python;
+	inspecting = true;
+	checkScene(scene, dt);
+	gatherBodies(scene, g);
+	// O.forces holds what the last step left there, its contact forces among them; a ForceResetter comes before the next one.
+	const py::object lasting = py::import("yade").attr("O").attr("forces");
+	const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
+	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
+		cd::Body& body = world.bodies[id];
+		if (!bodies[id].exists || !(body.inverseMass[0] > 0 || body.inverseMass[1] > 0 || body.inverseMass[2] > 0))
+			continue;
+		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
+		if (any) { // YADE reads past the end of its list where there are none
+			force = py::extract<Vector3r>(lasting.attr("permF")(id));
+			torque = py::extract<Vector3r>(lasting.attr("permT")(id));
+		}
+		setForce(id, body, force, torque, g);
+	}
+	cd::renewOrder(world, memory.order, look);
+	cd::Sleepers none;
+	gatherPairs(scene, dt, impulses, memory, none);
+}
+
+} // namespace cd_engine
