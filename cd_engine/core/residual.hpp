@@ -14,12 +14,12 @@
 //   min( sqrt(N) ||g||_2 / min s,  max(rms g / S', max g / (10 S'), max g' / (10 s')) ),
 //   S = (sum m sqrt(s) / sum m)^2,   S' = S min(1, l/200),   l = contacts - bodies.
 // The first number holds for every body: what the N contacts of a chain miss adds up to at most sqrt(N) ||g||_2 (Cauchy and Schwarz), and the body on
-// which least acts may feel all of it. A packing always has disks that carry next to nothing, and to ask the first of it takes a hundred times the sweeps (400 disks, mu = 0.1, tolerance 1e-6:
-// 9800 instead of 60), since its impulses are not determined. There, where the contacts make many loops (l), the second serves: relative to the
-// mean over the mass, so that one heavy body counts for what it is. It does not see a body with s far below S: that may be wrong by S/s times as
-// much, unless it is ten times heavier than what carries it: g' are the contacts of such carriers; where the smallest s' of what they carry is below
-// 0.1 S, they have to serve that. s counts as a millionth of S at least. Impulses are known to their round-off, which is an error of the bodies, too:
-// under a disk r times as heavy at least 2e-16 r.
+// which least acts may feel all of it. A packing always has disks that carry next to nothing, and to ask the first of it takes a hundred times the
+// sweeps (400 disks, mu = 0.1, tolerance 1e-6: 9800 instead of 60), since its impulses are not determined. There, where the contacts make many loops
+// (l), the second serves: relative to the mean over the mass, so that one heavy body counts for what it is. It does not see a body with s far below
+// S: that may be wrong by S/s times as much, unless it is ten times heavier than what carries it: g' are the contacts of such carriers; where the
+// smallest s' of what they carry is below 0.1 S, they have to serve that. s counts as a millionth of S at least. Impulses are known to their
+// round-off, which is an error of the bodies, too: under a disk r times as heavy at least 2e-16 r.
 #pragma once
 
 #include "contact_system.hpp"
