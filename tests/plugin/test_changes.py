@@ -241,7 +241,7 @@ def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, s
     assert outside_the_cone(O) < 1e-9 and used > 0.1
     O.materials[mat].frictionAngle = math.atan(share * used)
     for _ in range(3):
-        O.run(1, True)
+        O.step()
         assert outside_the_cone(O) < 1e-9
 
 

@@ -63,7 +63,7 @@ def test_bounds_reach_beyond_the_disks_by_what_is_asked(O, before, speed):
     rigid(O, 1)
     for _ in range(20):
         places = [b.state.pos for b in O.bodies]  # at which the collider, if it runs, runs in the next step
-        O.run(1, True)
+        O.step()
         asked = max(MARGIN * small, 2 * speed * O.dt) * (1 - 1e-9)
         for b, place in zip(O.bodies, places):
             if b.id in ids:
@@ -114,4 +114,4 @@ def test_a_collider_that_does_not_bound_a_shape_is_refused(O):
     O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=0), cd_engine.ContactDynamics(colliderMargin=0.1)]
     O.dt = 1e-3
     with pytest.raises(RuntimeError, match="body #0 .*Bo1_Box_Aabb"):
-        O.run(1, True)
+        O.step()

@@ -214,7 +214,7 @@ def test_sleeping_forces_stay(O):
     assert cd.sleeping == 1
     before = seen(O)
     for _ in range(200):
-        O.run(1, True)
+        O.step()
     O.run(2000, True)
     assert cd.sleeping == 1 and seen(O) == before
 
@@ -241,7 +241,7 @@ def test_what_changes_elsewhere_wakes_nothing(O):
     O.forces.setPermF(pushed, (0, 0, 0))
     for k in range(60):
         O.forces.setPermF(pushed, (1e-3 * k, 0, 0))
-        O.run(1, True)
+        O.step()
     assert O.engines[-1].sleeping == 1 and O.bodies[pushed].state.vel[0] > 0
 
 

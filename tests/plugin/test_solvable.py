@@ -58,7 +58,7 @@ def test_the_bound_on_iterations_is_one(O, most):
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0), maxIterations=most, tolerance=1e-10)
     for _ in range(40):
         assert engine.iterations <= most
-        O.run(1, True)
+        O.step()
 
 
 def test_a_collider_finds_pairs_after_a_body_has_been_erased(O):

@@ -100,6 +100,6 @@ def test_pairs_of_one_key_are_ordered_by_their_ids(O, tmp_path):
             sphere.state.blockedDOFs = "zXY"
             O.bodies.insertAtId(sphere, body)
         O.engines, O.dt = cd_engine.engines(), 1e-3
-        O.run(1, True)
+        O.step()
         O.engines[-1].exportProblem(str(tmp_path / "a"))
         assert list(map(tuple, ids(tmp_path / "a"))) == pairs

@@ -99,7 +99,7 @@ def test_five_touching_disks_at_a_wall_hit_by_a_sixth_make_no_energy(O):
         plane.run(1, 1e-3, restitution=e, tolerance=1e-12, maxIterations=100000)
         last = 0.5
         for _ in range(300):
-            O.run(1, True)
+            O.step()
             now = plane.kinetic_energy()
             assert now <= last * (1 + 1e-9), (e, O.iter)
             last = now

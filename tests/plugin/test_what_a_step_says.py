@@ -21,7 +21,7 @@ def test_forces_move_the_bodies_when_an_island_is_stopped(O, height):
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0))
     for step in range(100):
         before = np.array(O.bodies[falling].state.vel)
-        O.run(1, True)
+        O.step()
         after = np.array(O.bodies[falling].state.vel)
         force = np.array(O.forces.f(falling))
         assert np.abs(after - before - O.dt * force).max() <= 1e-14 + 0.01 * engine.tolerance * max(abs(before[1]), G * O.dt), step
@@ -38,6 +38,6 @@ def test_touching_disks_that_spin_in_free_fall_are_solved(O, seed):
         plane.disk((side * 0.01 * math.cos(angle), side * 0.01 * math.sin(angle)), 0.01, mat=mat, velocity=speed, spin=spin * side)
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0))
     for _ in range(40):
-        yade.O.run(1, True)
+        yade.O.step()
         assert engine.converged and engine.residual < 1, (engine.status, engine.residual)
     assert engine.unconvergedSteps == 0
