@@ -9,6 +9,8 @@ import xml.etree.ElementTree
 
 import pytest
 
+from tests.core import test_core
+
 HERE = pathlib.Path(__file__).parent
 PLUGIN = "_yade_plugin.so"
 RUN = """
@@ -46,6 +48,12 @@ def watched_copy(root, folder, kind):
     shutil.copy2(root / "cd_engine" / "core" / "_core.so", copy / "cd_engine" / "core")
     shutil.copy2(root / "cd_engine" / "build" / kind / PLUGIN, copy / "cd_engine")
     return copy
+
+
+@pytest.mark.timeout(3600)
+def test_core_s_tests_with_address_and_undefined_behaviour_sanitizers(root):
+    """The first fault ends them."""
+    test_core.run(root, "sanitized")
 
 
 @pytest.mark.timeout(3600)
