@@ -11,7 +11,9 @@ Import this module before `O.load` of a scene that contains either.
 """
 import sys
 
-__all__ = ["ContactDynamics", "PathIndependentShear", "TESTED", "engines", "methods", "release"]
+from .proposed_step import timeStep
+
+__all__ = ["ContactDynamics", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
 
 # Versions of YADE that all tests were run with, by the Debian that packages them. What decides is the binary interface, which the compiled
 # module compares with the running YADE: any other version that passes runs, too, and says that nobody has tested it.

