@@ -1,0 +1,57 @@
+"""The examples run in small, by both methods, and say what is physically possible."""
+import math
+import re
+import subprocess
+
+import pytest
+
+
+def said(root, folder, name, *settings):
+    """The numbers in the last lines that an example prints, run headless as its docstring says."""
+    script = root / "yade_scripts" / "examples" / f"{name}.py"
+    done = subprocess.run(["yade", "-n", "-x", "-j1", str(script), *settings], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600)
+    lines = [line for line in done.stdout.splitlines() if "s of computing" in line or line.startswith("saved")]
+    assert lines and "Traceback" not in done.stderr and "ContactDynamics: " not in done.stderr, done.stdout + done.stderr
+    assert (folder / f"{name}.png").stat().st_size > 1000
+    return [float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", " ".join(lines))]
+
+
+@pytest.fixture(params=[0, 1], ids=["rigid", "springs"])
+def springs(request):
+    return f"springs={request.param}"
+
+
+def test_hopper(root, tmp_path, springs):
+    """Disks leave it, not all of them in this time, and none is lost."""
+    left, disks, _, mass, *_ = said(root, tmp_path, "hopper", "disks=150", "seconds=0.4", springs)
+    assert 10 < left < disks == 150 and mass == pytest.approx(1, abs=1e-6)
+
+
+def test_drum(root, tmp_path, springs):
+    """The surface stands between the slopes of rolling and of sliding disks, and the drum holds them all."""
+    slope, inside, disks, *_ = said(root, tmp_path, "drum", "disks=60", "seconds=1.5", springs)
+    assert 10 < slope < 45 and inside == disks == 60
+
+
+def test_heap(root, tmp_path, springs):
+    """It rests, with a slope below the angle of friction, and rests on after a save and a load."""
+    slope, friction, energy, highest, _, _, _, after, moving = said(root, tmp_path, "heap", "disks=60", "seconds=1", springs)
+    assert 3 < slope < friction == pytest.approx(math.degrees(math.atan(0.5)), abs=0.1)
+    assert energy < 1e-3 * highest
+    assert after == pytest.approx(slope, abs=0.3) and moving < 1e-2 * highest
+
+
+def test_loaded_box(root, tmp_path, springs):
+    """The floor carries what loads the lid."""
+    carried, load, *_ = said(root, tmp_path, "loaded_box", "disks=60", "seconds=0.3", springs)
+    assert load == 10 and carried == pytest.approx(load, rel=0.05)
+    assert list(tmp_path.glob("loaded_box-*.vtu")) + list(tmp_path.glob("loaded_box-*.vtp"))
+
+
+def test_rows_of_a_table_set_them(root, tmp_path):
+    """As yade-batch gives them."""
+    (tmp_path / "table.txt").write_text("disks seconds\n40 0.2\n")
+    script = root / "yade_scripts" / "examples" / "hopper.py"
+    done = subprocess.run(["env", f"YADE_BATCH={tmp_path / 'table.txt'}:2", "yade", "-n", "-x", "-j1", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=600)
+    assert "of 40 disks left the hopper in 0.20 s" in done.stdout, done.stdout + done.stderr

@@ -1,0 +1,67 @@
+"""A drum half full of disks turns: how steep is the surface?
+
+    yade yade_scripts/examples/drum.py                       with YADE's window or console at the end; -n -x: without
+    yade yade_scripts/examples/drum.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
+    yade-batch TABLE yade_scripts/examples/drum.py           the rows of a table with columns disks, springs, seconds
+
+The drum is a ring of boxes that YADE's RotationEngine turns; it stands before ContactDynamics, as all that moves or pushes bodies.
+drum.png shows the slope against time.
+"""
+import math, pathlib, random, sys, time
+sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
+import cd_engine
+from yade import plot
+
+settings = dict(disks=200, springs=0, seconds=4.0)
+for name, value in (word.split("=") for word in sys.argv[1:]):
+    settings[name] = type(settings[name])(value)
+readParamsFromTable(noTableOk=True, **settings)
+from yade.params.table import disks, springs, seconds
+
+random.seed(1)
+radius, gravity, spin, sides = 0.005, (0, -9.81, 0), 1.0, 32                              # m, m/s^2, rad/s
+inner = radius * math.sqrt(2.4 * disks)                                                   # of the drum [m]: half full
+O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.5), label="grains"))
+drum = []
+for k in range(sides):
+    angle = 2 * math.pi * k / sides
+    drum.append(O.bodies.append(box((1.02 * inner * math.cos(angle), 1.02 * inner * math.sin(angle), 0), (0.02 * inner, 1.04 * inner * math.tan(math.pi / sides), 0.1),
+                                    orientation=Quaternion((0, 0, 1), angle), fixed=True, material="grains")))
+places = [(2.2 * radius * i, 2.2 * radius * j) for j in range(-50, 50) for i in range(-50, 50) if math.hypot(i, j) * 2.2 * radius < inner - 1.5 * radius]
+for x, y in places[:disks]:                                                               # from the bottom row upwards
+    disk = sphere((x + random.uniform(0, 0.1 * radius), y, 0), radius * random.uniform(0.85, 1), material="grains")
+    disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
+    O.bodies.append(disk)
+grains = [b for b in O.bodies if isinstance(b.shape, Sphere)]
+
+
+def slope():
+    """Of the bed [degrees]: half full, its centre of mass lies on the normal of the surface through the axis."""
+    mass = sum(b.state.mass for b in grains)
+    x, y = (sum(b.state.mass * b.state.pos[axis] for b in grains) / mass for axis in (0, 1))
+    return math.degrees(math.atan2(x, -y))
+
+
+turn = RotationEngine(ids=drum, rotationAxis=(0, 0, 1), angularVelocity=spin, rotateAroundZero=True, zeroPoint=(0, 0, 0))
+if springs:
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+        turn,
+        NewtonIntegrator(gravity=gravity, damping=0),
+    ]
+    O.dt = 0.5 * PWaveTimeStep()
+else:
+    reset, collider, contact_dynamics = cd_engine.engines(gravity=gravity, tolerance=1e-4, gapCorrection=0.1)
+    O.engines = [reset, collider, turn, contact_dynamics]
+    O.dt = cd_engine.timeStep(speed=0.5)                                                  # disks roll down the surface, none falls from the top
+O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, slope=slope())", virtPeriod=0.02)]
+plot.plots = {"t": "slope"}
+
+start = time.time()
+O.run(int(seconds / O.dt), True)
+plot.plot(noShow=True).savefig("drum.png")
+last = plot.data["slope"][len(plot.data["slope"]) // 2:]
+inside = sum(b.state.pos.norm() < inner for b in grains)
+print(f"slope of the surface: {sum(last) / len(last):.1f} degrees; {inside} of {disks} disks in the drum; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")

@@ -1,0 +1,65 @@
+"""A column of disks is let go on a rough floor and comes to rest as a heap, which is saved and loaded again.
+
+    yade yade_scripts/examples/heap.py                       with YADE's window or console at the end; -n -x: without
+    yade yade_scripts/examples/heap.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
+    yade-batch TABLE yade_scripts/examples/heap.py           the rows of a table with columns disks, springs, seconds
+
+heap.png shows the kinetic energy against time; heap.yade.gz holds the scene at rest.
+"""
+import math, pathlib, random, sys, time
+sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
+import cd_engine
+from yade import plot
+
+settings = dict(disks=300, springs=0, seconds=1.5)
+for name, value in (word.split("=") for word in sys.argv[1:]):
+    settings[name] = type(settings[name])(value)
+readParamsFromTable(noTableOk=True, **settings)
+from yade.params.table import disks, springs, seconds
+
+random.seed(1)
+radius, gravity, friction = 0.005, (0, -9.81, 0), 0.5                                     # m, m/s^2, coefficient
+wide = max(4, round(math.sqrt(disks / 2)))                                                # disks in a row of the column, twice as high as wide
+O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(friction), label="grains"))
+floor = 8 * wide                                                                          # disks that lie fixed under the heap and roughen the floor
+for k in range(floor):
+    O.bodies.append(sphere((2 * radius * (k - floor / 2), 0, 0), radius, fixed=True, material="grains"))
+for side in (-1, 1):                                                                      # no disk rolls away for ever
+    O.bodies.append(box((side * radius * (floor + 2), 4 * radius, 0), (radius, 5 * radius, 0.1), fixed=True, material="grains"))
+for k in range(disks):
+    disk = sphere((2.1 * radius * (k % wide - wide / 2) + random.uniform(0, 0.1 * radius), 2.2 * radius * (1 + k // wide), 0), radius * random.uniform(0.8, 1),
+                  material="grains")
+    disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
+    O.bodies.append(disk)
+
+
+def slope():
+    """Of the heap [degrees]: of the triangle in the plane that has as much area, and its centre of mass as high."""
+    grains = [b for b in O.bodies if b.state.blockedDOFs == "zXY"]
+    height = 3 * sum(b.state.pos[1] - radius for b in grains) / len(grains)
+    return math.degrees(math.atan(height**2 / (sum(math.pi * b.shape.radius**2 for b in grains) / 0.8)))
+
+
+if springs:
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+        NewtonIntegrator(gravity=gravity, damping=0),
+    ]
+    O.dt = 0.5 * PWaveTimeStep()
+else:
+    O.engines = cd_engine.engines(gravity=gravity, tolerance=1e-4, gapCorrection=0.1)
+    O.dt = cd_engine.timeStep()
+O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, energy=kineticEnergy())", virtPeriod=0.01)]
+plot.plots = {"t": "energy"}
+
+start = time.time()
+O.run(int(seconds / O.dt), True)
+plot.plot(noShow=True).savefig("heap.png")
+print(f"slope of the heap: {slope():.1f} degrees, friction {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
+      f"at most {max(plot.data['energy']):.2g} J; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
+O.save("heap.yade.gz")
+O.load("heap.yade.gz")                                                                    # at once or in another script, after `import cd_engine`
+O.run(100, True)
+print(f"saved, loaded and 100 steps on: slope {slope():.1f} degrees, kinetic energy {kineticEnergy():.2g} J")

@@ -1,0 +1,61 @@
+"""A hopper runs empty: how many disks leave it in a second?
+
+    yade yade_scripts/examples/hopper.py                       with YADE's window or console at the end; -n -x: without
+    yade yade_scripts/examples/hopper.py disks=200 springs=1   another size; YADE's springs instead of Contact Dynamics
+    yade-batch TABLE yade_scripts/examples/hopper.py           the rows of a table with columns disks, springs, seconds
+
+Disks that have left are taken out of the scene: one that falls for ever would be the fastest of all. hopper.png shows the discharge.
+"""
+import math, pathlib, random, sys, time
+sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
+import cd_engine
+from yade import plot
+
+settings = dict(disks=600, springs=0, seconds=2.0)
+for name, value in (word.split("=") for word in sys.argv[1:]):
+    settings[name] = type(settings[name])(value)
+readParamsFromTable(noTableOk=True, **settings)
+from yade.params.table import disks, springs, seconds
+
+random.seed(1)
+radius, opening, gravity = 0.005, 0.06, (0, -9.81, 0)                                     # m, m, m/s^2
+O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.4), label="grains"))
+for side in (-1, 1):                                                                      # a slope of 50 degrees, and a wall above
+    turn, half = side * math.radians(50), 0.1
+    O.bodies.append(box((side * (opening / 2 + half * math.cos(turn)), half * abs(math.sin(turn)), 0), (half, 0.001, 0.1),
+                        orientation=Quaternion((0, 0, 1), turn), fixed=True, material="grains"))
+    O.bodies.append(box((side * (opening / 2 + 2 * half * math.cos(turn)), 0.65, 0), (0.001, 0.5, 0.1), fixed=True, material="grains"))
+for k in range(disks):                                                                    # rows of 24 above the opening, loosely
+    disk = sphere((0.0115 * (k % 24 - 11.5) + random.uniform(0, 0.001), 0.16 + 0.0115 * (k // 24), 0), radius * random.uniform(0.9, 1), material="grains")
+    disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
+    O.bodies.append(disk)
+
+left = []                                                                                 # masses of the disks that have left
+
+
+def record():
+    for disk in [b for b in O.bodies if isinstance(b.shape, Sphere) and b.state.pos[1] < -0.1]:
+        left.append(disk.state.mass)
+        O.bodies.erase(disk.id)
+    plot.addData(t=O.time, left=len(left))
+
+
+if springs:
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+        NewtonIntegrator(gravity=gravity, damping=0),
+    ]
+    O.dt = 0.5 * PWaveTimeStep()
+else:
+    O.engines = cd_engine.engines(gravity=gravity, tolerance=1e-4)
+    O.dt = cd_engine.timeStep()
+O.engines = O.engines + [PyRunner(command="record()", virtPeriod=0.01)]
+plot.plots = {"t": "left"}
+
+mass, start = sum(b.state.mass for b in O.bodies), time.time()
+O.run(int(seconds / O.dt), True)
+plot.plot(noShow=True).savefig("hopper.png")
+print(f"{len(left)} of {disks} disks left the hopper in {O.time:.2f} s; mass left and remaining / mass at the start: "
+      f"{(sum(left) + sum(b.state.mass for b in O.bodies)) / mass:.6f}; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")

@@ -1,0 +1,61 @@
+"""A box of disks is pressed by its lid; what presses on the floor?
+
+    yade yade_scripts/examples/loaded_box.py                       with YADE's window or console at the end; -n -x: without
+    yade yade_scripts/examples/loaded_box.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
+    yade-batch TABLE yade_scripts/examples/loaded_box.py           the rows of a table with columns disks, springs, load, seconds
+
+The lid is a Box that is free to move up and down; its load is a lasting force on it. There is no gravity. loaded_box.png shows the height of
+the lid; loaded_box-*.vtp and -*.vtu, for Paraview, the disks and the forces between them.
+"""
+import math, pathlib, random, sys, time
+sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
+import cd_engine
+from yade import plot
+
+settings = dict(disks=300, springs=0, load=10.0, seconds=0.5)
+for name, value in (word.split("=") for word in sys.argv[1:]):
+    settings[name] = type(settings[name])(value)
+readParamsFromTable(noTableOk=True, **settings)
+from yade.params.table import disks, springs, load, seconds                                # load [N]
+
+random.seed(1)
+radius, row = 0.005, max(5, round(math.sqrt(disks)))                                      # m; disks in a row
+half, height = 1.1 * radius * row, 2.2 * radius * math.ceil(disks / row)                  # of the box [m]
+O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.3), label="grains"))
+O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=0, label="smooth"))  # so that the walls carry nothing of the load
+for side in (-1, 1):
+    O.bodies.append(box((side * (half + 0.01), height / 2, 0), (0.01, height, 0.1), fixed=True, material="smooth"))
+floor = O.bodies.append(box((0, -0.01, 0), (half, 0.01, 0.1), fixed=True, material="smooth"))
+lid = O.bodies.append(box((0, height + 0.01, 0), (half, 0.01, 0.1), material="smooth"))
+for k in range(disks):
+    disk = sphere((2.2 * radius * (k % row + 0.5) - half + random.uniform(-0.05, 0.05) * radius, 2.2 * radius * (k // row + 0.5), 0), radius * random.uniform(0.8, 1),
+                  material="grains")
+    disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
+    O.bodies.append(disk)
+O.bodies[lid].state.blockedDOFs = "xzXYZ"
+O.bodies[lid].state.mass = sum(b.state.mass for b in O.bodies if isinstance(b.shape, Sphere))
+O.forces.setPermF(lid, (0, -load, 0))
+
+if springs:
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+        NewtonIntegrator(damping=0),
+    ]
+    O.dt = 0.5 * PWaveTimeStep()
+else:
+    O.engines = cd_engine.engines(tolerance=1e-4, gapCorrection=0.1)
+    O.dt = cd_engine.timeStep(speed=math.sqrt(load * height / O.bodies[lid].state.mass))  # load times the way it may go, as kinetic energy of lid and disks
+O.engines = O.engines + [
+    PyRunner(command="plot.addData(t=O.time, height=O.bodies[lid].state.pos[1], floor=-O.forces.f(floor)[1])", virtPeriod=0.01),
+    VTKRecorder(fileName="loaded_box-", recorders=["spheres", "intr"], virtPeriod=0.25 * seconds),
+]
+plot.plots = {"t": ("height", None, "floor")}
+
+start = time.time()
+O.run(int(seconds / O.dt), True)
+plot.plot(noShow=True).savefig("loaded_box.png")
+last = plot.data["floor"][-20:]
+print(f"the floor carries {sum(last) / len(last):.4g} N of {load:g} N; the lid is pushed by {O.forces.f(lid)[1]:.2g} N more than it is held; "
+      f"{time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
