@@ -207,13 +207,14 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing "
 	    "of "
 	    "them is looked at but their bodies [1].");
-	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::read, any,
+	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::internal, any,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
-	visit("restTrialAt", &C::restTrialAt, Access::read, any,
+	visit("restTrialAt", &C::restTrialAt, Access::internal, any,
 	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
 	    "to a "
 	    "thousandth of the tolerance are stopped and sleep [1].");
-	visit("restTrialPause", &C::restTrialPause, Access::read, any, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
+	visit("restTrialPause", &C::restTrialPause, Access::internal, any,
+	    "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, Access::read, any,
 	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
@@ -230,13 +231,14 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("totalIterations", &C::totalIterations, Access::read, any, "Sweeps and factorizations made in all steps [1].");
 	visit("solveTime", &C::solveTime, Access::read, any,
 	    "Time spent in the solver [s]; what O.timingEnabled shows beyond it went into geometry, reading and writing the scene.");
-	visit("referenceIds", &C::referenceIds, Access::read, any, "Ids of the pairs that keep a reference overlap, two a pair.");
-	visit("referenceOverlaps", &C::referenceOverlaps, Access::read, any,
+	visit("referenceIds", &C::referenceIds, Access::internal, any, "Ids of the pairs that keep a reference overlap, two a pair.");
+	visit("referenceOverlaps", &C::referenceOverlaps, Access::internal, any,
 	    "The reference overlaps of these pairs [m]. A pair forgets its overlap once its bodies are apart.");
-	visit("bodyOrder", &C::bodyOrder, Access::read, any,
+	visit("bodyOrder", &C::bodyOrder, Access::internal, any,
 	    "In scenes of more than 2048 bodies: the place of every body along a curve through space (Hilbert's), by which contacts are ordered in "
 	    "memory. Renewed where the bodies have moved far apart along it, and saved, so that a run goes on as if it had not been saved.");
-	visit("bodyOrderLength", &C::bodyOrderLength, Access::read, any, "Length of the way through the disks in that order, when it was made [m].");
+	visit("bodyOrderLength", &C::bodyOrderLength, Access::internal, any,
+	    "Length of the way through the disks in that order, when it was made [m].");
 }
 
 template <class Class> void ContactDynamics::methods(Class& cls)

@@ -73,11 +73,12 @@ template <class Visitor> void PathIndependentShear::attributes(Visitor&& visit)
 	visit("contacts", &C::contacts, Access::read, any, "Contacts between two disks that the last step has dealt with [1].");
 	visit(
 	    "slidingContacts", &C::slidingContacts, Access::read, any, "Of these, the ones that slipped at the Coulomb limit in the last step [1].");
-	visit("pairIds", &C::pairIds, Access::read, any, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
-	visit("pairNormals", &C::pairNormals, Access::read, any, "Their normals in the last step, from the first body to the second: x and y [1].");
+	visit("pairIds", &C::pairIds, Access::internal, any, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
 	visit(
-	    "pairForces", &C::pairForces, Access::read, any, "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
-	visit("lastStep", &C::lastStep, Access::read, any, "O.iter of the last step; after a pause of this engine the memory starts anew.");
+	    "pairNormals", &C::pairNormals, Access::internal, any, "Their normals in the last step, from the first body to the second: x and y [1].");
+	visit("pairForces", &C::pairForces, Access::internal, any,
+	    "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
+	visit("lastStep", &C::lastStep, Access::internal, any, "O.iter of the last step; after a pause of this engine the memory starts anew.");
 }
 
 } // namespace cd_engine

@@ -97,7 +97,9 @@ template <class E> struct PropertyMaker {
 		const std::string doc = std::string(text) + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + initial
 		    + "` :yattrtype:`" + typeName<T> + "` :yattrflags:`" + (access == Access::read ? "2" : "0") + "` ";
 		const py::object getter = py::make_function(Getter<E, T> { member }, py::default_call_policies(), boost::mpl::vector2<T, const E&>());
-		if (access == Access::read)
+		if (access == Access::internal)
+			cls.add_property(("_" + std::string(name)).c_str(), getter, doc.c_str());
+		else if (access == Access::read)
 			cls.add_property(name, getter, doc.c_str());
 		else
 			cls.add_property(name, getter,
@@ -132,7 +134,7 @@ template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, c
 {
 	bool found = false;
 	E::attributes([&](const char* name, auto member, Access access, const Range& range, const char*) {
-		if (key != name)
+		if (key != name || access == Access::internal)
 			return;
 		found = true;
 		E& self = static_cast<E&>(*this);
@@ -153,10 +155,25 @@ template <class E> py::dict RegisteredEngine<E>::pyDict() const
 {
 	py::dict all;
 	const E& self = static_cast<const E&>(*this);
-	E::attributes([&](const char* name, auto member, Access, const Range&, const char*) { all[name] = self.read(member); });
+	E::attributes([&](const char* name, auto member, Access access, const Range&, const char*) {
+		if (access != Access::internal)
+			all[name] = self.read(member);
+	});
 	all.update(pyDictCustom());
 	all.update(GlobalEngine::pyDict());
 	return all;
+}
+
+// Of the class: what it is, then the names of its settings and of its results, which help() lists by the alphabet.
+template <class E> std::string documentation()
+{
+	std::string settings, results;
+	E::attributes([&](const char* name, auto, Access access, const Range&, const char*) {
+		std::string& names = access == Access::set ? settings : results;
+		if (access != Access::internal)
+			names += (names.empty() ? "" : ", ") + std::string(name);
+	});
+	return std::string(E::documentation) + (settings.empty() ? "" : "\n\nTo set: " + settings) + "\n\nTo read after a step: " + results;
 }
 
 template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
@@ -165,7 +182,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	const py::scope inside(scope);
 	py::docstring_options options;
 	options.disable_signatures();
-	PythonClass<E> cls(E::name, E::documentation);
+	PythonClass<E> cls(E::name, documentation<E>().c_str());
 	cls.def("__init__", py::raw_function(constructRaw<E>, 1));
 	cls.def("__init__", py::make_constructor(+[](const boost::shared_ptr<E>& e) { return e; }));
 	E::attributes(PropertyMaker<E> { cls, static_cast<const E&>(*this) });

@@ -18,8 +18,9 @@ namespace cd_engine {
 
 using yade::Vector3r;
 
-// How an attribute may be set from Python.
-enum class Access { set, read };
+// What an attribute is to a user: a setting, a result, or what an engine remembers from step to step. The last is saved like the others, but neither
+// shown by help() and the inspector nor in .dict(); Python reads it with an underscore before its name.
+enum class Access { set, read, internal };
 
 struct Range {
 	double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();

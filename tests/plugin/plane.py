@@ -1,5 +1,6 @@
 """Bodies of a plane scene, as the tests build them: SI units, disks of depth 1 m."""
 import math
+import re
 
 import numpy as np
 import yade
@@ -64,3 +65,8 @@ def momenta():
         m, x, v = b.state.mass, b.state.pos, b.state.vel
         total += (m * v[0], m * v[1], m * (x[0] * v[1] - x[1] * v[0]) + b.state.inertia[2] * b.state.angVel[2])
     return total
+
+
+def everything_in(engine):
+    """What an engine is set to, has found and remembers: .dict(), and what is saved but shown nowhere."""
+    return engine.dict() | {name: getattr(engine, name) for name in dir(engine) if re.match("_[a-z]", name)}

@@ -64,7 +64,7 @@ def test_attributes_are_read_whole_beside_a_run(O):
             cd.method = "accelerated" if cd.method == "auto" else "auto"
             all_of_them = cd.dict()
             assert all_of_them["status"] in words and cd.status in words and cd.solvedBy in ("none", "accelerated", "newton", "nsgs")
-            assert len(all_of_them["loadsBeforeTrial"]) in (0, 501) and len(cd.referenceIds) % 2 == 0 and not cd.unsolvableContact
+            assert len(cd._loadsBeforeTrial) in (0, 501) and len(cd._referenceIds) % 2 == 0 and not cd.unsolvableContact
         assert cd.steps >= begin + 20
     finally:
         O.pause()

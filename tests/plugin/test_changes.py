@@ -204,13 +204,13 @@ def test_overlaps_that_springs_left_go_with_their_bodies(O):
     for x in (0, 0.199):
         plane.disk((x, 0), 0.1, mat=mat)
     cd = plane.run(2, 1e-3)
-    assert cd.referenceOverlaps == pytest.approx([1e-3]) and cd.maxPenetration == 0
+    assert cd._referenceOverlaps == pytest.approx([1e-3]) and cd.maxPenetration == 0
     O.bodies.clear()
     O.interactions.clear()
     for x in (0, 0.1995):
         plane.disk((x, 0), 0.1, mat=mat)
     O.run(1, True)
-    assert not cd.referenceOverlaps and cd.maxPenetration == pytest.approx(5e-4)
+    assert not cd._referenceOverlaps and cd.maxPenetration == pytest.approx(5e-4)
 
 
 def outside_the_cone(O):

@@ -12,7 +12,7 @@ def saved(O, folder):
     for k in range(3):
         plane.disk((0.019 * k, 0), 0.01, mat=mat)
     cd = plane.run(1, 1e-3)
-    assert cd.referenceIds == [0, 1, 1, 2]
+    assert cd._referenceIds == [0, 1, 1, 2]
     O.save(str(folder / "scene.xml"))
     return (folder / "scene.xml").read_text()
 
@@ -67,7 +67,7 @@ def test_an_order_that_is_none_changes_nothing(O, tmp_path, ranks):
     """In a scene of few bodies it is dropped; tests/core/test_space_order.cpp has many."""
     load(O, tmp_path, with_list(saved(O, tmp_path), "bodyOrder", ranks))
     O.run(130, True)
-    assert not O.engines[-1].bodyOrder and O.engines[-1].converged
+    assert not O.engines[-1]._bodyOrder and O.engines[-1].converged
 
 
 def test_fingerprints_of_other_bodies_change_nothing(O, tmp_path):

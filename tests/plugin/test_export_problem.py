@@ -37,7 +37,7 @@ def state(O):
         numbers += [i.id1, i.id2, i.isReal]
         if i.isReal:
             numbers += [*i.phys.normalForce, *i.phys.shearForce, *i.geom.normal, i.geom.penetrationDepth]
-    return np.array(numbers, float).tobytes(), repr(O.engines[-1].dict())
+    return np.array(numbers, float).tobytes(), repr(plane.everything_in(O.engines[-1]))
 
 
 def ids(path):

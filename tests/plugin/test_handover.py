@@ -46,7 +46,7 @@ said["force change"] = max(abs(now[k] - md[k]) for k in now) / max(md.values())
 O.run(999, True)
 after = walls.sides()
 said["drift"] = after[1] / before[1] - after[0] / before[0]
-said["penetration"], said["unconverged"], said["references"] = cd.maxPenetration, cd.unconvergedSteps, len(cd.referenceOverlaps)
+said["penetration"], said["unconverged"], said["references"] = cd.maxPenetration, cd.unconvergedSteps, len(cd._referenceOverlaps)
 
 cd = start(tolerance=1e-8, warmStart=False)
 O.run(1, True)
@@ -62,7 +62,7 @@ O.forces.setPermF(walls.X_HIGH, (1, 0, 0))  # let go: the packing opens
 O.forces.setPermF(walls.Y_HIGH, (0, 1, 0))
 speed = max(b.state.vel.norm() for b in O.bodies)
 O.run(200, True)
-said["references when let go"], said["speed of grains when let go"] = len(cd.referenceOverlaps), max(b.state.vel.norm() for b in bodies.disks())
+said["references when let go"], said["speed of grains when let go"] = len(cd._referenceOverlaps), max(b.state.vel.norm() for b in bodies.disks())
 print("said", json.dumps(said))
 """
 

@@ -238,10 +238,10 @@ def test_a_contact_that_ends_is_forgotten(O):
     back = [(d * math.cos(0.01), d * math.sin(0.01), 0, 0)]
     engine = engines(O, motion=Walk(O, back + [(apart * math.cos(0.01), apart * math.sin(0.01), 0, 0)] * 2 + back))
     hooks.simulate(2)
-    assert abs(shear(O)) > 1 and engine.pairIds == [0, 1]
-    assert engine.pairForces == pytest.approx([shear(O)], rel=1e-15)  # here by way of n.n, which is 1 to round-off
+    assert abs(shear(O)) > 1 and engine._pairIds == [0, 1]
+    assert engine._pairForces == pytest.approx([shear(O)], rel=1e-15)  # here by way of n.n, which is 1 to round-off
     hooks.simulate(2)
-    assert engine.contacts == 0 and engine.pairIds == []
+    assert engine.contacts == 0 and engine._pairIds == []
     hooks.simulate(1)
     assert engine.contacts == 1 and abs(shear(O)) < 1e-9  # radial return: the functor finds no way aside
 
@@ -265,13 +265,13 @@ def states(O):
 
 def reloaded(O, path, steps):
     """States after `steps` of the scene as it stands, and of the scene saved and loaded."""
-    before = O.engines[3].dict()
-    assert any(before["pairForces"])
+    before = plane.everything_in(O.engines[3])
+    assert any(before["_pairForces"])
     O.save(path)
     O.run(steps, True)
     whole = states(O)
     O.load(path)
-    assert O.engines[3].dict() == before
+    assert plane.everything_in(O.engines[3]) == before
     O.run(steps, True)
     return np.array(whole), np.array(states(O))
 
@@ -347,7 +347,7 @@ def test_a_packing_goes_on_from_the_forces_it_has(O):
     hooks.simulate(2)
     engine.dead = False
     hooks.simulate(1)
-    assert engine.lastStep == O.iter - 1
+    assert engine._lastStep == O.iter - 1
     # The functor turns the old force by a first-order rotation, which lengthens it by 5e-7 in each of these steps.
     assert shear(O) == pytest.approx(usual - 4 * step - KS * (R1 + R2) * 1e-3, rel=4e-6)
 
@@ -432,8 +432,8 @@ class TestRegistration:
         cls = cd_engine.PathIndependentShear
         assert cls is wrapper.PathIndependentShear and issubclass(cls, wrapper.GlobalEngine)
         assert "McNamara" in cls.__doc__
-        assert set(cls().dict()) >= {"contacts", "slidingContacts", "pairIds", "pairNormals", "pairForces", "lastStep", "label", "dead"}
-        for name in ("contacts", "slidingContacts", "pairIds", "pairNormals", "pairForces", "lastStep"):
+        assert set(cls().dict()) >= {"contacts", "slidingContacts", "label", "dead"}
+        for name in ("contacts", "slidingContacts", "_pairIds", "_pairNormals", "_pairForces", "_lastStep"):
             assert ":ydefault:`" in getattr(cls, name).__doc__
 
     def test_results_cannot_be_set_and_unknown_names_are_refused(self, O):
@@ -450,9 +450,9 @@ class TestRegistration:
         box_of_disks(O, 9.81)
         engine = engines(O, dt=5e-5, gravity=9.81)
         O.run(50, True)
-        before = engine.dict()
-        assert before["pairForces"] and before["label"] == "shear"
+        before = plane.everything_in(engine)
+        assert before["_pairForces"] and before["label"] == "shear"
         O.save(str(tmp_path / ("scene" + ending)))
         O.reset()
         O.load(str(tmp_path / ("scene" + ending)))
-        assert O.engines[3].dict() == before
+        assert plane.everything_in(O.engines[3]) == before

@@ -134,7 +134,7 @@ def test_what_lies_still_is_tried_and_ordered_as_if_somebody_looked(O, call, con
         found = []
         for steps in (51, 50, 300):
             O.run(steps, True)
-            found.append((engine.restTrialAt, engine.restTrialPause, list(engine.loadsBeforeTrial), seen(O)))
+            found.append((engine._restTrialAt, engine._restTrialPause, list(engine._loadsBeforeTrial), seen(O)))
         return found
 
     both(O, run, build=build)

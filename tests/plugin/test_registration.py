@@ -1,4 +1,5 @@
 """ContactDynamics is an engine of YADE's like any other."""
+import re
 import subprocess
 import sys
 
@@ -27,6 +28,26 @@ def test_every_attribute_is_documented_with_default_and_type(cd):
         text = getattr(cd, name).__doc__
         assert ":ydefault:`" in text and ":yattrtype:`" in text and len(text) > 60, name
     assert "Must be above 0." in cd.tolerance.__doc__ and "at least 0 and at most 1" in cd.restitution.__doc__
+
+
+def test_help_and_dict_show_settings_and_results_only(O, cd):
+    """Settings first; what the engine remembers from step to step is saved, but not shown."""
+    import pydoc
+    text = pydoc.render_doc(cd, renderer=pydoc.plaintext)
+    head = text[:text.index("Method resolution order")]
+    assert re.search(r"To set: gravity, tolerance.*To read after a step: iterations, residual", head, re.S)
+    plane.floor()
+    for i in range(200):
+        plane.disk((0.1 * i, 0.0099), 0.01)
+    engine = plane.run(3, 1e-3, gravity=(0, -9.81, 0))
+    assert len(engine._referenceOverlaps) == 200
+    hidden = [name for name in plane.everything_in(engine) if name.startswith("_")]
+    assert len(hidden) == 7 and not [name for name in hidden if name in text or name[1:] in text]
+    assert len(repr(engine.dict())) < 2000 and not [name for name in engine.dict() if name.startswith("_")]
+    with pytest.raises(AttributeError, match="_referenceOverlaps"):
+        cd(_referenceOverlaps=[1.0])
+    with pytest.raises(AttributeError):
+        engine._referenceOverlaps = []
 
 
 def test_keyword_constructor_sets_attributes(cd):
@@ -81,12 +102,12 @@ def test_saving_keeps_every_attribute(O, cd, tmp_path, ending):
     for i in range(4):
         plane.disk((0, 0.0099 + 0.0199 * i), 0.01)
     engine = plane.run(7, 1e-3, gravity=(0, -9.81, 0), tolerance=3e-9, seed=5, label="kept")
-    before = engine.dict()
-    assert before["referenceOverlaps"]  # otherwise the vectors would be tested empty
+    before = plane.everything_in(engine)
+    assert before["_referenceOverlaps"]  # otherwise the vectors would be tested empty
     O.save(str(tmp_path / ("scene" + ending)))
     O.reset()
     O.load(str(tmp_path / ("scene" + ending)))
-    assert O.engines[-1].dict() == before
+    assert plane.everything_in(O.engines[-1]) == before
 
 
 def test_a_scene_of_another_version_is_refused(O, cd, tmp_path):

@@ -22,12 +22,12 @@ def test_a_saved_scene_goes_on_bitwise_though_the_bodies_have_moved(O, tmp_path)
     import cd_engine
     throw(O)
     O.run(40, True)
-    saved = list(O.engines[-1].bodyOrder)
+    saved = list(O.engines[-1]._bodyOrder)
     assert len(saved) == len(O.bodies)
     O.save(str(tmp_path / "half.yade.gz"))
     O.run(10, True)
     whole = digest(O)
-    assert list(O.engines[-1].bodyOrder) == saved
+    assert list(O.engines[-1]._bodyOrder) == saved
     O.load(str(tmp_path / "half.yade.gz"))
     O.run(10, True)
     assert digest(O) == whole
@@ -35,7 +35,7 @@ def test_a_saved_scene_goes_on_bitwise_though_the_bodies_have_moved(O, tmp_path)
     O.load(str(tmp_path / "half.yade.gz"))
     O.engines = cd_engine.engines(fixedIterations=1, handover=False)
     O.run(1, True)
-    assert list(O.engines[-1].bodyOrder) != saved
+    assert list(O.engines[-1]._bodyOrder) != saved
 
 
 def test_the_order_of_the_list_of_pairs_does_not_show(O):
@@ -55,15 +55,15 @@ def test_the_order_is_renewed_at_a_step_that_looks_at_it(O, moved, renewed):
     """Every 64th step looks; disks put in each other's places have lost their order."""
     throw(O)
     O.run(1, True)
-    first = list(O.engines[-1].bodyOrder)
+    first = list(O.engines[-1]._bodyOrder)
     if moved:
         places = [b.state.pos for b in O.bodies]
         for i, b in enumerate(O.bodies):
             b.state.pos = places[i * 997 % DISKS]
     O.run(63, True)
-    assert list(O.engines[-1].bodyOrder) == first
+    assert list(O.engines[-1]._bodyOrder) == first
     O.run(1, True)
-    assert (list(O.engines[-1].bodyOrder) != first) == renewed
+    assert (list(O.engines[-1]._bodyOrder) != first) == renewed
 
 
 def test_few_bodies_keep_their_numbers(O):
@@ -71,7 +71,7 @@ def test_few_bodies_keep_their_numbers(O):
     cloud(O, 30, seed=1)
     O.engines = cd_engine.engines()
     O.run(2, True)
-    assert len(O.engines[-1].bodyOrder) == 0
+    assert len(O.engines[-1]._bodyOrder) == 0
 
 
 def pairs_of_one_key(most):
