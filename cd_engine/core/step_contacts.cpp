@@ -16,16 +16,12 @@ namespace {
 
 Reach reach(const World& world, double dt)
 {
-	double fastest = 0, smallest = std::numeric_limits<double>::infinity();
+	double way = 0, smallest = std::numeric_limits<double>::infinity();
 	for (size_t i = 0; i < world.bodies.size(); i++) {
 		const Body& b = world.bodies[i];
-		double v[3]; // free
-		for (int k = 0; k < 3; k++)
-			v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
-		fastest = std::max({ fastest, outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]) });
+		way = b.alone ? way : std::max(way, wayOf(b, world.shapes[i], dt));
 		smallest = b.radius > 0 ? std::min(smallest, b.radius) : smallest;
 	}
-	const double way = dt * fastest;
 	return { way, 4 * way + (std::isfinite(smallest) ? nearby * smallest : 0), smallest };
 }
 

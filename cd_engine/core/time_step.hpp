@@ -37,7 +37,7 @@ struct StepReport {
 
 // How far contacts reach in a step, at most.
 struct Reach {
-	double way = 0; // of the fastest body, under its external forces; of a boundary that turns, of its farthest point [m]
+	double way = 0; // of the fastest body that is not alone, under its external forces; of a boundary that turns, of its farthest point [m]
 	double gap = 0; // widest that may be a contact [m]: four ways, and a thousandth of the smallest disk
 	double smallestRadius = 0; // of a disk [m]; infinite if there is none
 };

@@ -1,6 +1,7 @@
 // The bodies of a plane scene and the pairs that may touch: what a time step reads and moves. Knows neither YADE nor Python.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,7 @@ struct Body {
 	double force[3] = { 0, 0, 0 }; // external force [N] and torque [N m], gravity included
 	double radius = 0; // of a disk [m]; 0: a boundary
 	double friction = 0; // coefficient of its surface; a pair takes the smaller of two
+	bool alone = false; // nobody comes near it in this step (alone.hpp)
 };
 
 // Two bodies near each other. `a` is the boundary where one is a boundary; two boundaries never touch.
@@ -65,6 +67,16 @@ inline double outlineSpeed(const double* v, const Body& b, const Shape& shape)
 {
 	const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
 	return b.radius > 0 || shape.kind != ShapeKind::box ? speed : speed + std::abs(v[2]) * std::hypot(shape.ex, shape.ey);
+}
+
+// The way a body goes in a step of dt, at its velocity before it or at the one that its external forces alone would leave, the longer one; of a
+// boundary that turns, its farthest point [m].
+inline double wayOf(const Body& b, const Shape& shape, double dt)
+{
+	double free[3];
+	for (int k = 0; k < 3; k++)
+		free[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
+	return dt * std::max(outlineSpeed(free, b, shape), outlineSpeed(b.v, b, shape));
 }
 
 // Surface point of a boundary nearest to a disk: its outward normal, and the signed distance of the disk's centre from it [m].

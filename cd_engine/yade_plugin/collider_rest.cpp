@@ -40,22 +40,6 @@ namespace {
 		return body ? static_cast<char*>(pointer<yade::Bound>(body, layout.body_bound)) : nullptr;
 	}
 
-	// Half the sides of the box, parallel to the axes, around a body [m].
-	struct Half {
-		double x, y;
-	};
-
-	Half halfSides(const cd::Body& body, const cd::Shape& shape)
-	{
-		constexpr double endless = std::numeric_limits<double>::infinity();
-		if (body.radius > 0)
-			return { body.radius, body.radius };
-		if (shape.kind == cd::ShapeKind::wall)
-			return { shape.axis == 0 ? 0 : endless, shape.axis == 1 ? 0 : endless };
-		const double c = std::abs(shape.cosine), s = std::abs(shape.sine);
-		return { c * shape.ex + s * shape.ey, s * shape.ex + c * shape.ey };
-	}
-
 } // namespace
 
 void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine)
@@ -89,6 +73,8 @@ bool ColliderRest::stillComplete(const cd::World& world, const cd::Reach& reach)
 		const cd::Body& b = world.bodies[i];
 		if (b.radius != seen[i].radius)
 			return false;
+		if (b.alone)
+			continue;
 		double way = std::max(std::abs(b.x - seen[i].x), std::abs(b.y - seen[i].y));
 		if (b.radius == 0) {
 			const cd::Shape &now = world.shapes[i], &then = seenShapes[i];
@@ -128,7 +114,7 @@ int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) cons
 			continue;
 		const cd::Body& b = world.bodies[id];
 		const cd::Shape& shape = world.shapes[id];
-		const Half half = halfSides(b, shape);
+		const cd::Half half = cd::halfSides(b, shape);
 		const auto& low = at<yade::Vector3r>(bound, layout.bound_min);
 		const auto& high = at<yade::Vector3r>(bound, layout.bound_max);
 		const auto within = [&](int axis, double place, double side) {
@@ -168,8 +154,24 @@ void ColliderRest::remember(const cd::World& world)
 	seenShapes = world.shapes;
 }
 
-bool ColliderRest::needed(const cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+// A body that needs wide bounds but that nobody comes near gets none; its pairs are complete without.
+void ColliderRest::findAlone(cd::World& world, double dt, double leastMargin)
 {
+	for (const int id : alone)
+		if (id < static_cast<int>(world.bodies.size()))
+			world.bodies[id].alone = false;
+	alone.clear();
+	const cd::Reach reach = cd::reach(world, dt);
+	const double least = leastMargin * reach.smallestRadius;
+	if (leastMargin > 0 && 0.5 * reach.gap > least && std::isfinite(reach.way))
+		alone = fastAndAlone.find(world, dt, 0.5 * least);
+	for (const int id : alone)
+		world.bodies[id].alone = true;
+}
+
+bool ColliderRest::needed(cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
+{
+	findAlone(world, dt, leastMargin);
 	const cd::Reach reach = cd::reach(world, dt);
 	works = collider && leastMargin > 0 && !std::isinf(reach.smallestRadius); // without disks nothing touches
 	if (!works)

@@ -1,6 +1,7 @@
 // Keeps the bounds of the bodies as wide as a step needs, and lets the collider rest while no body has moved far enough to matter.
 #pragma once
 
+#include "../core/alone.hpp"
 #include "../core/time_step.hpp"
 #include "layout.hpp"
 
@@ -24,12 +25,14 @@ class ColliderRest {
 	// Whether the collider has to run before this step, with the bodies as they are now.
 	// listChanged: somebody has changed the list of pairs since the last step.
 	// leastMargin: the width as a fraction of the smallest radius; bodies faster than that allows for get a wider one. 0: nothing is done.
-	// dt [s]: of the step.
-	bool needed(const cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
+	// dt [s]: of the step. Marks the bodies that are alone in it.
+	bool needed(cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
 	// Runs it, with the bodies of the scene as they are here. Throws SceneError if a body's bounds stay too narrow, or missing, after it has run.
 	void search(const cd::World&, yade::Scene*);
 	// Lets it rest until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void rest(yade::Scene*);
+	// The body that has left all others behind, -1: none.
+	int lost(const cd::World& world) const { return alone.empty() ? -1 : cd::leftBehind(world, alone); }
 	const yade::Engine* engine() const { return collider.get(); }
 	// Gives the collider back to YADE's loop.
 	void wake();
@@ -41,6 +44,7 @@ class ColliderRest {
 	struct Place {
 		double x, y, radius;
 	};
+	void findAlone(cd::World&, double dt, double leastMargin);
 	bool stillComplete(const cd::World&, const cd::Reach&) const;
 	bool widen(const cd::Reach&, double leastMargin);
 	int narrowlyBound(const cd::World&, yade::Scene*) const;
@@ -51,6 +55,8 @@ class ColliderRest {
 	double width = 0; // of the bounds beyond the bodies [m]
 	bool works = false; // whether there is a collider, and anything for it to find
 	bool resting = false;
+	cd::FastAndAlone fastAndAlone;
+	std::vector<int> alone; // the bodies marked so
 	std::vector<Place> seen; // the bodies when the collider ran last
 	std::vector<cd::Shape> seenShapes; // those of boundaries
 };

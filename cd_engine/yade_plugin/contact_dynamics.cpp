@@ -137,6 +137,7 @@ void ContactDynamics::advance()
 		handover = false;
 	}
 
+	tellOfLost();
 	const cd::StepReport made = step(link.world, settings);
 	if (made.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
@@ -233,6 +234,19 @@ void ContactDynamics::warn()
 		std::cerr << "; the tolerance is " << tolerance << ". Raise maxIterations or tolerance, or take a smaller O.dt.";
 	}
 	std::cerr << " Further such steps are counted in unconvergedSteps.\n";
+}
+
+// One line a run, of the first body that leaves the scene.
+void ContactDynamics::tellOfLost()
+{
+	const int id = toldOfLost ? -1 : rest->lost(link.world);
+	if (id < 0)
+		return;
+	toldOfLost = true;
+	const cd::Body& body = link.world.bodies[id];
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": body #" << id
+		  << " has left all others far behind: it is at (" << body.x << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1])
+		  << " m/s. Erase it (O.bodies.erase(" << id << ")) or give the scene a boundary that holds it. Others that do so are not named.\n";
 }
 
 // One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,

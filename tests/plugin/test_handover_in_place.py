@@ -59,7 +59,8 @@ def test_bounds_reach_beyond_the_disks_by_what_is_asked(O, before, speed):
     ids = [plane.disk((0.1 * k, 1), RADIUS, mat=mat) for k in range(3)]
     ids.append(plane.disk((1, 1), small, mat=mat))
     BEFORE[before](O)
-    O.bodies[ids[0]].state.vel = (0, speed, 0)
+    for i in ids[:2]:  # beside each other; one alone would widen nothing
+        O.bodies[i].state.vel = (0.6 * speed, 0.8 * speed, 0)
     rigid(O, 1)
     for _ in range(20):
         places = [b.state.pos for b in O.bodies]  # at which the collider, if it runs, runs in the next step

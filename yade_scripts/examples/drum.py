@@ -18,7 +18,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 
-random.seed(1)
+draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
 radius, gravity, spin, sides = 0.005, (0, -9.81, 0), 1.0, 32                              # m, m/s^2, rad/s
 inner = radius * math.sqrt(2.4 * disks)                                                   # of the drum [m]: half full
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.5), label="grains"))
@@ -29,7 +29,7 @@ for k in range(sides):
                                     orientation=Quaternion((0, 0, 1), angle), fixed=True, material="grains")))
 places = [(2.2 * radius * i, 2.2 * radius * j) for j in range(-50, 50) for i in range(-50, 50) if math.hypot(i, j) * 2.2 * radius < inner - 1.5 * radius]
 for x, y in places[:disks]:                                                               # from the bottom row upwards
-    disk = sphere((x + random.uniform(0, 0.1 * radius), y, 0), radius * random.uniform(0.85, 1), material="grains")
+    disk = sphere((x + draw(0, 0.1 * radius), y, 0), radius * draw(0.85, 1), material="grains")
     disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
     O.bodies.append(disk)
 grains = [b for b in O.bodies if isinstance(b.shape, Sphere)]

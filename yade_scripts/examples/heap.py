@@ -17,7 +17,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 
-random.seed(1)
+draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
 radius, gravity, friction = 0.005, (0, -9.81, 0), 0.5                                     # m, m/s^2, coefficient
 wide = max(4, round(math.sqrt(disks / 2)))                                                # disks in a row of the column, twice as high as wide
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(friction), label="grains"))
@@ -27,7 +27,7 @@ for k in range(floor):
 for side in (-1, 1):                                                                      # no disk rolls away for ever
     O.bodies.append(box((side * radius * (floor + 2), 4 * radius, 0), (radius, 5 * radius, 0.1), fixed=True, material="grains"))
 for k in range(disks):
-    disk = sphere((2.1 * radius * (k % wide - wide / 2) + random.uniform(0, 0.1 * radius), 2.2 * radius * (1 + k // wide), 0), radius * random.uniform(0.8, 1),
+    disk = sphere((2.1 * radius * (k % wide - wide / 2) + draw(0, 0.1 * radius), 2.2 * radius * (1 + k // wide), 0), radius * draw(0.8, 1),
                   material="grains")
     disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
     O.bodies.append(disk)

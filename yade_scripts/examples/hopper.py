@@ -17,7 +17,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 
-random.seed(1)
+draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
 radius, opening, gravity = 0.005, 0.06, (0, -9.81, 0)                                     # m, m, m/s^2
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.4), label="grains"))
 for side in (-1, 1):                                                                      # a slope of 50 degrees, and a wall above
@@ -26,7 +26,7 @@ for side in (-1, 1):                                                            
                         orientation=Quaternion((0, 0, 1), turn), fixed=True, material="grains"))
     O.bodies.append(box((side * (opening / 2 + 2 * half * math.cos(turn)), 0.65, 0), (0.001, 0.5, 0.1), fixed=True, material="grains"))
 for k in range(disks):                                                                    # rows of 24 above the opening, loosely
-    disk = sphere((0.0115 * (k % 24 - 11.5) + random.uniform(0, 0.001), 0.16 + 0.0115 * (k // 24), 0), radius * random.uniform(0.9, 1), material="grains")
+    disk = sphere((0.0115 * (k % 24 - 11.5) + draw(0, 0.001), 0.16 + 0.0115 * (k // 24), 0), radius * draw(0.9, 1), material="grains")
     disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
     O.bodies.append(disk)
 

@@ -18,7 +18,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]
 
-random.seed(1)
+draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
 radius, row = 0.005, max(5, round(math.sqrt(disks)))                                      # m; disks in a row
 half, height = 1.1 * radius * row, 2.2 * radius * math.ceil(disks / row)                  # of the box [m]
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.3), label="grains"))
@@ -28,7 +28,7 @@ for side in (-1, 1):
 floor = O.bodies.append(box((0, -0.01, 0), (half, 0.01, 0.1), fixed=True, material="smooth"))
 lid = O.bodies.append(box((0, height + 0.01, 0), (half, 0.01, 0.1), material="smooth"))
 for k in range(disks):
-    disk = sphere((2.2 * radius * (k % row + 0.5) - half + random.uniform(-0.05, 0.05) * radius, 2.2 * radius * (k // row + 0.5), 0), radius * random.uniform(0.8, 1),
+    disk = sphere((2.2 * radius * (k % row + 0.5) - half + draw(-0.05, 0.05) * radius, 2.2 * radius * (k // row + 0.5), 0), radius * draw(0.8, 1),
                   material="grains")
     disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
     O.bodies.append(disk)

@@ -1,0 +1,49 @@
+"""A body that is fast and far from all others costs what it costs; one that leaves the scene for good is named once."""
+import pytest
+
+import cd_engine
+
+from . import plane
+
+
+def bed(disks, settings, **moving):
+    mat = plane.material()
+    plane.box((0.2, -0.01), (0.3, 0.01), mat=mat)
+    for i in range(disks):
+        plane.disk((0.021 * (i % 20), 0.01 + 0.02 * (i // 20)), 0.01, mat=mat)
+    return plane.disk(radius=0.01, mat=mat, **moving), cd_engine.engines(gravity=(0, -9.81, 0), **settings)
+
+
+def states(O):
+    return [(tuple(b.state.pos), tuple(b.state.vel), tuple(b.state.angVel)) for b in O.bodies]
+
+
+def test_a_lost_body_is_named_once_and_widens_nothing(O, capfd):
+    lost, O.engines = bed(60, {}, position=(0.7, 0))
+    O.dt = 1e-3
+    O.run(2000, True)
+    lines = [line for line in capfd.readouterr().err.splitlines() if line.startswith("ContactDynamics: ")]
+    assert len(lines) == 1 and f"body #{lost} has left all others far behind" in lines[0] and f"O.bodies.erase({lost})" in lines[0]
+    assert O.bodies[lost].state.pos[1] < -15
+    assert O.engines[1].verletDist == pytest.approx(0.1 * 0.01)
+    O.bodies.erase(lost)
+    O.run(100, True)
+    assert O.engines[2].converged
+
+
+@pytest.mark.parametrize("settings", [{}, dict(restitution=0.5)], ids=["plain", "bouncing"])
+def test_it_hits_what_it_comes_to(O, capfd, settings):
+    """A fast disk into a bed: to the last bit as with bounds that are always wide."""
+    found = []
+    for margin in (0.1, 10):
+        O.reset()
+        bullet, O.engines = bed(60, dict(settings, colliderMargin=margin, tolerance=1e-6), position=(0.2, 3), velocity=(0.5, -20))
+        O.dt = 1e-3
+        O.run(100, True)
+        width = O.engines[1].verletDist
+        assert (width < 0.002) == (margin == 0.1)
+        O.run(200, True)
+        assert O.bodies[bullet].state.pos[1] > 0 and O.engines[2].deepestPenetration < (0.02 if settings else 1e-4)
+        found.append(states(O))
+    assert "behind" not in capfd.readouterr().err  # it flies up high and comes back
+    assert found[0] == found[1]
