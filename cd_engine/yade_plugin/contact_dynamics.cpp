@@ -1,4 +1,5 @@
 #include "contact_dynamics.hpp"
+#include "energy.hpp"
 #include "waiting.hpp"
 
 #include <algorithm>
@@ -119,6 +120,8 @@ void ContactDynamics::advance()
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
 		}
+		if (tracksEnergy(scene))
+			track(kineticEnergy(link.world), 0, 0);
 		if (somebodyLooks())
 			link.publish(scene, step);
 		return;
@@ -138,6 +141,8 @@ void ContactDynamics::advance()
 	}
 
 	tellOfLost();
+	const bool tracks = tracksEnergy(scene);
+	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
 	const cd::StepReport made = step(link.world, settings);
 	if (made.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
@@ -145,6 +150,8 @@ void ContactDynamics::advance()
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
 	link.hold(step, settings.dt, at<long>(scene, layout.scene_iter));
 	idle = made.idle;
+	if (tracks)
+		track(kineticEnergy(link.world), weightEnergy(link.world, gravity) - height, made.dissipated);
 	if (somebodyLooks())
 		link.publish(scene, step);
 	const double before = deepestPenetration;

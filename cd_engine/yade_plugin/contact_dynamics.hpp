@@ -225,7 +225,9 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "other "
 	    "where forces are far too small, even if *converged* says that the error e is.");
 	visit("handoverOverlap", &C::handoverOverlap, Access::read, any, "Largest overlap taken as reference at the hand-over [m].");
-	visit("dissipatedEnergy", &C::dissipatedEnergy, Access::read, any, "Energy lost in friction and impacts since the engine was made [J].");
+	visit("dissipatedEnergy", &C::dissipatedEnergy, Access::read, any,
+	    "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "
+	    "'kinetic' and 'gravWork'.");
 	visit("steps", &C::steps, Access::read, any, "Steps made [1].");
 	visit("unconvergedSteps", &C::unconvergedSteps, Access::read, any,
 	    "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");

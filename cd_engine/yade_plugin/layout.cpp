@@ -56,6 +56,7 @@ namespace {
 		s.published<long>(&Layout::scene_iter, "Scene", "iter");
 		s.published<long>(&Layout::scene_stopAtIter, "Scene", "stopAtIter");
 		s.published<bool>(&Layout::scene_isPeriodic, "Scene", "isPeriodic");
+		s.published<bool>(&Layout::scene_trackEnergy, "Scene", "trackEnergy");
 		s.published<int>(&Layout::body_id, "Body", "id");
 		s.published<Shared<yade::Material>>(&Layout::body_material, "Body", "material");
 		s.published<Shared<yade::State>>(&Layout::body_state, "Body", "state");

@@ -18,7 +18,8 @@ namespace cd_engine {
 
 struct Layout {
 	// Offsets in bytes from the start of the object of the class named in the first part.
-	long scene_dt, scene_iter, scene_stopAtIter, scene_isPeriodic, scene_forces, scene_engines, scene_bodies, scene_interactions;
+	long scene_dt, scene_iter, scene_stopAtIter, scene_isPeriodic, scene_trackEnergy, scene_forces, scene_engines, scene_bodies,
+	    scene_interactions;
 	long body_id, body_material, body_state, body_shape, body_bound, body_clumpId;
 	long state_se3, state_orientation, state_vel, state_mass, state_angVel, state_inertia, state_blockedDOFs;
 	long interaction_id1, interaction_id2, interaction_iterMadeReal, interaction_geom, interaction_phys;

@@ -1,0 +1,59 @@
+"""O.energy, where O.trackEnergy asks for it."""
+import pytest
+
+import cd_engine
+
+from . import plane
+
+G = 9.81
+
+
+def drop(O, track, steps=400):
+    """Disks that fall on a floor; the weight they have lost in height [J]."""
+    mat = plane.material(0.3)
+    plane.floor(mat)
+    disks = [plane.disk((0.0195 * (k % 4) + 0.004 * (k // 4), 0.05 + 0.03 * (k // 4)), 0.0095, mat=mat, spin=3) for k in range(12)]
+    O.engines = cd_engine.engines(gravity=(0, -G, 0), tolerance=1e-8, restitution=0.3)
+    O.dt = 1e-3
+    O.trackEnergy = track
+    height = lambda: sum(O.bodies[i].state.pos[1] for i in disks)
+    before = height()
+    O.run(steps, True)
+    return G * (before - height())
+
+
+def test_energies_go_where_yade_keeps_them(O):
+    """Under its names; their sum stays what it was, and the kinetic one is YADE's own."""
+    from yade import utils
+    fallen = drop(O, True)
+    energy = dict(O.energy.items())
+    assert set(energy) == {"kinetic", "gravWork", "plastDissip"}
+    assert energy["kinetic"] == pytest.approx(utils.kineticEnergy(), abs=1e-12)
+    assert energy["gravWork"] == pytest.approx(-fallen, rel=1e-9)
+    assert energy["plastDissip"] == pytest.approx(O.engines[-1].dissipatedEnergy, rel=1e-9) and energy["plastDissip"] > 0.1
+    at_first = 12 * 0.5 * (0.0095**2 / 2) * 3**2  # of their spin
+    assert O.energy.total() == pytest.approx(at_first, abs=1e-6 * fallen)
+
+
+def test_nothing_is_kept_unless_it_is_asked_for(O):
+    drop(O, False, 10)
+    assert not O.energy.keys()
+
+
+def test_it_may_be_asked_for_at_rest(O):
+    """Steps in which nothing moves any more say so, too."""
+    plane.floor()
+    plane.disk((0, 0.01), 0.01)
+    plane.run(200, 1e-3, gravity=(0, -G, 0))
+    O.trackEnergy = True
+    O.run(2, True)
+    assert O.energy["kinetic"] < 1e-20 and O.energy["plastDissip"] == pytest.approx(0, abs=1e-12)
+
+
+def test_it_changes_no_motion(O):
+    found = []
+    for track in (True, False):
+        O.reset()
+        drop(O, track, 200)
+        found.append([(tuple(b.state.pos), tuple(b.state.vel)) for b in O.bodies])
+    assert found[0] == found[1]
