@@ -7,14 +7,28 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[1]))
 
+import cd_engine
+from yade import plot
 from yade_scripts import parameters, run
 
+row = {"method": "CD"}
+
+
+def start(**changes):
+    """Start again with other parameters; what was given before, the method among it, stays. The scene.Scene."""
+    global row
+    scene = run.start(**row | changes)
+    row = row | changes
+    return scene
+
+
 try:
-    scene = run.start(**{"method": "CD"} | parameters.from_arguments(sys.argv[1:]))
+    scene = start(**parameters.from_arguments(sys.argv[1:]))
 except (parameters.ParameterError, ImportError) as error:
     sys.exit(f"console: {error}")
 
 print("""
-The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.residual is the error of the last one.
-scene = run.start(method="MD") starts again from the same packing with springs, run.start(friction=0.3) from another one.
-run.execute(dict(method="CD", seed=2)) runs a whole row into a result file; all parameters: list(parameters.REGISTRY).""")
+The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.summary() tells how they went.
+scene = start(friction=0.3) starts again from another packing, start(method="MD") with springs; what was given before stays.
+run.execute(dict(method="CD", seed=2)) runs a whole row into a result file; all parameters: list(parameters.REGISTRY).
+cd_engine and plot are imported: help(cd_engine.ContactDynamics) has every setting and result.""")

@@ -133,7 +133,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),
     Parameter("cd_dt", 1e-3, "s", "largest CD step", **_positive(1), method="CD"),
     # The contact solver: attributes of ContactDynamics.
-    Parameter("method_cd", "accelerated", "1", "contact solver, one of cd_engine.methods()", method="CD"),
+    Parameter("method_cd", "accelerated", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
     Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", **_positive(1), method="CD"),
     Parameter("max_iterations", 20000, "1", "sweeps after which a CD step counts as not converged", low=1, high=2**31 - 1, method="CD"),
     Parameter("fixed_iterations", 0, "1",
@@ -295,4 +295,5 @@ def listing():
 
 
 if __name__ == "__main__":
-    print(listing())
+    from yade_scripts import commands
+    commands.command("parameters")(lambda arguments: print(listing()))()

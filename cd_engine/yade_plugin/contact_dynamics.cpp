@@ -257,17 +257,28 @@ void ContactDynamics::tellOfLost()
 }
 
 // One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,
-// fixedIterations ask for no error, and a step may be too long for the ways that bodies turn in it.
+// fixedIterations ask for no error, small errors add up, and a step may be too long for the ways that bodies go or turn in it.
 void ContactDynamics::watchPenetration(double before) const
 {
 	const double smallest = cd::reach(link.world, 0).smallestRadius;
 	if (deepestPenetration <= deep * smallest || before > deep * smallest)
 		return;
+	std::string remedy;
+	if (!converged || fixedIterations > 0)
+		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
+	else if (maxPenetration - before > 0.5 * deep * smallest)
+		remedy = "It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt (cd_engine.timeStep() "
+			 "proposes one)";
+	else if (gapCorrection == 0)
+		remedy = "It grew step by step by what the tolerance leaves: set gapCorrection=0.1, which pushes overlaps out; heavy bodies on light "
+			 "ones need a tolerance smaller by about the ratio of their masses";
+	else
+		remedy
+		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
+		      "of their masses less) or take a smaller O.dt";
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": two bodies overlap by " << maxPenetration << " m, "
-		  << maxPenetration / smallest
-		  << " of the smallest radius, and more than when they were taken over. The forces that hold them apart are "
-		  << "too small: lower tolerance (heavy bodies on light ones need about the ratio of their masses less), raise maxIterations or "
-		  << "fixedIterations, or take a smaller O.dt. deepestPenetration tells how far it goes.\n";
+		  << maxPenetration / smallest << " of the smallest radius, and more than when they were taken over. " << remedy
+		  << ". deepestPenetration tells how far it goes.\n";
 }
 
 // What steps look up without asking again; bodyOrder is only a hint, and made anew where it is none.

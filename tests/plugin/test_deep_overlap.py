@@ -63,3 +63,22 @@ def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
     O.saveTmp()
     O.loadTmp()
     assert yade.O.engines[-1].deepestPenetration == deepest
+
+
+def test_what_adds_up_over_steps_is_said_to(O, capfd):
+    """Under a loose tolerance, which every step keeps."""
+    engine = pile(O, 1000, 50, tolerance=1, method="nsgs")
+    said = capfd.readouterr().err
+    assert engine.unconvergedSteps == 0 and "grew step by step by what the tolerance leaves: set gapCorrection=0.1" in said
+
+
+def test_what_comes_in_one_step_is_said_to(O, capfd):
+    """An impact that bounces is left to the next step where the step is too long for it."""
+    mat = plane.material()
+    plane.floor(mat)
+    for k in range(60):
+        plane.disk((0.021 * (k % 20), 0.01 + 0.02 * (k // 20)), 0.01, mat=mat)
+    plane.disk((0.2, 3), 0.01, mat=mat, velocity=(0.5, -20))
+    plane.run(200, 1e-3, gravity=(0, -G, 0), restitution=0.5)
+    said = capfd.readouterr().err
+    assert "It came in this one step" in said and "smaller O.dt" in said and "gapCorrection" not in said

@@ -33,7 +33,9 @@ def test_console_is_ready_for_o_run(yade60):
         assert "contact_dynamics" in read_until(master, r"In \[")
         for line, answer in (
                 ("O.run(100, True); print('made', 2 * O.iter, contact_dynamics.converged)", "made 200 True"),
-                ("s = run.start(method='MD', disks=60); O.run(70, True); print('now', 2 * O.iter, len(O.engines))", r"now 140 \d")):
+                ("s = start(friction=0.2); O.run(30, True); print('still', 2 * O.iter, contact_dynamics.tolerance > 0)", "still 60 True"),
+                ("print(len(help.__class__.__name__), 'To set' in cd_engine.ContactDynamics.__doc__, plot.__name__)", "True yade.plot"),
+                ("s = start(method='MD'); O.run(70, True); print('now', 2 * O.iter, len(O.engines), row['friction'])", r"now 140 \d 0.2")):
             os.write(master, line.encode() + b"\r")
             read_until(master, answer)
         os.write(master, b"exit()\r")

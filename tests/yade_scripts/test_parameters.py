@@ -169,3 +169,18 @@ def test_paper_s_values():
     full = complete({})
     assert (full["disks"], full["kn"], full["friction"]) == (400, 2e6, 0.1)
     assert parameters.pressure(full) == pytest.approx(6e-4 * 2e6, rel=1e-15)
+
+
+def test_the_methods_of_cd_are_the_engines_own():
+    """So that a wrong one is refused with their names, before the first step."""
+    import yade  # noqa: F401  the engine needs it
+    import cd_engine
+    assert set(REGISTRY["method_cd"].choices) == set(cd_engine.methods())
+    with pytest.raises(ParameterError, match="method_cd = 'magic': must be one of nsgs"):
+        complete({"method": "CD", "method_cd": "magic"})
+
+
+def test_the_list_may_be_cut(root):
+    """By `| head`, without a traceback."""
+    done = subprocess.run(f"{sys.executable} -m yade_scripts.parameters | head -1", shell=True, cwd=root, capture_output=True, text=True)
+    assert done.stdout.startswith("scene") and not done.stderr

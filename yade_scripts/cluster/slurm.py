@@ -12,7 +12,11 @@ class SlurmError(RuntimeError):
 def _ask(*command):
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     if done.returncode:
-        raise SlurmError(f"{command[0]}: {(done.stderr or done.stdout).strip()}")
+        said = (done.stderr or done.stdout).strip().splitlines() or [f"ended with status {done.returncode}"]
+        away = any(re.search("controller|configuration source|DNS SRV", line) for line in said)
+        # Without a controller it says on several lines how it looked for one; the last is what came of it.
+        raise SlurmError(f"{command[0]}: {said[-1]}. No Slurm controller answers from here: ask `scontrol ping`, go to a machine of the cluster, or run "
+                         "the rows on this one by yade_scripts/batch.py" if away else f"{command[0]}: {' '.join(said)}")
     return done.stdout
 
 

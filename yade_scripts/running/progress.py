@@ -4,6 +4,7 @@ import sys
 from tqdm import tqdm
 
 SECONDS = 5
+TELLING = 0.02  # of the run: what it has done before, first steps above all, tells nothing of the time left
 
 
 class Progress:
@@ -11,16 +12,20 @@ class Progress:
 
     def __init__(self, title):
         terminal = sys.stderr.isatty()
+        self.formats = [f"{{desc}} {{percentage:3.0f}} %|{{bar}}| {{elapsed}}<{left}" if terminal else f"{{desc}}: {{percentage:.0f}} %, {left} left\n"
+                        for left in ("?", "{remaining}")]
         self.bar = tqdm(total=1.0, desc=title, file=sys.stderr if terminal else sys.stdout, mininterval=0.1 if terminal else SECONDS, miniters=0,
-                        bar_format="{desc} {percentage:3.0f} %|{bar}| {elapsed}<{remaining}" if terminal else "{desc}: {percentage:.0f} %, {remaining} left\n")
-        self.begun = False
+                        bar_format=self.formats[0])
+        self.begun = None  # fraction
 
     def __call__(self, fraction):
-        if not self.begun:  # a resumed run begins in the middle
-            self.bar.initial = self.bar.n = self.bar.last_print_n = fraction
-            self.begun = True
+        if self.begun is None:  # a resumed run begins in the middle
+            self.bar.initial = self.bar.n = self.bar.last_print_n = self.begun = fraction
+        if fraction - self.begun >= TELLING:
+            self.bar.bar_format = self.formats[1]
         self.bar.update(fraction - self.bar.n)
 
     def close(self):
         """Say that the run has ended."""
+        self.bar.bar_format = self.formats[1]
         self.bar.close()
