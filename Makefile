@@ -19,6 +19,10 @@ extent   = $(if $(FULL),--full,--quick)
 site     = $(shell $(PYTHON) -m site --user-site)
 cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/core/*.inl tests/core/*.cpp)
 packages = cd_engine yade_scripts analysis tests
+# What plain YADE scripts find defined.
+yade     = O,box,sphere,readParamsFromTable,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
+           Bo1_Sphere_Aabb,Bo1_Box_Aabb,InteractionLoop,Ig2_Sphere_Sphere_ScGeom,Ig2_Box_Sphere_ScGeom,Ip2_FrictMat_FrictMat_MindlinPhys,$\
+           Law2_ScGeom_MindlinPhys_Mindlin,NewtonIntegrator,PyRunner,RotationEngine,VTKRecorder
 
 help: ## this list
 	@echo 'Every target installs the Debian packages that it needs and builds the engine where that is out of date.'
@@ -69,7 +73,8 @@ sweep: build ## the rows of tables, or of STUDY="fig3", on a Slurm cluster: TABL
 
 lint: ## style and static checks
 	@.ci/install-packages lint
-	$(PYTHON) -m pyflakes $(packages)
+	@$(PYTHON) -m pyflakes $(shell find $(packages) -name '*.py' -not -path '*/examples/*')
+	@PYFLAKES_BUILTINS=$(yade) $(PYTHON) -m pyflakes yade_scripts/examples
 	$(if $(wildcard .clang-format),clang-format --dry-run --Werror $(cpp))
 
 install: build ## let every YADE console of this user import cd_engine

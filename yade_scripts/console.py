@@ -11,6 +11,7 @@ import cd_engine
 from yade import plot
 from yade_scripts import parameters, run
 
+__all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # what whoever types finds
 row = {"method": "CD"}
 
 

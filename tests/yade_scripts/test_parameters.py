@@ -173,8 +173,9 @@ def test_paper_s_values():
 
 def test_the_methods_of_cd_are_the_engines_own():
     """So that a wrong one is refused with their names, before the first step."""
-    import yade  # noqa: F401  the engine needs it
+    import yade
     import cd_engine
+    assert yade.O is not None  # which the engine needs
     assert set(REGISTRY["method_cd"].choices) == set(cd_engine.methods())
     with pytest.raises(ParameterError, match="method_cd = 'magic': must be one of nsgs"):
         complete({"method": "CD", "method_cd": "magic"})
