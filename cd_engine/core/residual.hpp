@@ -13,8 +13,9 @@
 // and on a body acts the velocity s = (sum of the sizes of its contacts' impulses, and its external one)/m. The bodies of an island are right to
 //   min( sqrt(N) ||g||_2 / min s,  max(rms g / S', max g / (10 S'), max g' / (10 s')) ),
 //   S = (sum m sqrt(s) / sum m)^2,   S' = S min(1, l/200),   l = contacts - bodies.
-// The first number holds for every body: what the N contacts of a chain miss adds up to at most sqrt(N) ||g||_2 (Cauchy and Schwarz), and the body on
-// which least acts may feel all of it. A packing always has disks that carry next to nothing, and to ask the first of it takes a hundred times the
+// The first number holds for every body of a column: what its N contacts miss adds up to at most sqrt(N) ||g||_2 (Cauchy and Schwarz), and the body
+// on which least acts may feel all of it. Where contacts at small angles to each other hold a body, its velocity is that over the sine of the angle,
+// which this does not count. A packing always has disks that carry next to nothing, and to ask the first of it takes a hundred times the
 // sweeps (400 disks, mu = 0.1, tolerance 1e-6: 9800 instead of 60), since its impulses are not determined. There, where the contacts make many loops
 // (l), the second serves: relative to the mean over the mass, so that one heavy body counts for what it is. It does not see a body with s far below
 // S: that may be wrong by S/s times as much, unless it is ten times heavier than what carries it: g' are the contacts of such carriers; where the

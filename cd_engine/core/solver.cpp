@@ -90,7 +90,7 @@ namespace {
 	{
 		const Start start(system);
 		const bool fixed = settings.fixedIterations > 0, solvable = surelySolvable(system);
-		const double guess = solvable ? 0 : weighted(system);
+		const double guess = solvable || !settings.guessSolved ? 0 : weighted(system);
 		SolverSettings part = settings;
 		part.start = &start;
 		if (!solvable && !fixed)

@@ -99,6 +99,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	const std::string name = read(&ContactDynamics::method);
 	s.solve = cd::findSolver(name);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
+	s.solver.guessSolved = converged || steps == 0;
 	if (!s.solve)
 		throw SceneError("ContactDynamics: there is no method '" + name + "'. See cd_engine.methods()");
 	if (gravity[2] != 0)

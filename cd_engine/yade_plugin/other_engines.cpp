@@ -19,6 +19,10 @@ namespace {
 		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
 			return name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
 			    + " the bodies a second time." + remove;
+		if (isA(name, "ParallelEngine"))
+			return name
+			    + " hides the engines in it, some of which may not go with Contact Dynamics. Put them into O.engines, one after the "
+			      "other";
 		if (isA(name, "TimeStepper"))
 			return name + " sets O.dt by the stiffness of springs, which rigid bodies do not have." + remove;
 		if (isA(name, "BoundaryController"))

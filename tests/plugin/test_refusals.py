@@ -130,8 +130,9 @@ def test_a_nan_that_comes_later_is_refused_when_it_comes(O, pair):
     ("NewtonIntegrator", "second time"),
     ("InteractionLoop", "spring forces"),
     ("ContactDynamics", "second time"),
+    ("ParallelEngine", "hides the engines in it"),
 ])
-def test_company_that_would_act_twice_is_refused(O, pair, extra, words):
+def test_engines_that_do_not_go_with_it_are_refused(O, pair, extra, words):
     import cd_engine
     from yade import wrapper
     O.engines = cd_engine.engines() + [getattr(wrapper, extra)()]

@@ -48,6 +48,25 @@ def test_what_stands_beside_it_is_solved(O):
     assert O.interactions[3, 4].phys.normalForce.norm() == pytest.approx(2 * G, rel=1e-5)
 
 
+@pytest.mark.parametrize("method, tolerance", [("auto", 1e-12), ("newton", 1e-12), ("newton", 1e-13)])
+def test_impulses_of_an_unsolved_step_excuse_none_in_the_next(O, method, tolerance):
+    """A lid comes down on one of two overlapping disks. The first step ends with impulses of 1e12 N s; taken up as the first guess of the next they
+    are within the tolerance, being so large."""
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mat=mat)
+    plane.disk((0.019, 0.0105), 0.01, mat=mat)
+    lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
+    O.bodies[lid].state.vel = (0, -0.1, 0)
+    engine = plane.run(1, 1e-3, gravity=(0, -G, 0), method=method, tolerance=tolerance)
+    solved = 0
+    for _ in range(100):
+        O.step()
+        pressed = O.bodies[1].state.pos[1] < 0.01 and O.bodies[lid].state.pos[1] - 0.005 < O.bodies[1].state.pos[1] + 0.01 - 1e-4
+        solved += engine.converged and pressed
+    assert solved == 0
+
+
 @pytest.mark.parametrize("most", [1, 3, 50])
 def test_the_bound_on_iterations_is_one(O, most):
     """A cold pile of 40 disks, in which contacts are added within the steps."""
