@@ -46,7 +46,7 @@ charts: build ## measure and draw speed against accuracy, and where each method 
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
 	$(PYTHON) -m analysis charts $(extent)
 
-test: build ## all tests and the short regression run, about 6 minutes on two cores
+test: build ## all tests and the short regression run, about 5 minutes on two cores
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/measuring/regression.py --short
 	$(PYTHON) -m pytest tests -n 2 -rs
