@@ -26,10 +26,15 @@ class BodyForm {
 		size.resize(free.size());
 		std::transform(free.begin(), free.end(), size.begin(), [](double x) { return std::abs(x); });
 		collect(q, sums);
+		for (std::size_t i = 0; i < rows.size(); i++)
+			data[i] = std::max(sums[2 * i], sums[2 * i + 1]) + std::abs(s.contacts[rows[i]].bias);
+		for (std::size_t i = 0; i < v.size(); i++)
+			if (s.bodies[i / 3].w[i % 3] > 0)
+				v[i] = 0;
+		collect(prescribed, sums);
 		for (std::size_t i = 0; i < rows.size(); i++) {
-			const double bias = s.contacts[rows[i]].bias;
-			q[2 * i] += bias;
-			data[i] = std::max(sums[2 * i], sums[2 * i + 1]) + std::abs(bias);
+			q[2 * i] += s.contacts[rows[i]].bias;
+			prescribed[2 * i] += s.contacts[rows[i]].bias;
 		}
 		return *this;
 	}
@@ -55,6 +60,7 @@ class BodyForm {
 	}
 
 	std::vector<double> q;
+	std::vector<double> prescribed; // the part of q that no impulse can change: of the bodies that cannot move, and the biases
 	std::vector<double> data; // size of the terms of q, one a contact
 
     private:
@@ -94,7 +100,7 @@ class MatrixForm {
 	const MatrixForm& of(const DelassusSystem& s)
 	{
 		system = &s;
-		q = s.q;
+		q = prescribed = s.q;
 		data.resize(s.contacts());
 		for (std::size_t i = 0; i < data.size(); i++)
 			data[i] = std::max(std::abs(q[2 * i]), std::abs(q[2 * i + 1]));
@@ -124,6 +130,7 @@ class MatrixForm {
 	}
 
 	std::vector<double> q;
+	std::vector<double> prescribed; // a matrix does not tell: all of q
 	std::vector<double> data;
 
     private:

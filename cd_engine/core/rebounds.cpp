@@ -47,11 +47,41 @@ void Rebounds::findIslands(const ContactSystem& system)
 			parent[islandOf(c.a)] = islandOf(c.b);
 }
 
+Rebounds::Account& Rebounds::accountOf(const ContactSystem& system, const ContactRow& c)
+{
+	if (parent.empty())
+		findIslands(system);
+	return accounts[islandOf(isMobile(system.bodies[c.a]) ? c.a : c.b)];
+}
+
+// Asks the rebounds of islands that have lost a share of theirs for what is left of it; says whether that changes anything.
+bool Rebounds::askAgain(ContactSystem& system)
+{
+	bool changed = false;
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		ContactRow& c = system.contacts[i];
+		const Account& account = accountOf(system, c);
+		if (account.lowered == 0 || std::isnan(asked[i].rebound))
+			continue;
+		const double lowered = bias(asked[i].plain, shares[account.lowered - 1] * asked[i].rebound);
+		changed = changed || lowered != c.bias;
+		c.bias = lowered;
+	}
+	return changed;
+}
+
+bool Rebounds::giveUp(ContactSystem& system, int32_t row)
+{
+	for (std::size_t i = 0; i < system.contacts.size(); i++)
+		if (row < 0 || static_cast<int32_t>(i) == row)
+			accountOf(system, system.contacts[i]).lowered = static_cast<int>(std::size(shares));
+	return askAgain(system);
+}
+
 bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, const std::vector<double>& free, double tolerance)
 {
 	if (parent.empty())
 		findIslands(system);
-	const auto accountOf = [&](const ContactRow& c) -> Account& { return accounts[islandOf(isMobile(system.bodies[c.a]) ? c.a : c.b)]; };
 	for (Account& account : accounts)
 		account.sinceBefore = account.sinceFree = account.scale = 0;
 	for (const ContactRow& c : system.contacts) {
@@ -68,7 +98,7 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, c
 		};
 		const BodyVelocity &a = system.bodies[c.a], &b = system.bodies[c.b];
 		const double after = power(a, b, nullptr);
-		Account& account = accountOf(c);
+		Account& account = accountOf(system, c);
 		account.sinceBefore += after + power(a, b, &before);
 		account.sinceFree += after + power(a, b, &free);
 		account.scale += c.wnn * (c.pn * c.pn + c.pt * c.pt);
@@ -76,23 +106,11 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, c
 	bool any = false;
 	for (Account& account : accounts) {
 		const double gain = std::min(account.sinceBefore, account.sinceFree);
-		account.gains = gain > std::max(tolerance, roundOff) * account.scale && account.lowered < static_cast<int>(std::size(shares));
+		account.gains = gain > std::clamp(tolerance, roundOff, mostGain) * account.scale && account.lowered < static_cast<int>(std::size(shares));
 		account.lowered += account.gains;
 		any = any || account.gains;
 	}
-	if (!any)
-		return false;
-	bool changed = false;
-	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		ContactRow& c = system.contacts[i];
-		const Account& account = accountOf(c);
-		if (!account.gains || std::isnan(asked[i].rebound))
-			continue;
-		const double lowered = bias(asked[i].plain, shares[account.lowered - 1] * asked[i].rebound);
-		changed = changed || lowered != c.bias;
-		c.bias = lowered;
-	}
-	return changed;
+	return any && askAgain(system);
 }
 
 } // namespace cd

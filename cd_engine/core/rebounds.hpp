@@ -7,7 +7,8 @@
 // changes by -(1 - e)/(1 + e) p.W p/2 <= 0, whatever the contacts have in common; a law that asks u_n' >= 0 of those that part makes energy.
 //
 // With friction the same law can make energy where contacts are coupled (Kane and Levinson 1985), at e = 0 it cannot. So e is lowered, in
-// the islands of contacts that would make some, until they do not.
+// the islands of contacts that would make some, until they do not. A wedged disk may have no velocities that part from both sides as fast as asked:
+// there e = 0 at once.
 #pragma once
 
 #include "contact_system.hpp"
@@ -20,6 +21,9 @@ namespace cd {
 
 class Rebounds {
     public:
+	// Of the work of an island's impulses, which a step may add to the energy at a loose tolerance. What is asked again is solved to this at least.
+	static constexpr double mostGain = 1e-5;
+
 	// The bias of a contact in an impact: e u_n, or what its gap asks for where that pushes harder (plain < 0).
 	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
 
@@ -29,11 +33,15 @@ class Rebounds {
 	// Whether any contact has a part in an impact.
 	bool any() const { return impacts; }
 
-	// Lowers the biases in the islands whose impulses have added energy by more than round-off and `tolerance` leave open; says whether there are
+	// Lowers the biases in the islands whose impulses have added energy by more than round-off, `tolerance` and mostGain leave open; says whether there are
 	// such islands. To be asked again after the next solution. `before`: the velocities before the step, `free`: those that the external forces
 	// alone would leave. The energy is that over the step and that over the impulses alone: if only one of them grows, by what the forces do in
 	// a step, that is not the rebounds' doing.
 	bool lower(ContactSystem&, const std::vector<double>& before, const std::vector<double>& free, double tolerance);
+
+	// Asks no rebound any more in the island of contact `row`, of a step that has no solution with it; in every island where that is negative.
+	// Says whether there was one to be given up.
+	bool giveUp(ContactSystem&, int32_t row);
 
     private:
 	int32_t islandOf(int32_t body);
@@ -48,6 +56,9 @@ class Rebounds {
 		bool gains = false;
 		int lowered = 0; // how often
 	};
+	Account& accountOf(const ContactSystem&, const ContactRow&);
+	bool askAgain(ContactSystem&);
+
 	bool impacts = false;
 	std::vector<Asked> asked; // of the contacts
 	std::vector<int32_t> parent; // of every body, towards the one that names its island; empty: not looked for yet

@@ -100,6 +100,16 @@ namespace {
 		if (solvable)
 			return report;
 		Verdict verdict = judge(system, start, guess);
+		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
+		if (!settings.guessSolved && report.status == Status::converged && verdict.finding == Finding::nothing) {
+			start.free(system);
+			clearImpulses(system);
+			const Start cold(system);
+			part.start = &cold;
+			report = goOn<System>(system, cold, part, report, method);
+			part.start = &start;
+			verdict = judge(system, start, guess);
+		}
 		const auto doubtful = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful; };
 		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
 			part.tolerance = std::max(finest, refinement * part.tolerance);

@@ -41,14 +41,24 @@ bool TimeStep::end(StepReport& report)
 	return true;
 }
 
-// So many sweeps from the first guess, and no more, is what fixedIterations mean.
-void TimeStep::beginAgain(const World& world, StepReport& report)
+void TimeStep::firstGuess(const World& world)
 {
-	report.solver.iterations = 0;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		system.contacts[i].pn = world.pairs[rowPair[i]].pn;
 		system.contacts[i].pt = world.pairs[rowPair[i]].pt;
 	}
+}
+
+// Whether the step has to be solved again because its rebounds ask for more than the energy allows, or for what nothing solves.
+bool TimeStep::lowerRebounds(const StepSettings& settings, const StepReport& report)
+{
+	const Status status = report.solver.status;
+	if (!rebounds.any())
+		return false;
+	if (status == Status::no_solution || status == Status::indefinite)
+		return rebounds.giveUp(system, report.solver.contact);
+	// A gap correction adds energy by itself.
+	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, before, free, settings.solver.tolerance);
 }
 
 // False if it would touch what sleeps on, which has been woken: then it has to be made anew.
@@ -59,11 +69,13 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		return false;
 	static const std::vector<int> unknown;
 	const Stillness stillness { sleepers, before, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
+	double tolerance = settings.solver.tolerance;
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
 		SolverSettings left = settings.solver;
 		left.maxIterations -= previous;
+		left.tolerance = tolerance;
 		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
 						: solveWhole(system, settings.solve, left, report.effort);
 		report.solver.iterations += previous;
@@ -72,11 +84,13 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= settings.solver.maxIterations;
 		if (settings.restitution > 0) {
 			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
-			const bool judged = report.solver.status == Status::converged && settings.gapCorrection == 0; // which adds energy by itself
-			if (!judged || !rebounds.any() || !rebounds.lower(system, before, free, settings.solver.tolerance))
+			if (!lowerRebounds(settings, report))
 				return true;
 			if (spent)
 				return end(report);
+			if (report.solver.status != Status::converged)
+				firstGuess(world);
+			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeVelocities(world, settings.dt);
 			continue;
 		}
@@ -87,8 +101,10 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		if (sleepers.wake(system.contacts, world))
 			return false;
 		freeVelocities(world, settings.dt);
-		if (settings.solver.fixedIterations > 0)
-			beginAgain(world, report);
+		if (settings.solver.fixedIterations > 0) { // so many sweeps from the first guess, and no more
+			report.solver.iterations = 0;
+			firstGuess(world);
+		}
 	}
 }
 

@@ -95,7 +95,8 @@ class TimeStep {
 	bool anyViolated(const World&, const StepSettings&) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
-	void beginAgain(const World&, StepReport&);
+	void firstGuess(const World&);
+	bool lowerRebounds(const StepSettings&, const StepReport&);
 	static bool end(StepReport&);
 	void finishContacts(World&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);

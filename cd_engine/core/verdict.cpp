@@ -10,10 +10,11 @@ namespace cd {
 namespace {
 
 	constexpr double epsilon = std::numeric_limits<double>::epsilon();
-	// Share of the power p . q that solved contacts may keep: solutions have about the tolerance times the growth of their impulses, what cannot
-	// be solved nearly all of it.
-	constexpr double suspicious = 0.01;
-	constexpr double least = 3; // growth of impulses that are to be looked at
+	// Shares that the power of giving way has in a press, where both are 1 but for friction and other contacts: of the power that contacts keep
+	// at all (0.1 in the mean in flows, where as many loaded contacts part as close), and of that of the prescribed motion.
+	constexpr double ofKept = 0.4, ofPrescribed = 0.01;
+	constexpr double least = 1; // growth of impulses that are to be looked at
+	constexpr double onCone = 1e-6; // of friction: an impulse this close to it slides
 	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
 	// A self-stress makes no velocity but the round-off of its sums.
 	constexpr double selfStress = 256 * epsilon;
@@ -67,37 +68,15 @@ namespace {
 				if (!std::isfinite(p[2 * i]) || !std::isfinite(p[2 * i + 1]))
 					return { Finding::not_finite, form->row(i), std::numeric_limits<double>::infinity() };
 			}
-			form->product(p, u, sizes);
-			double square = 0, largest = -1, mostKept = 0, kept = 0, offered = 0, energy = 0, terms = 0;
-			std::size_t strongest = 0, worst = 0;
-			for (std::size_t i = 0; i < n; i++) {
-				const double own = form->own(i), pn = p[2 * i], pt = p[2 * i + 1], qn = form->q[2 * i], qt = form->q[2 * i + 1];
-				const double strength = own * (pn * pn + pt * pt), un = u[2 * i] + qn, ut = u[2 * i + 1] + qt;
-				if (!std::isfinite(un) || !std::isfinite(ut) || !std::isfinite(strength))
-					return { Finding::not_finite, form->row(i), std::numeric_limits<double>::infinity() };
-				square += strength;
-				if (strength > largest) {
-					largest = strength;
-					strongest = i;
-				}
-				energy += pn * u[2 * i] + pt * u[2 * i + 1];
-				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
-				offered += std::abs(pn * qn + pt * qt);
-				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
-				const double amiss = own * distance(pn, pt, (un + form->mu(i) * std::abs(ut)) / own, ut / own, form->mu(i));
-				const double power = amiss > floor ? amiss * std::sqrt(pn * pn + pt * pt) : 0;
-				kept += power;
-				if (power > mostKept) {
-					mostKept = power;
-					worst = i;
-				}
-			}
+			const int32_t infinite = addUp();
+			if (infinite >= 0)
+				return { Finding::not_finite, infinite, std::numeric_limits<double>::infinity() };
 			Verdict v;
 			v.growth = growthOf(*form);
 			const bool grown = v.growth > mostGrowth && std::sqrt(square) > 10 * guess;
-			if (!grown && !(kept > suspicious * offered && v.growth > least))
+			if (!grown && !(v.growth > least && looksPressed()))
 				return v;
-			v.contact = form->row(mostKept > 0 ? worst : strongest);
+			v.contact = form->row(worst);
 			// Files that print six digits miss a positive semidefinite W by less than this.
 			if (energy < -1e-5 * terms)
 				v.finding = Finding::indefinite;
@@ -109,6 +88,49 @@ namespace {
 		}
 
 	    private:
+		// The powers of the impulses; returns the row at which a number is not finite, or -1.
+		int32_t addUp()
+		{
+			form->product(p, u, sizes);
+			velocity.resize(2 * n);
+			square = kept = closing = given = offered = energy = terms = 0;
+			double largest = -1, mostKept = 0;
+			for (std::size_t i = 0; i < n; i++) {
+				const double own = form->own(i), pn = p[2 * i], pt = p[2 * i + 1];
+				const double strength = own * (pn * pn + pt * pt), un = velocity[2 * i] = u[2 * i] + form->q[2 * i];
+				const double ut = velocity[2 * i + 1] = u[2 * i + 1] + form->q[2 * i + 1];
+				if (!std::isfinite(un) || !std::isfinite(ut) || !std::isfinite(strength))
+					return form->row(i);
+				square += strength;
+				energy += pn * u[2 * i] + pt * u[2 * i + 1];
+				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
+				const double moved = pn * form->prescribed[2 * i] + pt * form->prescribed[2 * i + 1];
+				given -= moved;
+				offered += std::abs(moved);
+				const bool sticks = std::abs(pt) < (1 - onCone) * form->mu(i) * pn;
+				closing -= pn * un + (sticks ? pt * ut : 0);
+				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
+				const double amiss = own * distance(pn, pt, (un + form->mu(i) * std::abs(ut)) / own, ut / own, form->mu(i));
+				const double power = amiss > floor ? amiss * std::sqrt(pn * pn + pt * pt) : 0;
+				kept += power;
+				if (power > mostKept || (mostKept == 0 && strength > largest)) {
+					mostKept = power;
+					largest = strength;
+					worst = i;
+				}
+			}
+			return -1;
+		}
+
+		// Whether loaded contacts give way with what the prescribed motion gives. A press keeps all of it, however exactly it is solved. In a flow
+		// as many loaded contacts part as close, and what they keep falls with the error.
+		bool looksPressed() const
+		{
+			const bool closes = closing > ofKept * kept && closing > ofPrescribed * offered;
+			const bool keepsWhatIsGiven = closing > 0.5 * given && closing < 2 * given;
+			return kept > 0 && (closes || keepsWhatIsGiven);
+		}
+
 		enum class State : int8_t { open, stick, slidePlus, slideMinus };
 
 		// Whether there is a self-stress along the impulses against which the free velocities work.
@@ -127,7 +149,7 @@ namespace {
 				state[i] = State::stick;
 				if (!(pn > 0))
 					state[i] = State::open;
-				else if (std::abs(pt) >= (1 - 1e-6) * bound)
+				else if (std::abs(pt) >= (1 - onCone) * bound)
 					state[i] = pt > 0 ? State::slidePlus : State::slideMinus;
 				x[2 * i] = pn * root[2 * i] / scale;
 				x[2 * i + 1] = state[i] == State::stick ? pt * root[2 * i + 1] / scale : 0;
@@ -233,24 +255,33 @@ namespace {
 			return changed;
 		}
 
+		// Whether the free velocities work against the self-stress x, and its contacts do not just slide, which a solution may do, too.
 		bool worksAgainst()
 		{
 			impulses(x, d);
 			form->product(d, u, sizes);
-			double work = 0, terms = 0, stress = 0, moved = 0;
+			double work = 0, givingWay = 0, terms = 0, stress = 0, moved = 0;
 			for (std::size_t i = 0; i < n; i++) {
+				givingWay += d[2 * i] * velocity[2 * i] + (state[i] == State::stick ? d[2 * i + 1] * velocity[2 * i + 1] : 0);
 				work += d[2 * i] * form->q[2 * i] + d[2 * i + 1] * form->q[2 * i + 1];
 				terms += (std::abs(d[2 * i]) + std::abs(d[2 * i + 1])) * form->data[i];
 				const double nn = form->own(i), tt = form->ownTangential(i);
 				stress += sizes[2 * i] * sizes[2 * i] / nn + sizes[2 * i + 1] * sizes[2 * i + 1] / tt;
 				moved += u[2 * i] * u[2 * i] / nn + u[2 * i + 1] * u[2 * i + 1] / tt;
 			}
-			return stress > 0 && moved <= selfStress * selfStress * stress && work < -1e-8 * terms;
+			return stress > 0 && moved <= selfStress * selfStress * stress && work < -1e-8 * terms && givingWay < 0.5 * work;
 		}
 
 		const Form* form = nullptr;
 		std::size_t n = 0;
+		double square = 0; // weighted |p|^2 [J]
+		double kept = 0; // power of what the contacts miss of their law; all of them but for constant factors [J]
+		double closing = 0; // net power with which loaded contacts close, and those that should stick slide [J]
+		double given = 0, offered = 0; // of the prescribed motion: net, and the sum of its sizes
+		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
+		std::size_t worst = 0; // contact with the most power amiss, or with the largest impulse
 		std::vector<double> p, u, sizes;
+		std::vector<double> velocity; // of the contacts by the impulses judged, with the biases [m/s]
 		std::vector<State> state;
 		std::vector<double> root; // of W_nn and W_tt
 		std::vector<double> x, r, along, w, d;

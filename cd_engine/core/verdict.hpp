@@ -1,14 +1,15 @@
 // Whether impulses that are within the tolerance can be a solution, and of what is not solved, whether anything could solve it.
 //
 // The error e is relative to the impulses. Two walls that close in on a body press it with impulses that grow without end while its contacts close
-// as before: e falls below every tolerance and nothing is solved. What gives it away are the velocities: what they miss of the contact law, times the
-// impulses, is a power that vanishes at a solution, while there it stays as large as that of the free velocities, p . q.
-// A tolerance leaves a solution a share of that power, about itself times the growth of the impulses: a loosely solved pile may look the same. A
-// problem whose impulses are doubtful is therefore solved ten times more exactly, and again, until the doubt or the bound on the work is at its end.
-// The limit lies where impulses count as solved before they have grown threefold, which no judgement asks about: at tolerances above 0.03.
+// as before: e falls below every tolerance and nothing is solved. What gives it away is a power. At a solution loaded contacts neither close nor,
+// where they stick, slide, and p . u is what friction dissipates; sweeps leave misses of either sign, which mostly cancel. In a press all loaded
+// contacts give way together, with the power that the prescribed motion puts in, however exactly the problem is solved. Prescribed are the velocities
+// of bodies that cannot move and the biases; gravity is not: it makes no power on impulses that hold each other.
+// A loosely solved pile may look the same. A problem whose impulses are doubtful is therefore solved ten times more exactly, and again, until the
+// doubt or the bound on the work is at its end.
 //   The proof that no impulses solve it is a self-stress: impulses d within friction whose velocities W d vanish, with d . q < 0. Whatever p is,
 // d . (W p + q) = d . q then stays negative, which no contact law allows as long as nothing slides. (With friction a motion in which contacts of d
-// slide could be a solution all the same; the sweeps have then found none.)
+// slide could be a solution all the same; so these contacts have to close, and not just to slide, by the impulses judged.)
 //   From impulses that have grown along a self-stress it is found by removing from them, by conjugate gradients, what does make velocities.
 #pragma once
 
@@ -19,7 +20,7 @@ namespace cd {
 
 enum class Finding {
 	nothing, // that speaks against the impulses
-	doubtful, // contacts still close with the power that the free velocities have: not solved, or the tolerance is too large to tell
+	doubtful, // loaded contacts give way with the power of the prescribed motion: not solved, or the tolerance is too large to tell
 	beyond, // so large that double precision cannot hold the velocities to anything: a method that diverges, or no solution within every bound
 	no_solution, // proven by a self-stress
 	indefinite, // W gives the impulses, or some along them, a negative energy; else one of the three before

@@ -153,7 +153,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("restitution", &C::restitution, Access::set, Range { 0, 1 },
 	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
 	    "take "
-	    "a smaller one in a step in which this one would add energy.");
+	    "a smaller one in a step in which this one would add energy, and 0 where nothing solves the step with it.");
 	visit("gapCorrection", &C::gapCorrection, Access::set, Range { 0, 1 },
 	    "Share of an overlap, beyond the reference one, that a step pushes out [1]; 0: overlaps are only kept from growing. The velocity of "
 	    "pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it needs "

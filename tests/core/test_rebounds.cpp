@@ -13,7 +13,7 @@ constexpr double h = 1e-3, radius = 0.1;
 
 struct Scene {
 	World world;
-	double mu = 0, restitution = 1;
+	double mu = 0, restitution = 1, tolerance = 1e-12;
 
 	int wall()
 	{
@@ -58,7 +58,7 @@ struct Scene {
 		s.dt = h;
 		s.restitution = restitution;
 		s.solve = findSolver("auto");
-		s.solver = { 1e-12, 200000 };
+		s.solver = { tolerance, 200000 };
 		t.sleepers.look(world);
 		return t(world, s);
 	}
@@ -125,19 +125,48 @@ TEST_CASE("clusters of rubbing, spinning disks of unequal mass that hit a wall: 
 			}
 }
 
+TEST_CASE("a loose tolerance leaves no rebounds that make energy")
+{
+	std::mt19937 random(7);
+	std::uniform_real_distribution<double> unit(-1, 1);
+	for (const double tolerance : { 1e-1, 1e-2, 1e-3 })
+		for (const double mu : { 0., 0.5 })
+			for (int trial = 0; trial < 10; trial++) {
+				CAPTURE(tolerance);
+				CAPTURE(mu);
+				CAPTURE(trial);
+				Scene s;
+				s.mu = mu;
+				s.tolerance = tolerance;
+				s.wall();
+				for (int i = 0; i < 4; i++)
+					for (int j = 0; j < 4; j++)
+						s.disk(0.5 * h + radius * (1 + std::sqrt(3.) * i), radius * (2 * j + i % 2), -1, 0.5 * unit(random), 10 * unit(random));
+				s.pairUp();
+				double last = s.energy();
+				TimeStep t;
+				for (int k = 0; k < 40; k++) {
+					if (s.step(t).solver.status == Status::converged)
+						CHECK(s.energy() <= last * (1 + 5e-4)); // mostGain is held against W_nn p^2, here up to 50 times the energy
+					last = s.energy();
+				}
+			}
+}
+
 // Where friction couples two impacts energy is made by the law itself (Kane and Levinson 1985), so e is lowered there, and only there.
 TEST_CASE("a spinning disk thrown into a groove rebounds without gain; one that hits a floor beside it keeps its e")
 {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(-1, 1);
-	for (const double mu : { 0., 0.1, 0.3, 0.5, 1. })
-		for (int trial = 0; trial < 60; trial++) {
+	for (const double mu : { 0., 0.1, 0.3, 0.5, 1., 2. })
+		for (int trial = 0; trial < 120; trial++) {
 			CAPTURE(mu);
 			CAPTURE(trial);
 			Scene s;
 			s.mu = mu;
-			// Steeper ones wedge the disk: impulses that hold each other have no bound then.
-			const double steepest = mu > 0 ? std::min(1.2, std::atan(0.9 / mu)) : 1.2, slope = steepest * (0.6 + 0.4 * unit(random));
+			s.restitution = trial < 60 ? 1 : 0.5;
+			// Slopes steeper than 1/mu wedge the disk: no velocities part from both sides as fast as it has hit them.
+			const double slope = 1.2 * (0.6 + 0.4 * unit(random));
 			for (const double side : { -1., 1. }) {
 				const int wall = s.wall();
 				Shape& shape = s.world.shapes[wall];
@@ -159,10 +188,10 @@ TEST_CASE("a spinning disk thrown into a groove rebounds without gain; one that 
 			double last = s.energy();
 			TimeStep t;
 			for (int k = 0; k < 6; k++) {
-				s.step(t);
+				CHECK(s.step(t).solver.status == Status::converged);
 				CHECK(s.energy() <= last * (1 + 1e-9));
 				last = s.energy();
 			}
-			CHECK(s.world.bodies[4].v[1] == doctest::Approx(1).epsilon(1e-12));
+			CHECK(s.world.bodies[4].v[1] == doctest::Approx(s.restitution).epsilon(1e-12));
 		}
 }

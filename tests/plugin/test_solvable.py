@@ -1,18 +1,21 @@
 """What has no solution is named, and keeps nothing else from its own."""
+import math
+
 import pytest
+import yade
 
 from . import plane
 
 G = 9.81
 
 
-def press(O, method="auto", tolerance=1e-6, beside=False):
-    """A disk on the floor under a wall that comes down at 0.1 m/s, whatever happens; beside it a column of two. The engine, ready to run."""
+def press(O, method="auto", tolerance=1e-6, beside=False, speed=0.1):
+    """A disk on the floor under a wall that comes down at `speed` [m/s], whatever happens; beside it a column of two. The engine, ready to run."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
     lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
-    O.bodies[lid].state.vel = (0, -0.1, 0)
+    O.bodies[lid].state.vel = (0, -speed, 0)
     if beside:
         plane.disk((0.2, 0.01), 0.01, mass=1, mat=mat)
         plane.disk((0.2, 0.03), 0.01, mass=2, mat=mat)
@@ -29,6 +32,49 @@ def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tol
     assert engine.iterations <= engine.maxIterations
     said = capfd.readouterr().err
     assert said.count("no velocities keep bodies #") == 1
+
+
+@pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
+@pytest.mark.parametrize("share", [1e-1, 1e-2, 1e-4])
+def test_nor_where_the_boundary_is_slow_beside_gravity(O, method, share):
+    """The wall's speed is this share of the velocity that gravity gives in a step. Impulses of speed over tolerance make e small."""
+    engine = press(O, method, speed=share * G * 1e-3)
+    O.run(20, True)
+    assert engine.unconvergedSteps == engine.steps == 21 and engine.status == "no_solution"
+
+
+def hexagons(rows, speed, mu, **settings):
+    """`rows` rows of disks, each on two, between a floor, two walls and a lid that comes down at `speed` [m/s]; the id of the lid, the engine."""
+    r, mat = 0.01, plane.material(mu)
+    height = r * (2 + math.sqrt(3) * (rows - 1))
+    plane.floor(mat)
+    for x in (-r, (2 * rows + 1) * r):
+        plane.box((x, height), (r, 2 * height), mat=mat)
+    for j in range(rows):
+        for i in range(rows - j % 2):
+            plane.disk((r * (2 * i + 1 + j % 2), r * (1 + math.sqrt(3) * j)), r, mat=mat)
+    lid = plane.box((rows * r, height + r), (2 * rows * r, r), mat=mat)
+    yade.O.bodies[lid].state.vel = (0, -speed, 0)
+    return lid, plane.run(1, 1e-3, gravity=(0, -G, 0), **settings)
+
+
+@pytest.mark.parametrize("method", ["accelerated", "newton", "auto"])
+@pytest.mark.parametrize("mu", [0, 0.3, 1])
+def test_a_packing_pressed_slowly_has_no_solution_and_one_that_rests_after_it_has(O, method, mu):
+    """The press leaves impulses of 1e3 weights. They are no prestress: at rest again the floor carries the weight, and the lid nothing."""
+    lid, engine = hexagons(6, 0.01 * G * 1e-3, mu, method=method, tolerance=1e-6)
+    pressed = 0
+    for _ in range(10):
+        O.step()
+        pressed += abs(O.forces.f(lid)[1]) > 1
+        assert engine.status == "no_solution" or abs(O.forces.f(lid)[1]) < 1
+    assert pressed > 0
+    O.bodies[lid].state.vel = (0, 0.01, 0)
+    O.run(20, True)
+    assert engine.converged and O.forces.f(lid)[1] == 0
+    weight = sum(b.state.mass for b in O.bodies if b.state.blockedDOFs == "zXY") * G
+    # Without friction the walls carry no weight. With it they may, or press down what is wedged between them.
+    assert -O.forces.f(0)[1] == pytest.approx(weight, rel=1e-3) if mu == 0 else -O.forces.f(0)[1] < 3 * weight
 
 
 def test_so_many_sweeps_do_not_make_it_solved(O):
