@@ -11,10 +11,14 @@ namespace {
 	// Of the tolerance, where doubts have to be cleared: the power that a solution still keeps falls with it, of what has none it does not.
 	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
+	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
-	Verdict judge(const ContactSystem& s, const Start& start, double guess) { return judge(s, start.freeVelocity(), guess); }
-	Verdict judge(const DelassusSystem& s, const Start&, double guess) { return judge(s, guess); }
+	// A proof may cost about as much as the sweeps did, or as Newton's method does: a product with W costs about four sweeps.
+	int productsAfter(int sweeps) { return 300 + sweeps / 4; }
+
+	Verdict judge(const ContactSystem& s, const Start& start, double guess, int products) { return judge(s, start.freeVelocity(), guess, products); }
+	Verdict judge(const DelassusSystem& s, const Start&, double guess, int products) { return judge(s, guess, products); }
 
 	void clearImpulses(ContactSystem& s)
 	{
@@ -81,7 +85,7 @@ namespace {
 		start.free(other);
 		clearImpulses(other);
 		report.iterations += nsgs(other, plain).iterations;
-		const Verdict verdict = judge(other, start, 0);
+		const Verdict verdict = judge(other, start, 0, productsAfter(plain.fixedIterations));
 		if (verdict.finding != Finding::not_finite) // as sweeps may end where others do not
 			named(verdict, report);
 	}
@@ -99,7 +103,9 @@ namespace {
 		tryPlain(system, start, part, report, method);
 		if (solvable)
 			return report;
-		Verdict verdict = judge(system, start, guess);
+		bool proofTried = report.status != Status::converged;
+		const auto look = [&] { return judge(system, start, guess, proofTried ? productsAfter(report.iterations) : fewProducts); };
+		Verdict verdict = look();
 		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
 		if (!settings.guessSolved && report.status == Status::converged && verdict.finding == Finding::nothing) {
 			start.free(system);
@@ -108,15 +114,19 @@ namespace {
 			part.start = &cold;
 			report = goOn<System>(system, cold, part, report, method);
 			part.start = &start;
-			verdict = judge(system, start, guess);
+			verdict = look();
 		}
 		const auto doubtful = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful; };
 		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
 			part.tolerance = std::max(finest, refinement * part.tolerance);
-			part.maxIterations = settings.maxIterations;
+			// Most doubts are gone after a few sweeps more, which cost less than a proof among many contacts.
+			part.maxIterations = proofTried ? settings.maxIterations : std::min(settings.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
 			report = goOn<System>(system, start, part, report, method);
-			verdict = judge(system, start, guess);
-			if (verdict.finding == Finding::nothing && report.error <= settings.tolerance) // that it was not more exact does not matter
+			const bool first = !proofTried;
+			proofTried = true;
+			verdict = look();
+			// That it was not more exact does not matter.
+			if (report.error <= settings.tolerance && (verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful)))
 				report.status = Status::converged;
 		}
 		if (doubtful()) {

@@ -12,14 +12,13 @@ namespace {
 	constexpr double epsilon = std::numeric_limits<double>::epsilon();
 	// Shares that the power of giving way has in a press, where both are 1 but for friction and other contacts: of the power that contacts keep
 	// at all (0.1 in the mean in flows, where as many loaded contacts part as close), and of that of the prescribed motion.
-	constexpr double ofKept = 0.4, ofPrescribed = 0.01;
+	constexpr double ofKept = 0.4, ofPrescribed = 0.1;
 	constexpr double least = 1; // growth of impulses that are to be looked at
 	constexpr double onCone = 1e-6; // of friction: an impulse this close to it slides
 	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
 	// A self-stress makes no velocity but the round-off of its sums.
 	constexpr double selfStress = 256 * epsilon;
 	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
-	constexpr int mostProducts = 400;
 
 	double dot(const std::vector<double>& a, const std::vector<double>& b)
 	{
@@ -56,8 +55,9 @@ namespace {
 
 	template <class Form> class Judgement {
 	    public:
-		Verdict operator()(const Form& judged, double guess)
+		Verdict operator()(const Form& judged, double guess, int mostProducts)
 		{
+			productsLeft = mostProducts;
 			form = &judged;
 			n = judged.contacts();
 			negative = false;
@@ -93,7 +93,7 @@ namespace {
 		{
 			form->product(p, u, sizes);
 			velocity.resize(2 * n);
-			square = kept = closing = given = offered = energy = terms = 0;
+			square = kept = closing = given = pushing = energy = terms = 0;
 			double largest = -1, mostKept = 0;
 			for (std::size_t i = 0; i < n; i++) {
 				const double own = form->own(i), pn = p[2 * i], pt = p[2 * i + 1];
@@ -106,7 +106,7 @@ namespace {
 				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
 				const double moved = pn * form->prescribed[2 * i] + pt * form->prescribed[2 * i + 1];
 				given -= moved;
-				offered += std::abs(moved);
+				pushing += std::max(-moved, 0.);
 				const bool sticks = std::abs(pt) < (1 - onCone) * form->mu(i) * pn;
 				closing -= pn * un + (sticks ? pt * ut : 0);
 				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
@@ -126,9 +126,9 @@ namespace {
 		// as many loaded contacts part as close, and what they keep falls with the error.
 		bool looksPressed() const
 		{
-			const bool closes = closing > ofKept * kept && closing > ofPrescribed * offered;
-			const bool keepsWhatIsGiven = closing > 0.5 * given && closing < 2 * given;
-			return kept > 0 && (closes || keepsWhatIsGiven);
+			const bool together = closing > ofKept * kept && closing > ofPrescribed * pushing && closing < 2 * pushing;
+			const bool all = closing > 0.5 * given && closing < 2 * given;
+			return kept > 0 && (together || all);
 		}
 
 		enum class State : int8_t { open, stick, slidePlus, slideMinus };
@@ -198,7 +198,6 @@ namespace {
 		// Conjugate gradients for W d = 0 from x, which keep what W does not see. Begun anew from exact remainders until these are round-off.
 		bool removeWhatMoves()
 		{
-			int products = 0;
 			for (int again = 0; again < 6; again++) {
 				answer(x, r);
 				for (double& e : r)
@@ -209,8 +208,8 @@ namespace {
 					return true;
 				along = r;
 				while (rr > goal && rr > 1e-34 * dot(x, x)) {
-					if (++products > mostProducts)
-						return again > 0;
+					if (productsLeft-- <= 0)
+						return false;
 					answer(along, w);
 					const double curvature = dot(along, w);
 					if (curvature < -1e-5 * dot(along, along))
@@ -277,7 +276,7 @@ namespace {
 		double square = 0; // weighted |p|^2 [J]
 		double kept = 0; // power of what the contacts miss of their law; all of them but for constant factors [J]
 		double closing = 0; // net power with which loaded contacts close, and those that should stick slide [J]
-		double given = 0, offered = 0; // of the prescribed motion: net, and the sum of its sizes
+		double given = 0, pushing = 0; // power of the prescribed motion: net, and of the contacts alone at which it is against the impulses [J]
 		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
 		std::size_t worst = 0; // contact with the most power amiss, or with the largest impulse
 		std::vector<double> p, u, sizes;
@@ -285,13 +284,14 @@ namespace {
 		std::vector<State> state;
 		std::vector<double> root; // of W_nn and W_tt
 		std::vector<double> x, r, along, w, d;
+		int productsLeft = 0;
 		bool negative = false; // a direction of negative energy was met
 	};
 
-	template <class Form> Verdict judged(const Form& form, double guess)
+	template <class Form> Verdict judged(const Form& form, double guess, int mostProducts)
 	{
 		static thread_local Judgement<Form> judgement;
-		return judgement(form, guess);
+		return judgement(form, guess, mostProducts);
 	}
 
 	const BodyForm& form(const ContactSystem& system, const std::vector<double>& freeVelocity)
@@ -308,11 +308,11 @@ namespace {
 
 } // namespace
 
-Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess)
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, int mostProducts)
 {
-	return judged(form(system, freeVelocity), guess);
+	return judged(form(system, freeVelocity), guess, mostProducts);
 }
-Verdict judge(const DelassusSystem& system, double guess) { return judged(form(system), guess); }
+Verdict judge(const DelassusSystem& system, double guess, int mostProducts) { return judged(form(system), guess, mostProducts); }
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }
 double growth(const DelassusSystem& system) { return growthOf(form(system)); }

@@ -35,9 +35,9 @@ struct Verdict {
 
 // Judges the impulses in system.contacts. freeVelocity: as in residual.hpp. guess: |p| of the first guess weighted by W_nn, sqrt(sum W_nn |p|^2): a
 // self-stress that was there before and now has nothing to carry is no sign of growth. Costs about a look at the error; where the finding is not
-// `nothing`, up to some hundred products with W.
-Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess);
-Verdict judge(const DelassusSystem& system, double guess);
+// `nothing`, up to mostProducts products with W for the proof, which is given up there.
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, int mostProducts = 1000);
+Verdict judge(const DelassusSystem& system, double guess, int mostProducts = 1000);
 
 // Impulses of a larger `growth` leave no velocity known to a thousandth of those that they are to stop. Masses in contact of 1 : 1e8 make 1e8.
 constexpr double mostGrowth = 1e12;
