@@ -12,14 +12,13 @@ namespace {
 	constexpr std::size_t most = 8;
 	constexpr double endless = std::numeric_limits<double>::infinity();
 
-	// Along x or y, before the step or under its external forces alone [m].
+	// The way along x or y, with the velocity before the step or with that which the external forces alone make, whichever is longer [m].
 	double wayAlong(int axis, const Body& b, double dt)
 	{
 		return dt * std::max(std::abs(b.v[axis]), std::abs(b.v[axis] + dt * b.inverseMass[axis] * b.force[axis]));
 	}
 
-	// Contacts reach four ways of the fastest body that is not alone, see cd::reach. The same of both bodies here, in each direction, and a
-	// diameter.
+	// Whether all other bodies are further away, along x or along y, than four ways of both and a diameter: cd::reach asks for four ways, too.
 	bool isAlone(const World& world, std::size_t lone, double dt, const std::vector<int>& others, double fastest)
 	{
 		const Body& a = world.bodies[lone];

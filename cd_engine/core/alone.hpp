@@ -1,4 +1,4 @@
-// Bodies that fly fast, far from all others.
+// Finds disks that fly fast and far from all others. A "way" is the distance that a body goes in one step [m].
 #pragma once
 
 #include "world.hpp"
@@ -14,9 +14,10 @@ struct Half {
 };
 Half halfSides(const Body&, const Shape&);
 
-// Of the eight fastest disks those that nobody can touch in a step of dt. Such a one need not set how far contacts reach for everybody (cd::reach
-// leaves out what Body::alone says): else one body that falls for ever makes every step dearer than the last. slow: ways [m] up to which a disk is
-// none of these. Costs one look at all bodies for each of them that is alone, less for the others.
+// Returns those of the eight fastest disks that can touch no other body in a step of dt. The fastest body sets how far apart two bodies may be and
+// still be looked at as a possible contact. Disks that are alone do not count there (Body::alone, cd::reach): otherwise a single disk that falls out of
+// the scene would make every step dearer than the last. Disks whose way is at most `slow` [m] are not examined. Costs one pass over all bodies for each
+// disk that is alone, less for the others.
 class FastAndAlone {
     public:
 	const std::vector<int>& find(const World&, double dt, double slow);

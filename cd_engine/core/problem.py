@@ -4,6 +4,8 @@ from numbers import Real
 import numpy as np
 from scipy import sparse
 
+LARGEST = 1e140  # numbers whose sums of squares are finite
+
 
 class Problem:
     """Contacts of one time step in the plane; two rows a contact, normal then tangential.
@@ -21,6 +23,9 @@ class Problem:
         self.q = vector("q", q, self.W.shape[0])
         self.mu = vector("mu", mu, self.W.shape[0] // 2)
         refuse_negative("mu", self.mu)
+        wrong = np.flatnonzero(np.abs(self.q) > LARGEST)
+        if wrong.size:
+            raise ValueError(f"q[{wrong[0]}] is {self.q[wrong[0]]:g}: the squares of numbers above {LARGEST:g} are no longer finite; take other units")
 
     @property
     def contacts(self):

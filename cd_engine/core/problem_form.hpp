@@ -14,6 +14,9 @@ namespace cd {
 // from one problem of a thread to the next.
 class BodyForm {
     public:
+	// Share of the power of the prescribed motion with which contacts give way in a press at least: other boundaries may move, too.
+	static constexpr double ofPrescribed = 0.1;
+
 	const BodyForm& of(const ContactSystem& s, const std::vector<double>& free)
 	{
 		system = &s;
@@ -97,6 +100,8 @@ class BodyForm {
 
 class MatrixForm {
     public:
+	static constexpr double ofPrescribed = 1e-4; // of all of q, since a matrix does not tell what is prescribed
+
 	const MatrixForm& of(const DelassusSystem& s)
 	{
 		system = &s;
@@ -130,7 +135,7 @@ class MatrixForm {
 	}
 
 	std::vector<double> q;
-	std::vector<double> prescribed; // a matrix does not tell: all of q
+	std::vector<double> prescribed; // all of q
 	std::vector<double> data;
 
     private:

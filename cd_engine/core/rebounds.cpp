@@ -10,7 +10,7 @@ namespace {
 	// Shares of e that are tried after each other. Islands that make energy mostly do so near e = 1 only, and a little.
 	constexpr double shares[] = { 15. / 16, 7. / 8, 3. / 4, 1. / 2, 0 };
 
-	constexpr double roundOff = 1e-13; // of the work of a contact's impulse, which is a sum
+	constexpr double roundOff = 1e-13; // of energies, which are sums
 
 	bool isMobile(const BodyVelocity& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
 
@@ -83,30 +83,40 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, c
 	if (parent.empty())
 		findIslands(system);
 	for (Account& account : accounts)
-		account.sinceBefore = account.sinceFree = account.scale = 0;
+		account.sinceBefore = account.sinceFree = account.scale = account.energy = 0;
+	for (std::size_t i = 0; i < system.bodies.size(); i++) {
+		const BodyVelocity& body = system.bodies[i];
+		Account& account = accounts[islandOf(static_cast<int32_t>(i))];
+		for (int k = 0; k < 3; k++) {
+			const double change = body.v[k] - free[3 * i + k];
+			if (!(body.w[k] > 0) || change == 0)
+				continue;
+			account.sinceBefore += 0.5 * change * (body.v[k] + before[3 * i + k]) / body.w[k];
+			account.sinceFree += 0.5 * change * (body.v[k] + free[3 * i + k]) / body.w[k];
+			account.scale += change * change / body.w[k];
+			account.energy += 0.5 * body.v[k] * body.v[k] / body.w[k];
+		}
+	}
+	// Without what boundaries give that move.
 	for (const ContactRow& c : system.contacts) {
 		if (!(c.pn > 0))
 			continue;
-		const auto power = [&](BodyVelocity a, BodyVelocity b, const std::vector<double>* then) {
-			if (then) {
-				std::copy_n(&(*then)[3 * c.a], 3, a.v);
-				std::copy_n(&(*then)[3 * c.b], 3, b.v);
-			}
-			double un, ut;
-			relativeVelocity(c, a, b, un, ut);
-			return 0.5 * (c.pn * un + c.pt * ut);
-		};
-		const BodyVelocity &a = system.bodies[c.a], &b = system.bodies[c.b];
-		const double after = power(a, b, nullptr);
+		BodyVelocity a = system.bodies[c.a], b = system.bodies[c.b];
+		for (BodyVelocity* body : { &a, &b })
+			for (int k = 0; k < 3; k++)
+				if (body->w[k] > 0)
+					body->v[k] = 0;
+		double un, ut;
+		relativeVelocity(c, a, b, un, ut);
 		Account& account = accountOf(system, c);
-		account.sinceBefore += after + power(a, b, &before);
-		account.sinceFree += after + power(a, b, &free);
-		account.scale += c.wnn * (c.pn * c.pn + c.pt * c.pt);
+		account.sinceBefore += c.pn * un + c.pt * ut;
+		account.sinceFree += c.pn * un + c.pt * ut;
 	}
 	bool any = false;
 	for (Account& account : accounts) {
 		const double gain = std::min(account.sinceBefore, account.sinceFree);
-		account.gains = gain > std::clamp(tolerance, roundOff, mostGain) * account.scale && account.lowered < static_cast<int>(std::size(shares));
+		const double allowed = std::clamp(tolerance, roundOff, mostGain) * account.scale + roundOff * account.energy;
+		account.gains = gain > allowed && account.lowered < static_cast<int>(std::size(shares));
 		account.lowered += account.gains;
 		any = any || account.gains;
 	}

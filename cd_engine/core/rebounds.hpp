@@ -21,7 +21,8 @@ namespace cd {
 
 class Rebounds {
     public:
-	// Of the work of an island's impulses, which a step may add to the energy at a loose tolerance. What is asked again is solved to this at least.
+	// Of m |dv|^2, which a step may add to the energy at a loose tolerance; dv is the velocity that the impulses have changed. What is asked again
+	// is solved to this at least.
 	static constexpr double mostGain = 1e-5;
 
 	// The bias of a contact in an impact: e u_n, or what its gap asks for where that pushes harder (plain < 0).
@@ -52,7 +53,9 @@ class Rebounds {
 	};
 	// Of an island, kept where the body stands that names it.
 	struct Account {
-		double sinceBefore = 0, sinceFree = 0, scale = 0; // work of its impulses [J]
+		double sinceBefore = 0, sinceFree = 0; // work of its impulses [J]
+		double scale = 0; // sum of m |dv|^2, dv being what the impulses have changed the velocities by [J]
+		double energy = 0; // of its bodies after the step [J]
 		bool gains = false;
 		int lowered = 0; // how often
 	};

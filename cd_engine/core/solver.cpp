@@ -11,14 +11,41 @@ namespace {
 	// Of the tolerance, where doubts have to be cleared: the power that a solution still keeps falls with it, of what has none it does not.
 	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
+	constexpr double stillGrowing = 3; // impulses, by a refinement: those of a press grow tenfold
 	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
 	// A proof may cost about as much as the sweeps did, or as Newton's method does: a product with W costs about four sweeps.
 	int productsAfter(int sweeps) { return 300 + sweeps / 4; }
 
-	Verdict judge(const ContactSystem& s, const Start& start, double guess, int products) { return judge(s, start.freeVelocity(), guess, products); }
-	Verdict judge(const DelassusSystem& s, const Start&, double guess, int products) { return judge(s, guess, products); }
+	Verdict judge(const ContactSystem& s, const Start& start, double guess, double tolerance, int products)
+	{
+		return judge(s, start.freeVelocity(), guess, tolerance, products);
+	}
+	Verdict judge(const DelassusSystem& s, const Start&, double guess, double tolerance, int products) { return judge(s, guess, tolerance, products); }
+
+	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may be so
+	// large that whatever velocities they make are within the tolerance.
+	bool makesEnergy(const ContactSystem& s, const Start& start)
+	{
+		double before = 0, after = 0;
+		for (std::size_t i = 0; i < s.bodies.size(); i++)
+			for (int k = 0; k < 3; k++)
+				if (s.bodies[i].w[k] > 0) {
+					const double v = s.bodies[i].v[k], free = start.freeVelocity()[3 * i + k];
+					before += free * free / s.bodies[i].w[k];
+					after += v * v / s.bodies[i].w[k];
+				}
+		return after > 2 * before;
+	}
+	bool makesEnergy(const DelassusSystem&, const Start&) { return false; } // never surely solvable
+
+	int32_t strongest(const ContactSystem& s)
+	{
+		const auto most = [](const ContactRow& a, const ContactRow& b) { return a.pn < b.pn; };
+		return static_cast<int32_t>(std::max_element(s.contacts.begin(), s.contacts.end(), most) - s.contacts.begin());
+	}
+	int32_t strongest(const DelassusSystem&) { return -1; }
 
 	void clearImpulses(ContactSystem& s)
 	{
@@ -59,6 +86,35 @@ namespace {
 		std::swap(system, other);
 	}
 
+	// Plain sweeps from no impulses at all: they make none that hold each other unless something presses.
+	template <class System> void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	{
+		clearImpulses(system);
+		report = goOn<System>(system, start, settings, report, nsgs);
+		report.plain = true;
+		if (report.status == Status::converged && makesEnergy(system, start)) {
+			report.status = Status::stagnated;
+			report.contact = strongest(system);
+		}
+	}
+
+	// What an unsolved step leaves may hide a solution that a few sweeps find from no impulses. Else the guess is given back.
+	template <class System> SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, Method<System> method)
+	{
+		clearImpulses(system);
+		const Start nothing(system);
+		SolverSettings brief = settings;
+		brief.start = &nothing;
+		brief.maxIterations = std::min(4 * fewSweeps, settings.maxIterations);
+		SolverReport report = method == static_cast<Method<System>>(nsgs) ? nsgs(system, brief) : accelerated(system, brief);
+		if (report.status == Status::converged && judge(system, start, 0, settings.tolerance, fewProducts).finding == Finding::nothing)
+			return report;
+		report.status = Status::stagnated;
+		start.free(system);
+		start.guess(system);
+		return report;
+	}
+
 	// Whether it is proven that there is no solution, or whether what counts as solved is beyond every bound; the report then says so.
 	bool named(const Verdict& v, SolverReport& report)
 	{
@@ -85,58 +141,118 @@ namespace {
 		start.free(other);
 		clearImpulses(other);
 		report.iterations += nsgs(other, plain).iterations;
-		const Verdict verdict = judge(other, start, 0, productsAfter(plain.fixedIterations));
+		const Verdict verdict = judge(other, start, 0, settings.tolerance, productsAfter(plain.fixedIterations));
 		if (verdict.finding != Finding::not_finite) // as sweeps may end where others do not
 			named(verdict, report);
 	}
 
+	// One problem, solved by a method whose impulses are judged.
+	template <class System> class Judged {
+	    public:
+		Judged(System& problem, const SolverSettings& asked, Method<System> by)
+		    : system(problem)
+		    , settings(asked)
+		    , method(by)
+		    , start(problem)
+		    , fixed(asked.fixedIterations > 0)
+		    , solvable(surelySolvable(problem))
+		    , guess(solvable || !asked.guessSolved ? 0 : weighted(problem))
+		    , part(asked)
+		{
+			part.start = &start;
+			if (!solvable && !fixed)
+				part.maxIterations -= std::min(sweepsToTell, settings.maxIterations / 10);
+		}
+
+		SolverReport operator()()
+		{
+			const int most = part.maxIterations;
+			if (!solvable && !fixed && !settings.guessSolved) {
+				report = tryFromNothing(system, start, part, method);
+				if (report.status == Status::converged)
+					return report;
+			}
+			report = goOn<System>(system, start, part, report, method);
+			tryPlain(system, start, part, report, method);
+			if (solvable) {
+				if (report.status == Status::converged && makesEnergy(system, start))
+					beginFromNothing(system, start, settings, report);
+				return report;
+			}
+			proofTried = report.status != Status::converged;
+			look();
+			clearDoubts();
+			// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
+			if (!settings.guessSolved && report.status == Status::converged && verdict.finding == Finding::nothing) {
+				start.free(system);
+				clearImpulses(system);
+				const Start nothing(system);
+				part.start = &nothing;
+				part.tolerance = settings.tolerance;
+				part.maxIterations = most;
+				report = goOn<System>(system, nothing, part, report, method);
+				part.start = &start;
+				look();
+				clearDoubts();
+			}
+			return conclude();
+		}
+
+	    private:
+		void look()
+		{
+			verdict = judge(system, start, guess, part.tolerance, proofTried ? productsAfter(report.iterations) : fewProducts);
+		}
+		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
+
+		// Solves more exactly as long as there are doubts.
+		void clearDoubts()
+		{
+			while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
+				const bool first = !proofTried;
+				const double growth = verdict.growth;
+				part.tolerance = std::max(finest, refinement * part.tolerance);
+				part.maxIterations = settings.maxIterations;
+				if (first) // most doubts are gone after a few sweeps more, which cost less than a proof among many contacts
+					part.maxIterations = std::min(part.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
+				report = goOn<System>(system, start, part, report, method);
+				proofTried = true;
+				look();
+				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
+					verdict.finding = Finding::doubtful;
+				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
+				if (report.error <= settings.tolerance && goesOn) // that it was not more exact does not matter
+					report.status = Status::converged;
+			}
+		}
+
+		SolverReport conclude()
+		{
+			if (doubtful())
+				report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
+			if (verdict.finding == Finding::doubtful)
+				report.contact = verdict.contact;
+			report.doubtful = fixed && (verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful);
+			if (!named(verdict, report) && !fixed && report.status != Status::converged)
+				findOut(system, start, settings, report);
+			return report;
+		}
+
+		System& system;
+		const SolverSettings& settings;
+		const Method<System> method;
+		const Start start;
+		const bool fixed, solvable;
+		const double guess; // its weighted norm, where it was solved
+		SolverSettings part; // of what is asked, for the next call of the method
+		SolverReport report;
+		Verdict verdict;
+		bool proofTried = false;
+	};
+
 	template <class System, Method<System> method> SolverReport judged(System& system, const SolverSettings& settings)
 	{
-		const Start start(system);
-		const bool fixed = settings.fixedIterations > 0, solvable = surelySolvable(system);
-		const double guess = solvable || !settings.guessSolved ? 0 : weighted(system);
-		SolverSettings part = settings;
-		part.start = &start;
-		if (!solvable && !fixed)
-			part.maxIterations -= std::min(sweepsToTell, settings.maxIterations / 10);
-		SolverReport report = method(system, part);
-		tryPlain(system, start, part, report, method);
-		if (solvable)
-			return report;
-		bool proofTried = report.status != Status::converged;
-		const auto look = [&] { return judge(system, start, guess, proofTried ? productsAfter(report.iterations) : fewProducts); };
-		Verdict verdict = look();
-		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
-		if (!settings.guessSolved && report.status == Status::converged && verdict.finding == Finding::nothing) {
-			start.free(system);
-			clearImpulses(system);
-			const Start cold(system);
-			part.start = &cold;
-			report = goOn<System>(system, cold, part, report, method);
-			part.start = &start;
-			verdict = look();
-		}
-		const auto doubtful = [&] { return report.status == Status::converged && verdict.finding == Finding::doubtful; };
-		while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
-			part.tolerance = std::max(finest, refinement * part.tolerance);
-			// Most doubts are gone after a few sweeps more, which cost less than a proof among many contacts.
-			part.maxIterations = proofTried ? settings.maxIterations : std::min(settings.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
-			report = goOn<System>(system, start, part, report, method);
-			const bool first = !proofTried;
-			proofTried = true;
-			verdict = look();
-			// That it was not more exact does not matter.
-			if (report.error <= settings.tolerance && (verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful)))
-				report.status = Status::converged;
-		}
-		if (doubtful()) {
-			report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
-			report.contact = verdict.contact;
-		}
-		report.doubtful = fixed && (verdict.finding == Finding::beyond || (verdict.finding == Finding::doubtful));
-		if (!named(verdict, report) && !fixed && report.status != Status::converged)
-			findOut(system, start, settings, report);
-		return report;
+		return Judged<System>(system, settings, method)();
 	}
 
 	struct Entry {

@@ -88,8 +88,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 				return true;
 			if (spent)
 				return end(report);
-			if (report.solver.status != Status::converged)
-				firstGuess(world);
+			firstGuess(world); // the impulses that had to be judged may be large enough for any error to be small beside them
 			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeVelocities(world, settings.dt);
 			continue;

@@ -10,9 +10,10 @@ namespace cd {
 namespace {
 
 	constexpr double epsilon = std::numeric_limits<double>::epsilon();
-	// Shares that the power of giving way has in a press, where both are 1 but for friction and other contacts: of the power that contacts keep
-	// at all (0.1 in the mean in flows, where as many loaded contacts part as close), and of that of the prescribed motion.
-	constexpr double ofKept = 0.4, ofPrescribed = 0.1;
+	// Share of the power that contacts keep at all that giving way has in a press, where it is 1 but for friction and other contacts; in flows, where
+	// as many loaded contacts part as close, it is 0.1 in the mean.
+	constexpr double ofKept = 0.4;
+	constexpr double drowned = 1; // growth times tolerance: where the tolerance leaves as much of the velocities as there is to be stopped
 	constexpr double least = 1; // growth of impulses that are to be looked at
 	constexpr double onCone = 1e-6; // of friction: an impulse this close to it slides
 	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
@@ -55,7 +56,7 @@ namespace {
 
 	template <class Form> class Judgement {
 	    public:
-		Verdict operator()(const Form& judged, double guess, int mostProducts)
+		Verdict operator()(const Form& judged, double guess, double tolerance, int mostProducts)
 		{
 			productsLeft = mostProducts;
 			form = &judged;
@@ -73,8 +74,8 @@ namespace {
 				return { Finding::not_finite, infinite, std::numeric_limits<double>::infinity() };
 			Verdict v;
 			v.growth = growthOf(*form);
-			const bool grown = v.growth > mostGrowth && std::sqrt(square) > 10 * guess;
-			if (!grown && !(v.growth > least && looksPressed()))
+			const bool more = std::sqrt(square) > 10 * guess, grown = more && v.growth > mostGrowth;
+			if (!grown && !(more && v.growth * tolerance > drowned) && !(v.growth > least && looksPressed()))
 				return v;
 			v.contact = form->row(worst);
 			// Files that print six digits miss a positive semidefinite W by less than this.
@@ -104,10 +105,11 @@ namespace {
 				square += strength;
 				energy += pn * u[2 * i] + pt * u[2 * i + 1];
 				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
-				const double moved = pn * form->prescribed[2 * i] + pt * form->prescribed[2 * i + 1];
+				// Where a contact slides, friction takes the tangential part.
+				const bool sticks = std::abs(pt) < (1 - onCone) * form->mu(i) * pn;
+				const double moved = pn * form->prescribed[2 * i] + (sticks ? pt * form->prescribed[2 * i + 1] : 0);
 				given -= moved;
 				pushing += std::max(-moved, 0.);
-				const bool sticks = std::abs(pt) < (1 - onCone) * form->mu(i) * pn;
 				closing -= pn * un + (sticks ? pt * ut : 0);
 				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
 				const double amiss = own * distance(pn, pt, (un + form->mu(i) * std::abs(ut)) / own, ut / own, form->mu(i));
@@ -126,7 +128,7 @@ namespace {
 		// as many loaded contacts part as close, and what they keep falls with the error.
 		bool looksPressed() const
 		{
-			const bool together = closing > ofKept * kept && closing > ofPrescribed * pushing && closing < 2 * pushing;
+			const bool together = closing > ofKept * kept && closing > Form::ofPrescribed * pushing && closing < 2 * pushing;
 			const bool all = closing > 0.5 * given && closing < 2 * given;
 			return kept > 0 && (together || all);
 		}
@@ -254,15 +256,16 @@ namespace {
 			return changed;
 		}
 
-		// Whether the free velocities work against the self-stress x, and its contacts do not just slide, which a solution may do, too.
+		// Whether the prescribed motion works against the self-stress x but for sliding, which a solution may do, too, and its contacts give way to it.
 		bool worksAgainst()
 		{
 			impulses(x, d);
 			form->product(d, u, sizes);
 			double work = 0, givingWay = 0, terms = 0, stress = 0, moved = 0;
 			for (std::size_t i = 0; i < n; i++) {
-				givingWay += d[2 * i] * velocity[2 * i] + (state[i] == State::stick ? d[2 * i + 1] * velocity[2 * i + 1] : 0);
-				work += d[2 * i] * form->q[2 * i] + d[2 * i + 1] * form->q[2 * i + 1];
+				const bool sticks = state[i] == State::stick;
+				givingWay += d[2 * i] * velocity[2 * i] + (sticks ? d[2 * i + 1] * velocity[2 * i + 1] : 0);
+				work += d[2 * i] * form->prescribed[2 * i] + (sticks ? d[2 * i + 1] * form->prescribed[2 * i + 1] : 0);
 				terms += (std::abs(d[2 * i]) + std::abs(d[2 * i + 1])) * form->data[i];
 				const double nn = form->own(i), tt = form->ownTangential(i);
 				stress += sizes[2 * i] * sizes[2 * i] / nn + sizes[2 * i + 1] * sizes[2 * i + 1] / tt;
@@ -288,10 +291,10 @@ namespace {
 		bool negative = false; // a direction of negative energy was met
 	};
 
-	template <class Form> Verdict judged(const Form& form, double guess, int mostProducts)
+	template <class Form> Verdict judged(const Form& form, double guess, double tolerance, int mostProducts)
 	{
 		static thread_local Judgement<Form> judgement;
-		return judgement(form, guess, mostProducts);
+		return judgement(form, guess, tolerance, mostProducts);
 	}
 
 	const BodyForm& form(const ContactSystem& system, const std::vector<double>& freeVelocity)
@@ -308,11 +311,14 @@ namespace {
 
 } // namespace
 
-Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, int mostProducts)
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
-	return judged(form(system, freeVelocity), guess, mostProducts);
+	return judged(form(system, freeVelocity), guess, tolerance, mostProducts);
 }
-Verdict judge(const DelassusSystem& system, double guess, int mostProducts) { return judged(form(system), guess, mostProducts); }
+Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
+{
+	return judged(form(system), guess, tolerance, mostProducts);
+}
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }
 double growth(const DelassusSystem& system) { return growthOf(form(system)); }

@@ -9,7 +9,7 @@
 // doubt or the bound on the work is at its end.
 //   The proof that no impulses solve it is a self-stress: impulses d within friction whose velocities W d vanish, with d . q < 0. Whatever p is,
 // d . (W p + q) = d . q then stays negative, which no contact law allows as long as nothing slides. (With friction a motion in which contacts of d
-// slide could be a solution all the same; so these contacts have to close, and not just to slide, by the impulses judged.)
+// slide could be a solution all the same; so what counts is the part of d . q that is no sliding, and these contacts have to give way to it.)
 //   From impulses that have grown along a self-stress it is found by removing from them, by conjugate gradients, what does make velocities.
 #pragma once
 
@@ -35,9 +35,9 @@ struct Verdict {
 
 // Judges the impulses in system.contacts. freeVelocity: as in residual.hpp. guess: |p| of the first guess weighted by W_nn, sqrt(sum W_nn |p|^2): a
 // self-stress that was there before and now has nothing to carry is no sign of growth. Costs about a look at the error; where the finding is not
-// `nothing`, up to mostProducts products with W for the proof, which is given up there.
-Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, int mostProducts = 1000);
-Verdict judge(const DelassusSystem& system, double guess, int mostProducts = 1000);
+// `nothing`, up to mostProducts products with W for the proof, which is given up there. tolerance: to which the impulses have been found.
+Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts = 1000);
+Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts = 1000);
 
 // Impulses of a larger `growth` leave no velocity known to a thousandth of those that they are to stop. Masses in contact of 1 : 1e8 make 1e8.
 constexpr double mostGrowth = 1e12;

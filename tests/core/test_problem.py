@@ -345,6 +345,7 @@ GOOD = np.diag([2.0, 3.0, 2.0, 3.0])
     (GOOD, np.zeros(3), [0, 0], "q has the shape"),
     (GOOD, np.zeros((4, 1)), [0, 0], "q has the shape"),
     (GOOD, [0, np.nan, 0, 0], [0, 0], r"q\[1\]"),
+    (GOOD, [-1e200, 0, 0, 0], [0, 0], r"q\[0\] is -1e\+200.*units"),
     (GOOD, np.zeros(4), [0, 0, 0], "mu has the shape"),
     (GOOD, np.zeros(4), [0.5, -0.1], r"mu\[1\] = -0.1 is negative"),
     (GOOD, np.zeros(4), [np.inf, 0], r"mu\[0\]"),

@@ -105,17 +105,17 @@ TEST_CASE("the judgement alone: nothing, doubtful, no solution, numbers that are
 {
 	ContactSystem s = squeezed(2, 0);
 	const std::vector<double> free = velocities(s);
-	CHECK(judge(s, free, 0).finding == Finding::nothing); // no impulses: nothing has grown
+	CHECK(judge(s, free, 0, 1e-6).finding == Finding::nothing); // no impulses: nothing has grown
 	for (ContactRow& c : s.contacts)
 		c.pn = 1e3;
-	const Verdict grown = judge(s, free, 0);
+	const Verdict grown = judge(s, free, 0, 1e-6);
 	CHECK(grown.finding == Finding::no_solution);
 	CHECK(grown.growth == doctest::Approx(1e3 * std::sqrt(4. / 2)).epsilon(1e-12)); // W_nn = 1, 2, 1; alone 1 N s at each wall
 	s.contacts[1].pn = std::numeric_limits<double>::quiet_NaN();
-	CHECK(judge(s, free, 0).finding == Finding::not_finite);
-	CHECK(judge(s, free, 0).contact == 1);
+	CHECK(judge(s, free, 0, 1e-6).finding == Finding::not_finite);
+	CHECK(judge(s, free, 0, 1e-6).contact == 1);
 	s.contacts[1].pn = 1e200;
-	CHECK(judge(s, free, 0).finding == Finding::not_finite); // its square is none
+	CHECK(judge(s, free, 0, 1e-6).finding == Finding::not_finite); // its square is none
 }
 
 TEST_CASE("a contact that is free along its normal by round-off alone is not solved, and does not spoil the others")

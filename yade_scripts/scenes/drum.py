@@ -1,0 +1,84 @@
+"""A drum half full of disks turns: how steep is the surface?
+
+The drum is a ring of flat sides that turns about its axis; the disks are placed in rows at rest and settle while it turns. The slope is
+that of the bed's centre of mass: half full, it lies on the normal of the surface through the axis. It is the mean over the second half of
+the run, in degrees.
+"""
+import math
+import random
+
+from yade_scripts import parameters
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Chart, Known
+
+TITLE = "Rotating drum"
+KIND = "flow"
+METHODS = ("MD", "CD")
+HORIZON = "The mean over the second half of the run, and over seeds; one run is off by the spread."
+LEFT_OUT = "the third dimension; the curvature between the flat sides of the drum, of which there is one for about every two disks at the rim"
+DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=3.0, cd_dt=1e-3, records_per_cycle=30,
+                tolerance=1e-3, max_iterations=2000)
+PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, R being its inner radius", low=1e-6, high=1),)
+CHART = Chart(patience=4, physics=("beta_n",), rolling=True)
+
+EVERY = 0.01              # s between two looks at the slope
+# {disks: (slope, standard deviation of a run, how)} of drums as SAME.
+CONVERGED = {}
+SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
+
+
+def inner_radius(full):
+    """Return the inner radius [m] of a drum that the disks fill to a half at a solid fraction of 0.8."""
+    return full["radius_mean"] * math.sqrt(2 * full["disks"] * (1 + full["radius_spread"]**2 / 3) / 0.8)
+
+
+def build(full, folder):
+    """Return the drum about the origin, and the disks in rows in its lower part."""
+    from yade import O
+    from yade.wrapper import RotationEngine
+
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import hooks, stage
+    bodies.append_material("disk", full["friction"], full)
+    radius, draw, inner = full["radius_mean"], random.Random(full["seed"]), inner_radius(full)
+    sides = max(16, round(math.pi * inner / (2 * radius)))
+    thick, half = 2 * radius, 1.02 * (inner + 2 * radius) * math.tan(math.pi / sides)
+    ring = [bodies.append_box(((inner + thick) * math.cos(angle), (inner + thick) * math.sin(angle)), (thick, half), full, angle)
+            for angle in (2 * math.pi * k / sides for k in range(sides))]
+    largest = radius * (1 + full["radius_spread"])
+    pitch = 2.05 * largest
+    places = [(pitch * i, pitch * j) for j in range(-full["disks"], full["disks"]) for i in range(-full["disks"], full["disks"])
+              if abs(j) * pitch < inner and abs(i) * pitch < inner and math.hypot(i, j) * pitch < inner - 1.1 * largest]
+    if len(places) < full["disks"]:
+        raise parameters.ParameterError(f"disks = {full['disks']}: loose rows of them do not fit into their own drum; take radius_spread below 0.3")
+    ids = []
+    for x, y in places[:full["disks"]]:  # from the lowest row upwards
+        r = radius * (1 + full["radius_spread"] * draw.uniform(-1, 1))
+        ids.append(bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk"))
+    states = [O.bodies[disk].state for disk in ids]
+    mass, slopes, half_time = sum(state.mass for state in states), [], full["period"] * full["cycles"] / 2
+
+    def look():
+        if O.time >= half_time:
+            x, y = (sum(state.mass * state.pos[axis] for state in states) / mass for axis in (0, 1))
+            slopes.append(math.degrees(math.atan2(x, -y)))
+
+    def slope():
+        return sum(slopes) / len(slopes) if slopes else math.nan
+
+    scene = stage.small(full, _known(full, slope))
+    turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=math.sqrt(full["froude"] * full["gravity"] / inner), rotateAroundZero=True,
+                          zeroPoint=(0, 0, 0))
+    names = [type(engine).__name__ for engine in O.engines]
+    mover = names.index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
+    O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
+    scene.extra = {"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)}
+    return scene
+
+
+def _known(full, slope):
+    """Return the slope where it has been found: for the defaults' drum and grains, without bounce."""
+    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
+        return []
+    mean, deviation, how = CONVERGED[full["disks"]]
+    return [Known("slope", "degree", mean, slope, source=f"converged: {how}; standard deviation of one run {deviation}", deviation=deviation)]

@@ -1,0 +1,64 @@
+"""Disks in loose rows fall into a box: how high do they stand in it at rest?
+
+The rows are placed above the floor with gaps of a fifth of a diameter and random shifts; all are let go at time 0. The height is twice that
+of the centre of mass over the height at which the disks would fill the box without any pores: the inverse of the solid fraction.
+"""
+import math
+import random
+
+from yade_scripts import parameters
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Chart, Known
+
+TITLE = "Filling of a box"
+KIND = "flow"
+METHODS = ("MD", "CD")
+HORIZON = "At rest, about five times the fall from the highest row on, and as a mean over seeds; one run is off by the spread."
+LEFT_OUT = "the third dimension and air; the way in which a real box is filled, since all rows fall at once"
+DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=20,
+                tolerance=1e-3, max_iterations=2000)
+PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
+CHART = Chart(patience=4, physics=("beta_n",), rolling=True)
+
+# {disks: (height, standard deviation of a run, how)} of boxes as SAME.
+CONVERGED = {}
+SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1)
+
+
+def build(full, folder):
+    """Return the rows above a floor at y = 0 between walls at x = 0 and the width of the box."""
+    from yade import O
+
+    from yade_scripts.preparing import bodies
+    from yade_scripts.running import stage
+    bodies.append_material("disk", full["friction"], full)
+    radius, draw, spread = full["radius_mean"], random.Random(full["seed"]), full["radius_spread"]
+    area = full["disks"] * math.pi * radius**2 * (1 + spread**2 / 3)
+    pitch = 2.2 * radius * (1 + spread)
+    columns = max(2, round(math.sqrt(area / (0.8 * full["box_aspect"])) / pitch))
+    span, rows = columns * pitch, math.ceil(full["disks"] / columns)
+    bodies.append_box((span / 2, -radius), (span / 2 + 2 * radius, radius), full)
+    for x in (-radius, span + radius):
+        bodies.append_box((x, rows * pitch / 2), (radius, rows * pitch / 2 + 2 * radius), full)
+    states = []
+    for k in range(full["disks"]):
+        r = radius * (1 + spread * draw.uniform(-1, 1))
+        x, y = (pitch * (place + 0.5) + draw.uniform(-1, 1) * (pitch / 2 - r) for place in (k % columns, k // columns))
+        states.append(O.bodies[bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk")].state)
+    solid = sum(state.mass for state in states) / full["density"] / full["depth"] / span  # height without pores [m]
+
+    def height():
+        return 2 * sum(state.mass * state.pos[1] for state in states) / sum(state.mass for state in states) / solid
+
+    scene = stage.small(full, _known(full, height))
+    scene.kept = {}
+    scene.extra = {"height": ("1", "twice the height of the centre of mass over that of the disks without pores", height)}
+    return scene
+
+
+def _known(full, height):
+    """Return the height where it has been found: for the defaults' box and grains, without bounce."""
+    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
+        return []
+    mean, deviation, how = CONVERGED[full["disks"]]
+    return [Known("height", "1", mean, height, source=f"converged: {how}; standard deviation of one run {deviation}", deviation=deviation)]

@@ -1,0 +1,90 @@
+"""A silo with a flat floor runs empty through a slot into a bin below: how many disks leave it in a second?
+
+The disks are deposited without dynamics (preparing/deposit.py) between two walls; at time 0 the slot in the floor is open. The rate is
+the mean between the moments when 15 % and 50 % of the disks have passed, in disks per sqrt(D/g), D being the width of the slot. Beverloo's
+law in the plane is W = C (D - k d)^(3/2) sqrt(g) per density; here it is held against runs with rigid contacts and fine steps, since C and k
+depend on friction and packing. Rigid contacts and stiff springs agree; soft springs flow faster.
+"""
+import math
+import random
+
+import numpy as np
+
+from yade_scripts import parameters
+from yade_scripts.parameters import Parameter
+from yade_scripts.scenes import Chart, Known
+
+TITLE = "Discharge of a silo"
+KIND = "flow"
+METHODS = ("MD", "CD")
+HORIZON = "While 15 % to 50 % of the disks pass, and as a mean over seeds; one run is off by the spread."
+LEFT_OUT = "the third dimension and air; arches in front of the slot, which is too wide for them"
+DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=1.5, cd_dt=1e-3, records_per_cycle=30,
+                tolerance=1e-3, max_iterations=2000)
+PARAMETERS = (Parameter("slot", 10.0, "1", "width of the slot over the mean diameter", low=4, high=100),
+              Parameter("silo_aspect", 1.5, "1", "height of the filling over its width, about", low=0.5, high=10))
+CHART = Chart(patience=4, physics=("beta_n",), rolling=True)
+
+FIRST, LAST = 0.15, 0.5   # share of the disks that has passed where the rate is begun and ended to be taken
+EVERY = 0.005             # s between two looks at how many have passed
+# {disks: (rate, standard deviation of a run, how)} of silos as SAME.
+CONVERGED = {}
+SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
+
+
+def width(full):
+    """Return the width [m] of a silo that the disks fill to silo_aspect at a solid fraction of 0.8."""
+    area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
+    return math.sqrt(area / (0.8 * full["silo_aspect"]))
+
+
+def check(full):
+    """Check that the slot leaves a floor on both sides."""
+    if full["slot"] * 2 * full["radius_mean"] > 0.8 * width(full):
+        raise parameters.ParameterError(f"slot = {full['slot']:g}: the slot of {full['slot'] * 2 * full['radius_mean']:.3g} m is wider than 0.8 of the "
+                                        f"silo, {0.8 * width(full):.3g} m; take more disks or a smaller slot")
+
+
+def build(full, folder):
+    """Return the filled silo between x = 0 and its width, floor at y = 0, above a bin as wide that holds all disks."""
+    from yade import O
+
+    from yade_scripts.preparing import bodies, deposit
+    from yade_scripts.running import hooks, stage
+    radius, span, draw = full["radius_mean"], width(full), random.Random(full["seed"])
+    bodies.append_material("disk", full["friction"], full)
+    slot, height = full["slot"] * 2 * radius, 2.5 * full["silo_aspect"] * span
+    floor = (span - slot) / 4
+    for x in (floor, span - floor):
+        bodies.append_box((x, -radius), (floor, radius), full)
+    for x in (-radius, span + radius):
+        bodies.append_box((x, 0), (radius, height), full)
+    bodies.append_box((span / 2, -height - radius), (span / 2 + 2 * radius, radius), full)
+    radii = [radius * (1 + full["radius_spread"] * draw.uniform(-1, 1)) for _ in range(full["disks"])]
+    ids = [bodies.append_disk(place, r, bodies.disk_mass(r, full), "disk")
+           for place, r in zip(deposit.deposit(radii, span, draw.random).tolist(), radii)]
+    states = [O.bodies[disk].state for disk in ids]
+    times, passed = [], []
+
+    def look():
+        times.append(O.time)
+        passed.append(sum(state.pos[1] < 0 for state in states) / len(states))
+
+    def rate():
+        if not passed or passed[-1] < LAST:
+            return math.nan
+        first, last = (np.interp(share, passed, times) for share in (FIRST, LAST))
+        return (LAST - FIRST) * len(states) / (last - first) * math.sqrt(slot / full["gravity"])
+
+    scene = stage.small(full, _known(full, rate))
+    O.engines = O.engines + [hooks.runner(look, virtPeriod=EVERY, initRun=True, label=hooks.MEASURING)]
+    scene.extra = {"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)}
+    return scene
+
+
+def _known(full, rate):
+    """Return the rate where it has been found: for the defaults' silo and grains, without bounce."""
+    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
+        return []
+    mean, deviation, how = CONVERGED[full["disks"]]
+    return [Known("rate", "disks/sqrt(D/g)", mean, rate, source=f"converged: {how}; standard deviation of one run {deviation}", deviation=deviation)]
