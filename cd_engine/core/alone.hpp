@@ -15,9 +15,9 @@ struct Half {
 Half halfSides(const Body&, const Shape&);
 
 // Returns those of the eight fastest disks that can touch no other body in a step of dt. The fastest body sets how far apart two bodies may be and
-// still be looked at as a possible contact. Disks that are alone do not count there (Body::alone, cd::reach): otherwise a single disk that falls out of
-// the scene would make every step dearer than the last. Disks whose way is at most `slow` [m] are not examined. Costs one pass over all bodies for each
-// disk that is alone, less for the others.
+// still be looked at as a possible contact. Disks that are alone do not count there (Body::alone, cd::reach): otherwise a single disk that falls out
+// of the scene would make every step dearer than the last. Disks whose way is at most `slow` [m] are not examined. Costs one pass over all bodies for
+// each disk that is alone, less for the others.
 class FastAndAlone {
     public:
 	const std::vector<int>& find(const World&, double dt, double slow);

@@ -241,7 +241,8 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 			if (!islands[k].solved && !islands[k].unsolvable)
 				islands[k].sweeps += report.iterations;
 		measurePart(sums);
-		// One island without a solution, or with doubts that stay, must not keep the others from theirs; nor is it solved where its error is small.
+		// One island without a solution, or with doubts that stay, must not keep the others from theirs; nor is it solved where its error is
+		// small.
 		if (report.status != Status::converged && report.contact >= 0) {
 			islands[partIsland[report.contact]].unsolvable = true;
 			unsolvable = { report.status, partContacts[report.contact] };

@@ -21,8 +21,8 @@ namespace cd {
 
 class Rebounds {
     public:
-	// Of m |dv|^2, which a step may add to the energy at a loose tolerance; dv is the velocity that the impulses have changed. What is asked again
-	// is solved to this at least.
+	// Of m |dv|^2, which a step may add to the energy at a loose tolerance; dv is the velocity that the impulses have changed. What is asked
+	// again is solved to this at least.
 	static constexpr double mostGain = 1e-5;
 
 	// The bias of a contact in an impact: e u_n, or what its gap asks for where that pushes harder (plain < 0).
@@ -34,10 +34,10 @@ class Rebounds {
 	// Whether any contact has a part in an impact.
 	bool any() const { return impacts; }
 
-	// Lowers the biases in the islands whose impulses have added energy by more than round-off, `tolerance` and mostGain leave open; says whether there are
-	// such islands. To be asked again after the next solution. `before`: the velocities before the step, `free`: those that the external forces
-	// alone would leave. The energy is that over the step and that over the impulses alone: if only one of them grows, by what the forces do in
-	// a step, that is not the rebounds' doing.
+	// Lowers the biases in the islands whose impulses have added energy by more than round-off, `tolerance` and mostGain leave open; says whether
+	// there are such islands. To be asked again after the next solution. `before`: the velocities before the step, `free`: those that the
+	// external forces alone would leave. The energy is that over the step and that over the impulses alone: if only one of them grows, by what
+	// the forces do in a step, that is not the rebounds' doing.
 	bool lower(ContactSystem&, const std::vector<double>& before, const std::vector<double>& free, double tolerance);
 
 	// Asks no rebound any more in the island of contact `row`, of a step that has no solution with it; in every island where that is negative.

@@ -22,10 +22,13 @@ namespace {
 	{
 		return judge(s, start.freeVelocity(), guess, tolerance, products);
 	}
-	Verdict judge(const DelassusSystem& s, const Start&, double guess, double tolerance, int products) { return judge(s, guess, tolerance, products); }
+	Verdict judge(const DelassusSystem& s, const Start&, double guess, double tolerance, int products)
+	{
+		return judge(s, guess, tolerance, products);
+	}
 
-	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may be so
-	// large that whatever velocities they make are within the tolerance.
+	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
+	// be so large that whatever velocities they make are within the tolerance.
 	bool makesEnergy(const ContactSystem& s, const Start& start)
 	{
 		double before = 0, after = 0;
@@ -182,7 +185,8 @@ namespace {
 			proofTried = report.status != Status::converged;
 			look();
 			clearDoubts();
-			// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
+			// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without
+			// it, too.
 			if (!settings.guessSolved && report.status == Status::converged && verdict.finding == Finding::nothing) {
 				start.free(system);
 				clearImpulses(system);
@@ -199,10 +203,7 @@ namespace {
 		}
 
 	    private:
-		void look()
-		{
-			verdict = judge(system, start, guess, part.tolerance, proofTried ? productsAfter(report.iterations) : fewProducts);
-		}
+		void look() { verdict = judge(system, start, guess, part.tolerance, proofTried ? productsAfter(report.iterations) : fewProducts); }
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
 
 		// Solves more exactly as long as there are doubts.

@@ -10,8 +10,8 @@ namespace cd {
 namespace {
 
 	constexpr double epsilon = std::numeric_limits<double>::epsilon();
-	// Share of the power that contacts keep at all that giving way has in a press, where it is 1 but for friction and other contacts; in flows, where
-	// as many loaded contacts part as close, it is 0.1 in the mean.
+	// Share of the power that contacts keep at all that giving way has in a press, where it is 1 but for friction and other contacts; in flows,
+	// where as many loaded contacts part as close, it is 0.1 in the mean.
 	constexpr double ofKept = 0.4;
 	constexpr double drowned = 1; // growth times tolerance: where the tolerance leaves as much of the velocities as there is to be stopped
 	constexpr double least = 1; // growth of impulses that are to be looked at
@@ -124,8 +124,8 @@ namespace {
 			return -1;
 		}
 
-		// Whether loaded contacts give way with what the prescribed motion gives. A press keeps all of it, however exactly it is solved. In a flow
-		// as many loaded contacts part as close, and what they keep falls with the error.
+		// Whether loaded contacts give way with what the prescribed motion gives. A press keeps all of it, however exactly it is solved. In a
+		// flow as many loaded contacts part as close, and what they keep falls with the error.
 		bool looksPressed() const
 		{
 			const bool together = closing > ofKept * kept && closing > Form::ofPrescribed * pushing && closing < 2 * pushing;
@@ -135,7 +135,7 @@ namespace {
 
 		enum class State : int8_t { open, stick, slidePlus, slideMinus };
 
-		// Whether there is a self-stress along the impulses against which the free velocities work.
+		// Whether there is a self-stress along the impulses against which the prescribed motion works.
 		bool proven()
 		{
 			root.resize(2 * n);
@@ -256,7 +256,8 @@ namespace {
 			return changed;
 		}
 
-		// Whether the prescribed motion works against the self-stress x but for sliding, which a solution may do, too, and its contacts give way to it.
+		// Whether the prescribed motion works against the self-stress x but for sliding, which a solution may do, too, and its contacts give
+		// way to it.
 		bool worksAgainst()
 		{
 			impulses(x, d);
@@ -279,7 +280,8 @@ namespace {
 		double square = 0; // weighted |p|^2 [J]
 		double kept = 0; // power of what the contacts miss of their law; all of them but for constant factors [J]
 		double closing = 0; // net power with which loaded contacts close, and those that should stick slide [J]
-		double given = 0, pushing = 0; // power of the prescribed motion: net, and of the contacts alone at which it is against the impulses [J]
+		double given = 0,
+		       pushing = 0; // power of the prescribed motion: net, and of the contacts alone at which it is against the impulses [J]
 		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
 		std::size_t worst = 0; // contact with the most power amiss, or with the largest impulse
 		std::vector<double> p, u, sizes;

@@ -144,16 +144,6 @@ void SceneLink::tellOfMaterial(int id, const void* material)
 		    "(Body #" + std::to_string(id) + " has one.) Use a FrictMat to say so, and `restitution` for bouncing.");
 }
 
-// A Box under gravity with nothing but disks to hold it.
-void SceneLink::tellOfFall(int id)
-{
-	const double* const w = world.bodies[id].inverseMass;
-	if ((w[0] > 0 && gravity[0] != 0) || (w[1] > 0 && gravity[1] != 0))
-		tell("body #" + std::to_string(id)
-			+ " is a boundary that gravity moves, and only disks can hold it: Box and Wall never touch each other.",
-		    "Block its freedoms if it is not to fall.");
-}
-
 // All that a step asks of a body. Whatever it asks is looked at in every step, since anybody may have changed it since the last one.
 void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yade::ForceContainer& forces, const Vector3r& g)
 {
@@ -174,8 +164,6 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	readShape(id, world.bodies[id]);
 	readFriction(id, pointer<yade::Material>(body, layout.body_material));
 	readMotion(id, world.bodies[id], forces, g);
-	if (known.boundary && known.inPlane)
-		tellOfFall(id);
 	world.bodies[id].friction = known.friction;
 	surfaces[id] = { known.friction, world.bodies[id].radius };
 }

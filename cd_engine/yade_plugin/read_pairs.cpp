@@ -2,6 +2,8 @@
 #include "inheritance.hpp"
 #include "scene_link.hpp"
 
+#include "../core/alone.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -57,6 +59,19 @@ bool SceneLink::listUnchanged(yade::InteractionContainer* container) const
 	return !outdated && at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear) == listed;
 }
 
+// A boundary that gravity moves comes down on another, and nothing will hold it there. One that slides along a side wall overlaps least across
+// gravity.
+void SceneLink::tellOfFall(int upper, int lower)
+{
+	const cd::Body &a = world.bodies[upper], &b = world.bodies[lower];
+	const cd::Half ha = cd::halfSides(a, world.shapes[upper]), hb = cd::halfSides(b, world.shapes[lower]);
+	const double way[2] = { b.x - a.x, b.y - a.y }, overlap[2] = { ha.x + hb.x - std::abs(way[0]), ha.y + hb.y - std::abs(way[1]) };
+	const int axis = overlap[0] < overlap[1] ? 0 : 1;
+	if (a.inverseMass[axis] > 0 && way[axis] * gravity[axis] > 0)
+		tell("body #" + std::to_string(upper) + " is a boundary that gravity moves onto another: Box and Wall never touch each other.",
+		    "It will fall through body #" + std::to_string(lower) + ". Block its freedoms if it is not to fall.");
+}
+
 void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory& memory)
 {
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
@@ -75,7 +90,12 @@ void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory
 		int& id2 = at<int>(interaction, layout.interaction_id2);
 		if (!exists(id1) || !exists(id2))
 			continue;
-		if ((bodies[id1].boundary && bodies[id2].boundary) || !bodies[id1].inPlane || !bodies[id2].inPlane) {
+		const bool boundaries = bodies[id1].boundary && bodies[id2].boundary;
+		if (boundaries) {
+			tellOfFall(id1, id2);
+			tellOfFall(id2, id1);
+		}
+		if (boundaries || !bodies[id1].inPlane || !bodies[id2].inPlane) {
 			forget(interaction); // a disk may have become a box: what it carried is carried no more
 			continue;
 		}

@@ -131,7 +131,7 @@ class SceneLink {
 	void readWall(int id, cd::Shape&);
 	void readFriction(int id, void* material);
 	void tellOfMaterial(int id, const void* material);
-	void tellOfFall(int id);
+	void tellOfFall(int upper, int lower);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);

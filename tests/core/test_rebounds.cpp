@@ -141,13 +141,15 @@ TEST_CASE("a loose tolerance leaves no rebounds that make energy")
 				s.wall();
 				for (int i = 0; i < 4; i++)
 					for (int j = 0; j < 4; j++)
-						s.disk(0.5 * h + radius * (1 + std::sqrt(3.) * i), radius * (2 * j + i % 2), -1, 0.5 * unit(random), 10 * unit(random));
+						s.disk(0.5 * h + radius * (1 + std::sqrt(3.) * i), radius * (2 * j + i % 2), -1, 0.5 * unit(random),
+						    10 * unit(random));
 				s.pairUp();
 				double last = s.energy();
 				TimeStep t;
 				for (int k = 0; k < 40; k++) {
 					if (s.step(t).solver.status == Status::converged)
-						CHECK(s.energy() <= last * (1 + 5e-4)); // mostGain is held against W_nn p^2, here up to 50 times the energy
+						CHECK(s.energy()
+						    <= last * (1 + 5e-4)); // mostGain is held against W_nn p^2, here up to 50 times the energy
 					last = s.energy();
 				}
 			}

@@ -52,6 +52,13 @@ def mean_mass():
     return total(masses) / len(masses)
 
 
+def centre_of_mass(ids):
+    """Return (x, y) [m] of the bodies `ids`."""
+    states = [O.bodies[k].state for k in ids]
+    mass = total(state.mass for state in states)
+    return tuple(total(state.mass * state.pos[axis] for state in states) / mass for axis in (0, 1))
+
+
 def solid_fraction():
     """Return the area of the disks over the area of the box."""
     length_x, length_y = walls.sides()

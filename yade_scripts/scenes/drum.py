@@ -19,7 +19,7 @@ LEFT_OUT = "the third dimension; the curvature between the flat sides of the dru
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=3.0, cd_dt=1e-3, records_per_cycle=30,
                 tolerance=1e-3, max_iterations=2000)
 PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, R being its inner radius", low=1e-6, high=1),)
-CHART = Chart(patience=4, physics=("beta_n",), rolling=True)
+CHART = Chart(physics=("beta_n",), rolling=True)
 
 EVERY = 0.01              # s between two looks at the slope
 # {disks: (slope, standard deviation of a run, how)} of drums as SAME.
@@ -55,12 +55,11 @@ def build(full, folder):
     for x, y in places[:full["disks"]]:  # from the lowest row upwards
         r = radius * (1 + full["radius_spread"] * draw.uniform(-1, 1))
         ids.append(bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk"))
-    states = [O.bodies[disk].state for disk in ids]
-    mass, slopes, half_time = sum(state.mass for state in states), [], full["period"] * full["cycles"] / 2
+    slopes, half_time = [], full["period"] * full["cycles"] / 2
 
     def look():
         if O.time >= half_time:
-            x, y = (sum(state.mass * state.pos[axis] for state in states) / mass for axis in (0, 1))
+            x, y = bodies.centre_of_mass(ids)
             slopes.append(math.degrees(math.atan2(x, -y)))
 
     def slope():
@@ -72,6 +71,7 @@ def build(full, folder):
     names = [type(engine).__name__ for engine in O.engines]
     mover = names.index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
+    scene.kept = {"slopes": slopes}
     scene.extra = {"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)}
     return scene
 

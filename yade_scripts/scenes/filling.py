@@ -18,7 +18,7 @@ LEFT_OUT = "the third dimension and air; the way in which a real box is filled, 
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=20,
                 tolerance=1e-3, max_iterations=2000)
 PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
-CHART = Chart(patience=4, physics=("beta_n",), rolling=True)
+CHART = Chart(physics=("beta_n",), rolling=True)
 
 # {disks: (height, standard deviation of a run, how)} of boxes as SAME.
 CONVERGED = {}
@@ -27,8 +27,6 @@ SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=
 
 def build(full, folder):
     """Return the rows above a floor at y = 0 between walls at x = 0 and the width of the box."""
-    from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
@@ -40,15 +38,15 @@ def build(full, folder):
     bodies.append_box((span / 2, -radius), (span / 2 + 2 * radius, radius), full)
     for x in (-radius, span + radius):
         bodies.append_box((x, rows * pitch / 2), (radius, rows * pitch / 2 + 2 * radius), full)
-    states = []
+    ids = []
     for k in range(full["disks"]):
         r = radius * (1 + spread * draw.uniform(-1, 1))
         x, y = (pitch * (place + 0.5) + draw.uniform(-1, 1) * (pitch / 2 - r) for place in (k % columns, k // columns))
-        states.append(O.bodies[bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk")].state)
-    solid = sum(state.mass for state in states) / full["density"] / full["depth"] / span  # height without pores [m]
+        ids.append(bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk"))
+    solid = bodies.mean_mass() * len(ids) / (full["density"] * full["depth"] * span)  # height without pores [m]
 
     def height():
-        return 2 * sum(state.mass * state.pos[1] for state in states) / sum(state.mass for state in states) / solid
+        return 2 * bodies.centre_of_mass(ids)[1] / solid
 
     scene = stage.small(full, _known(full, height))
     scene.kept = {}

@@ -23,7 +23,7 @@ DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7,
                 tolerance=1e-3, max_iterations=2000)
 PARAMETERS = (Parameter("slot", 10.0, "1", "width of the slot over the mean diameter", low=4, high=100),
               Parameter("silo_aspect", 1.5, "1", "height of the filling over its width, about", low=0.5, high=10))
-CHART = Chart(patience=4, physics=("beta_n",), rolling=True)
+CHART = Chart(physics=("beta_n",), rolling=True)
 
 FIRST, LAST = 0.15, 0.5   # share of the disks that has passed where the rate is begun and ended to be taken
 EVERY = 0.005             # s between two looks at how many have passed
@@ -63,21 +63,21 @@ def build(full, folder):
     radii = [radius * (1 + full["radius_spread"] * draw.uniform(-1, 1)) for _ in range(full["disks"])]
     ids = [bodies.append_disk(place, r, bodies.disk_mass(r, full), "disk")
            for place, r in zip(deposit.deposit(radii, span, draw.random).tolist(), radii)]
-    states = [O.bodies[disk].state for disk in ids]
     times, passed = [], []
 
     def look():
         times.append(O.time)
-        passed.append(sum(state.pos[1] < 0 for state in states) / len(states))
+        passed.append(sum(O.bodies[disk].state.pos[1] < 0 for disk in ids) / len(ids))
 
     def rate():
         if not passed or passed[-1] < LAST:
             return math.nan
         first, last = (np.interp(share, passed, times) for share in (FIRST, LAST))
-        return (LAST - FIRST) * len(states) / (last - first) * math.sqrt(slot / full["gravity"])
+        return (LAST - FIRST) * len(ids) / (last - first) * math.sqrt(slot / full["gravity"])
 
     scene = stage.small(full, _known(full, rate))
     O.engines = O.engines + [hooks.runner(look, virtPeriod=EVERY, initRun=True, label=hooks.MEASURING)]
+    scene.kept = {"times": times, "passed": passed}
     scene.extra = {"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)}
     return scene
 
