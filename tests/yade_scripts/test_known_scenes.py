@@ -53,6 +53,10 @@ ROWS = [
     ("elastic_step", dict(method="MD"), 6e-3, "geometry that changes with the overlaps, P0/k_n = 6e-4 a few times; inertia as much"),
     ("yield_ramp", {}, 0.01, "a step and a sample of the ramp, 0.002 P0 each; contacts that close in a strain of 2e-5"),
     ("yield_ramp", dict(seed=2), 0.01, "the same"),
+    ("hopper", dict(tolerance=1e-2, cd_dt=2e-3), 0.15, "four standard deviations of one run, 0.035 each"),
+    ("drum", dict(tolerance=1e-2, cd_dt=2e-3, gap_correction=0.1), 0.11, "the same, 0.026 each"),
+    ("filling", dict(tolerance=1e-2), 0.032, "the same, 0.008 each"),
+    ("filling", dict(method="MD"), 0.032, "the same; its springs are compressed by 1e-4 of a radius"),
 ]
 
 
@@ -114,7 +118,7 @@ def test_errors_and_where_they_come_from_are_in_the_file(yade60):
     (dict(scene="cradle", restitution=0.5, disks=9, period=5.0), "none catches up"), (dict(scene="groove", slope=-10.0), "for a groove"),
     (dict(scene="groove", method="MD", friction=0.9, slope=60.0), "history decides"), (dict(scene="groove", friction=0.59, slope=30.0), "would slip"),
     (dict(scene="arch", friction=0.2), "side disks are apart"), (dict(scene="yield_ramp", yield_strain=0.1), "at most collapse_strain"),
-    (dict(scene="pyramid", rows=0), "an integer in")])
+    (dict(scene="pyramid", rows=0), "an integer in"), (dict(scene="hopper", disks=100), "wider than 0.8 of the silo")])
 def test_rows_without_a_known_answer_are_refused(row, words):
     with pytest.raises(parameters.ParameterError, match=words):
         parameters.complete(row)

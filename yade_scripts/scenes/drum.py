@@ -23,7 +23,7 @@ CHART = Chart(physics=("beta_n",), rolling=True)
 
 EVERY = 0.01              # s between two looks at the slope
 # {disks: (slope, standard deviation of a run, how)} of drums as SAME.
-CONVERGED = {}
+CONVERGED = {500: (26.5, 0.7, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
 
 
