@@ -113,10 +113,14 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, c
 		account.sinceFree += c.pn * un + c.pt * ut;
 	}
 	bool any = false;
+	remains = false;
 	for (Account& account : accounts) {
 		const double gain = std::min(account.sinceBefore, account.sinceFree);
 		const double allowed = std::clamp(tolerance, roundOff, mostGain) * account.scale + roundOff * account.energy;
-		account.gains = gain > allowed && account.lowered < static_cast<int>(std::size(shares));
+		account.gains = gain > allowed;
+		const bool less = account.lowered < static_cast<int>(std::size(shares));
+		remains = remains || (account.gains && !less);
+		account.gains = account.gains && less;
 		account.lowered += account.gains;
 		any = any || account.gains;
 	}

@@ -40,6 +40,9 @@ class Rebounds {
 	// the forces do in a step, that is not the rebounds' doing.
 	bool lower(ContactSystem&, const std::vector<double>& before, const std::vector<double>& free, double tolerance);
 
+	// Whether the last look has found an island that adds energy without any rebound, by what its solution leaves open.
+	bool energyRemains() const { return remains; }
+
 	// Asks no rebound any more in the island of contact `row`, of a step that has no solution with it; in every island where that is negative.
 	// Says whether there was one to be given up.
 	bool giveUp(ContactSystem&, int32_t row);
@@ -62,7 +65,7 @@ class Rebounds {
 	Account& accountOf(const ContactSystem&, const ContactRow&);
 	bool askAgain(ContactSystem&);
 
-	bool impacts = false;
+	bool impacts = false, remains = false;
 	std::vector<Asked> asked; // of the contacts
 	std::vector<int32_t> parent; // of every body, towards the one that names its island; empty: not looked for yet
 	std::vector<Account> accounts; // by body

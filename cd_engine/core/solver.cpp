@@ -12,6 +12,7 @@ namespace {
 	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
 	constexpr double stillGrowing = 3; // impulses, by a refinement: those of a press grow tenfold
+	constexpr double nearlySolved = 1e-2; // error up to which impulses found from none serve better than those of a step without a solution
 	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
@@ -29,8 +30,10 @@ namespace {
 
 	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
 	// be so large that whatever velocities they make are within the tolerance.
-	bool makesEnergy(const ContactSystem& s, const Start& start)
+	bool makesEnergy(const ContactSystem& s, const Start& start, double guess)
 	{
+		if (!(weighted(s) > 10 * guess)) // what was there before holds itself, to the tolerance
+			return false;
 		double before = 0, after = 0;
 		for (std::size_t i = 0; i < s.bodies.size(); i++)
 			for (int k = 0; k < 3; k++)
@@ -41,7 +44,7 @@ namespace {
 				}
 		return after > 2 * before;
 	}
-	bool makesEnergy(const DelassusSystem&, const Start&) { return false; } // never surely solvable
+	bool makesEnergy(const DelassusSystem&, const Start&, double) { return false; } // never surely solvable
 
 	int32_t strongest(const ContactSystem& s)
 	{
@@ -90,25 +93,26 @@ namespace {
 	}
 
 	// Plain sweeps from no impulses at all: they make none that hold each other unless something presses.
-	template <class System> void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	template <class System>
+	void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, double guess)
 	{
 		clearImpulses(system);
 		report = goOn<System>(system, start, settings, report, nsgs);
 		report.plain = true;
-		if (report.status == Status::converged && makesEnergy(system, start)) {
+		if (report.status == Status::converged && makesEnergy(system, start, guess)) {
 			report.status = Status::stagnated;
 			report.contact = strongest(system);
 		}
 	}
 
-	// What an unsolved step leaves may hide a solution that a few sweeps find from no impulses. Else the guess is given back.
+	// What a step without a solution leaves may hide one that a few sweeps find from no impulses. Else the guess is given back.
 	template <class System> SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, Method<System> method)
 	{
 		clearImpulses(system);
 		const Start nothing(system);
 		SolverSettings brief = settings;
 		brief.start = &nothing;
-		brief.maxIterations = std::min(4 * fewSweeps, settings.maxIterations);
+		brief.maxIterations = std::min(fewSweeps, settings.maxIterations / 8);
 		SolverReport report = method == static_cast<Method<System>>(nsgs) ? nsgs(system, brief) : accelerated(system, brief);
 		if (report.status == Status::converged && judge(system, start, 0, settings.tolerance, fewProducts).finding == Finding::nothing)
 			return report;
@@ -159,7 +163,7 @@ namespace {
 		    , start(problem)
 		    , fixed(asked.fixedIterations > 0)
 		    , solvable(surelySolvable(problem))
-		    , guess(solvable || !asked.guessSolved ? 0 : weighted(problem))
+		    , guess(asked.guessSolved ? weighted(problem) : 0)
 		    , part(asked)
 		{
 			part.start = &start;
@@ -170,7 +174,7 @@ namespace {
 		SolverReport operator()()
 		{
 			const int most = part.maxIterations;
-			if (!solvable && !fixed && !settings.guessSolved) {
+			if (!solvable && !fixed && settings.guessPressed) {
 				report = tryFromNothing(system, start, part, method);
 				if (report.status == Status::converged)
 					return report;
@@ -178,33 +182,49 @@ namespace {
 			report = goOn<System>(system, start, part, report, method);
 			tryPlain(system, start, part, report, method);
 			if (solvable) {
-				if (report.status == Status::converged && makesEnergy(system, start))
-					beginFromNothing(system, start, settings, report);
+				if (report.status == Status::converged && makesEnergy(system, start, guess))
+					beginFromNothing(system, start, settings, report, guess);
 				return report;
 			}
 			proofTried = report.status != Status::converged;
 			look();
 			clearDoubts();
-			// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without
-			// it, too.
-			if (!settings.guessSolved && report.status == Status::converged && verdict.finding == Finding::nothing) {
-				start.free(system);
-				clearImpulses(system);
-				const Start nothing(system);
-				part.start = &nothing;
-				part.tolerance = settings.tolerance;
-				part.maxIterations = most;
-				report = goOn<System>(system, nothing, part, report, method);
-				part.start = &start;
-				look();
-				clearDoubts();
-			}
+			if (settings.guessPressed && report.status == Status::converged && verdict.finding == Finding::nothing)
+				confirm(most);
 			return conclude();
 		}
 
 	    private:
 		void look() { verdict = judge(system, start, guess, part.tolerance, proofTried ? productsAfter(report.iterations) : fewProducts); }
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
+
+		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
+		void confirm(int most)
+		{
+			static thread_local System found;
+			found = system;
+			const SolverReport before = report;
+			start.free(system);
+			clearImpulses(system);
+			const Start nothing(system);
+			part.start = &nothing;
+			part.tolerance = settings.tolerance;
+			part.maxIterations = most;
+			report = goOn<System>(system, nothing, part, report, method);
+			part.start = &start;
+			look();
+			clearDoubts();
+			if (report.status == Status::converged && verdict.finding == Finding::nothing)
+				return;
+			if (report.error <= nearlySolved)
+				return;
+			const int iterations = report.iterations;
+			std::swap(system, found);
+			report = before;
+			report.iterations = iterations;
+			report.status = iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
+			verdict = { Finding::doubtful, strongest(system), verdict.growth };
+		}
 
 		// Solves more exactly as long as there are doubts.
 		void clearDoubts()

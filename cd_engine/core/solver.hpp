@@ -20,7 +20,8 @@ struct SolverSettings {
 	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, no test on the way
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
-	bool guessSolved = true; // whether the first guess is of a step that was solved; else what it leads to is confirmed from none
+	bool guessSolved = true; // whether the first guess is of a step that was solved; else its size excuses no growth (verdict.hpp)
+	bool guessPressed = false; // whether it is of a step without a solution, or in doubt: what it leads to is confirmed from none
 	const Start* start = nullptr; // what the system holds, if somebody keeps it already (start.hpp)
 };
 

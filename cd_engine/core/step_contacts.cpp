@@ -10,6 +10,8 @@ namespace {
 
 	constexpr double nearby = 1e-3; // of a disk's radius: gaps as wide as this are contacts however slow the bodies are
 
+	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off, and are left
+
 	constexpr size_t ahead = 12; // pairs whose bodies are asked for before they are wanted
 
 } // namespace
@@ -120,7 +122,7 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pai
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
 	const double turned = turning(pair, world, touch, gap, settings.dt);
-	const double share = gap > 0 ? 1 : settings.gapCorrection;
+	const double share = gap > 0 ? 1 : gap < -pushedOut * places[pair.b].radius ? settings.gapCorrection : 0;
 	c.bias = ((share > 0 ? share * gap : 0) + turned) / settings.dt;
 	if (settings.restitution > 0) {
 		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];

@@ -70,22 +70,37 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	static const std::vector<int> unknown;
 	const Stillness stillness { sleepers, before, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
 	double tolerance = settings.solver.tolerance;
+	int first = 0; // iterations of the first solution
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
 		SolverSettings left = settings.solver;
 		left.maxIterations -= previous;
 		left.tolerance = tolerance;
+		if (tolerance
+		    < settings.solver.tolerance) // not asked for: so much as that may need, so that something is left to lower rebounds further
+			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
 		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
 						: solveWhole(system, settings.solve, left, report.effort);
+		if (previous == 0)
+			first = report.solver.iterations;
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+		// What is solved more exactly than asked for, so that no energy is made, need not be.
+		const Status exactly = report.solver.status;
+		const bool less = tolerance < settings.solver.tolerance && (exactly == Status::stagnated || exactly == Status::max_iterations)
+		    && report.solver.contact < 0 && report.solver.error <= settings.solver.tolerance;
+		if (less)
+			report.solver.status = Status::converged;
 		meanVelocities(world);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= settings.solver.maxIterations;
 		if (settings.restitution > 0) {
 			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
-			if (!lowerRebounds(settings, report))
+			if (!lowerRebounds(settings, report)) {
+				if (less && rebounds.energyRemains())
+					report.solver.status = exactly;
 				return true;
+			}
 			if (spent)
 				return end(report);
 			firstGuess(world); // the impulses that had to be judged may be large enough for any error to be small beside them

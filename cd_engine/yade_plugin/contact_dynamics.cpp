@@ -100,6 +100,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.solve = cd::findSolver(name);
 	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
 	s.solver.guessSolved = converged || steps == 0;
+	s.solver.guessPressed = pressed;
 	if (!s.solve)
 		throw SceneError("ContactDynamics: there is no method '" + name + "'. See cd_engine.methods()");
 	if (gravity[2] != 0)
@@ -181,6 +182,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	const bool fixed = report.solver.status == cd::Status::fixed_iterations;
 	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
+	pressed = !converged && (pressed || !unsolvableContact.empty());
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	unknowns = report.effort.unknowns;

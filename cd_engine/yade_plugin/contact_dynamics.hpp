@@ -60,6 +60,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::vector<int> loadsBeforeTrial;
 	long restTrialAt = 0;
 	int restTrialPause = 16;
+	bool pressed = false;
 
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
@@ -214,6 +215,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
 	    "to a "
 	    "thousandth of the tolerance are stopped and sleep [1].");
+	visit("pressed", &C::pressed, Access::internal, any,
+	    "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.");
 	visit("restTrialPause", &C::restTrialPause, Access::internal, any,
 	    "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, Access::read, any, "Contacts that carry a force [1].");

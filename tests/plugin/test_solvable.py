@@ -124,6 +124,34 @@ def test_wedged_disks_that_rebound_gain_no_energy(O, method):
             assert not O.engines[-1].converged or plane.kinetic_energy() <= before * (1 + tolerance)
 
 
+@pytest.mark.parametrize("settings", [dict(), dict(gapCorrection=0.1), dict(restitution=0.5)], ids=["belt", "gap correction", "rebounds"])
+def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
+    """A column of 30 disks on a belt, 20 sweeps a step: not solved while it settles, and held all the same: no overlap of a radius."""
+    mat = plane.material()
+    O.bodies[plane.box((0, -0.01), (1, 0.01), mat=mat)].state.vel = (0 if settings else 0.01, 0, 0)
+    for k in range(30):
+        plane.disk((0, 0.01 + 0.02001 * k), 0.01, mat=mat)
+    engine = plane.run(200, 1e-3, gravity=(0, -G, 0), tolerance=1e-6, maxIterations=20, **settings)
+    assert engine.unconvergedSteps > 10 and engine.deepestPenetration < 0.1 * 0.01
+
+
+def test_forces_that_hold_each_other_are_kept(O):
+    """A lid pressed on three disks is held where it is, and gravity ends: nothing moves, and no force has a reason to vanish."""
+    mat = plane.material()
+    plane.floor(mat)
+    for k in range(3):
+        plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)
+    lid = plane.box((0, 0.065), (0.02, 0.005), blocked="xzXYZ", mat=mat)
+    O.forces.setPermF(lid, (0, -500, 0))
+    engine = plane.run(50, 1e-3, gravity=(0, -G, 0), tolerance=1e-4)
+    assert engine.converged and O.interactions[0, 1].phys.normalForce.norm() == pytest.approx(500 + 4 * G, rel=1e-3)
+    O.bodies[lid].state.blockedDOFs = "xyzXYZ"
+    O.forces.setPermF(lid, (0, 0, 0))
+    engine.gravity = (0, 0, 0)
+    O.run(50, True)
+    assert engine.converged and O.interactions[0, 1].phys.normalForce.norm() == pytest.approx(500, rel=0.1)
+
+
 def test_so_many_sweeps_do_not_make_it_solved(O):
     """Under fixedIterations `converged` says whether the errors are within the tolerance, and e is: the impulses have grown."""
     engine = press(O, tolerance=1e-1)
