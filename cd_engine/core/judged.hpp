@@ -1,0 +1,287 @@
+// Solves by a method and judges what it has found (verdict.hpp): whatever the method's own error says, impulses that solve nothing do not count as
+// converged, and what has no solution is called so.
+#pragma once
+
+#include "solver.hpp"
+#include "start.hpp"
+#include "verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace judging {
+
+	// Of the tolerance, where doubts have to be cleared: the power that a solution still keeps falls with it, of what has none it does not.
+	constexpr double refinement = 0.1;
+	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
+	constexpr double stillGrowing = 3; // impulses, by a refinement: those of a press grow tenfold
+	constexpr double nearlySolved = 1e-2; // error up to which impulses found from none serve better than those of a step without a solution
+	constexpr int fewSweeps = 64, fewProducts = 16;
+	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
+
+	// A proof may cost about as much as the sweeps did, or as Newton's method does: a product with W costs about four sweeps.
+	inline int productsAfter(int sweeps) { return 300 + sweeps / 4; }
+
+	inline Verdict judge(const ContactSystem& s, const Start& start, double guess, double tolerance, int products)
+	{
+		return judge(s, start.freeVelocity(), guess, tolerance, products);
+	}
+	inline Verdict judge(const DelassusSystem& s, const Start&, double guess, double tolerance, int products)
+	{
+		return judge(s, guess, tolerance, products);
+	}
+
+	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
+	// be so large that whatever velocities they make are within the tolerance.
+	inline bool makesEnergy(const ContactSystem& s, const Start& start, double guess)
+	{
+		if (!(weighted(s) > 10 * guess)) // what was there before holds itself, to the tolerance
+			return false;
+		double before = 0, after = 0;
+		for (std::size_t i = 0; i < s.bodies.size(); i++)
+			for (int k = 0; k < 3; k++)
+				if (s.bodies[i].w[k] > 0) {
+					const double v = s.bodies[i].v[k], free = start.freeVelocity()[3 * i + k];
+					before += free * free / s.bodies[i].w[k];
+					after += v * v / s.bodies[i].w[k];
+				}
+		return after > 2 * before;
+	}
+	inline bool makesEnergy(const DelassusSystem&, const Start&, double) { return false; } // never surely solvable
+
+	inline int32_t strongest(const ContactSystem& s)
+	{
+		const auto most = [](const ContactRow& a, const ContactRow& b) { return a.pn < b.pn; };
+		return static_cast<int32_t>(std::max_element(s.contacts.begin(), s.contacts.end(), most) - s.contacts.begin());
+	}
+	inline int32_t strongest(const DelassusSystem&) { return -1; }
+
+	inline void clearImpulses(ContactSystem& s)
+	{
+		for (ContactRow& c : s.contacts)
+			c.pn = c.pt = 0;
+	}
+	inline void clearImpulses(DelassusSystem& s) { std::fill(s.p.begin(), s.p.end(), 0.); }
+
+	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
+
+	// Goes on from the impulses in the system with `method`, in what is left of `settings.maxIterations`.
+	template <class System>
+	SolverReport goOn(System& system, const Start& start, SolverSettings settings, const SolverReport& before, Method<System> method)
+	{
+		settings.maxIterations -= before.iterations;
+		start.free(system);
+		SolverReport report = method(system, settings);
+		report.iterations += before.iterations;
+		report.factorizations += before.factorizations;
+		return report;
+	}
+
+	// No method ends without a solution where plain sweeps find one, as they do wherever W is positive definite and friction not too large.
+	template <class System>
+	inline void tryPlain(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, Method<System> method)
+	{
+		if (method == static_cast<Method<System>>(nsgs) || report.status != Status::stagnated || report.iterations >= settings.maxIterations)
+			return;
+		static thread_local System other; // its memory serves every step
+		other = system;
+		start.guess(other);
+		SolverReport plain = goOn<System>(other, start, settings, report, nsgs);
+		report.iterations = plain.iterations;
+		if (plain.status != Status::converged)
+			return;
+		plain.plain = true;
+		report = plain;
+		std::swap(system, other);
+	}
+
+	// Plain sweeps from no impulses at all: they make none that hold each other unless something presses.
+	template <class System>
+	inline void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, double guess)
+	{
+		clearImpulses(system);
+		report = goOn<System>(system, start, settings, report, nsgs);
+		report.plain = true;
+		if (report.status == Status::converged && makesEnergy(system, start, guess)) {
+			report.status = Status::stagnated;
+			report.contact = strongest(system);
+		}
+	}
+
+	// What a step without a solution leaves may hide one that a few sweeps find from no impulses. Else the guess is given back.
+	template <class System> SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, Method<System> method)
+	{
+		clearImpulses(system);
+		const Start nothing(system);
+		SolverSettings brief = settings;
+		brief.start = &nothing;
+		brief.maxIterations = std::min(fewSweeps, settings.maxIterations / 8);
+		SolverReport report = method == static_cast<Method<System>>(nsgs) ? nsgs(system, brief) : accelerated(system, brief);
+		if (report.status == Status::converged && judge(system, start, 0, settings.tolerance, fewProducts).finding == Finding::nothing)
+			return report;
+		report.status = Status::stagnated;
+		start.free(system);
+		start.guess(system);
+		return report;
+	}
+
+	// Whether it is proven that there is no solution, or whether what counts as solved is beyond every bound; the report then says so.
+	inline bool named(const Verdict& v, SolverReport& report)
+	{
+		const bool solved = report.status == Status::converged;
+		if (v.finding == Finding::nothing || v.finding == Finding::doubtful || (v.finding == Finding::beyond && !solved))
+			return false;
+		report.contact = v.contact;
+		report.status = v.finding == Finding::not_finite ? Status::diverged
+		    : v.finding == Finding::indefinite		 ? Status::indefinite
+								 : Status::no_solution;
+		return true;
+	}
+
+	// What was kept are the best impulses, which may be none at all; those of plain sweeps show whether they grow.
+	template <class System> void findOut(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	{
+		SolverSettings plain = settings;
+		plain.start = &start;
+		plain.fixedIterations = std::min(sweepsToTell, settings.maxIterations - report.iterations);
+		if (plain.fixedIterations <= 0)
+			return;
+		static thread_local System other;
+		other = system;
+		start.free(other);
+		clearImpulses(other);
+		report.iterations += nsgs(other, plain).iterations;
+		const Verdict verdict = judge(other, start, 0, settings.tolerance, productsAfter(plain.fixedIterations));
+		if (verdict.finding != Finding::not_finite) // as sweeps may end where others do not
+			named(verdict, report);
+	}
+
+	// One problem, solved by a method whose impulses are judged.
+	template <class System> class Judged {
+	    public:
+		Judged(System& problem, const SolverSettings& asked, Method<System> by)
+		    : system(problem)
+		    , settings(asked)
+		    , method(by)
+		    , start(problem)
+		    , fixed(asked.fixedIterations > 0)
+		    , solvable(surelySolvable(problem))
+		    , guess(asked.guessSolved ? weighted(problem) : 0)
+		    , part(asked)
+		{
+			part.start = &start;
+			if (!solvable && !fixed)
+				part.maxIterations -= std::min(sweepsToTell, settings.maxIterations / 10);
+		}
+
+		SolverReport operator()()
+		{
+			const int most = part.maxIterations;
+			if (!solvable && !fixed && settings.guessPressed) {
+				report = tryFromNothing(system, start, part, method);
+				if (report.status == Status::converged)
+					return report;
+			}
+			report = goOn<System>(system, start, part, report, method);
+			tryPlain(system, start, part, report, method);
+			if (solvable) {
+				if (report.status == Status::converged && makesEnergy(system, start, guess))
+					beginFromNothing(system, start, settings, report, guess);
+				return report;
+			}
+			proofTried = report.status != Status::converged;
+			look();
+			clearDoubts();
+			if (settings.guessPressed && report.status == Status::converged && verdict.finding == Finding::nothing)
+				confirm(most);
+			return conclude();
+		}
+
+	    private:
+		void look() { verdict = judge(system, start, guess, part.tolerance, proofTried ? productsAfter(report.iterations) : fewProducts); }
+		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
+
+		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
+		void confirm(int most)
+		{
+			static thread_local System found;
+			found = system;
+			const SolverReport before = report;
+			start.free(system);
+			clearImpulses(system);
+			const Start nothing(system);
+			part.start = &nothing;
+			part.tolerance = settings.tolerance;
+			part.maxIterations = most;
+			report = goOn<System>(system, nothing, part, report, method);
+			part.start = &start;
+			look();
+			clearDoubts();
+			if (report.status == Status::converged && verdict.finding == Finding::nothing)
+				return;
+			if (report.error <= nearlySolved)
+				return;
+			const int iterations = report.iterations;
+			std::swap(system, found);
+			report = before;
+			report.iterations = iterations;
+			report.status = iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
+			verdict = { Finding::doubtful, strongest(system), verdict.growth };
+		}
+
+		// Solves more exactly as long as there are doubts.
+		void clearDoubts()
+		{
+			while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
+				const bool first = !proofTried;
+				const double growth = verdict.growth;
+				part.tolerance = std::max(finest, refinement * part.tolerance);
+				part.maxIterations = settings.maxIterations;
+				if (first) // most doubts are gone after a few sweeps more, which cost less than a proof among many contacts
+					part.maxIterations = std::min(part.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
+				report = goOn<System>(system, start, part, report, method);
+				proofTried = true;
+				look();
+				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
+					verdict.finding = Finding::doubtful;
+				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
+				if (report.error <= settings.tolerance && goesOn) // that it was not more exact does not matter
+					report.status = Status::converged;
+			}
+		}
+
+		SolverReport conclude()
+		{
+			if (doubtful())
+				report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
+			if (verdict.finding == Finding::doubtful)
+				report.contact = verdict.contact;
+			report.doubtful = fixed && (verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful);
+			if (!named(verdict, report) && !fixed && report.status != Status::converged)
+				findOut(system, start, settings, report);
+			return report;
+		}
+
+		System& system;
+		const SolverSettings& settings;
+		const Method<System> method;
+		const Start start;
+		const bool fixed, solvable;
+		const double guess; // its weighted norm, where it was solved
+		SolverSettings part; // of what is asked, for the next call of the method
+		SolverReport report;
+		Verdict verdict;
+		bool proofTried = false;
+	};
+
+	template <class System, Method<System> method> SolverReport judged(System& system, const SolverSettings& settings)
+	{
+		return Judged<System>(system, settings, method)();
+	}
+
+} // namespace judging
+
+using judging::judged;
+
+} // namespace cd
