@@ -42,7 +42,7 @@ study: build ## prepare packings, run MD and CD, draw the figures: a first versi
 report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1
 	@$(PYTHON) -m analysis report $(extent) $(if $(PUBLISHED),--published analysis/published) -o $(REPORT)
 
-charts: build ## measure and draw speed against accuracy, and where each method fails: about 12 minutes; FULL=1
+charts: build ## measure and draw speed against accuracy, and where each method fails: about 20 minutes; FULL=1
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
 	$(PYTHON) -m analysis charts $(extent)
 
