@@ -88,6 +88,21 @@ class Scene:
         self.snapshots |= {0, self.samples}
 
 
+def converged(full, found, same, unit, measure):
+    """Return what is known of a scene's mean over many runs, as a list of Known: empty for other sizes, other grains and grains that bounce.
+
+    found: {disks: ({name: (mean, standard deviation of one run)}, how it was found)}. same: {parameter: the value it was found with}.
+    measure(name): the quantity of the run in O, in `unit`.
+    """
+    from yade_scripts import parameters
+    if full["disks"] not in found or any(full[name] != value for name, value in same.items()) or parameters.restitution(full) > 0.01:
+        return []
+    quantities, how = found[full["disks"]]
+    return [Known(name, unit, mean, lambda name=name: measure(name), source=f"converged: {how}; standard deviation of one run {deviation}",
+                  deviation=deviation)
+            for name, (mean, deviation) in quantities.items()]
+
+
 def names():
     """Return the scenes: the names of the files in this folder."""
     return tuple(sorted(path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")))

@@ -10,9 +10,8 @@ step does, a little: 400 disks come 3.84 +- 0.04 column widths far at 1e-3 s (me
 import math
 import random
 
-from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, Known
+from yade_scripts.scenes import Chart, converged
 
 TITLE = "Collapse of a column"
 KIND = "flow"
@@ -25,9 +24,9 @@ PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over it
 CHART = Chart(base={"disks": 400}, patience=2, physics=("beta_n",), rolling=True)
 
 SHARE = 0.98  # of the disks behind the front, and below the height
-# {disks: (front, standard deviation of a run), (height, the same), how} in column widths, of columns as SAME.
-CONVERGED = {400: ((3.99, 0.13), (0.817, 0.033), "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
-             4000: ((4.67, 0.05), (0.733, 0.006), "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
+# Of columns as SAME, in column widths: scenes.converged.
+CONVERGED = {400: ({"front": (3.99, 0.13), "height": (0.817, 0.033)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
+             4000: ({"front": (4.67, 0.05), "height": (0.733, 0.006)}, "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
 
 
@@ -35,16 +34,6 @@ def width(full):
     """Return L0 [m]: the width of a column of column_aspect at a solid fraction of 0.8."""
     area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
     return math.sqrt(area / (0.8 * full["column_aspect"]))
-
-
-def _known(full, quantile):
-    """Return the front and height where they have been found: for the defaults' grains and column, without bounce."""
-    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
-        return []
-    *values, how = CONVERGED[full["disks"]]
-    return [Known(name, "L0", mean, lambda axis=axis: quantile(axis), source=f"converged: {how}; standard deviation of one run {deviation}",
-                  deviation=deviation)
-            for axis, (name, (mean, deviation)) in enumerate(zip(("front", "height"), values))]
 
 
 def build(full, folder):
@@ -68,7 +57,7 @@ def build(full, folder):
     def quantile(axis):
         return float(np.quantile([O.bodies[disk].state.pos[axis] for disk in heap], SHARE)) / span
 
-    scene = stage.small(full, _known(full, quantile))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "L0", lambda name: quantile(("front", "height").index(name))))
     scene.kept = {}
     scene.extra = {"front": ("L0", f"x that {SHARE:.0%} of the disks are behind, over the width of the column", lambda: quantile(0)),
                    "height": ("L0", f"y that {SHARE:.0%} of the disks are below, likewise", lambda: quantile(1))}

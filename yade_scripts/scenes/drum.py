@@ -9,7 +9,7 @@ import random
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, Known
+from yade_scripts.scenes import Chart, converged
 
 TITLE = "Rotating drum"
 KIND = "flow"
@@ -22,8 +22,8 @@ PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2
 CHART = Chart(physics=("beta_n",), rolling=True)
 
 EVERY = 0.01              # s between two looks at the slope
-# {disks: (slope, standard deviation of a run, how)} of drums as SAME.
-CONVERGED = {500: (26.5, 0.7, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
+# As scenes.converged takes it, of what has the values of SAME.
+CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
 
 
@@ -50,7 +50,7 @@ def build(full, folder):
     places = [(pitch * i, pitch * j) for j in range(-full["disks"], full["disks"]) for i in range(-full["disks"], full["disks"])
               if abs(j) * pitch < inner and abs(i) * pitch < inner and math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
-        raise parameters.ParameterError(f"disks = {full['disks']}: loose rows of them do not fit into their own drum; take radius_spread below 0.3")
+        raise parameters.ParameterError(f"disks = {full['disks']}: loose rows of them do not fit into their own drum; take more disks, or radius_spread below 0.3")
     ids = []
     for x, y in places[:full["disks"]]:  # from the lowest row upwards
         r = radius * (1 + full["radius_spread"] * draw.uniform(-1, 1))
@@ -65,7 +65,7 @@ def build(full, folder):
     def slope():
         return sum(slopes) / len(slopes) if slopes else math.nan
 
-    scene = stage.small(full, _known(full, slope))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()))
     turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=math.sqrt(full["froude"] * full["gravity"] / inner), rotateAroundZero=True,
                           zeroPoint=(0, 0, 0))
     names = [type(engine).__name__ for engine in O.engines]
@@ -74,11 +74,3 @@ def build(full, folder):
     scene.kept = {"slopes": slopes}
     scene.extra = {"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)}
     return scene
-
-
-def _known(full, slope):
-    """Return the slope where it has been found: for the defaults' drum and grains, without bounce."""
-    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
-        return []
-    mean, deviation, how = CONVERGED[full["disks"]]
-    return [Known("slope", "degree", mean, slope, source=f"converged: {how}; standard deviation of one run {deviation}", deviation=deviation)]

@@ -6,9 +6,8 @@ of the centre of mass over the height at which the disks would fill the box with
 import math
 import random
 
-from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, Known
+from yade_scripts.scenes import Chart, converged
 
 TITLE = "Filling of a box"
 KIND = "flow"
@@ -20,8 +19,8 @@ DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7,
 PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-# {disks: (height, standard deviation of a run, how)} of boxes as SAME.
-CONVERGED = {500: (1.287, 0.010, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
+# As scenes.converged takes it, of what has the values of SAME.
+CONVERGED = {500: ({"height": (1.287, 0.010)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1)
 
 
@@ -48,15 +47,7 @@ def build(full, folder):
     def height():
         return 2 * bodies.centre_of_mass(ids)[1] / solid
 
-    scene = stage.small(full, _known(full, height))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "1", lambda name: height()))
     scene.kept = {}
     scene.extra = {"height": ("1", "twice the height of the centre of mass over that of the disks without pores", height)}
     return scene
-
-
-def _known(full, height):
-    """Return the height where it has been found: for the defaults' box and grains, without bounce."""
-    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
-        return []
-    mean, deviation, how = CONVERGED[full["disks"]]
-    return [Known("height", "1", mean, height, source=f"converged: {how}; standard deviation of one run {deviation}", deviation=deviation)]

@@ -1,9 +1,9 @@
 """A silo with a flat floor runs empty through a slot into a bin below: how many disks leave it in a second?
 
 The disks are deposited without dynamics (preparing/deposit.py) between two walls; at time 0 the slot in the floor is open. The rate is
-the mean between the moments when 15 % and 50 % of the disks have passed, in disks per sqrt(D/g), D being the width of the slot. Beverloo's
-law in the plane is W = C (D - k d)^(3/2) sqrt(g) per density; here it is held against runs with rigid contacts and fine steps, since C and k
-depend on friction and packing. Rigid contacts and stiff springs agree; soft springs flow faster.
+the mean between the moments when 15 % and 50 % of the disks have passed, in disks per sqrt(D/g), D being the width of the slot. In the
+plane, Beverloo's law gives it as C (D - k d)^(3/2) sqrt(g) over the area of a disk, d being the mean diameter. C and k depend on friction and
+packing, so the rate is compared with runs of rigid contacts and fine steps. Rigid contacts and stiff springs agree; soft springs flow faster.
 """
 import math
 import random
@@ -12,7 +12,7 @@ import numpy as np
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, Known
+from yade_scripts.scenes import Chart, converged
 
 TITLE = "Discharge of a silo"
 KIND = "flow"
@@ -27,8 +27,8 @@ CHART = Chart(physics=("beta_n",), rolling=True)
 
 FIRST, LAST = 0.15, 0.5   # share of the disks that has passed where the rate is begun and ended to be taken
 EVERY = 0.005             # s between two looks at how many have passed
-# {disks: (rate, standard deviation of a run, how)} of silos as SAME.
-CONVERGED = {500: (76.2, 2.7, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
+# As scenes.converged takes it, of what has the values of SAME.
+CONVERGED = {500: ({"rate": (76.2, 2.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
 
 
@@ -75,16 +75,8 @@ def build(full, folder):
         first, last = (np.interp(share, passed, times) for share in (FIRST, LAST))
         return (LAST - FIRST) * len(ids) / (last - first) * math.sqrt(slot / full["gravity"])
 
-    scene = stage.small(full, _known(full, rate))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "disks/sqrt(D/g)", lambda name: rate()))
     O.engines = O.engines + [hooks.runner(look, virtPeriod=EVERY, initRun=True, label=hooks.MEASURING)]
     scene.kept = {"times": times, "passed": passed}
     scene.extra = {"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)}
     return scene
-
-
-def _known(full, rate):
-    """Return the rate where it has been found: for the defaults' silo and grains, without bounce."""
-    if full["disks"] not in CONVERGED or any(full[name] != value for name, value in SAME.items()) or parameters.restitution(full) > 0.01:
-        return []
-    mean, deviation, how = CONVERGED[full["disks"]]
-    return [Known("rate", "disks/sqrt(D/g)", mean, rate, source=f"converged: {how}; standard deviation of one run {deviation}", deviation=deviation)]
