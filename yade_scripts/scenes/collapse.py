@@ -24,7 +24,7 @@ PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over it
 CHART = Chart(base={"disks": 400}, patience=2, physics=("beta_n",), rolling=True)
 
 SHARE = 0.98  # of the disks behind the front, and below the height
-# Of columns as SAME, in column widths: scenes.converged.
+# In column widths. Found with the values of SAME; scenes.converged explains the form.
 CONVERGED = {400: ({"front": (3.99, 0.13), "height": (0.817, 0.033)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
              4000: ({"front": (4.67, 0.05), "height": (0.733, 0.006)}, "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)

@@ -22,7 +22,7 @@ PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2
 CHART = Chart(physics=("beta_n",), rolling=True)
 
 EVERY = 0.01              # s between two looks at the slope
-# As scenes.converged takes it, of what has the values of SAME.
+# Found with the values of SAME; scenes.converged explains the form.
 CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
 

@@ -19,7 +19,7 @@ DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7,
 PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-# As scenes.converged takes it, of what has the values of SAME.
+# Found with the values of SAME; scenes.converged explains the form.
 CONVERGED = {500: ({"height": (1.287, 0.010)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1)
 

@@ -27,7 +27,7 @@ CHART = Chart(physics=("beta_n",), rolling=True)
 
 FIRST, LAST = 0.15, 0.5   # share of the disks that has passed where the rate is begun and ended to be taken
 EVERY = 0.005             # s between two looks at how many have passed
-# As scenes.converged takes it, of what has the values of SAME.
+# Found with the values of SAME; scenes.converged explains the form.
 CONVERGED = {500: ({"rate": (76.2, 2.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
 
