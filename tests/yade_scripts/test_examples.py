@@ -11,7 +11,7 @@ def said(root, folder, name, *settings):
     script = root / "yade_scripts" / "examples" / f"{name}.py"
     done = subprocess.run(["yade", "-n", "-x", "-j1", str(script), *settings], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600)
     lines = [line for line in done.stdout.splitlines() if "s of computing" in line or line.startswith("saved")]
-    assert lines and "Traceback" not in done.stderr and "ContactDynamics: " not in done.stderr, done.stdout + done.stderr
+    assert lines and "Traceback" not in done.stderr and "ContactDynamics: " not in done.stderr, (done.returncode, done.stdout + done.stderr)
     assert (folder / f"{name}.png").stat().st_size > 1000
     return [float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", " ".join(lines))]
 
@@ -45,7 +45,7 @@ def test_loaded_box(root, tmp_path, springs):
     """The floor carries what loads the lid."""
     carried, load, *_ = said(root, tmp_path, "loaded_box", "disks=60", "seconds=0.3", springs)
     assert load == 10 and carried == pytest.approx(load, rel=0.05)
-    assert list(tmp_path.glob("loaded_box-*.vtu")) + list(tmp_path.glob("loaded_box-*.vtp"))
+    assert len(list(tmp_path.glob("loaded_box-spheres-*.vtk"))) == len(list(tmp_path.glob("loaded_box-intrs-*.vtk"))) >= 3
 
 
 def test_rows_of_a_table_set_them(root, tmp_path):

@@ -5,12 +5,12 @@
     yade-batch TABLE yade_scripts/examples/loaded_box.py           the rows of a table with columns disks, springs, load, seconds
 
 The lid is a Box that is free to move up and down; its load is a lasting force on it. There is no gravity. loaded_box.png shows the height of
-the lid; loaded_box-*.vtp and -*.vtu, for Paraview, the disks and the forces between them.
+the lid; loaded_box-*.vtk, for Paraview, the disks and the forces between them.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
 import cd_engine
-from yade import plot
+from yade import export, plot
 
 settings = dict(disks=300, springs=0, load=10.0, seconds=0.5)
 for name, value in (word.split("=") for word in sys.argv[1:]):
@@ -49,8 +49,16 @@ else:
     O.dt = cd_engine.timeStep(speed=math.sqrt(load * height / O.bodies[lid].state.mass))  # load times the way it may go, as kinetic energy of lid and disks
 O.engines = O.engines + [
     PyRunner(command="plot.addData(t=O.time, height=O.bodies[lid].state.pos[1], floor=-O.forces.f(floor)[1])", virtPeriod=0.01),
-    VTKRecorder(fileName="loaded_box-", recorders=["spheres", "intr"], virtPeriod=0.25 * seconds),
+    PyRunner(command="draw_in_space()", virtPeriod=0.25 * seconds),
 ]
+pictures = export.VTKExporter("loaded_box")  # YADE's VTKRecorder, in Debian's packages, reads memory that it never set and ends some runs
+
+
+def draw_in_space():
+    pictures.exportSpheres(what={"speed": "b.state.vel.norm()"})
+    pictures.exportInteractions(what={"force": "i.phys.normalForce.norm()"})
+
+
 plot.plots = {"t": ("height", None, "floor")}
 
 start = time.time()
