@@ -17,7 +17,7 @@ namespace judging {
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
 	constexpr double stillGrowing = 3; // impulses, by a refinement: those of a press grow tenfold
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from none serve better than those of a step without a solution
-	constexpr int fewSweeps = 64, fewProducts = 16;
+	constexpr int fewSweeps = 64, fewProducts = 16, productsOfMatrix = 64;
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
 	// A proof may cost about as much as the sweeps did, or as Newton's method does: a product with W costs about four sweeps.
@@ -29,7 +29,7 @@ namespace judging {
 	}
 	inline Verdict judge(const DelassusSystem& s, const Start&, double guess, double tolerance, int products)
 	{
-		return judge(s, guess, tolerance, products);
+		return judge(s, guess, tolerance, std::max(products, std::min(productsOfMatrix, static_cast<int>(2 * s.contacts()))));
 	}
 
 	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may

@@ -16,6 +16,8 @@ class BodyForm {
     public:
 	// Share of the power of the prescribed motion with which contacts give way in a press at least: other boundaries may move, too.
 	static constexpr double ofPrescribed = 0.1;
+	static constexpr double ofProof = 1e300; // what presses is known by its power
+	static constexpr double ofTerms = 1e-8; // share of the terms of its sum that the work against a self-stress has at least
 
 	const BodyForm& of(const ContactSystem& s, const std::vector<double>& free)
 	{
@@ -101,6 +103,10 @@ class BodyForm {
 class MatrixForm {
     public:
 	static constexpr double ofPrescribed = 1e-4; // of all of q, since a matrix does not tell what is prescribed
+	// Growth of the impulses from which a self-stress is looked for whatever their powers: what presses may be hidden by the rest of q, gravity
+	// say, which makes no power on a self-stress.
+	static constexpr double ofProof = 10;
+	static constexpr double ofTerms = 1e-11; // far above round-off; geometry, which is less exact, has no part in it
 
 	const MatrixForm& of(const DelassusSystem& s)
 	{

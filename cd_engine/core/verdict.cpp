@@ -75,16 +75,18 @@ namespace {
 			Verdict v;
 			v.growth = growthOf(*form);
 			const bool more = std::sqrt(square) > 10 * guess, grown = more && v.growth > mostGrowth;
-			if (!grown && !(more && v.growth * tolerance > drowned) && !(v.growth > least && looksPressed()))
+			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed());
+			if (!doubted && !(more && v.growth > Form::ofProof))
 				return v;
-			v.contact = form->row(worst);
 			// Files that print six digits miss a positive semidefinite W by less than this.
-			if (energy < -1e-5 * terms)
+			if (doubted && energy < -1e-5 * terms)
 				v.finding = Finding::indefinite;
 			else if (proven())
 				v.finding = Finding::no_solution;
-			else
+			else if (doubted)
 				v.finding = negative ? Finding::indefinite : grown ? Finding::beyond : Finding::doubtful;
+			if (v.finding != Finding::nothing)
+				v.contact = form->row(worst);
 			return v;
 		}
 
@@ -272,7 +274,7 @@ namespace {
 				stress += sizes[2 * i] * sizes[2 * i] / nn + sizes[2 * i + 1] * sizes[2 * i + 1] / tt;
 				moved += u[2 * i] * u[2 * i] / nn + u[2 * i + 1] * u[2 * i + 1] / tt;
 			}
-			return stress > 0 && moved <= selfStress * selfStress * stress && work < -1e-8 * terms && givingWay < 0.5 * work;
+			return stress > 0 && moved <= selfStress * selfStress * stress && work < -Form::ofTerms * terms && givingWay < 0.5 * work;
 		}
 
 		const Form* form = nullptr;

@@ -183,6 +183,35 @@ def test_converged_means_solved(method, tolerance):
     assert hopeless > 5 and named >= 0.7 * hopeless  # sweeps that swing without growing along a self-stress prove nothing
 
 
+def off_range(seed):
+    """W = H^T H without friction, half of them with a self-stress, and a q that its motions make but for a part of 1e-9 to 1 of it."""
+    random = np.random.default_rng(seed)
+    n = int(random.integers(2, 9))
+    H = random.normal(size=(random.integers(1, n + 2), 2 * n))
+    if random.random() < 0.5:
+        H[:, -2] = -H[:, :-2:2] @ random.uniform(0.1, 1, n - 1)
+    q = H.T @ random.normal(size=len(H))
+    q[::2] += 10.0 ** random.integers(-9, 1) * random.normal(size=n)
+    return H.T @ H, q
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6, 1e-10])
+@pytest.mark.parametrize("method", core.methods())
+def test_converged_closes_nothing(method, tolerance):
+    """Where W has no solution, impulses that grow along a self-stress are not solved, however small the error is beside them.
+
+    The error is a share of the impulses; up to ten times those that every contact alone would need, nobody asks whether they grow along a self-stress.
+    """
+    for seed in range(100):
+        W, q = off_range(seed)
+        report = core.solve(core.Problem(W, q, np.zeros(len(q) // 2)), method=method, tolerance=tolerance, max_iterations=20000)
+        if report.converged:
+            W, q = W[::2, ::2], q[::2]
+            root = np.sqrt(W.diagonal())  # impulses times it and velocities over it have one unit
+            allowed = 10 * tolerance * np.linalg.norm(np.minimum(q, 0) / root) * np.linalg.norm(W / np.outer(root, root), 2)
+            assert ((W @ report.impulses[::2] + q) / root).min() >= -allowed, (seed, report)
+
+
 @pytest.mark.parametrize("method", core.methods())
 def test_indefinite(method):
     """Symmetric, with a positive diagonal, but no mechanics: what counts as solved holds the law, what does not is often named."""
