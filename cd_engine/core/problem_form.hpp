@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace cd {
@@ -16,7 +17,7 @@ class BodyForm {
     public:
 	// Share of the power of the prescribed motion with which contacts give way in a press at least: other boundaries may move, too.
 	static constexpr double ofPrescribed = 0.1;
-	static constexpr double ofProof = 1e300; // what presses is known by its power
+	static constexpr double ofProof = std::numeric_limits<double>::infinity(); // what presses is known by its power
 	static constexpr double ofTerms = 1e-8; // share of the terms of its sum that the work against a self-stress has at least
 
 	const BodyForm& of(const ContactSystem& s, const std::vector<double>& free)

@@ -79,10 +79,12 @@ def test_a_packing_pressed_slowly_has_no_solution_and_one_that_rests_after_it_ha
     assert -O.forces.f(0)[1] == pytest.approx(weight, rel=1e-3) if mu == 0 else -O.forces.f(0)[1] < 3 * weight
 
 
-@pytest.mark.parametrize("method, tolerance, along", [("auto", 1e-4, 3), ("newton", 1e-8, 0.5), ("newton", 1e-10, 0.5)])
-def test_nor_where_the_boundary_also_slides(O, method, tolerance, along):
-    """The power of sliding, which friction takes, is a hundred times that of closing."""
-    _, engine = hexagons(1, 1e-3, 0.5, along=along, method=method, tolerance=tolerance)
+@pytest.mark.parametrize("mu, speed, method, tolerance, along", [
+    (0.5, 1e-3, "auto", 1e-4, 3), (0.5, 1e-3, "newton", 1e-8, 0.5), (0.5, 1e-3, "newton", 1e-10, 0.5),
+    (1, 1e-3, "auto", 1e-4, 3), (1, 1e-3, "auto", 1e-8, 0.5), (1, 1e-3, "newton", 1e-10, 0.5), (1, 1e-5, "auto", 1e-4, 3), (1, 1e-5, "newton", 1e-8, 0.5)])
+def test_nor_where_the_boundary_also_slides(O, method, tolerance, along, mu, speed):
+    """The power of sliding, which friction takes, is a hundred times that of closing, and the disk may turn with it."""
+    _, engine = hexagons(1, speed, mu, along=along, method=method, tolerance=tolerance)
     for _ in range(6):
         O.step()
         assert not engine.converged
