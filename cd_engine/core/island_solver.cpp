@@ -220,14 +220,15 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		takePart(system, [](const Island& island) { return !island.asleep; });
 		measurePart(sums);
 	}
-	if (surelySolvable(system)) // else a small error is not enough, and the method has to say that there is a solution (verdict.hpp)
+	const bool solvable = surelySolvable(system); // else a small error is not enough, and the method has to say that there is a solution
+	if (solvable)
 		judge(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // what all parts together may take
 	for (;;) {
 		takePart(system, [](const Island& island) { return !island.solved && !island.unsolvable; });
 		if (part.contacts.empty())
-			return status;
+			return solvable ? Status::converged : status;
 		if (left.maxIterations <= 0)
 			return Status::max_iterations;
 		const SolverReport report = method(part, left);
@@ -248,8 +249,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 			unsolvable = { report.status, partContacts[report.contact] };
 			continue;
 		}
-		if (report.status != Status::converged)
-			status = report.status;
+		status = report.status;
 		if (judge(settings.tolerance) == 0)
 			return status == Status::converged ? Status::stagnated : status;
 	}
@@ -279,7 +279,7 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 		report.contact = unsolvable.contact;
 	} else if (std::isnan(report.error))
 		report.status = Status::diverged;
-	else if (report.error > (1 + onTheEdge) * tolerance)
+	else if (report.error > (1 + onTheEdge) * tolerance || status != Status::converged)
 		report.status = status == Status::converged ? Status::stagnated : status;
 	return report;
 }

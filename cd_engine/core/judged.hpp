@@ -245,6 +245,8 @@ namespace judging {
 				look();
 				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
 					verdict.finding = Finding::doubtful;
+				if (report.iterations >= settings.maxIterations && report.error > part.tolerance && verdict.finding == Finding::nothing)
+					verdict = { Finding::doubtful, strongest(system), verdict.growth }; // a press that swings may look like none at times
 				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
 				if (report.error <= settings.tolerance && goesOn) // that it was not more exact does not matter
 					report.status = Status::converged;
@@ -253,11 +255,13 @@ namespace judging {
 
 		SolverReport conclude()
 		{
-			if (doubtful())
+			const bool cutShort = report.status == Status::max_iterations; // which may be a part of what is asked
+			if (cutShort || doubtful())
 				report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
-			if (verdict.finding == Finding::doubtful)
+			const bool doubted = verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful;
+			if (doubted)
 				report.contact = verdict.contact;
-			report.doubtful = fixed && (verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful);
+			report.doubtful = fixed && doubted;
 			if (!named(verdict, report) && !fixed && report.status != Status::converged)
 				findOut(system, start, settings, report);
 			return report;
