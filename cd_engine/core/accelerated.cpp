@@ -153,8 +153,7 @@ SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
 
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
 {
-	const int firstTrial = std::clamp(settings.maxIterations / 8, 50, 100); // so that a short bound leaves plain sweeps their share
-	return besidePlain<DelassusSweep>(system, settings, firstTrial, true, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
+	return besidePlain<DelassusSweep>(system, settings, 100, true, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
 }
 
 } // namespace cd

@@ -17,7 +17,7 @@ namespace judging {
 	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
 	constexpr double stillGrowing = 3; // impulses, by a refinement: those of a press grow tenfold
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from none serve better than those of a step without a solution
-	constexpr int fewSweeps = 64, fewProducts = 16, productsOfMatrix = 64;
+	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
 
 	// A proof may cost about as much as the sweeps did, or as Newton's method does: a product with W costs about four sweeps.
@@ -29,8 +29,13 @@ namespace judging {
 	}
 	inline Verdict judge(const DelassusSystem& s, const Start&, double guess, double tolerance, int products)
 	{
-		return judge(s, guess, tolerance, std::max(products, std::min(productsOfMatrix, static_cast<int>(2 * s.contacts()))));
+		return judge(s, guess, tolerance, products);
 	}
+
+	// Products for the first look, before anything is doubted. A matrix may hide what presses in all of q, so its proof may cost as much as the
+	// sweeps.
+	inline int productsBeforeDoubts(const ContactSystem&, int) { return fewProducts; }
+	inline int productsBeforeDoubts(const DelassusSystem&, int sweeps) { return std::clamp(sweeps / 4, fewProducts, 64); }
 
 	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
 	// be so large that whatever velocities they make are within the tolerance.
@@ -199,7 +204,11 @@ namespace judging {
 		}
 
 	    private:
-		void look() { verdict = judge(system, start, guess, part.tolerance, proofTried ? productsAfter(report.iterations) : fewProducts); }
+		void look()
+		{
+			verdict = judge(system, start, guess, part.tolerance,
+			    proofTried ? productsAfter(report.iterations) : productsBeforeDoubts(system, report.iterations));
+		}
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
 
 		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
@@ -245,8 +254,6 @@ namespace judging {
 				look();
 				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
 					verdict.finding = Finding::doubtful;
-				if (report.iterations >= settings.maxIterations && report.error > part.tolerance && verdict.finding == Finding::nothing)
-					verdict = { Finding::doubtful, strongest(system), verdict.growth }; // a press that swings may look like none at times
 				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
 				if (report.error <= settings.tolerance && goesOn) // that it was not more exact does not matter
 					report.status = Status::converged;
@@ -255,10 +262,10 @@ namespace judging {
 
 		SolverReport conclude()
 		{
-			const bool cutShort = report.status == Status::max_iterations; // which may be a part of what is asked
+			const bool doubted = verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful;
+			const bool cutShort = doubted && report.status == Status::max_iterations; // which may be a part of what is asked
 			if (cutShort || doubtful())
 				report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
-			const bool doubted = verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful;
 			if (doubted)
 				report.contact = verdict.contact;
 			report.doubtful = fixed && doubted;

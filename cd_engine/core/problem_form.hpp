@@ -106,7 +106,7 @@ class MatrixForm {
 	static constexpr double ofPrescribed = 1e-4; // of all of q, since a matrix does not tell what is prescribed
 	// Growth of the impulses from which a self-stress is looked for whatever their powers: what presses may be hidden by the rest of q, gravity
 	// say, which makes no power on a self-stress.
-	static constexpr double ofProof = 10;
+	static constexpr double ofProof = 100;
 	static constexpr double ofTerms = 1e-11; // far above round-off; geometry, which is less exact, has no part in it
 
 	const MatrixForm& of(const DelassusSystem& s)

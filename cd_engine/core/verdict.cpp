@@ -15,6 +15,7 @@ namespace {
 	constexpr double ofKept = 0.4;
 	constexpr double drowned = 1; // growth times tolerance: where the tolerance leaves as much of the velocities as there is to be stopped
 	constexpr double least = 1; // growth of impulses that are to be looked at
+	constexpr double dragged = 30; // growth above which friction that gives power may be what presses: in flows it often gives some
 	constexpr double onCone = 1e-6; // of friction: an impulse this close to it slides
 	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
 	// A self-stress makes no velocity but the round-off of its sums.
@@ -75,13 +76,13 @@ namespace {
 			Verdict v;
 			v.growth = growthOf(*form);
 			const bool more = std::sqrt(square) > 10 * guess, grown = more && v.growth > mostGrowth;
-			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed());
+			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed(v.growth));
 			if (!doubted && !(more && v.growth > Form::ofProof))
 				return v;
 			// Files that print six digits miss a positive semidefinite W by less than this.
 			if (doubted && energy < -1e-5 * terms)
 				v.finding = Finding::indefinite;
-			else if (proven())
+			else if (proven(doubted ? Form::ofTerms : std::max(Form::ofTerms, tolerance)))
 				v.finding = Finding::no_solution;
 			else if (doubted)
 				v.finding = negative ? Finding::indefinite : grown ? Finding::beyond : Finding::doubtful;
@@ -96,7 +97,7 @@ namespace {
 		{
 			form->product(p, u, sizes);
 			velocity.resize(2 * n);
-			square = kept = closing = given = dragging = pushing = energy = terms = 0;
+			square = kept = closing = given = dragging = pushing = coming = energy = terms = 0;
 			double largest = -1, mostKept = 0;
 			for (std::size_t i = 0; i < n; i++) {
 				const double own = form->own(i), pn = p[2 * i], pt = p[2 * i + 1];
@@ -112,6 +113,7 @@ namespace {
 				const double moved = pn * form->prescribed[2 * i] + (sticks ? pt * form->prescribed[2 * i + 1] : 0);
 				given -= moved;
 				pushing += std::max(-moved, 0.);
+				coming -= std::min(pn * form->prescribed[2 * i], 0.);
 				closing -= pn * un + (sticks ? pt * ut : 0);
 				dragging += sticks ? 0 : pt * (ut - form->prescribed[2 * i + 1]);
 				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
@@ -128,19 +130,21 @@ namespace {
 		}
 
 		// Whether loaded contacts give way with what the prescribed motion gives. A press keeps all of it, however exactly it is solved. In a
-		// flow as many loaded contacts part as close, and what they keep falls with the error. A boundary that slides may give by friction, too.
-		bool looksPressed() const
+		// flow as many loaded contacts part as close, and what they keep falls with the error. A boundary that slides may give by friction,
+		// too.
+		bool looksPressed(double growth) const
 		{
 			const bool together = closing > ofKept * kept && closing > Form::ofPrescribed * pushing && closing < 2 * pushing;
-			const double most = given + std::max(dragging, 0.);
+			const double most = given + (growth > dragged && coming > 0 ? std::max(dragging, 0.) : 0);
 			const bool all = closing > 0.5 * most && closing < 2 * most;
 			return kept > 0 && (together || all);
 		}
 
 		enum class State : int8_t { open, stick, slidePlus, slideMinus };
 
-		// Whether there is a self-stress along the impulses against which the prescribed motion works.
-		bool proven()
+		// Whether there is a self-stress along the impulses against which the prescribed motion works, by this share of all terms of its
+		// work.
+		bool proven(double share)
 		{
 			root.resize(2 * n);
 			state.resize(n);
@@ -168,7 +172,7 @@ namespace {
 				if (!removeWhatMoves() || !(dot(x, x) > kernel * kernel * whole))
 					return false;
 				if (!leaveTheCone())
-					return worksAgainst();
+					return worksAgainst(share);
 			}
 			return false;
 		}
@@ -262,7 +266,7 @@ namespace {
 
 		// Whether the prescribed motion works against the self-stress x but for sliding, which a solution may do, too, and its contacts give
 		// way to it.
-		bool worksAgainst()
+		bool worksAgainst(double share)
 		{
 			impulses(x, d);
 			form->product(d, u, sizes);
@@ -276,7 +280,7 @@ namespace {
 				stress += sizes[2 * i] * sizes[2 * i] / nn + sizes[2 * i + 1] * sizes[2 * i + 1] / tt;
 				moved += u[2 * i] * u[2 * i] / nn + u[2 * i + 1] * u[2 * i + 1] / tt;
 			}
-			return stress > 0 && moved <= selfStress * selfStress * stress && work < -Form::ofTerms * terms && givingWay < 0.5 * work;
+			return stress > 0 && moved <= selfStress * selfStress * stress && work < -share * terms && givingWay < 0.5 * work;
 		}
 
 		const Form* form = nullptr;
@@ -286,6 +290,7 @@ namespace {
 		double closing = 0; // net power with which loaded contacts close, and those that should stick slide [J]
 		double given = 0,
 		       pushing = 0; // power of the prescribed motion: net, and of the contacts alone at which it is against the impulses [J]
+		double coming = 0; // power against the impulses of boundaries and biases that come nearer, along the normals [J]
 		double dragging = 0; // power of friction where contacts slide, on what the bodies move there [J]
 		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
 		std::size_t worst = 0; // contact with the most power amiss, or with the largest impulse

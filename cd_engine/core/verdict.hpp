@@ -40,7 +40,7 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts = 1000);
 
 // Impulses of a larger `growth` leave no velocity known to a thousandth of those that they are to stop. Masses in contact of 1 : 1e8 make 1e8.
-constexpr double mostGrowth = 1e10;
+constexpr double mostGrowth = 1e12;
 // Alone, without a judgement.
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity);
 double growth(const DelassusSystem& system);
