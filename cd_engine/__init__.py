@@ -123,6 +123,7 @@ def engines(**settings):
     """
     _plugin()
     from yade import wrapper as w
+    _check_names(settings, w.ContactDynamics)
     settings.setdefault("colliderMargin", 0.1)
     _let_colliders_begin()
     return [
@@ -131,6 +132,17 @@ def engines(**settings):
         w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
         w.ContactDynamics(**settings),
     ]
+
+
+def _check_names(settings, engine):
+    """AttributeError with the names that are near, where an engine has no attribute of a name; YADE says only that there is none."""
+    import difflib
+    for name in settings:
+        if hasattr(engine, name):
+            continue
+        near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])
+        remedy = {"damping": "Rigid contacts have no damping; see restitution."}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
+        raise AttributeError(f"ContactDynamics has no attribute {name!r}. {remedy or 'help(cd_engine.ContactDynamics) lists them.'}")
 
 
 def _let_colliders_begin():

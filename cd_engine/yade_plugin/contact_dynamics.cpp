@@ -183,6 +183,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
 	pressed = !converged && (pressed || !unsolvableContact.empty());
+	unsolvable = unsolvable || !unsolvableContact.empty();
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	unknowns = report.effort.unknowns;
@@ -236,7 +237,8 @@ void ContactDynamics::warn()
 		  << " iterations): ";
 	if (!unsolvableContact.empty())
 		std::cerr << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
-			  << " from overlapping. Look for boundaries that move towards each other with disks between them.";
+			  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows "
+			     "this step is not to be trusted.";
 	else {
 		std::cerr << "the contact law is missed by " << residual << " of all impulses";
 		if (worstBody >= 0)
@@ -264,8 +266,8 @@ void ContactDynamics::tellOfLost()
 void ContactDynamics::watchPenetration(double before) const
 {
 	const double smallest = cd::reach(link.world, 0).smallestRadius;
-	if (deepestPenetration <= deep * smallest || before > deep * smallest)
-		return;
+	if (deepestPenetration <= deep * smallest || before > deep * smallest || unsolvable || link.boundariesPlaced())
+		return; // what a step without a solution leaves, or a boundary that is moved by its position, has its own warning
 	std::string remedy;
 	if (!converged || fixedIterations > 0)
 		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
@@ -279,8 +281,9 @@ void ContactDynamics::watchPenetration(double before) const
 		remedy
 		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
 		      "of their masses less) or take a smaller O.dt";
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": two bodies overlap by " << maxPenetration << " m, "
-		  << maxPenetration / smallest << " of the smallest radius, and more than when they were taken over. " << remedy
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": bodies #" << link.deepest(step)[0] << " and #"
+		  << link.deepest(step)[1] << " overlap by " << maxPenetration << " m, " << maxPenetration / smallest
+		  << " of the smallest radius, and more than when they were taken over. " << remedy
 		  << ". deepestPenetration tells how far it goes.\n";
 }
 

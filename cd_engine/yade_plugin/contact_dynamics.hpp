@@ -113,6 +113,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
 	OtherEngines others;
 	bool warned = false, toldOfLost = false;
+	bool unsolvable = false; // some step has had no solution
 	cd::StepSettings last; // of the last step
 	bool idle = false; // it left everything as it was, and so will the next unless somebody changes something
 };
@@ -128,7 +129,7 @@ inline const char* const ContactDynamics::documentation
       "prescribed velocity, or free in some freedoms and pushed by O.forces. Two boundaries never touch each other. Friction: the smaller "
       "frictionAngle of the two. "
       "After a step every loaded contact is a real interaction with ScGeom and FrictPhys, and O.forces holds the total on each body, gravity "
-      "included.";
+      "of free bodies included.";
 
 template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 {

@@ -144,12 +144,28 @@ void SceneLink::tellOfMaterial(int id, const void* material)
 		    "(Body #" + std::to_string(id) + " has one.) Use a FrictMat to say so, and `restitution` for bouncing.");
 }
 
+// A boundary whose position somebody sets step by step: no disk sees it come. Once or twice may be a new beginning.
+void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
+{
+	constexpr int often = 3;
+	const cd::Body& b = world.bodies[id];
+	const bool placed = same && ((b.x != x && b.inverseMass[0] == 0 && b.v[0] == 0) || (b.y != y && b.inverseMass[1] == 0 && b.v[1] == 0));
+	bodies[id].placed = placed ? std::min(bodies[id].placed + 1, often) : 0;
+	if (bodies[id].placed < often)
+		return;
+	placesBoundaries = true;
+	tell("body #" + std::to_string(id) + " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only.",
+	    "It came by " + text(std::hypot(b.x - x, b.y - y)) + " m since the last step and cuts into what is there. Set " + ofBody(id)
+		+ ".state.vel instead, in an engine before ContactDynamics.");
+}
+
 // All that a step asks of a body. Whatever it asks is looked at in every step, since anybody may have changed it since the last one.
 void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yade::ForceContainer& forces, const Vector3r& g)
 {
 	KnownBody& known = bodies[id];
 	char* const body = reinterpret_cast<char*>(owned.get());
-	if (!isSame(known.identity, owned))
+	const bool same = known.exists && isSame(known.identity, owned);
+	if (!same)
 		known.identity = owned;
 	known.state = static_cast<char*>(pointer<yade::State>(body, layout.body_state));
 	known.shape = pointer<yade::Shape>(body, layout.body_shape);
@@ -163,7 +179,9 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	std::copy_n(&at<double>(known.state, layout.state_orientation), 4, known.orientation);
 	readShape(id, world.bodies[id]);
 	readFriction(id, pointer<yade::Material>(body, layout.body_material));
+	const double x = world.bodies[id].x, y = world.bodies[id].y;
 	readMotion(id, world.bodies[id], forces, g);
+	tellOfPlacing(id, same && known.boundary, x, y);
 	world.bodies[id].friction = known.friction;
 	surfaces[id] = { known.friction, world.bodies[id].radius };
 }

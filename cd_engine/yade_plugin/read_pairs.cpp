@@ -15,6 +15,8 @@ namespace {
 
 	// Of a disk's radius: overlaps above this are no springs' but a mistake in the scene (the paper's are 1e-3).
 	constexpr double mostOverlap = 0.2;
+	// Of a disk's radius: smaller ones are left without a word.
+	constexpr double visible = 0.01;
 
 	// Where a pair comes in the list of contacts, from which the sweeps take their order. A function of its ids and ranks alone, so that the
 	// result of a step depends neither on the order of the scene's list nor on which other pairs are in it. Pairs of 32 disks that follow one
@@ -244,11 +246,29 @@ void SceneLink::takeOverlaps()
 		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
 		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
 		const double radius = world.bodies[pair.b].radius;
+		const std::string what = "bodies #" + std::to_string(pair.a) + " and #" + std::to_string(pair.b) + " overlap by "
+		    + std::to_string(pair.reference / radius) + " of a radius at the start";
 		if (!(pair.reference <= mostOverlap * radius))
-			throw SceneError("ContactDynamics: bodies #" + std::to_string(pair.a) + " and #" + std::to_string(pair.b) + " overlap by "
-			    + std::to_string(pair.reference / radius)
-			    + " of a radius at the hand-over, more than springs leave behind. Move them apart");
+			throw SceneError("ContactDynamics: " + what + ", more than springs leave behind. Move them apart");
+		if (pair.reference > visible * radius && !held[&pair - world.pairs.data()].any && told.insert("overlap").second)
+			tell(what + ", and no springs press them. This overlap is kept: it counts as touching.",
+			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
 	}
+}
+
+std::array<int, 2> SceneLink::deepest(const cd::TimeStep& step) const
+{
+	std::array<int, 2> ids { -1, -1 };
+	double most = 0;
+	for (std::size_t i = 0; i < step.touches().size(); i++) {
+		const cd::Pair& pair = world.pairs[step.pairs()[i]];
+		const double overlap = step.touches()[i].overlap - pair.reference;
+		if (overlap > most) {
+			most = overlap;
+			ids = { pair.a, pair.b };
+		}
+	}
+	return ids;
 }
 
 void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const

@@ -71,6 +71,10 @@ class SceneLink {
 	bool finite() const { return numbers; }
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
+	// Whether somebody moves a boundary by its position.
+	bool boundariesPlaced() const { return placesBoundaries; }
+	// The two bodies that overlapped most in a step, beyond their reference overlaps.
+	std::array<int, 2> deepest(const cd::TimeStep&) const;
 
     private:
 	// A body of this step. Its addresses hold for the step only; the next one, before it looks, does no more than ask for their memory ahead.
@@ -82,6 +86,7 @@ class SceneLink {
 		bool exists = false;
 		bool inPlane = false; // takes part in contacts
 		bool boundary = false;
+		int placed = 0; // steps in a row before which somebody has set its position
 		double frictionAngle = 0, friction = 0; // [rad] and its tangent
 	};
 	// What every pair asks of its bodies, together in little memory.
@@ -132,6 +137,7 @@ class SceneLink {
 	void readFriction(int id, void* material);
 	void tellOfMaterial(int id, const void* material);
 	void tellOfFall(int upper, int lower);
+	void tellOfPlacing(int id, bool same, double x, double y);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
 	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
@@ -165,6 +171,7 @@ class SceneLink {
 	bool inspecting = false; // the scene is only looked at
 	void tell(const std::string& what, const std::string& remedy);
 	std::set<std::string> told; // what has been warned of
+	bool placesBoundaries = false;
 	std::vector<Forces> forces; // of world.pairs, as they were when they were read or published last
 	std::vector<Held> held; // of world.pairs
 	bool behind = false; // the scene

@@ -1,4 +1,5 @@
 """Heavy bodies are carried by light ones, and what passes into each other is said."""
+import re
 import pytest
 
 from . import plane
@@ -34,13 +35,13 @@ def test_free_fall_is_not_called_solved(O, capfd):
     assert engine.tolerance < engine.bodyError and engine.worstBody == 2
     said = capfd.readouterr().err
     assert said.count("is not solved") == 1 and "body #2" in said
-    assert said.count("two bodies overlap by") == 1 and "of the smallest radius" in said
+    assert len(re.findall(r"bodies #\d+ and #\d+ overlap by", said)) == 1 and "of the smallest radius" in said
 
 
 def test_few_fixed_sweeps_are_said_too(O, capfd):
     """One sweep a step asks for no error at all; a cold start hands the upper weight on in no step."""
     engine = pile(O, 100, 60, fixedIterations=1, warmStart=False)
-    assert engine.deepestPenetration > 1e-4 and "two bodies overlap by" in capfd.readouterr().err
+    assert engine.deepestPenetration > 1e-4 and re.search(r"bodies #\d+ and #\d+ overlap by", capfd.readouterr().err)
 
 
 @pytest.mark.parametrize("ratio", [1, 100])

@@ -6,6 +6,8 @@ import pytest
 from yade import utils, wrapper
 
 import cd_engine
+from cd_engine import summary
+from yade_scripts.running import hooks
 
 from . import plane
 
@@ -55,6 +57,42 @@ def test_materials_of_which_only_friction_is_used(O, capfd, make):
         body.mat = make(frictionAngle=0.3)
     line, = said_by(O, capfd)
     assert make.__name__ in line and "only the frictionAngle is used" in line and "Body #0" in line
+
+
+def test_a_boundary_moved_by_its_position(O, capfd):
+    """Told of once, though it overlaps what is there; once or twice may be a new beginning, and a boundary that has a velocity moves itself."""
+    reset, collider, cd = one_disk()
+    wall = plane.box((0.03, 0.02), (0.005, 0.02), mat=0)
+    places = [0.03, 0.03, 0.029, 0.029, 0.028, 0.027, 0.026, 0.02, 0.015, 0.01]
+
+    def place():
+        O.bodies[wall].state.pos = (places[min(O.iter, len(places) - 1)], 0.02, 0)
+
+    O.engines = [reset, hooks.runner(place, iterPeriod=1, initRun=True), collider, cd]
+    O.dt = 1e-3
+    assert said_by(O, capfd, 5) == []
+    line, = said_by(O, capfd, 10)
+    assert f"body #{wall} is moved by its position" in line and f"O.bodies[{wall}].state.vel" in line
+
+
+def test_overlaps_that_no_springs_have_left(O, capfd):
+    """They are kept; those of springs are left without a word (test_handover)."""
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mat=mat)
+    plane.disk((0, 0.0292), 0.01, mat=mat)
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
+    O.dt = 1e-3
+    line, = said_by(O, capfd)
+    assert "bodies #1 and #2 overlap by 0.08" in line and "handover=False" in line
+    assert O.bodies[2].state.pos[1] == pytest.approx(0.0292, abs=1e-9)
+    assert "were there at the start" in summary.text(O.engines[-1])
+
+
+@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("xyzzy", "help")])
+def test_misspelt_names(name, said):
+    with pytest.raises(AttributeError, match=said):
+        cd_engine.engines(**{name: 1})
 
 
 def test_the_default_step_of_yade(O, capfd):
