@@ -1,5 +1,6 @@
 """Heavy bodies are carried by light ones, and what passes into each other is said."""
 import re
+
 import pytest
 
 from . import plane
