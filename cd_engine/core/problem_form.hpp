@@ -52,6 +52,19 @@ class BodyForm {
 	double own(std::size_t i) const { return system->contacts[rows[i]].wnn; }
 	double ownTangential(std::size_t i) const { return system->contacts[rows[i]].wtt > 0 ? system->contacts[rows[i]].wtt : own(i); }
 
+	// The heaviest body over the lightest one.
+	double massRatio() const
+	{
+		double least = std::numeric_limits<double>::infinity(), most = 0;
+		for (const BodyVelocity& b : system->bodies)
+			for (const int k : { 0, 1 })
+				if (b.w[k] > 0) {
+					least = std::min(least, b.w[k]);
+					most = std::max(most, b.w[k]);
+				}
+		return most > 0 ? most / least : 1;
+	}
+
 	void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes) const
 	{
 		std::fill(v.begin(), v.end(), 0.);
@@ -125,6 +138,7 @@ class MatrixForm {
 	double pt(std::size_t i) const { return system->p[2 * i + 1]; }
 	double own(std::size_t i) const { return system->blocks[system->diagonal[i]].nn; }
 	double ownTangential(std::size_t i) const { return system->blocks[system->diagonal[i]].tt; }
+	double massRatio() const { return std::numeric_limits<double>::infinity(); } // a matrix does not tell
 
 	void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes) const
 	{

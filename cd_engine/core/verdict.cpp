@@ -75,7 +75,8 @@ namespace {
 				return { Finding::not_finite, infinite, std::numeric_limits<double>::infinity() };
 			Verdict v;
 			v.growth = growthOf(*form);
-			const bool more = std::sqrt(square) > 10 * guess, grown = more && v.growth > mostGrowth;
+			const bool more = std::sqrt(square) > 10 * guess,
+				   grown = more && v.growth > mostOfEqual && v.growth > std::min(mostGrowth, mostOfEqual * form->massRatio());
 			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed(v.growth));
 			if (!doubted && !(more && v.growth > Form::ofProof))
 				return v;

@@ -40,7 +40,8 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts = 1000);
 
 // Impulses of a larger `growth` leave no velocity known to a thousandth of those that they are to stop. Masses in contact of 1 : 1e8 make 1e8.
-constexpr double mostGrowth = 1e12;
+// Among bodies of equal masses nothing but what presses makes more than mostOfEqual.
+constexpr double mostGrowth = 1e12, mostOfEqual = 1e8;
 // Alone, without a judgement.
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity);
 double growth(const DelassusSystem& system);
