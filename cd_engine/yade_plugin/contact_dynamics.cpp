@@ -11,6 +11,7 @@ namespace {
 
 	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
 	constexpr double deep = 0.01;
+	constexpr double far = 4; // radii that a disk may go in a step without a word
 
 	// Steps between two trials of rest, and sweeps in one: about one for each step since the last, less than an island at rest costs while it is
 	// awake. Those that come to rest in a thousand sweeps mostly do so in a hundred, and others by chance in the next trial.
@@ -143,6 +144,7 @@ void ContactDynamics::advance()
 	}
 
 	tellOfLost();
+	tellOfSpeed(settings.dt);
 	const bool tracks = tracksEnergy(scene);
 	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
 	const cd::StepReport made = step(link.world, settings);
@@ -259,6 +261,22 @@ void ContactDynamics::tellOfLost()
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": body #" << id
 		  << " has left all others far behind: it is at (" << body.x << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1])
 		  << " m/s. Erase it (O.bodies.erase(" << id << ")) or give the scene a boundary that holds it. Others that do so are not named.\n";
+}
+
+// One line a run where a disk that others are near goes so far in a step that it may jump over what it would have met.
+void ContactDynamics::tellOfSpeed(double dt)
+{
+	if (toldOfSpeed || !(rest->longestWay() > far * cd::reach(link.world, 0).smallestRadius))
+		return;
+	const auto& bodies = link.world.bodies;
+	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && !b.alone && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
+	const auto fast = std::find_if(bodies.begin(), bodies.end(), tooFar);
+	if (fast == bodies.end())
+		return;
+	toldOfSpeed = true;
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": body #" << fast - bodies.begin() << " moves "
+		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " of its radii in a step, which is rough. O.dt is " << dt
+		  << " s; cd_engine.timeStep() proposes one. Others that do so are not named.\n";
 }
 
 // One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,

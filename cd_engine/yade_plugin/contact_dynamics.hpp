@@ -103,6 +103,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool looksAtOrder() const { return steps % 64 == 0; }
 	void warn();
 	void tellOfLost();
+	void tellOfSpeed(double dt);
 	void watchPenetration(double before) const;
 
 	// Of the scene, from step to step; all of it can be found again. Kept by the engine that has made the last step, no other.
@@ -112,7 +113,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static std::atomic<ContactDynamics*> latest; // that engine
 	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
 	OtherEngines others;
-	bool warned = false, toldOfLost = false;
+	bool warned = false, toldOfLost = false, toldOfSpeed = false;
 	bool unsolvable = false; // some step has had no solution
 	cd::StepSettings last; // of the last step
 	bool idle = false; // it left everything as it was, and so will the next unless somebody changes something

@@ -89,6 +89,18 @@ def test_overlaps_that_no_springs_have_left(O, capfd):
     assert "were there at the start" in summary.text(O.engines[-1])
 
 
+def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
+    """One that falls alone is left in peace."""
+    mat = plane.material()
+    plane.floor(mat)
+    plane.disk((0, 0.01), 0.01, mat=mat)
+    plane.disk((0.02, 0.3), 0.01, velocity=(0, -5), mat=mat)
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
+    O.dt = 0.02
+    line, = [line for line in said_by(O, capfd, 3) if "radii" in line]
+    assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
+
+
 @pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("xyzzy", "help")])
 def test_misspelt_names(name, said):
     with pytest.raises(AttributeError, match=said):
