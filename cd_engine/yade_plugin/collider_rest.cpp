@@ -173,7 +173,7 @@ bool ColliderRest::needed(cd::World& world, yade::Scene* scene, double dt, doubl
 {
 	findAlone(world, dt, leastMargin);
 	const cd::Reach reach = cd::reach(world, dt);
-	longest = reach.way;
+	longest = reach.way / reach.smallestRadius;
 	works = collider && leastMargin > 0 && !std::isinf(reach.smallestRadius); // without disks nothing touches
 	if (!works)
 		return false;

@@ -34,7 +34,7 @@ class ColliderRest {
 	// The body that has left all others behind, -1: none.
 	int lost(const cd::World& world) const { return alone.empty() ? -1 : cd::leftBehind(world, alone); }
 	const yade::Engine* engine() const { return collider.get(); }
-	// Of a body that is not alone, in the last step [m].
+	// Of a body that is not alone, in this step, in radii of the smallest disk.
 	double longestWay() const { return longest; }
 	// Gives the collider back to YADE's loop.
 	void wake();
@@ -54,7 +54,7 @@ class ColliderRest {
 
 	boost::shared_ptr<yade::Engine> collider;
 	bool widens = false; // whether the collider takes a width; of another one the bounds are only looked at
-	double longest = 0; // way in a step [m]
+	double longest = 0; // way of a body in this step over the smallest radius
 	double width = 0; // of the bounds beyond the bodies [m]
 	bool works = false; // whether there is a collider, and anything for it to find
 	bool resting = false;

@@ -160,10 +160,10 @@ void ContactDynamics::advance()
 		link.publish(scene, step);
 	const double before = deepestPenetration;
 	report(made, settings);
-	if (deepestPenetration > before)
-		watchPenetration(before);
 	if (!converged && fixedIterations == 0)
 		warn();
+	if (deepestPenetration > before)
+		watchPenetration(before);
 }
 
 // Into the attributes.
@@ -185,7 +185,6 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
 	pressed = !converged && (pressed || !unsolvableContact.empty());
-	unsolvable = unsolvable || !unsolvableContact.empty();
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	unknowns = report.effort.unknowns;
@@ -237,7 +236,8 @@ void ContactDynamics::warn()
 	warned = true;
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
 		  << " iterations): ";
-	if (!unsolvableContact.empty())
+	toldOfUnsolvable = !unsolvableContact.empty();
+	if (toldOfUnsolvable)
 		std::cerr << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
 			  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows "
 			     "this step is not to be trusted.";
@@ -266,7 +266,7 @@ void ContactDynamics::tellOfLost()
 // One line a run where a disk that others are near goes so far in a step that it may jump over what it would have met.
 void ContactDynamics::tellOfSpeed(double dt)
 {
-	if (toldOfSpeed || !(rest->longestWay() > far * cd::reach(link.world, 0).smallestRadius))
+	if (toldOfSpeed || !(rest->longestWay() > far))
 		return;
 	const auto& bodies = link.world.bodies;
 	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && !b.alone && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
@@ -284,7 +284,7 @@ void ContactDynamics::tellOfSpeed(double dt)
 void ContactDynamics::watchPenetration(double before) const
 {
 	const double smallest = cd::reach(link.world, 0).smallestRadius;
-	if (deepestPenetration <= deep * smallest || before > deep * smallest || unsolvable || link.boundariesPlaced())
+	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
 		return; // what a step without a solution leaves, or a boundary that is moved by its position, has its own warning
 	std::string remedy;
 	if (!converged || fixedIterations > 0)
@@ -299,8 +299,9 @@ void ContactDynamics::watchPenetration(double before) const
 		remedy
 		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
 		      "of their masses less) or take a smaller O.dt";
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": bodies #" << link.deepest(step)[0] << " and #"
-		  << link.deepest(step)[1] << " overlap by " << maxPenetration << " m, " << maxPenetration / smallest
+	const std::array<int, 2> deepest = link.deepest(step);
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": bodies #" << deepest[0] << " and #" << deepest[1]
+		  << " overlap by " << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, and more than when they were taken over. " << remedy
 		  << ". deepestPenetration tells how far it goes.\n";
 }

@@ -113,8 +113,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static std::atomic<ContactDynamics*> latest; // that engine
 	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
 	OtherEngines others;
-	bool warned = false, toldOfLost = false, toldOfSpeed = false;
-	bool unsolvable = false; // some step has had no solution
+	bool warned = false, toldOfLost = false, toldOfSpeed = false, toldOfUnsolvable = false;
 	cd::StepSettings last; // of the last step
 	bool idle = false; // it left everything as it was, and so will the next unless somebody changes something
 };

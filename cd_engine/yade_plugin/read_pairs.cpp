@@ -246,12 +246,14 @@ void SceneLink::takeOverlaps()
 		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
 		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
 		const double radius = world.bodies[pair.b].radius;
-		const std::string what = "bodies #" + std::to_string(pair.a) + " and #" + std::to_string(pair.b) + " overlap by "
-		    + std::to_string(pair.reference / radius) + " of a radius at the start";
+		const auto what = [&] {
+			return "bodies #" + std::to_string(pair.a) + " and #" + std::to_string(pair.b) + " overlap by "
+			    + std::to_string(pair.reference / radius) + " of a radius at the start";
+		};
 		if (!(pair.reference <= mostOverlap * radius))
-			throw SceneError("ContactDynamics: " + what + ", more than springs leave behind. Move them apart");
+			throw SceneError("ContactDynamics: " + what() + ", more than springs leave behind. Move them apart");
 		if (pair.reference > visible * radius && !held[&pair - world.pairs.data()].any && told.insert("overlap").second)
-			tell(what + ", and no springs press them. This overlap is kept: it counts as touching.",
+			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
 			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
 	}
 }

@@ -90,7 +90,7 @@ def test_overlaps_that_no_springs_have_left(O, capfd):
 
 
 def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
-    """One that falls alone is left in peace."""
+    """Told of once, with the body and what proposes a step."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mat=mat)
