@@ -32,10 +32,8 @@ namespace judging {
 		return judge(s, guess, tolerance, products);
 	}
 
-	// Products for the first look, before anything is doubted. A matrix may hide what presses in all of q, so its proof may cost as much as the
-	// sweeps.
-	inline int productsBeforeDoubts(const ContactSystem&, int) { return fewProducts; }
-	inline int productsBeforeDoubts(const DelassusSystem&, int sweeps) { return std::clamp(sweeps / 4, fewProducts, 64); }
+	// Products for the first look, before anything is doubted: a proof may cost about as much as the sweeps did.
+	inline int productsBeforeDoubts(int sweeps) { return std::clamp(sweeps / 4, fewProducts, 64); }
 
 	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
 	// be so large that whatever velocities they make are within the tolerance.
@@ -207,7 +205,7 @@ namespace judging {
 		void look()
 		{
 			verdict = judge(system, start, guess, part.tolerance,
-			    proofTried ? productsAfter(report.iterations) : productsBeforeDoubts(system, report.iterations));
+			    proofTried ? productsAfter(report.iterations) : productsBeforeDoubts(report.iterations));
 		}
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
 

@@ -1,5 +1,6 @@
 #include "verdict.hpp"
 
+#include "closing_in.hpp"
 #include "problem_form.hpp"
 
 #include <algorithm>
@@ -20,6 +21,8 @@ namespace {
 	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
 	// A self-stress makes no velocity but the round-off of its sums.
 	constexpr double selfStress = 256 * epsilon;
+	constexpr double mayHide = 10; // growth above which impulses within the tolerance may miss ten tolerances of what presses
+	constexpr int few = 256; // contacts among which that is always found out, at less than a step costs beside it
 	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
 
 	double dot(const std::vector<double>& a, const std::vector<double>& b)
@@ -326,7 +329,16 @@ namespace {
 
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
-	return judged(form(system, freeVelocity), guess, tolerance, mostProducts);
+	Verdict v = judged(form(system, freeVelocity), guess, tolerance, mostProducts);
+	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
+	if (open && v.growth > mayHide) {
+		const int contacts = static_cast<int>(system.contacts.size());
+		const int most = contacts > few ? mostProducts : std::max(mostProducts, 16 * contacts);
+		const int contact = closingIn(system, freeVelocity, tolerance, mostOfEqual, most);
+		if (contact >= 0)
+			v = { Finding::no_solution, contact, v.growth };
+	}
+	return v;
 }
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
 {

@@ -1,0 +1,227 @@
+#include "closing_in.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	constexpr int rounds = 30; // of Newton's method; each finds which contacts close
+	constexpr int halvings = 50; // in the search for the length of a step of it
+	constexpr double solved = 1e-15; // share of the gradient's terms that is round-off
+	constexpr double missed = 3; // tolerances; in ten of them the contacts of a step that counts as solved may sum up
+	constexpr double share = 1e-8; // of the terms of b . y that it has at least
+
+	double square(const std::vector<double>& a)
+	{
+		double sum = 0;
+		for (const double e : a)
+			sum += e * e;
+		return sum;
+	}
+
+	// Rows are weighted by 1/sqrt(W_nn) and velocities by the roots of the masses: the rows of J then have length 1.
+	class LeastSquares {
+	    public:
+		int operator()(const ContactSystem& s, const std::vector<double>& free, double tolerance, double bound, int mostProducts)
+		{
+			system = &s;
+			left = mostProducts;
+			read(free);
+			unknowns = 3 * s.bodies.size();
+			const double scale = std::sqrt(closing(b)), all = std::max(scale, std::sqrt(closing(q)));
+			const double least = std::max(share * scale, missed * tolerance * all);
+			if (!(closing(r) > least * least))
+				return -1;
+			for (int k = 0; k < rounds && left > 0; k++) {
+				const double before = closing(r);
+				if (!(before > share * share * scale * scale))
+					return -1;
+				gradient(r, g);
+				if (square(g) <= solved * solved * terms(r))
+					break;
+				descend();
+				along(step, change);
+				const double length = best();
+				for (std::size_t i = 0; i < r.size(); i++)
+					r[i] += length * change[i];
+				if (!(closing(r) < before))
+					break;
+			}
+			return proof(scale, bound);
+		}
+
+	    private:
+		void read(const std::vector<double>& free)
+		{
+			rows.clear();
+			b.clear();
+			r.clear();
+			q.clear();
+			size.clear();
+			for (std::size_t i = 0; i < system->contacts.size(); i++) {
+				const ContactRow& c = system->contacts[i];
+				if (!(c.wnn > 0))
+					continue;
+				double prescribed = c.bias, terms = std::abs(c.bias), all = c.bias;
+				for (const int side : { -1, 1 }) {
+					const int32_t body = side < 0 ? c.a : c.b;
+					const double arms[3] = { c.nx, c.ny, side < 0 ? c.an : c.bn };
+					for (int k = 0; k < 3; k++) {
+						const double velocity = side * arms[k] * free[3 * body + k];
+						all += velocity;
+						if (!(system->bodies[body].w[k] > 0)) {
+							prescribed += velocity;
+							terms += std::abs(velocity);
+						}
+					}
+				}
+				rows.push_back(static_cast<int32_t>(i));
+				const double root = std::sqrt(c.wnn);
+				b.push_back(prescribed / root);
+				q.push_back(all / root);
+				size.push_back(terms / root);
+				double un, ut;
+				relativeVelocity(c, system->bodies[c.a], system->bodies[c.b], un, ut);
+				r.push_back((un + c.bias) / root);
+			}
+		}
+
+		static double closing(const std::vector<double>& r)
+		{
+			double sum = 0;
+			for (const double e : r)
+				sum += e < 0 ? e * e : 0;
+			return sum;
+		}
+
+		// The sum of the squares of the closing contacts' terms of the gradient.
+		double terms(const std::vector<double>& r) const { return 2 * closing(r); }
+
+		// J x
+		void along(const std::vector<double>& x, std::vector<double>& to) const
+		{
+			to.resize(rows.size());
+			for (std::size_t i = 0; i < rows.size(); i++) {
+				const ContactRow& c = system->contacts[rows[i]];
+				const BodyVelocity &A = system->bodies[c.a], &B = system->bodies[c.b];
+				const double *a = &x[3 * c.a], *z = &x[3 * c.b];
+				const double arm[3] = { c.nx, c.ny, 0 };
+				double u = std::sqrt(B.w[2]) * c.bn * z[2] - std::sqrt(A.w[2]) * c.an * a[2];
+				for (const int k : { 0, 1 })
+					u += arm[k] * (std::sqrt(B.w[k]) * z[k] - std::sqrt(A.w[k]) * a[k]);
+				to[i] = u / std::sqrt(c.wnn);
+			}
+		}
+
+		// J^T min(y, 0) of those contacts of which `closes` is negative
+		void back(const std::vector<double>& y, const std::vector<double>& closes, std::vector<double>& to) const
+		{
+			to.assign(unknowns, 0);
+			for (std::size_t i = 0; i < rows.size(); i++) {
+				if (!(closes[i] < 0))
+					continue;
+				const ContactRow& c = system->contacts[rows[i]];
+				const BodyVelocity &A = system->bodies[c.a], &B = system->bodies[c.b];
+				const double p = y[i] / std::sqrt(c.wnn);
+				const double arm[3] = { c.nx, c.ny, 0 };
+				for (const int k : { 0, 1 }) {
+					to[3 * c.a + k] -= std::sqrt(A.w[k]) * arm[k] * p;
+					to[3 * c.b + k] += std::sqrt(B.w[k]) * arm[k] * p;
+				}
+				to[3 * c.a + 2] -= std::sqrt(A.w[2]) * c.an * p;
+				to[3 * c.b + 2] += std::sqrt(B.w[2]) * c.bn * p;
+			}
+		}
+		void gradient(const std::vector<double>& of, std::vector<double>& to) const { back(of, of, to); }
+
+		// The least squares of the contacts that now close, by conjugate gradients (CGLS), into `step`.
+		void descend()
+		{
+			step.assign(unknowns, 0);
+			rest = r;
+			gradient(r, g);
+			for (double& e : g)
+				e = -e;
+			direction = g;
+			double gg = square(g);
+			const double goal = gg * 1e-24;
+			while (gg > goal && gg > solved * solved * terms(r) && left-- > 0) {
+				along(direction, w);
+				double ww = 0;
+				for (std::size_t i = 0; i < w.size(); i++)
+					ww += r[i] < 0 ? w[i] * w[i] : 0;
+				if (!(ww > 0))
+					return;
+				const double length = gg / ww;
+				for (std::size_t i = 0; i < step.size(); i++)
+					step[i] += length * direction[i];
+				for (std::size_t i = 0; i < w.size(); i++)
+					rest[i] += length * w[i];
+				back(rest, r, g);
+				for (double& e : g)
+					e = -e;
+				const double next = square(g);
+				for (std::size_t i = 0; i < step.size(); i++)
+					direction[i] = g[i] + next / gg * direction[i];
+				gg = next;
+			}
+		}
+
+		// The share of the step at which the contacts close least, at most all of it: which contacts close may change on the way.
+		double best() const
+		{
+			const auto falls = [this](double length) {
+				double slope = 0;
+				for (std::size_t i = 0; i < r.size(); i++)
+					slope += std::min(r[i] + length * change[i], 0.) * change[i];
+				return slope <= 0;
+			};
+			if (falls(1))
+				return 1;
+			double low = 0, high = 1;
+			for (int k = 0; k < halvings; k++) {
+				const double middle = (low + high) / 2;
+				(falls(middle) ? low : high) = middle;
+			}
+			return low;
+		}
+
+		// The contact that closes most, if what closes is a proof: velocities that open it would be larger than |y|^2/|J^T y|.
+		int proof(double scale, double bound)
+		{
+			gradient(r, g);
+			const double all = closing(r);
+			double work = 0, sum = 0;
+			std::size_t most = 0;
+			for (std::size_t i = 0; i < rows.size(); i++) {
+				const double y = std::max(-r[i], 0.);
+				work -= y * b[i];
+				sum += y * size[i];
+				if (r[i] < r[most])
+					most = i;
+			}
+			const bool proven = all > 0 && work > share * sum && work > bound * scale * std::sqrt(square(g));
+			return proven ? rows[most] : -1;
+		}
+
+		const ContactSystem* system = nullptr;
+		int left = 0; // products
+		std::vector<int32_t> rows; // contacts that can open
+		std::vector<double> b, size; // the prescribed velocities and the sizes of their terms
+		std::vector<double> q; // the same without impulses, of all bodies
+		std::vector<double> r; // J v + b, of the velocities found at first
+		std::size_t unknowns = 0;
+		std::vector<double> g, step, direction; // of the bodies
+		std::vector<double> w, rest, change; // of the contacts
+	};
+
+} // namespace
+
+int closingIn(const ContactSystem& system, const std::vector<double>& freeVelocity, double tolerance, double bound, int mostProducts)
+{
+	static thread_local LeastSquares problem;
+	return problem(system, freeVelocity, tolerance, bound, mostProducts);
+}
+
+} // namespace cd
