@@ -333,7 +333,7 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
 	if (open && v.growth > mayHide) {
 		const int contacts = static_cast<int>(system.contacts.size());
-		const int most = contacts > few ? mostProducts : std::max(mostProducts, 16 * contacts);
+		const int most = contacts > few ? mostProducts : std::max(mostProducts, 32 * contacts);
 		const int contact = closingIn(system, freeVelocity, tolerance, mostOfEqual, most);
 		if (contact >= 0)
 			v = { Finding::no_solution, contact, v.growth };
