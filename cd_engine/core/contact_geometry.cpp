@@ -72,6 +72,16 @@ namespace {
 
 } // namespace
 
+Half halfSides(const Body& body, const Shape& shape)
+{
+	if (body.radius > 0)
+		return { body.radius, body.radius };
+	if (shape.kind == ShapeKind::wall)
+		return { shape.axis == 0 ? 0 : endless, shape.axis == 1 ? 0 : endless };
+	const double c = std::abs(shape.cosine), s = std::abs(shape.sine);
+	return { c * shape.ex + s * shape.ey, s * shape.ex + c * shape.ey };
+}
+
 bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face)
 {
 	const double fx = diskBefore.x - boundaryBefore.x, fy = diskBefore.y - boundaryBefore.y, dx = disk.x - boundary.x, dy = disk.y - boundary.y;

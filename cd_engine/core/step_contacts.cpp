@@ -12,20 +12,22 @@ namespace {
 
 	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off, and are left
 
+	constexpr double quick = 1 + 1e-3; // times what a speed needs to close a gap, above what round-off can hide
+
 	constexpr size_t ahead = 12; // pairs whose bodies are asked for before they are wanted
 
 } // namespace
 
-Reach reach(const World& world, double dt)
+double smallestRadius(const World& world)
 {
-	double way = 0, smallest = std::numeric_limits<double>::infinity();
-	for (size_t i = 0; i < world.bodies.size(); i++) {
-		const Body& b = world.bodies[i];
-		way = b.alone ? way : std::max(way, wayOf(b, world.shapes[i], dt));
+	double smallest = std::numeric_limits<double>::infinity();
+	for (const Body& b : world.bodies)
 		smallest = b.radius > 0 ? std::min(smallest, b.radius) : smallest;
-	}
-	return { way, 4 * way + (std::isfinite(smallest) ? nearby * smallest : 0), smallest };
+	return smallest;
 }
+
+// Two ways of each body, as in contactGap, and the half way that each goes until contact is looked at.
+double reachOf(const Body& b, const Shape& shape, double dt) { return 2.5 * wayOf(b, shape, dt) + nearby * b.radius; }
 
 void TimeStep::freeVelocities(const World& world, double dt)
 {
@@ -229,12 +231,33 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	return system;
 }
 
+// Whether a body has become so fast that it may reach, within the step, another that is not listed with it.
+bool TimeStep::outruns(const World& world, double dt, StepReport& report) const
+{
+	report.outran.clear();
+	bool any = false;
+	const auto needed = [&](size_t i) {
+		return quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
+	};
+	for (size_t i = 0; i < world.listed.size() && !any; i++)
+		any = needed(i) > world.listed[i];
+	for (size_t i = 0; any && i < world.bodies.size(); i++)
+		report.outran.push_back(needed(i));
+	return any;
+}
+
+// Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.
+bool TimeStep::within(size_t index, const World& world, double dt) const
+{
+	const Pair& pair = world.pairs[index];
+	return gaps[index] <= quick * dt * (means[pair.a].speed + means[pair.b].speed);
+}
+
 // Whether the solution lets a pair that was left out cross its gap within the step.
 bool TimeStep::crosses(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
-	// Most are too slow for that.
-	if (gaps[index] > 1.001 * dt * (means[pair.a].speed + means[pair.b].speed))
+	if (!within(index, world, dt)) // most are too slow for that
 		return false;
 	const Place& a = places[pair.a];
 	const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
@@ -245,19 +268,17 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 
 bool TimeStep::anyViolated(const World& world, const StepSettings& settings) const
 {
-	return narrowest <= 2.001 * settings.dt * fastest
+	return narrowest <= 2 * quick * settings.dt * fastest
 	    && std::any_of(world.awake.begin(), world.awake.end(), [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); });
 }
 
-// If there are such pairs, adds them, and all that the fastest body could reach, since an impact may go on from body to body; says whether there
-// were.
+// If there are such pairs, adds them, and all that are as near for their speeds, since an impact may go on from body to body; says whether there were.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!anyViolated(world, settings))
 		return false;
-	const double wide = reach(world, settings.dt).gap;
 	for (const int32_t i : world.awake)
-		if (!solved[i] && (gaps[i] <= wide || crosses(i, world, settings.dt))) {
+		if (!solved[i] && within(i, world, settings.dt)) {
 			const Pair& pair = world.pairs[i];
 			addRow(world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), gaps[i], settings);
 		}

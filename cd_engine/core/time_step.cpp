@@ -108,6 +108,9 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			freeVelocities(world, settings.dt);
 			continue;
 		}
+		const Status found = report.solver.status;
+		if ((found == Status::converged || found == Status::fixed_iterations) && outruns(world, settings.dt, report))
+			return true;
 		if (spent)
 			return !anyViolated(world, settings) || end(report);
 		if (!addViolated(world, settings))
@@ -130,7 +133,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	wokeSome = false;
 	while (!attempt(world, settings, report))
 		wokeSome = true;
-	if (report.solver.status == Status::diverged)
+	if (report.solver.status == Status::diverged || !report.outran.empty())
 		return report; // the world is as it was
 	report.dissipated += report.effort.stopped;
 	if (const int32_t i = report.solver.contact; i >= 0)

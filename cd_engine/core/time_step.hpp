@@ -32,16 +32,15 @@ struct StepReport {
 	double maxPenetration = 0; // [m], beyond the reference overlaps, at the mid-configuration
 	double dissipated = 0; // [J] in this step
 	double solveSeconds = 0; // spent in the solver
+	std::vector<double> outran; // of each body: how far from its place before the step pairs have to be listed [m]; empty: they were
 	bool idle = false; // nothing moves and all contacts sleep: under the same forces the next step leaves everything as it is, too
 };
 
-// How far contacts reach in a step, at most.
-struct Reach {
-	double way = 0; // of the fastest body that is not alone, under its external forces; of a boundary that turns, of its farthest point [m]
-	double gap = 0; // widest that may be a contact [m]: four ways, and a thousandth of the smallest disk
-	double smallestRadius = 0; // of a disk [m]; infinite if there is none
-};
-Reach reach(const World&, double dt);
+// Of a disk [m]; infinite if there is none.
+double smallestRadius(const World&);
+
+// How far from its present place a body may have a contact in a step [m], at most: a pair has one only if its gap is not larger than what both reach.
+double reachOf(const Body&, const Shape&, double dt);
 
 class TimeStep {
     public:
@@ -54,12 +53,13 @@ class TimeStep {
 	// it, before contact is looked at, in the first half of a step: its way ends at the face then. Restitution e > 0: a contact that is closed,
 	// or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or what its overlap asks for where that is more
 	// (rebounds.hpp); one that only other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
-	// If the solver has met a number that is not finite, no body is moved.
+	// If the solver has met a number that is not finite, no body is moved; nor if impulses made bodies so fast that pairs may be missing that they
+	// reach in the step (report.outran, World::listed): the step is to be made again, with these.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
 	// gap is at most twice the ways that both bodies go by themselves and a thousandth of the smaller disk. If the solution lets one cross its
-	// gap that was left out, the step is solved again with that and all that the fastest body could reach.
+	// gap that was left out, the step is solved again with that and all that both bodies of a pair are now fast enough to reach.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
 	// Of the last step: the pairs that had a contact, and where.
@@ -92,6 +92,8 @@ class TimeStep {
 	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
 	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
+	bool outruns(const World&, double dt, StepReport&) const;
+	bool within(std::size_t pair, const World&, double dt) const;
 	bool anyViolated(const World&, const StepSettings&) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);

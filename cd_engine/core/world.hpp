@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace cd {
@@ -27,7 +28,6 @@ struct Body {
 	double force[3] = { 0, 0, 0 }; // external force [N] and torque [N m], gravity included
 	double radius = 0; // of a disk [m]; 0: a boundary
 	double friction = 0; // coefficient of its surface; a pair takes the smaller of two
-	bool alone = false; // nobody comes near it in this step (alone.hpp)
 };
 
 // Two bodies near each other. `a` is the boundary where one is a boundary; two boundaries never touch.
@@ -49,6 +49,8 @@ struct World {
 	std::vector<Body> bodies;
 	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
 	std::vector<Pair> pairs;
+	// How far from each body all others are listed with it, where these are listed as far, too [m]; empty: all pairs are.
+	std::vector<double> listed;
 	std::vector<int32_t> awake; // the pairs that a step looks at, in order, no others: Sleepers::look lists them before every step
 };
 
@@ -78,6 +80,14 @@ inline double wayOf(const Body& b, const Shape& shape, double dt)
 		free[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
 	return dt * std::max(outlineSpeed(free, b, shape), outlineSpeed(b.v, b, shape));
 }
+
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+// Half the sides of the box, parallel to the axes, around a body [m]; a Wall is endless along itself.
+struct Half {
+	double x, y;
+};
+Half halfSides(const Body&, const Shape&);
 
 // Surface point of a boundary nearest to a disk: its outward normal, and the signed distance of the disk's centre from it [m].
 struct Foot {

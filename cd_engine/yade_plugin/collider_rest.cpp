@@ -2,12 +2,16 @@
 #include "waiting.hpp"
 #include "scene_error.hpp"
 
+#include "../core/lost.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace cd_engine {
 namespace {
+
+	using yade::Vector3r;
 
 	// Whether a body has bounds to YADE's mind: it exists, and nobody has taken it out of all contacts.
 	bool bounded(int id)
@@ -33,11 +37,24 @@ namespace {
 		return true;
 	}
 
+	constexpr std::size_t fewQuick = 8;
+	// Ways of its own in a step that a body may go before the collider has to run again; of the few fastest disks.
+	constexpr double spareWays = 7, spareQuick = 50;
+	// Of its radius: margin of a slow disk where others are fast.
+	constexpr double hitRadius = 0.5;
+
 	// The bounds of a body; null if it has none, or does not exist.
 	char* boundOf(yade::Scene* scene, int id)
 	{
 		char* const body = reinterpret_cast<char*>((*at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies))[id].get());
 		return body ? static_cast<char*>(pointer<yade::Bound>(body, layout.body_bound)) : nullptr;
+	}
+
+	// Where YADE has it.
+	const Vector3r& placeOf(yade::Scene* scene, int id)
+	{
+		char* const body = reinterpret_cast<char*>((*at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies))[id].get());
+		return at<Vector3r>(pointer<yade::State>(body, layout.body_state), layout.state_se3);
 	}
 
 } // namespace
@@ -47,7 +64,7 @@ void ColliderRest::attach(boost::shared_ptr<yade::Engine> engine)
 	wake();
 	collider = std::move(engine);
 	widens = takesVerletDist(collider);
-	width = 0;
+	margins.clear();
 	seen.clear();
 }
 
@@ -65,49 +82,102 @@ void ColliderRest::wakeUnsorted()
 		at<bool>(collider.get(), layout.collider_doSort) = true;
 }
 
-bool ColliderRest::stillComplete(const cd::World& world, const cd::Reach& reach) const
+// The ways of the bodies in this step, and what they need.
+void ColliderRest::measure(const cd::World& world, double dt, const std::vector<double>& outran)
 {
-	if (seen.size() != world.bodies.size())
-		return false;
+	const std::size_t count = world.bodies.size();
+	ways.resize(count);
+	needs.resize(count);
+	fastest = 0;
+	for (std::size_t i = 0; i < count; i++) {
+		ways[i] = cd::wayOf(world.bodies[i], world.shapes[i], dt);
+		needs[i] = cd::reachOf(world.bodies[i], world.shapes[i], dt);
+		fastest = std::max(fastest, ways[i]);
+	}
+	for (std::size_t i = 0; i < std::min(outran.size(), count); i++)
+		needs[i] = std::max(needs[i], outran[i]);
+}
+
+// So wide that the collider may rest for some steps; the few fastest disks, which may be far from all others, get more of it. Where bodies are fast, slow
+// ones are given what an impact may ask of them.
+void ColliderRest::chooseMargins(const cd::World& world)
+{
+	const std::size_t count = world.bodies.size();
+	quick.clear();
+	for (std::size_t i = 0; i < count; i++)
+		if (world.bodies[i].radius > 0 && ways[i] > least)
+			quick.push_back(i);
+	const std::size_t many = std::min(fewQuick, quick.size());
+	std::partial_sort(quick.begin(), quick.begin() + static_cast<long>(many), quick.end(),
+	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
+	quick.resize(many);
+	margins.resize(count);
+	for (std::size_t i = 0; i < count; i++) {
+		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
+		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });
+	}
+	for (const std::size_t i : quick)
+		margins[i] = needs[i] + spareQuick * ways[i];
+}
+
+// What of its margin a body has used up by moving [m]; infinite if it is another one now.
+double ColliderRest::used(const cd::World& world, std::size_t i) const
+{
+	const cd::Body& b = world.bodies[i];
+	const double other = std::numeric_limits<double>::infinity();
+	if (b.radius != seen[i].radius)
+		return other;
+	double way = std::max(std::abs(b.x - seen[i].x), std::abs(b.y - seen[i].y));
+	if (b.radius == 0) {
+		const cd::Shape &now = world.shapes[i], &then = seenShapes[i];
+		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
+			return other;
+		if (now.kind == cd::ShapeKind::box)
+			way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
+	}
+	return way;
+}
+
+// Whether what is left of every margin is enough. Fills World::listed.
+bool ColliderRest::stillComplete(cd::World& world) const
+{
+	world.listed.resize(seen.size());
 	for (std::size_t i = 0; i < seen.size(); i++) {
-		const cd::Body& b = world.bodies[i];
-		if (b.radius != seen[i].radius)
-			return false;
-		if (b.alone)
-			continue;
-		double way = std::max(std::abs(b.x - seen[i].x), std::abs(b.y - seen[i].y));
-		if (b.radius == 0) {
-			const cd::Shape &now = world.shapes[i], &then = seenShapes[i];
-			if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
-				return false;
-			if (now.kind == cd::ShapeKind::box)
-				way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
-		}
-		if (!(way <= width - 0.5 * reach.gap)) // each of two bodies for half of the gap
+		world.listed[i] = margins[i] - used(world, i);
+		if (!(needs[i] <= world.listed[i]))
 			return false;
 	}
 	return true;
 }
 
-// Sets the bounds so wide that all pairs that a step may take for contacts are listed. True if the width has changed.
-bool ColliderRest::widen(const cd::Reach& reach, double leastMargin)
+// Sets how far the collider makes the bounds wider when it runs next: of each body by its own margin, or of all by the largest.
+void ColliderRest::askFor(yade::Scene* scene, bool each) const
 {
-	const double least = leastMargin * reach.smallestRadius, needed = 0.5 * reach.gap;
-	if (width >= std::max(needed, least) && width <= std::max(4 * needed, least))
-		return false;
-	width = std::max(1.5 * needed, least);
-	at<double>(collider.get(), layout.collider_verletDist) = width;
-	at<int>(collider.get(), layout.collider_targetInterv) = -1; // the width is not to be guessed from the ways made before
-	return true;
+	const int now = static_cast<int>(at<long>(scene, layout.scene_iter));
+	at<double>(collider.get(), layout.collider_verletDist) = *std::max_element(margins.begin(), margins.end());
+	at<int>(collider.get(), layout.collider_targetInterv) = each ? 1 : -1; // for so many steps of the way made since the bounds were made last
+	at<double>(collider.get(), layout.collider_minSweepDistFactor) = 0;
+	for (int id = 0; each && id < static_cast<int>(margins.size()); id++) {
+		char* const bound = boundOf(scene, id);
+		if (!bound)
+			continue;
+		auto& place = at<Vector3r>(bound, layout.bound_refPos);
+		place = placeOf(scene, id);
+		// By the round-off of the difference too much.
+		place[0] -= margins[id] * (1 + 1e-9) + 8 * std::numeric_limits<double>::epsilon() * std::abs(place[0]);
+		at<int>(bound, layout.bound_lastUpdateIter) = now - 1;
+		at<double>(bound, layout.bound_sweepLength) = 0;
+	}
 }
 
-// The first body, by its id, that does not lie within its bounds by the width, or has none; -1 if all do.
+// The first body, by its id, that does not lie within its bounds by its margin, or has none; -1 if all do.
 int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) const
 {
 	// A box's corners are known as well as the quaternion of its orientation is a unit one.
 	constexpr double roundOff = 8 * std::numeric_limits<double>::epsilon(), unit = 1e-9;
 	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
 		char* const bound = boundOf(scene, id);
+		const double width = margins[id];
 		if (!bound && bounded(id))
 			return id;
 		if (!bound)
@@ -127,12 +197,24 @@ int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) cons
 	return -1;
 }
 
-void ColliderRest::search(const cd::World& world, yade::Scene* scene)
+void ColliderRest::search(cd::World& world, yade::Scene* scene)
 {
+	chooseMargins(world);
 	collider->scene = scene;
-	collider->action();
+	int id = -1;
+	for (const bool each : { true, false }) { // a new body has no bounds yet that could be told anything
+		if (widens)
+			askFor(scene, each && at<long>(scene, layout.scene_iter) > 0);
+		collider->action();
+		id = narrowlyBound(world, scene);
+		if (id < 0 || !widens)
+			break;
+	}
+	if (widens) { // whoever runs it next
+		at<double>(collider.get(), layout.collider_verletDist) = least;
+		at<int>(collider.get(), layout.collider_targetInterv) = -1;
+	}
 	remember(world);
-	const int id = narrowlyBound(world, scene);
 	if (id < 0)
 		return;
 	const std::string body = "ContactDynamics: body #" + std::to_string(id);
@@ -146,45 +228,39 @@ void ColliderRest::search(const cd::World& world, yade::Scene* scene)
 	      "no Bo1_Sphere_Aabb whose aabbEnlargeFactor is below 1");
 }
 
-void ColliderRest::remember(const cd::World& world)
+void ColliderRest::remember(cd::World& world)
 {
 	seen.clear();
 	for (const cd::Body& b : world.bodies)
 		seen.push_back({ b.x, b.y, b.radius });
 	seenShapes = world.shapes;
+	world.listed = margins;
 }
 
-// A body that needs wide bounds but that nobody comes near gets none; its pairs are complete without.
-void ColliderRest::findAlone(cd::World& world, double dt, double leastMargin)
+bool ColliderRest::needed(
+    cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged, const std::vector<double>& outran)
 {
-	for (const int id : alone)
-		if (id < static_cast<int>(world.bodies.size()))
-			world.bodies[id].alone = false;
-	alone.clear();
-	const cd::Reach reach = cd::reach(world, dt);
-	const double least = leastMargin * reach.smallestRadius;
-	if (leastMargin > 0 && 0.5 * reach.gap > least && std::isfinite(reach.way))
-		alone = fastAndAlone.find(world, dt, 0.5 * least);
-	for (const int id : alone)
-		world.bodies[id].alone = true;
-}
-
-bool ColliderRest::needed(cd::World& world, yade::Scene* scene, double dt, double leastMargin, bool listChanged)
-{
-	findAlone(world, dt, leastMargin);
-	const cd::Reach reach = cd::reach(world, dt);
-	longest = reach.way / reach.smallestRadius;
-	works = collider && leastMargin > 0 && !std::isinf(reach.smallestRadius); // without disks nothing touches
+	const double smallest = cd::smallestRadius(world);
+	longest = 0;
+	works = collider && leastMargin > 0 && !std::isinf(smallest); // without disks nothing touches
+	world.listed.clear();
 	if (!works)
 		return false;
-	const bool widened = widens && widen(reach, leastMargin);
-	const bool awake = !collider->dead; // so it has run in this step, with the bounds asked for before
-	if (awake && !widened && narrowlyBound(world, scene) < 0) {
-		remember(world);
-		return false;
+	least = leastMargin * smallest;
+	measure(world, dt, outran);
+	longest = fastest / smallest;
+	if (!collider->dead) { // so it has run in this step, with the bounds asked for before
+		margins.assign(world.bodies.size(), least);
+		if (*std::max_element(needs.begin(), needs.end()) <= least && narrowlyBound(world, scene) < 0) {
+			remember(world);
+			return false;
+		}
+		return true;
 	}
-	return widened || awake || listChanged || !stillComplete(world, reach);
+	return listChanged || seen.size() != world.bodies.size() || !stillComplete(world);
 }
+
+int ColliderRest::lost(const cd::World& world) const { return works ? cd::leftBehind(world, quick) : -1; }
 
 void ColliderRest::rest(yade::Scene* scene)
 {

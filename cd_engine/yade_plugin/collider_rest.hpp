@@ -1,7 +1,6 @@
 // Keeps the bounds of the bodies as wide as a step needs, and lets the collider rest while no body has moved far enough to matter.
 #pragma once
 
-#include "../core/alone.hpp"
 #include "../core/time_step.hpp"
 #include "layout.hpp"
 
@@ -9,13 +8,14 @@
 
 namespace cd_engine {
 
-// The bounds of all bodies, boundaries too, are `width` larger on every side than the bodies, so the pairs found stay complete until the
-// displacements since then use the width up. Until then the collider is dead to YADE's loop; when they have, it is run here,
-// at once, before any pair is read. It rests only within O.run(n) and is given back at its last step or by a refusal, so that
+// Each body has a margin of its own, by which its bounds are larger on every side than it is: a fast one makes nobody else's wider. The pairs found
+// stay complete until displacements since then have used a margin up. Until then the collider is dead to YADE's loop; when they have, it is run
+// here, at once, before any pair is read. It rests only within O.run(n) and is given back at its last step or by a refusal, so that
 // whoever uses it next, perhaps with springs, finds it awake. (Not after O.pause() in mid-run, while the
 // engine lives.) Which further pairs the list holds changes no result (see sweepKey in read_pairs.cpp).
 //
-// The width is the collider's own verletDist. The factor of Bo1_Sphere_Aabb would not do: every shape keeps the first functor that ever
+// YADE's collider makes bounds wider by what each body has moved since they were made before (targetInterv). So it is told, for each body, that it has
+// moved by its margin. The factor of Bo1_Sphere_Aabb would not do: every shape keeps the first functor that ever
 // bounded it, perhaps one of an earlier collider, whose factor nobody can set any more.
 class ColliderRest {
     public:
@@ -24,17 +24,17 @@ class ColliderRest {
 	void attach(boost::shared_ptr<yade::Engine> collider);
 	// Whether the collider has to run before this step, with the bodies as they are now.
 	// listChanged: somebody has changed the list of pairs since the last step.
-	// leastMargin: the width as a fraction of the smallest radius; bodies faster than that allows for get a wider one. 0: nothing is done.
-	// dt [s]: of the step. Marks the bodies that are alone in it.
-	bool needed(cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged);
+	// leastMargin: the margin of slow bodies as a fraction of the smallest radius. 0: nothing is done.
+	// dt [s]: of the step. outran: StepReport::outran of a step that is made again; else empty. Fills World::listed.
+	bool needed(cd::World&, yade::Scene*, double dt, double leastMargin, bool listChanged, const std::vector<double>& outran);
 	// Runs it, with the bodies of the scene as they are here. Throws SceneError if a body's bounds stay too narrow, or missing, after it has run.
-	void search(const cd::World&, yade::Scene*);
+	void search(cd::World&, yade::Scene*);
 	// Lets it rest until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void rest(yade::Scene*);
 	// The body that has left all others behind, -1: none.
-	int lost(const cd::World& world) const { return alone.empty() ? -1 : cd::leftBehind(world, alone); }
+	int lost(const cd::World&) const;
 	const yade::Engine* engine() const { return collider.get(); }
-	// Of a body that is not alone, in this step, in radii of the smallest disk.
+	// Of the fastest body in this step, in radii of the smallest disk.
 	double longestWay() const { return longest; }
 	// Gives the collider back to YADE's loop.
 	void wake();
@@ -46,21 +46,24 @@ class ColliderRest {
 	struct Place {
 		double x, y, radius;
 	};
-	void findAlone(cd::World&, double dt, double leastMargin);
-	bool stillComplete(const cd::World&, const cd::Reach&) const;
-	bool widen(const cd::Reach&, double leastMargin);
+	void measure(const cd::World&, double dt, const std::vector<double>& outran);
+	void chooseMargins(const cd::World&);
+	double used(const cd::World&, std::size_t body) const;
+	bool stillComplete(cd::World&) const;
 	int narrowlyBound(const cd::World&, yade::Scene*) const;
-	void remember(const cd::World&);
+	void askFor(yade::Scene*, bool each) const;
+	void remember(cd::World&);
 
 	boost::shared_ptr<yade::Engine> collider;
-	bool widens = false; // whether the collider takes a width; of another one the bounds are only looked at
-	double longest = 0; // way of a body in this step over the smallest radius
-	double width = 0; // of the bounds beyond the bodies [m]
+	bool widens = false; // whether the collider takes margins; of another one the bounds are only looked at
 	bool works = false; // whether there is a collider, and anything for it to find
 	bool resting = false;
-	cd::FastAndAlone fastAndAlone;
-	std::vector<int> alone; // the bodies marked so
-	std::vector<Place> seen; // the bodies when the collider ran last
+	double least = 0; // margin [m]
+	double fastest = 0, longest = 0; // way of a body in this step [m], and over the smallest radius
+	std::vector<double> ways, needs; // of the bodies in this step, and how far from them pairs have to be listed [m]
+	std::vector<std::size_t> quick; // the fastest disks
+	std::vector<double> margins; // of the bodies when the collider ran last [m]
+	std::vector<Place> seen; // the bodies then
 	std::vector<cd::Shape> seenShapes; // those of boundaries
 };
 

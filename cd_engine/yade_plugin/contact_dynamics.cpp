@@ -134,7 +134,7 @@ void ContactDynamics::advance()
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
 	last = settings;
-	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers);
+	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers, {});
 	if (handover) {
 		link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
@@ -147,7 +147,13 @@ void ContactDynamics::advance()
 	tellOfSpeed(settings.dt);
 	const bool tracks = tracksEnergy(scene);
 	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
-	const cd::StepReport made = step(link.world, settings);
+	cd::StepReport made = step(link.world, settings);
+	for (std::vector<double> needed; !made.outran.empty();) { // a later solution of the step may ask for more
+		needed.resize(made.outran.size());
+		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
+		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, *rest, colliderMargin, step.sleepers, needed);
+		made = step(link.world, settings);
+	}
 	if (made.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
@@ -269,10 +275,12 @@ void ContactDynamics::tellOfSpeed(double dt)
 	if (toldOfSpeed || !(rest->longestWay() > far))
 		return;
 	const auto& bodies = link.world.bodies;
-	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && !b.alone && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
-	const auto fast = std::find_if(bodies.begin(), bodies.end(), tooFar);
-	if (fast == bodies.end())
+	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
+	const auto meets = [&](const cd::Pair& pair) { return tooFar(bodies[pair.a]) || tooFar(bodies[pair.b]); };
+	const auto near = std::find_if(link.world.pairs.begin(), link.world.pairs.end(), meets);
+	if (near == link.world.pairs.end())
 		return;
+	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
 	toldOfSpeed = true;
 	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": body #" << fast - bodies.begin() << " moves "
 		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " of its radii in a step, which is rough. O.dt is " << dt
@@ -283,7 +291,7 @@ void ContactDynamics::tellOfSpeed(double dt)
 // fixedIterations ask for no error, small errors add up, and a step may be too long for the ways that bodies go or turn in it.
 void ContactDynamics::watchPenetration(double before) const
 {
-	const double smallest = cd::reach(link.world, 0).smallestRadius;
+	const double smallest = cd::smallestRadius(link.world);
 	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
 		return; // what a step without a solution leaves, or a boundary that is moved by its position, has its own warning
 	std::string remedy;

@@ -24,7 +24,7 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 }
 
 void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest,
-    double margin, cd::Sleepers& sleepers)
+    double margin, cd::Sleepers& sleepers, const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
 	const bool read = !behind;
@@ -39,10 +39,10 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 		reordered = cd::renewOrder(world, memory.order, look);
 	}
 	gone.clear();
-	outdated = outdated || reordered;
+	outdated = outdated || reordered || !outran.empty();
 	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
 	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());
-	const bool search = rest.needed(world, scene, dt, margin, changed);
+	const bool search = rest.needed(world, scene, dt, margin, changed, outran);
 	if (behind && (search || reordered))
 		publishScene();
 	if (search)

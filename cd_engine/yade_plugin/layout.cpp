@@ -85,8 +85,12 @@ namespace {
 		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
 		s.published<Vector3r>(&Layout::bound_min, "Bound", "min");
 		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
+		s.published<Vector3r>(&Layout::bound_refPos, "Bound", "refPos");
+		s.published<double>(&Layout::bound_sweepLength, "Bound", "sweepLength");
+		s.published<int>(&Layout::bound_lastUpdateIter, "Bound", "lastUpdateIter");
 		s.published<double>(&Layout::collider_verletDist, "InsertionSortCollider", "verletDist");
 		s.published<int>(&Layout::collider_targetInterv, "InsertionSortCollider", "targetInterv");
+		s.published<double>(&Layout::collider_minSweepDistFactor, "InsertionSortCollider", "minSweepDistFactor");
 		s.published<bool>(&Layout::collider_doSort, "InsertionSortCollider", "doSort");
 		s.published<double>(&Layout::periodic_virtPeriod, "PeriodicEngine", "virtPeriod");
 		s.published<double>(&Layout::periodic_realPeriod, "PeriodicEngine", "realPeriod");

@@ -26,8 +26,8 @@ struct Layout {
 	long interactions_linear;
 	long geom_normal, geom_contactPoint, geom_refR1, geom_refR2, geom_penetrationDepth, geom_shearInc;
 	long phys_kn, phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle;
-	long bound_min, bound_max;
-	long collider_verletDist, collider_targetInterv, collider_doSort;
+	long bound_min, bound_max, bound_refPos, bound_sweepLength, bound_lastUpdateIter;
+	long collider_verletDist, collider_targetInterv, collider_minSweepDistFactor, collider_doSort;
 	long periodic_virtPeriod, periodic_realPeriod, periodic_iterPeriod, periodic_nDone, periodic_iterLast;
 	long sphere_radius, box_extents, wall_sense, wall_axis, frictMat_frictionAngle;
 };

@@ -2,8 +2,6 @@
 #include "inheritance.hpp"
 #include "scene_link.hpp"
 
-#include "../core/alone.hpp"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
