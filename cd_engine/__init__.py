@@ -118,7 +118,7 @@ def engines(**settings):
     """The list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
     settings: attributes of `ContactDynamics`. Engines that push bodies (ForceEngine, PyRunner) go in front of the last.
-    The collider reports pairs before they touch, by a tenth of the smallest radius and more for fast bodies, since a rigid contact must be
+    The collider reports pairs before they touch, by a tenth of the smallest radius and more for each fast body, since a rigid contact must be
     known before it closes. ContactDynamics sees to that (`colliderMargin`), and lets the collider rest while all bodies keep within the margin.
     """
     _plugin()

@@ -39,7 +39,9 @@ namespace {
 
 	constexpr std::size_t fewQuick = 8;
 	// Ways of its own in a step that a body may go before the collider has to run again; of the few fastest disks.
-	constexpr double spareWays = 7, spareQuick = 50;
+	constexpr double mostWays = 7, spareQuick = 50;
+	// Of the radius: mean margin of the disks that is worth a rest, beyond a way of each.
+	constexpr double meanMargin = 2;
 	// Of its radius: margin of a slow disk where others are fast.
 	constexpr double hitRadius = 0.5;
 
@@ -112,6 +114,14 @@ void ColliderRest::chooseMargins(const cd::World& world)
 	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
 	quick.resize(many);
 	margins.resize(count);
+	double radii = 0, need = 0, way = 0; // sums over the disks
+	for (std::size_t i = 0; i < count; i++)
+		if (world.bodies[i].radius > 0) {
+			radii += world.bodies[i].radius;
+			need += needs[i];
+			way += ways[i];
+		}
+	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, 1., mostWays) : mostWays;
 	for (std::size_t i = 0; i < count; i++) {
 		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
 		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });
@@ -199,15 +209,22 @@ int ColliderRest::narrowlyBound(const cd::World& world, yade::Scene* scene) cons
 
 void ColliderRest::search(cd::World& world, yade::Scene* scene)
 {
-	chooseMargins(world);
+	if (widens)
+		chooseMargins(world);
+	else
+		margins.assign(world.bodies.size(), 0);
 	collider->scene = scene;
 	int id = -1;
-	for (const bool each : { true, false }) { // a new body has no bounds yet that could be told anything
+	for (const bool each : { true, false }) { // a new body has no bounds yet that could be told anything, and no body has at iteration 0
+		if (each && at<long>(scene, layout.scene_iter) == 0)
+			continue;
+		if (widens && !each)
+			margins.assign(margins.size(), std::max(least, *std::max_element(needs.begin(), needs.end()) + fastest));
 		if (widens)
-			askFor(scene, each && at<long>(scene, layout.scene_iter) > 0);
+			askFor(scene, each);
 		collider->action();
 		id = narrowlyBound(world, scene);
-		if (id < 0 || !widens)
+		if (id < 0)
 			break;
 	}
 	if (widens) { // whoever runs it next
@@ -234,7 +251,10 @@ void ColliderRest::remember(cd::World& world)
 	for (const cd::Body& b : world.bodies)
 		seen.push_back({ b.x, b.y, b.radius });
 	seenShapes = world.shapes;
-	world.listed = margins;
+	if (widens)
+		world.listed = margins;
+	else
+		world.listed.clear();
 }
 
 bool ColliderRest::needed(
@@ -250,8 +270,9 @@ bool ColliderRest::needed(
 	measure(world, dt, outran);
 	longest = fastest / smallest;
 	if (!collider->dead) { // so it has run in this step, with the bounds asked for before
-		margins.assign(world.bodies.size(), least);
-		if (*std::max_element(needs.begin(), needs.end()) <= least && narrowlyBound(world, scene) < 0) {
+		margins.assign(world.bodies.size(), widens ? least : 0);
+		const bool slow = !widens || *std::max_element(needs.begin(), needs.end()) <= least;
+		if (slow && narrowlyBound(world, scene) < 0) {
 			remember(world);
 			return false;
 		}

@@ -170,8 +170,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
 	    "Reset to False by that step; set it again after an interlude with springs.");
 	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 },
-	    "By how much the bounds of all bodies are at least larger than the bodies, as a fraction of the smallest radius [1]. This engine sets "
-	    "the collider's verletDist to that or, for fast bodies, to what a step needs, checks the bounds that come of it, lets the collider rest "
+	    "By how much the bounds of all bodies are at least larger than the bodies, as a fraction of the smallest radius [1]. This engine has the "
+	    "collider make each body's bounds that much wider or, of a fast one, as much as a step needs, checks them, lets the collider rest "
 	    "(dead=True) within O.run(n) while displacements stay within the margin, and runs it when they do not. 0: the collider is left alone and "
 	    "runs in every step; its bounds must then be wide enough.");
 	visit("publish", &C::publish, Access::set, any,

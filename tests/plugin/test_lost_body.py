@@ -47,3 +47,20 @@ def test_it_hits_what_it_comes_to(O, capfd, settings):
         found.append(states(O))
     assert "behind" not in capfd.readouterr().err  # it flies up high and comes back
     assert found[0] == found[1]
+
+
+def test_fast_disks_widen_no_bounds_but_their_own(O):
+    """Twelve disks at 30 m/s high above a bed of 60, near each other: the bed has as many pairs as without them, in bounds as for slow disks."""
+    pairs = []
+    for speed in (0, 30):
+        O.reset()
+        first, O.engines = bed(60, {}, position=(0, 5), velocity=(speed, 0))
+        for k in range(1, 12):
+            plane.disk((0.05 * k, 5), 0.01, velocity=(speed, 0))
+        O.dt = 1e-3
+        O.run(30, True)
+        pairs.append(sum(i.id1 < first and i.id2 < first for i in O.interactions.all(False)))
+        for b in O.bodies:
+            if 0 < b.id < first:
+                assert b.bound.max[0] - b.bound.min[0] < 2 * (0.01 + 0.0051)  # half a radius, for what an impact may ask
+    assert pairs[0] == pairs[1] > 100
