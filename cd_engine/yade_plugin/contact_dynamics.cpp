@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <sstream>
 
 namespace cd_engine {
 namespace {
@@ -234,26 +235,37 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 	restTrialAt = steps + (effort.stoppedMoving ? 1 : restTrialPause);
 }
 
+// What is wrong with a step that is not solved, and what to do.
+std::string ContactDynamics::unsolved() const
+{
+	std::ostringstream s;
+	s << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations << " iterations): ";
+	if (!unsolvableContact.empty())
+		s << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
+		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to be "
+		     "trusted.";
+	else {
+		s << "the contact law is missed by " << residual << " of all impulses";
+		if (worstBody >= 0)
+			s << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
+		s << "; the tolerance is " << tolerance << ". Raise maxIterations or tolerance, or take a smaller O.dt.";
+	}
+	return s.str();
+}
+
 // One line a run; the count goes on in unconvergedSteps and is shown once more when YADE ends (cd_engine/__init__.py).
 void ContactDynamics::warn()
 {
+	if (stopUnsolved) {
+		if (link.ahead())
+			link.publish(scene, step);
+		throw SceneError(unsolved() + " (stopUnsolved is set; the step has been made)");
+	}
 	if (warned)
 		return;
 	warned = true;
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
-		  << " iterations): ";
 	toldOfUnsolvable = !unsolvableContact.empty();
-	if (toldOfUnsolvable)
-		std::cerr << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
-			  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows "
-			     "this step is not to be trusted.";
-	else {
-		std::cerr << "the contact law is missed by " << residual << " of all impulses";
-		if (worstBody >= 0)
-			std::cerr << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
-		std::cerr << "; the tolerance is " << tolerance << ". Raise maxIterations or tolerance, or take a smaller O.dt.";
-	}
-	std::cerr << " Further such steps are counted in unconvergedSteps.\n";
+	std::cerr << unsolved() << " Further such steps are counted in unconvergedSteps.\n";
 }
 
 // One line a run, of the first body that leaves the scene.

@@ -32,6 +32,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool handover = true;
 	double colliderMargin = 0;
 	std::string publish = "due";
+	bool stopUnsolved = false;
 
 	// Left by the last step.
 	int iterations = 0;
@@ -102,6 +103,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool looksAtOrder() const { return steps % 64 == 0; }
 	void warn();
+	std::string unsolved() const;
 	void tellOfLost();
 	void tellOfSpeed(double dt);
 	void watchPenetration(double before) const;
@@ -178,6 +180,9 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "When positions, velocities, interactions and O.forces are written to the scene. due: in a run that somebody waits for (O.run(n, True), "
 	    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "
 	    "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.");
+	visit("stopUnsolved", &C::stopUnsolved, Access::set, any,
+	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told of "
+	    "and the run goes on.");
 	visit("iterations", &C::iterations, Access::read, any,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,

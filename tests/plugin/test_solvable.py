@@ -35,6 +35,22 @@ def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tol
     assert said.count("no velocities keep bodies #") == 1
 
 
+def test_a_run_may_be_ended_by_it(O):
+    """At the step that is not solved, which is made, counted and in the scene; the run can go on when what pressed is gone."""
+    engine = press(O, speed=0)
+    engine.stopUnsolved = True
+    O.run(5, True)
+    O.bodies[2].state.vel = (0, -0.1, 0)
+    lid = O.bodies[2].state.pos[1]
+    with pytest.raises(RuntimeError, match=r"step 6 is not solved \(no_solution .* bodies #\d and #\d .*stopUnsolved"):
+        O.run(5, True)
+    assert engine.unconvergedSteps == 1 and engine.steps == 7
+    assert O.bodies[2].state.pos[1] == pytest.approx(lid - 0.1 * O.dt, abs=1e-15)
+    O.bodies[2].state.vel = (0, 0.1, 0)
+    O.run(5, True)
+    assert engine.converged and engine.unconvergedSteps == 1
+
+
 @pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
 @pytest.mark.parametrize("share", [1e-1, 1e-2, 1e-4])
 def test_nor_where_the_boundary_is_slow_beside_gravity(O, method, share):
