@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 namespace cd {
 
@@ -19,16 +20,19 @@ void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 	}
 }
 
-void TimeStep::meanVelocities(const World& world)
+// Velocities that are no solution may be of any size: those count up to four ways of the fastest body before the step and two radii.
+void TimeStep::meanVelocities(const World& world, double dt, bool solved)
 {
 	means.resize(world.bodies.size());
 	fastest = 0;
+	const double longest = ways.empty() ? 0 : *std::max_element(ways.begin(), ways.end());
+	const double most = solved ? std::numeric_limits<double>::infinity() : (4 * longest + 2 * smallestRadius(world)) / dt;
 	for (size_t i = 0; i < means.size(); i++) {
 		const Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v;
 		for (int k = 0; k < 3; k++)
 			means[i].v[k] = 0.5 * (b.v[k] + v[k]);
-		means[i].speed = outlineSpeed(v, b, world.shapes[i]);
+		means[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
 		fastest = std::max(fastest, means[i].speed);
 	}
 }
@@ -92,7 +96,8 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		    && report.solver.contact < 0 && report.solver.error <= settings.solver.tolerance;
 		if (less)
 			report.solver.status = Status::converged;
-		meanVelocities(world);
+		const Status found = report.solver.status;
+		meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= settings.solver.maxIterations;
 		if (settings.restitution > 0) {
 			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
@@ -108,8 +113,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			freeVelocities(world, settings.dt);
 			continue;
 		}
-		const Status found = report.solver.status;
-		if ((found == Status::converged || found == Status::fixed_iterations) && outruns(world, settings.dt, report))
+		if (found != Status::diverged && outruns(world, settings.dt, report))
 			return true;
 		if (spent)
 			return !anyViolated(world, settings) || end(report);

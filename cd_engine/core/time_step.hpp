@@ -82,7 +82,7 @@ class TimeStep {
 	void freeVelocities(const World&, double dt);
 	void noteLoads(const World&, const StepSettings&);
 	void locateBodies(const World&, double dt);
-	void meanVelocities(const World&);
+	void meanVelocities(const World&, double dt, bool solved);
 	double contactGap(const Pair&) const;
 	void findContacts(World&, const StepSettings&, bool stops);
 	bool stopAtFace(const Pair&, const World&, const Touch&, double dt);
@@ -108,7 +108,7 @@ class TimeStep {
 
 	struct Mean {
 		double v[3]; // of the velocities before and after the step
-		double speed; // after the step, of the fastest point of its outline [m/s]
+		double speed; // after the step, of the fastest point of its outline, for how far it may go [m/s]
 	};
 
 	IslandSolver solveIslands;

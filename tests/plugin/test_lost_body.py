@@ -64,3 +64,28 @@ def test_fast_disks_widen_no_bounds_but_their_own(O):
             if 0 < b.id < first:
                 assert b.bound.max[0] - b.bound.min[0] < 2 * (0.01 + 0.0051)  # half a radius, for what an impact may ask
     assert pairs[0] == pairs[1] > 100
+
+
+@pytest.mark.parametrize("settings", [{}, dict(tolerance=1e-16), dict(fixedIterations=5)], ids=["converges", "stagnates", "fixed"])
+@pytest.mark.parametrize("presses", [False, True])
+def test_an_impact_is_passed_on_whatever_the_margin(O, settings, presses):
+    """A fast heavy disk hits a light one, which goes on to a third beyond its margin, in the same step; elsewhere a disk may be pressed flat, so that no
+    step has a solution."""
+    found = []
+    for margin in (0.1, 10):
+        O.reset()
+        mat = plane.material(0.3)
+        for x, radius, mass in ((0, 0.05, 10), (0.081, 0.005, 0.01), (0.097, 0.005, 1000)):
+            plane.disk((x, 0), radius, mass=mass, mat=mat)
+        if presses:
+            plane.disk((0, -5), 0.01, mass=1, mat=mat)
+            for side in (-1, 1):
+                O.bodies[plane.box((0, -5 + 0.011 * side), (0.1, 0.001), mat=mat)].state.vel = (0, -side, 0)
+        O.engines = cd_engine.engines(colliderMargin=margin, **{"tolerance": 1e-6, **settings})
+        O.dt = 1e-3
+        O.run(2, True)
+        O.bodies[0].state.vel = (50, 0, 0)
+        O.run(3, True)
+        assert O.bodies[1].state.pos[0] + 0.0099 < O.bodies[2].state.pos[0]
+        found.append(states(O))
+    assert found[0] == found[1]
