@@ -42,6 +42,16 @@ def test_killed_at_random_and_taken_up_is_as_if_never_killed(whole, tmp_path, na
     assert sorted(p.name for p in tmp_path.iterdir()) == [".locks", path.name, "states"]
 
 
+def test_what_a_killed_run_left_half_written_is_removed(whole, tmp_path):
+    """Files beside the checkpoint and the result that never got their names; not those of another run."""
+    reference, _ = whole("heap", f"--checkpoints={EVERY}")
+    killing.make(tmp_path, states=reference.parent / "states")
+    for name in (f"{reference.stem}.checkpoint.zip.7758.new", f"{reference.stem}.h5.7758.new", "other.h5.7758.new"):
+        (tmp_path / name).write_bytes(b"half")
+    path, _ = killing.whole(tmp_path, ROWS["heap"], f"--checkpoints={EVERY}")
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted([".locks", path.name, "other.h5.7758.new", "states"])
+
+
 def test_a_run_goes_on_from_its_checkpoint(whole, tmp_path):
     """Killed as soon as there is one, the run does not begin anew: it says where it goes on, and its file how often that happened."""
     reference, _ = whole("CD", f"--checkpoints={EVERY}")

@@ -11,6 +11,7 @@ with a sample at every step has none.
 `<result>.checkpoint.zip` holds the scene, the record up to then and the rest as JSON. It is written aside, brought to the disk, then
 renamed, and every part has a check sum; one that does not fit the run is left aside with a message.
 """
+import glob
 import io
 import json
 import math
@@ -121,8 +122,11 @@ class Checkpoints:
         return {name: keeper for name, keeper in found.items() if keeper is not None}
 
     def remove(self):
-        """Remove the checkpoint: the run has ended, and nobody will go on with it."""
+        """Remove the checkpoint, and what a run of this name left half written when it was killed: the run has ended, nobody will go on with it."""
         self.path.unlink(missing_ok=True)
+        name = self.path.name.removesuffix(".checkpoint.zip")
+        for left in self.path.parent.glob(f"{glob.escape(name)}.*.new"):
+            left.unlink(missing_ok=True)
 
 
 def _kept(keeper):
