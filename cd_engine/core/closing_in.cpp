@@ -8,8 +8,9 @@ namespace {
 
 	constexpr int rounds = 30; // of Newton's method; each finds which contacts close
 	constexpr int halvings = 50; // in the search for the length of a step of it
-	constexpr double solved = 1e-15; // share of the gradient's terms that is round-off
-	constexpr double missed = 3; // tolerances; in ten of them the contacts of a step that counts as solved may sum up
+	constexpr double solved = 1e-15; // share of the terms of the gradient that is round-off
+	// Tolerances by which the contacts together may close in a step that counts as solved. (The tests allow ten of them at a single contact.)
+	constexpr double missed = 3;
 	constexpr double share = 1e-8; // of the terms of b . y that it has at least
 
 	double square(const std::vector<double>& a)
@@ -95,7 +96,7 @@ namespace {
 			return sum;
 		}
 
-		// The sum of the squares of the closing contacts' terms of the gradient.
+		// What round-off in the gradient is compared with.
 		double terms(const std::vector<double>& r) const { return 2 * closing(r); }
 
 		// J x
@@ -114,7 +115,7 @@ namespace {
 			}
 		}
 
-		// J^T min(y, 0) of those contacts of which `closes` is negative
+		// J^T y over those contacts at which `closes` is negative
 		void back(const std::vector<double>& y, const std::vector<double>& closes, std::vector<double>& to) const
 		{
 			to.assign(unknowns, 0);

@@ -272,7 +272,8 @@ bool TimeStep::anyViolated(const World& world, const StepSettings& settings) con
 	    && std::any_of(world.awake.begin(), world.awake.end(), [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); });
 }
 
-// If there are such pairs, adds them, and all that are as near for their speeds, since an impact may go on from body to body; says whether there were.
+// If there are such pairs, adds them and all others that their bodies are fast enough to close, since an impact may go on from body to body. Says
+// whether there were any.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!anyViolated(world, settings))

@@ -36,10 +36,11 @@ struct StepReport {
 	bool idle = false; // nothing moves and all contacts sleep: under the same forces the next step leaves everything as it is, too
 };
 
-// Of a disk [m]; infinite if there is none.
+// Of all disks [m]; infinite if there is none.
 double smallestRadius(const World&);
 
-// How far from its present place a body may have a contact in a step [m], at most: a pair has one only if its gap is not larger than what both reach.
+// How far from its present place a body may have a contact in a step [m], at most. A pair becomes a contact only if its gap is at most the sum of
+// both bodies' reach.
 double reachOf(const Body&, const Shape&, double dt);
 
 class TimeStep {
@@ -53,8 +54,8 @@ class TimeStep {
 	// it, before contact is looked at, in the first half of a step: its way ends at the face then. Restitution e > 0: a contact that is closed,
 	// or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or what its overlap asks for where that is more
 	// (rebounds.hpp); one that only other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
-	// If the solver has met a number that is not finite, no body is moved; nor if impulses made bodies so fast that pairs may be missing that they
-	// reach in the step (report.outran, World::listed): the step is to be made again, with these.
+	// No body is moved in two cases. The solver has met a number that is not finite. Or impulses made a body so fast that it may reach others that are
+	// not in the list of pairs (World::listed); report.outran is not empty then, and the step has to be made again with a longer list.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose

@@ -11,6 +11,8 @@
 // d . (W p + q) = d . q then stays negative, which no contact law allows as long as nothing slides. (With friction a motion in which contacts of d
 // slide could be a solution all the same; so what counts is the part of d . q that is no sliding, and these contacts have to give way to it.)
 //   From impulses that have grown along a self-stress it is found by removing from them, by conjugate gradients, what does make velocities.
+// Impulses may also be large because friction wedges bodies, and hide what a slow boundary presses. Where bodies and contacts are known, a second
+// proof does not use the impulses: it asks whether any velocities keep all contacts open (closing_in.hpp).
 #pragma once
 
 #include "contact_system.hpp"

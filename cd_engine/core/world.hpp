@@ -49,7 +49,7 @@ struct World {
 	std::vector<Body> bodies;
 	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
 	std::vector<Pair> pairs;
-	// How far from each body all others are listed with it, where these are listed as far, too [m]; empty: all pairs are.
+	// Of each body [m]: two bodies are in the list of pairs if the gap between them is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	std::vector<int32_t> awake; // the pairs that a step looks at, in order, no others: Sleepers::look lists them before every step
 };

@@ -100,8 +100,8 @@ void ColliderRest::measure(const cd::World& world, double dt, const std::vector<
 		needs[i] = std::max(needs[i], outran[i]);
 }
 
-// So wide that the collider may rest for some steps; the few fastest disks, which may be far from all others, get more of it. Where bodies are fast, slow
-// ones are given what an impact may ask of them.
+// Margins so wide that the collider may rest for some steps. The few fastest disks, which may be far from all others, get the widest. Where bodies are
+// fast, slow ones get what an impact may ask of them.
 void ColliderRest::chooseMargins(const cd::World& world)
 {
 	const std::size_t count = world.bodies.size();
@@ -214,8 +214,10 @@ void ColliderRest::search(cd::World& world, yade::Scene* scene)
 	else
 		margins.assign(world.bodies.size(), 0);
 	collider->scene = scene;
+	const double leastShare = widens ? at<double>(collider.get(), layout.collider_minSweepDistFactor) : 0;
 	int id = -1;
-	for (const bool each : { true, false }) { // a new body has no bounds yet that could be told anything, and no body has at iteration 0
+	// For each body first. A new body has no bounds yet that could be set, and at iteration 0 YADE uses one width for all.
+	for (const bool each : { true, false }) {
 		if (each && at<long>(scene, layout.scene_iter) == 0)
 			continue;
 		if (widens && !each)
@@ -230,6 +232,7 @@ void ColliderRest::search(cd::World& world, yade::Scene* scene)
 	if (widens) { // whoever runs it next
 		at<double>(collider.get(), layout.collider_verletDist) = least;
 		at<int>(collider.get(), layout.collider_targetInterv) = -1;
+		at<double>(collider.get(), layout.collider_minSweepDistFactor) = leastShare;
 	}
 	remember(world);
 	if (id < 0)

@@ -8,7 +8,7 @@
 
 namespace cd_engine {
 
-// Each body has a margin of its own, by which its bounds are larger on every side than it is: a fast one makes nobody else's wider. The pairs found
+// Each body has a margin of its own, by which its bounds are larger than it is on every side. So a fast body widens no other's bounds. The pairs found
 // stay complete until displacements since then have used a margin up. Until then the collider is dead to YADE's loop; when they have, it is run
 // here, at once, before any pair is read. It rests only within O.run(n) and is given back at its last step or by a refusal, so that
 // whoever uses it next, perhaps with springs, finds it awake. (Not after O.pause() in mid-run, while the

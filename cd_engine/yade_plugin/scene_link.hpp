@@ -54,8 +54,9 @@ class SceneLink {
 	// Reads the scene, unless it is behind what is known here. `impulses`: whether contact forces present become the first guess (times dt).
 	// `look`: whether to look at this step if the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too
 	// far for that.
-	void gather(
-	    yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin, cd::Sleepers&, const std::vector<double>& outran);
+	// outran: StepReport::outran of a step that is made again; else empty.
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin, cd::Sleepers&,
+	    const std::vector<double>& outran);
 	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.

@@ -32,7 +32,7 @@ def least_closing(problem):
 
 
 def on_a_belt(dice, method, tolerance):
-    """Rows of disks, each on two, between two walls, on a belt, under a lid that comes down and may slide; the engine and the belt's speed."""
+    """Rows of disks between two walls, on a belt, under a lid that comes down and may slide. Returns the engine and the belt's speed."""
     r, mat, rows = 0.01, plane.material(dice.choice([0.3, 0.5, 1, 2])), dice.choice([1, 1, 2, 3])
     belt, lid, along = 10**dice.uniform(-2, 1), 10**dice.uniform(-5, -1.3), dice.choice([0, 0, 0.5, -1])
     height = r * (2 + math.sqrt(3) * (rows - 1))

@@ -69,8 +69,8 @@ def test_fast_disks_widen_no_bounds_but_their_own(O):
 @pytest.mark.parametrize("settings", [{}, dict(tolerance=1e-16), dict(fixedIterations=5)], ids=["converges", "stagnates", "fixed"])
 @pytest.mark.parametrize("presses", [False, True])
 def test_an_impact_is_passed_on_whatever_the_margin(O, settings, presses):
-    """A fast heavy disk hits a light one, which goes on to a third beyond its margin, in the same step; elsewhere a disk may be pressed flat, so that no
-    step has a solution."""
+    """A fast heavy disk hits a light one, which in the same step reaches a third that lies beyond its margin. In half of the cases another disk, far
+    away, is pressed flat, so that no step has a solution."""
     found = []
     for margin in (0.1, 10):
         O.reset()

@@ -122,7 +122,7 @@ class Checkpoints:
         return {name: keeper for name, keeper in found.items() if keeper is not None}
 
     def remove(self):
-        """Remove the checkpoint, and what a run of this name left half written when it was killed: the run has ended, nobody will go on with it."""
+        """Remove the checkpoint, and files of this run that were half written when it was killed. Call it when the run has ended."""
         self.path.unlink(missing_ok=True)
         name = self.path.name.removesuffix(".checkpoint.zip")
         for left in self.path.parent.glob(f"{glob.escape(name)}.*.new"):
