@@ -118,17 +118,15 @@ def engines(**settings):
     """The list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
     settings: attributes of `ContactDynamics`. Engines that push bodies (ForceEngine, PyRunner) go in front of the last.
-    The collider reports pairs before they touch, by a tenth of the smallest radius and more for each fast body, since a rigid contact must be
-    known before it closes. ContactDynamics sees to that (`colliderMargin`), and lets the collider rest while all bodies keep within the margin.
+    ContactDynamics finds the pairs that may touch itself. The collider is there for springs and for YADE's tools; it rests during a run.
     """
     _plugin()
     from yade import wrapper as w
     _check_names(settings, w.ContactDynamics)
-    settings.setdefault("colliderMargin", 0.1)
     _let_colliders_begin()
     return [
         w.ForceResetter(),
-        # ContactDynamics sets verletDist; any but 0 would ask for a NewtonIntegrator before that.
+        # With any other verletDist it would ask for a NewtonIntegrator.
         w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
         w.ContactDynamics(**settings),
     ]
@@ -169,6 +167,7 @@ def release():
     for contact in list(O.interactions):
         if contact.isReal and type(contact.phys).__name__ == "FrictPhys" and contact.phys.kn == 0:
             O.interactions.erase(contact.id1, contact.id2)
+    O.interactions.eraseNonReal()  # so that the new collider lists all pairs in an order of its own
 
 
 if "yade" in sys.modules:

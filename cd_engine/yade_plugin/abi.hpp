@@ -98,6 +98,8 @@ class BodyContainer {
 class InteractionContainer {
     public:
 	bool insert(int id1, int id2);
+	const boost::shared_ptr<Interaction>& find(int id1, int id2);
+	bool erase(int id1, int id2, int place); // which it has in the list, where the last one then stands
 };
 
 class ForceContainer {

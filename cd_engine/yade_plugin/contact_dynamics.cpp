@@ -81,6 +81,7 @@ void ContactDynamics::action()
 		takeOver();
 		advance();
 	} catch (...) {
+		link.catchUp(scene);
 		rest->wakeUnsorted(); // whoever goes on from here must not find a sleeping collider
 		last = {};
 		throw;
@@ -130,12 +131,14 @@ void ContactDynamics::advance()
 			link.publish(scene, step);
 		return;
 	}
-	others.check(this, scene, *rest, colliderMargin);
+	others.check(this, scene, *rest);
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
 	last = settings;
-	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), *rest, colliderMargin, step.sleepers, {});
+	link.world.apart = rest->maskApart();
+	rest->rest(scene);
+	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), searchMargin, step.sleepers, {});
 	if (handover) {
 		link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
@@ -152,7 +155,7 @@ void ContactDynamics::advance()
 	for (std::vector<double> needed; !made.outran.empty();) { // a later solution of the step may ask for more
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
-		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, *rest, colliderMargin, step.sleepers, needed);
+		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, searchMargin, step.sleepers, needed);
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)
@@ -271,7 +274,7 @@ void ContactDynamics::warn()
 // One line a run, of the first body that leaves the scene.
 void ContactDynamics::tellOfLost()
 {
-	const int id = toldOfLost ? -1 : rest->lost(link.world);
+	const int id = toldOfLost ? -1 : link.pairSearch().lost(link.world);
 	if (id < 0)
 		return;
 	toldOfLost = true;
@@ -284,7 +287,7 @@ void ContactDynamics::tellOfLost()
 // One line a run where a disk that others are near goes so far in a step that it may jump over what it would have met.
 void ContactDynamics::tellOfSpeed(double dt)
 {
-	if (toldOfSpeed || !(rest->longestWay() > far))
+	if (toldOfSpeed || !(link.pairSearch().longestWay() > far))
 		return;
 	const auto& bodies = link.world.bodies;
 	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };

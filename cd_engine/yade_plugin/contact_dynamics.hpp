@@ -30,7 +30,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int seed = 0;
 	bool reduce = true;
 	bool handover = true;
-	double colliderMargin = 0;
+	double searchMargin = 0.1;
 	std::string publish = "due";
 	bool stopUnsolved = false;
 
@@ -171,11 +171,9 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("handover", &C::handover, Access::set, any,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
 	    "Reset to False by that step; set it again after an interlude with springs.");
-	visit("colliderMargin", &C::colliderMargin, Access::set, Range { 0, 10 },
-	    "By how much the bounds of all bodies are at least larger than the bodies, as a fraction of the smallest radius [1]. This engine has the "
-	    "collider make each body's bounds that much wider or, of a fast one, as much as a step needs, checks them, lets the collider rest "
-	    "(dead=True) within O.run(n) while displacements stay within the margin, and runs it when they do not. 0: the collider is left alone and "
-	    "runs in every step; its bounds must then be wide enough.");
+	visit("searchMargin", &C::searchMargin, Access::set, Range { 0, 10 },
+	    "How far around slow bodies near pairs are listed, at least, as a fraction of the smallest radius [1]; around fast ones as far as a step "
+	    "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, never its result.");
 	visit("publish", &C::publish, Access::set, any,
 	    "When positions, velocities, interactions and O.forces are written to the scene. due: in a run that somebody waits for (O.run(n, True), "
 	    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "

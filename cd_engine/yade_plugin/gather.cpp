@@ -23,7 +23,7 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
 }
 
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, ColliderRest& rest,
+void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look,
     double margin, cd::Sleepers& sleepers, const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
@@ -39,21 +39,19 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 		reordered = cd::renewOrder(world, memory.order, look);
 	}
 	gone.clear();
-	outdated = outdated || reordered || !outran.empty();
-	// A list that changed while the collider rested was changed by somebody else, and may lack pairs.
-	const bool changed = read && !listUnchanged(at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get());
-	const bool search = rest.needed(world, scene, dt, margin, changed, outran);
-	if (behind && (search || reordered))
-		publishScene();
-	if (search)
-		rest.search(world, scene);
-	rest.rest(scene);
-	if (read || search || reordered)
-		gatherPairs(scene, dt, impulses, memory, sleepers);
-	else {
-		sleepers.look(world);
-		guess(dt, impulses);
-	}
+	if (behind && reordered)
+		publishScene(scene); // from which pairs are taken in their new order
+	const bool searched = search.needed(world, dt, margin, outran);
+	if (searched)
+		findPairs();
+	gatherPairs(scene, memory, read, searched, reordered, sleepers);
+	guess(dt, impulses);
+}
+
+void SceneLink::findPairs()
+{
+	before.swap(pairs);
+	pairs = search.find(world);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)
@@ -78,7 +76,10 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 	}
 	cd::renewOrder(world, memory.order, look);
 	cd::Sleepers none;
-	gatherPairs(scene, dt, impulses, memory, none);
+	search.needed(world, dt, 0, {});
+	findPairs();
+	gatherPairs(scene, memory, true, true, true, none);
+	guess(dt, impulses);
 }
 
 } // namespace cd_engine

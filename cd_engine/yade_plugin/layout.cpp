@@ -63,6 +63,8 @@ namespace {
 		s.published<Shared<yade::Shape>>(&Layout::body_shape, "Body", "shape");
 		s.published<Shared<yade::Bound>>(&Layout::body_bound, "Body", "bound");
 		s.published<int>(&Layout::body_clumpId, "Body", "clumpId");
+		s.published<int>(&Layout::body_flags, "Body", "flags");
+		s.published<int>(&Layout::body_groupMask, "Body", "groupMask");
 		s.published<Vector3r>(&Layout::state_vel, "State", "vel");
 		s.published<Vector3r>(&Layout::state_angVel, "State", "angVel");
 		s.published<Vector3r>(&Layout::state_inertia, "State", "inertia");
@@ -85,12 +87,7 @@ namespace {
 		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
 		s.published<Vector3r>(&Layout::bound_min, "Bound", "min");
 		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
-		s.published<Vector3r>(&Layout::bound_refPos, "Bound", "refPos");
-		s.published<double>(&Layout::bound_sweepLength, "Bound", "sweepLength");
-		s.published<int>(&Layout::bound_lastUpdateIter, "Bound", "lastUpdateIter");
-		s.published<double>(&Layout::collider_verletDist, "InsertionSortCollider", "verletDist");
-		s.published<int>(&Layout::collider_targetInterv, "InsertionSortCollider", "targetInterv");
-		s.published<double>(&Layout::collider_minSweepDistFactor, "InsertionSortCollider", "minSweepDistFactor");
+		s.published<int>(&Layout::collider_avoidSelfInteractionMask, "Collider", "avoidSelfInteractionMask");
 		s.published<bool>(&Layout::collider_doSort, "InsertionSortCollider", "doSort");
 		s.published<double>(&Layout::periodic_virtPeriod, "PeriodicEngine", "virtPeriod");
 		s.published<double>(&Layout::periodic_realPeriod, "PeriodicEngine", "realPeriod");

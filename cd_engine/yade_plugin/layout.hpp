@@ -20,14 +20,14 @@ struct Layout {
 	// Offsets in bytes from the start of the object of the class named in the first part.
 	long scene_dt, scene_iter, scene_stopAtIter, scene_isPeriodic, scene_trackEnergy, scene_forces, scene_engines, scene_bodies,
 	    scene_interactions;
-	long body_id, body_material, body_state, body_shape, body_bound, body_clumpId;
+	long body_id, body_material, body_state, body_shape, body_bound, body_clumpId, body_flags, body_groupMask;
 	long state_se3, state_orientation, state_vel, state_mass, state_angVel, state_inertia, state_blockedDOFs;
 	long interaction_id1, interaction_id2, interaction_iterMadeReal, interaction_geom, interaction_phys;
 	long interactions_linear;
 	long geom_normal, geom_contactPoint, geom_refR1, geom_refR2, geom_penetrationDepth, geom_shearInc;
 	long phys_kn, phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle;
-	long bound_min, bound_max, bound_refPos, bound_sweepLength, bound_lastUpdateIter;
-	long collider_verletDist, collider_targetInterv, collider_minSweepDistFactor, collider_doSort;
+	long bound_min, bound_max;
+	long collider_avoidSelfInteractionMask, collider_doSort;
 	long periodic_virtPeriod, periodic_realPeriod, periodic_iterPeriod, periodic_nDone, periodic_iterLast;
 	long sphere_radius, box_extents, wall_sense, wall_axis, frictMat_frictionAngle;
 };

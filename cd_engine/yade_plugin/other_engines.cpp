@@ -66,7 +66,7 @@ bool OtherEngines::changed(const std::vector<boost::shared_ptr<yade::Engine>>& e
 	return false;
 }
 
-void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& rest, double margin)
+void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& rest)
 {
 	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
 	if (!changed(engines, rest.engine()))
@@ -74,17 +74,16 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderR
 	changedAt = at<long>(scene, layout.scene_iter);
 	others.clear();
 	std::string problem;
-	bool resets = false, finds = false, before = true;
+	bool resets = false, before = true;
+	boost::shared_ptr<yade::Engine> collider;
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
 		Other other { engine.get(), engine->dead, engine.get() == self, false, before };
 		if (other.self)
 			before = false;
-		else if (name.find("Collider") != std::string::npos && before && !finds) {
-			// Dead without a margin is somebody's choice; with one it is this engine's own, from before a save.
-			finds = !engine->dead || margin > 0;
-			other.ours = margin > 0;
-			rest.attach(engine);
+		else if (isA(name, "Collider") && !collider) {
+			other.ours = true;
+			collider = engine;
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
@@ -95,12 +94,11 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderR
 	}
 	if (!resets)
 		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
-	if (!finds)
-		problem = "there is no collider before it, so no contact would ever be found. Use O.engines=cd_engine.engines()";
 	if (!problem.empty()) {
 		others.clear(); // asked again at the next step
 		throw SceneError("ContactDynamics: " + problem);
 	}
+	rest.attach(collider);
 }
 
 bool OtherEngines::looks(long iteration) const

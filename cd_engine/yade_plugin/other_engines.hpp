@@ -11,8 +11,8 @@ namespace cd_engine {
 class OtherEngines {
     public:
 	// Looks at the list of engines if it is another one than the last time. Attaches the collider found to `rest`. Throws SceneError for engines
-	// that do not go with Contact Dynamics. margin: the colliderMargin.
-	void check(const yade::Engine* self, yade::Scene*, ColliderRest& rest, double margin);
+	// that do not go with Contact Dynamics.
+	void check(const yade::Engine* self, yade::Scene*, ColliderRest& rest);
 	// Whether one of them runs between this step of `self` and the next, or has run before it in this one: what it has added to O.forces then
 	// ends with this step.
 	bool looks(long iteration) const;

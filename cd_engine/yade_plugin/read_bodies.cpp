@@ -183,6 +183,8 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	readMotion(id, world.bodies[id], forces, g);
 	tellOfPlacing(id, same && known.boundary, x, y);
 	world.bodies[id].friction = known.friction;
+	constexpr int bounded = 1; // YADE's bit of Body.flags
+	world.masks[id] = known.inPlane && (at<int>(body, layout.body_flags) & bounded) != 0 ? at<int>(body, layout.body_groupMask) : 0;
 	surfaces[id] = { known.friction, world.bodies[id].radius };
 }
 
@@ -214,6 +216,7 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	surfaces.resize(count);
 	world.bodies.resize(count);
 	world.shapes.resize(count);
+	world.masks.resize(count, 0);
 	forces.sync();
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
@@ -228,6 +231,7 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 		else {
 			known = KnownBody();
 			world.bodies[id] = cd::Body();
+			world.masks[id] = 0;
 		}
 		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
 	}

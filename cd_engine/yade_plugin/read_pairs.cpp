@@ -16,20 +16,6 @@ namespace {
 	// Of a disk's radius: smaller ones are left without a word.
 	constexpr double visible = 0.01;
 
-	// Where a pair comes in the list of contacts, from which the sweeps take their order. A function of its ids and ranks alone, so that the
-	// result of a step depends neither on the order of the scene's list nor on which other pairs are in it. Pairs of 32 disks that follow one
-	// another stay together, for locality, and are scattered among themselves, so that near in the list are contacts without a common body:
-	// those are solved eight at a time (core/grouping.hpp).
-	uint64_t sweepKey(int id1, int id2, const std::vector<int>& rank)
-	{
-		const uint64_t low = std::min(id1, id2), high = std::max(id1, id2);
-		uint64_t h = (low << 32 | high) * 0x9E3779B97F4A7C15ull; // Fibonacci hashing (Knuth, vol. 3, section 6.4)
-		h ^= h >> 32;
-		h *= 0xD6E8FEB86659FD93ull;
-		const uint64_t first = rank.empty() ? low : std::min(rank[id1], rank[id2]);
-		return first >> 5 << 40 | h >> 24;
-	}
-
 	// What friction of now can carry of a first guess made with that of before; a guess within the tolerance becomes the step's solution.
 	// Impulses on the cone, which lie beside it by the round-off of dt times force and back, stay as they are: cut, they would be written anew
 	// step by step.
@@ -43,12 +29,6 @@ namespace {
 	{
 		return std::adjacent_find(chosen.begin(), chosen.end(), std::greater_equal<int32_t>()) == chosen.end()
 		    && (chosen.empty() || (chosen.front() >= 0 && static_cast<std::size_t>(chosen.back()) < of));
-	}
-
-	// Different pairs may have one key; their ids decide then.
-	template <class Candidate> bool comesFirst(const Candidate& p, const Candidate& q)
-	{
-		return p.key != q.key ? p.key < q.key : std::minmax(p.a, p.b) < std::minmax(q.a, q.b);
 	}
 
 } // namespace
@@ -72,60 +52,145 @@ void SceneLink::tellOfFall(int upper, int lower)
 		    "It will fall through body #" + std::to_string(lower) + ". Block its freedoms if it is not to fall.");
 }
 
-void SceneLink::rebuildPairs(yade::InteractionContainer* container, const Memory& memory)
+// Asked where pairs have been searched: two boundaries make none.
+void SceneLink::tellOfFalls()
+{
+	for (int i = 0; i < static_cast<int>(bodies.size()); i++) {
+		const cd::Body& a = world.bodies[i];
+		if (world.masks[i] == 0 || !bodies[i].boundary || (a.inverseMass[0] == 0 && a.inverseMass[1] == 0))
+			continue;
+		const cd::Half ha = cd::halfSides(a, world.shapes[i]);
+		for (int k = 0; k < static_cast<int>(bodies.size()); k++) {
+			if (k == i || world.masks[k] == 0 || !bodies[k].boundary)
+				continue;
+			const cd::Body& b = world.bodies[k];
+			const cd::Half hb = cd::halfSides(b, world.shapes[k]);
+			const double margin = search.marginOf(i) + search.marginOf(k);
+			if (std::abs(b.x - a.x) <= ha.x + hb.x + margin && std::abs(b.y - a.y) <= ha.y + hb.y + margin)
+				tellOfFall(i, k);
+		}
+	}
+}
+
+void SceneLink::forget(yade::Interaction* interaction) const
+{
+	if (inspecting)
+		return;
+	at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom).reset();
+	at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys).reset();
+	at<long>(interaction, layout.interaction_iterMadeReal) = -1;
+}
+
+// Pairs that were listed before keep what is known of them.
+void SceneLink::keepPairs()
+{
+	const auto rearrange = [this](auto& of, auto& next) {
+		next.clear();
+		for (const cd::NearPair& pair : pairs) {
+			next.emplace_back();
+			if (pair.from >= 0)
+				next.back() = std::move(of[pair.from]);
+		}
+		of.swap(next);
+	};
+	cd::findAgain(pairs, before, left);
+	for (const int32_t i : left)
+		if (interactions[i])
+			parted.push_back(interactions[i]);
+	rearrange(interactions, scratch.interactions);
+	rearrange(forces, scratch.forces);
+	rearrange(held, scratch.held);
+	rearrange(spare, scratch.spare);
+	for (Spare& s : scratch.spare) // of pairs that are no more
+		recycle(std::move(s));
+	scratch.spare.clear();
+}
+
+// Pairs get the interactions that the scene has for them. What others carry is carried no more.
+void SceneLink::takePairs(yade::InteractionContainer* container, const std::vector<int>& rank)
 {
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
-	candidates.clear();
-	const auto forget = [this](yade::Interaction* interaction) {
-		if (inspecting)
-			return;
-		at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom).reset();
-		at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys).reset();
-		at<long>(interaction, layout.interaction_iterMadeReal) = -1;
-	};
-	const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
-	for (const auto& shared : listed) {
-		yade::Interaction* const interaction = shared.get();
-		int& id1 = at<int>(interaction, layout.interaction_id1);
-		int& id2 = at<int>(interaction, layout.interaction_id2);
-		if (!exists(id1) || !exists(id2))
+	before.clear();
+	parted.clear();
+	for (std::size_t i = 0; i < listed.size(); i++) {
+		const int32_t a = at<int>(listed[i].get(), layout.interaction_id1), b = at<int>(listed[i].get(), layout.interaction_id2);
+		const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
+		if (!exists(a) || !exists(b))
 			continue;
-		const bool boundaries = bodies[id1].boundary && bodies[id2].boundary;
-		if (boundaries) {
-			tellOfFall(id1, id2);
-			tellOfFall(id2, id1);
-		}
-		if (boundaries || !bodies[id1].inPlane || !bodies[id2].inPlane) {
-			forget(interaction); // a disk may have become a box: what it carried is carried no more
-			continue;
-		}
-		const bool turned = bodies[id2].boundary; // YADE's own functors, too, want the boundary first
-		if (turned && !inspecting) {
-			forget(interaction);
-			interaction->swapOrder();
-		}
-		// id1 and id2 are references: swapOrder has exchanged them.
-		candidates.push_back(
-		    { sweepKey(id1, id2, memory.order.rank), interaction, turned && inspecting ? id2 : id1, turned && inspecting ? id1 : id2 });
+		if (bodies[a].boundary && bodies[b].boundary)
+			forget(listed[i].get()); // a disk may have become a box
+		else
+			before.push_back({ 0, a, b, static_cast<int32_t>(i) });
 	}
-	std::sort(candidates.begin(), candidates.end(), comesFirst<Candidate>);
-	world.pairs.clear();
-	interactions.clear();
+	order.sort(before, rank);
+	cd::findAgain(pairs, before, left);
+	for (const int32_t i : left)
+		forget(listed[before[i].from].get());
+	interactions.assign(pairs.size(), nullptr);
+	for (std::size_t k = 0; k < pairs.size(); k++) {
+		if (pairs[k].from < 0)
+			continue;
+		interactions[k] = listed[before[pairs[k].from].from].get();
+		if (at<int>(interactions[k], layout.interaction_id1) == pairs[k].a || inspecting)
+			continue;
+		forget(interactions[k]);
+		interactions[k]->swapOrder(); // YADE's own functors, too, want the boundary first
+	}
 	collectSpares();
-	spare.assign(candidates.size(), {});
-	forces.resize(candidates.size());
-	held.assign(candidates.size(), {});
-	for (const Candidate& c : candidates) {
-		assert(c.a != c.b && !bodies[c.b].boundary);
-		world.pairs.push_back({ c.a, c.b });
-		world.pairs.back().reference = memory.overlaps.of(c.a, c.b);
-		interactions.push_back(c.interaction);
+	spare.assign(pairs.size(), {});
+	forces.assign(pairs.size(), {});
+	held.assign(pairs.size(), {});
+}
+
+// Into the core's world.
+void SceneLink::listPairs(const Memory& memory)
+{
+	world.pairs.clear();
+	std::size_t touching = 0;
+	for (const cd::NearPair& pair : pairs) {
+		assert(pair.a != pair.b && !bodies[pair.b].boundary);
+		world.pairs.push_back({ pair.a, pair.b });
+		world.pairs.back().reference = memory.overlaps.of(pair.a, pair.b);
+		touching += world.pairs.back().reference > 0;
 	}
+	if (inspecting || touching == memory.overlaps.overlaps.size())
+		return;
+	const std::lock_guard<std::mutex> lock(memory.lock);
+	collectOverlaps(memory.overlaps); // without those of bodies that somebody has moved apart
+}
+
+// read: whether the scene has been read; searched: whether `pairs` are others than before; reordered: or in another order.
+void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, cd::Sleepers& sleepers)
+{
+	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
+	bool taken = reordered || (read && !listUnchanged(container));
+	if (searched || reordered)
+		order.sort(pairs, memory.order.rank);
+	if (searched)
+		tellOfFalls();
+	if (searched && !taken)
+		keepPairs();
+	if (read && !taken)
+		taken = !readForces(searched ? nullptr : &sleepers);
+	if (taken) {
+		takePairs(container, memory.order.rank);
+		readForces(nullptr);
+		outdated = false;
+	}
+	if (searched || taken) {
+		listPairs(memory);
+		sleepers.wakeAll(world);
+	} else
+		sleepers.look(world);
 }
 
 // Asks for the memory of the objects that hold a contact's force.
 void SceneLink::findForces(std::size_t index)
 {
+	if (!interactions[index]) {
+		forces[index] = { nullptr, nullptr, false };
+		return;
+	}
 	char* const interaction = reinterpret_cast<char*>(interactions[index]);
 	void* const geom = pointer<yade::IGeom>(interaction, layout.interaction_geom);
 	void* const phys = pointer<yade::IPhys>(interaction, layout.interaction_phys);
@@ -174,7 +239,9 @@ std::array<double, 2> SceneLink::impulseIn(const Held& h, double dt)
 // Leaves of them what a step can read and write; false if the bodies of the interaction have been exchanged, which the step itself would not notice.
 bool SceneLink::checkForces(std::size_t index)
 {
-	const bool turned = world.pairs[index].a != at<int>(interactions[index], layout.interaction_id1);
+	if (!interactions[index])
+		return true;
+	const bool turned = pairs[index].a != at<int>(interactions[index], layout.interaction_id1);
 	Forces& f = forces[index];
 	if (turned || !f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
 		f.geom = f.phys = nullptr;
@@ -186,10 +253,10 @@ bool SceneLink::checkForces(std::size_t index)
 bool SceneLink::readForces(cd::Sleepers* sleepers)
 {
 	constexpr std::size_t early = 12;
-	const std::size_t count = world.pairs.size();
+	const std::size_t count = pairs.size();
 	assert(interactions.size() == count && forces.size() == count && held.size() == count);
 	for (std::size_t i = 0; i < count + 2 * early; i++) {
-		if (i < count) {
+		if (i < count && interactions[i]) {
 			prefetch(interactions[i], layout.interaction_id1);
 			prefetch(interactions[i], layout.interaction_phys);
 		}
@@ -204,7 +271,7 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 		if (found == held[now])
 			continue;
 		held[now] = found;
-		held[now].since = at<long>(interactions[now], layout.interaction_iterMadeReal);
+		held[now].since = found.any ? at<long>(interactions[now], layout.interaction_iterMadeReal) : -1;
 		if (sleepers)
 			sleepers->disturb(world.pairs[now]);
 	}
@@ -222,20 +289,6 @@ void SceneLink::guess(double dt, bool impulses)
 		pair.pn = guess[0];
 		pair.pt = withinCone(guess[1], pair.mu * guess[0]);
 	}
-}
-
-void SceneLink::gatherPairs(yade::Scene* scene, double dt, bool impulses, const Memory& memory, cd::Sleepers& sleepers)
-{
-	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	if (listUnchanged(container) && readForces(&sleepers))
-		sleepers.look(world);
-	else {
-		rebuildPairs(container, memory);
-		outdated = false;
-		sleepers.wakeAll(world);
-		readForces(nullptr);
-	}
-	guess(dt, impulses);
 }
 
 void SceneLink::takeOverlaps()

@@ -1,9 +1,10 @@
 // Between YADE's scene graph and the core's world: reads bodies, forces and near pairs, writes motion and contact forces back.
 #pragma once
 
+#include "../core/pair_order.hpp"
+#include "../core/pair_search.hpp"
 #include "../core/space_order.hpp"
 #include "../core/time_step.hpp"
-#include "collider_rest.hpp"
 #include "layout.hpp"
 #include "scene_error.hpp"
 
@@ -52,12 +53,11 @@ class SceneLink {
 	cd::World world; // bodies: at their ids (erased ids stand as immobile bodies without pairs)
 
 	// Reads the scene, unless it is behind what is known here. `impulses`: whether contact forces present become the first guess (times dt).
-	// `look`: whether to look at this step if the order of the bodies still serves. Runs the collider if it rests and the bodies have moved too
-	// far for that.
-	// outran: StepReport::outran of a step that is made again; else empty.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, ColliderRest&, double margin, cd::Sleepers&,
+	// `look`: whether to look at this step if the order of the bodies still serves. `margin`: the searchMargin. `outran`: StepReport::outran of a
+	// step that is made again; else empty.
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, double margin, cd::Sleepers&,
 	    const std::vector<double>& outran);
-	// The same without a trace in the scene: with the pairs present, and only the lasting external forces. For a link of its own.
+	// The same without a trace in the scene, and with only the lasting external forces. For a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
@@ -66,6 +66,10 @@ class SceneLink {
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
 	void publish(yade::Scene*, const cd::TimeStep&);
+	// The same without O.forces, if the scene is behind: what a step has to leave that is given up.
+	void catchUp(yade::Scene*);
+	// Tells how fast bodies are and which is lost.
+	const cd::PairSearch& pairSearch() const { return search; }
 	// Whether steps have been made that are not published.
 	bool ahead() const { return behind; }
 	// Whether all that these hold are numbers; what is not is refused when the next step reads it.
@@ -94,12 +98,6 @@ class SceneLink {
 	struct Surface {
 		double friction; // coefficient
 		double radius; // of a disk [m]; 0: a boundary
-	};
-	// A pair on its way to its place in the order of the contacts.
-	struct Candidate {
-		uint64_t key;
-		yade::Interaction* interaction;
-		int32_t a, b;
 	};
 
 	struct Spare {
@@ -141,9 +139,14 @@ class SceneLink {
 	void tellOfPlacing(int id, bool same, double x, double y);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
 	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
-	void gatherPairs(yade::Scene*, double dt, bool impulses, const Memory&, cd::Sleepers&);
+	void findPairs();
+	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
 	bool listUnchanged(yade::InteractionContainer*) const;
-	void rebuildPairs(yade::InteractionContainer*, const Memory&);
+	void tellOfFalls();
+	void keepPairs();
+	void takePairs(yade::InteractionContainer*, const std::vector<int>& rank);
+	void forget(yade::Interaction*) const;
+	void listPairs(const Memory&);
 	bool readForces(cd::Sleepers*);
 	Held heldIn(const Forces&) const;
 	void guess(double dt, bool impulses);
@@ -151,12 +154,15 @@ class SceneLink {
 	bool checkForces(std::size_t pair);
 	static std::array<double, 2> impulseIn(const Held&, double dt);
 	void collectSpares();
+	void recycle(Spare&&);
 	Spare takeSpare();
 	void makeReal(std::size_t pair);
 	void makeUnreal(std::size_t pair);
 	void turnBodies();
 	void orient(int id);
-	void publishScene();
+	void publishScene(yade::Scene*);
+	void insert(yade::InteractionContainer&, std::size_t pair);
+	void eraseParted(yade::Scene*);
 	void writeContact(std::size_t pair);
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
@@ -167,8 +173,12 @@ class SceneLink {
 	std::vector<Surface> surfaces; // of the bodies
 	std::vector<int> gone; // ids whose body of the last step is no more, or is another one now
 	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
-	std::vector<Candidate> candidates; // scratch
-	std::vector<yade::Interaction*> interactions; // of world.pairs
+	cd::PairSearch search;
+	cd::PairOrder order;
+	std::vector<cd::NearPair> pairs, before; // those of world.pairs; scratch
+	std::vector<int32_t> left; // scratch
+	std::vector<yade::Interaction*> interactions; // of world.pairs; null: none, since the pair has carried nothing
+	std::vector<yade::Interaction*> parted; // of pairs that are no more, until the scene is published
 	bool inspecting = false; // the scene is only looked at
 	void tell(const std::string& what, const std::string& remedy);
 	std::set<std::string> told; // what has been warned of
@@ -180,6 +190,12 @@ class SceneLink {
 	double heldStep = 0; // length of the last step held [s]
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
 	std::vector<Spare> pool; // of pairs that are no more, for others
+	struct {
+		std::vector<yade::Interaction*> interactions;
+		std::vector<Forces> forces;
+		std::vector<Held> held;
+		std::vector<Spare> spare;
+	} scratch;
 	Vector3r gravity = Vector3r::Zero();
 	double layer = 0; // z of the disks
 	int layerId = -1; // the disk it was taken from

@@ -24,9 +24,14 @@ namespace {
 void SceneLink::collectSpares()
 {
 	for (Spare& s : spare)
-		if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isA(s.geom.get(), "ScGeom") && isA(s.phys.get(), "FrictPhys")
-		    && at<double>(s.phys.get(), layout.phys_kn) == 0)
-			pool.push_back(std::move(s));
+		recycle(std::move(s));
+}
+
+void SceneLink::recycle(Spare&& s)
+{
+	if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isA(s.geom.get(), "ScGeom") && isA(s.phys.get(), "FrictPhys")
+	    && at<double>(s.phys.get(), layout.phys_kn) == 0)
+		pool.push_back(std::move(s));
 }
 
 SceneLink::Spare SceneLink::takeSpare()
@@ -36,6 +41,47 @@ SceneLink::Spare SceneLink::takeSpare()
 	Spare taken = std::move(pool.back());
 	pool.pop_back();
 	return taken;
+}
+
+// Gives a pair that carries something for the first time its interaction.
+void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
+{
+	const int a = pairs[index].a, b = pairs[index].b;
+	if (!container.find(a, b))
+		container.insert(a, b);
+	interactions[index] = container.find(a, b).get();
+}
+
+// Empties the interactions of pairs that are no more. Those that the collider would keep, by the bounds that it knows, stay: it notices only what
+// changes.
+void SceneLink::eraseParted(yade::Scene* scene)
+{
+	auto& container = *at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions);
+	auto& all = *at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies);
+	const auto& list = at<std::vector<boost::shared_ptr<yade::Interaction>>>(&container, layout.interactions_linear);
+	std::sort(parted.begin(), parted.end());
+	for (std::size_t i = parted.empty() ? 0 : list.size(); i-- > 0;) { // the last one takes the place of one that is erased
+		yade::Interaction* const interaction = list[i].get();
+		if (!std::binary_search(parted.begin(), parted.end(), interaction))
+			continue;
+		auto& geom = at<boost::shared_ptr<yade::IGeom>>(interaction, layout.interaction_geom);
+		auto& phys = at<boost::shared_ptr<yade::IPhys>>(interaction, layout.interaction_phys);
+		recycle({ std::move(geom), std::move(phys) });
+		forget(interaction);
+		const int a = at<int>(interaction, layout.interaction_id1), b = at<int>(interaction, layout.interaction_id2);
+		const auto bound = [&](int id) {
+			char* const body = reinterpret_cast<char*>(all[id].get());
+			return body ? static_cast<char*>(pointer<yade::Bound>(body, layout.body_bound)) : nullptr;
+		};
+		char *const p = bound(a), *const q = bound(b);
+		bool apart = !p || !q;
+		for (int axis = 0; axis < 3 && !apart; axis++)
+			apart = at<Vector3r>(p, layout.bound_min)[axis] > at<Vector3r>(q, layout.bound_max)[axis]
+			    || at<Vector3r>(q, layout.bound_min)[axis] > at<Vector3r>(p, layout.bound_max)[axis];
+		if (apart)
+			container.erase(a, b, static_cast<int>(i));
+	}
+	parted.clear();
 }
 
 // Gives the interaction objects to hold its force: those it had when it was last loaded, or others, of which every member is set anew.
@@ -163,13 +209,17 @@ void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 	behind = true;
 }
 
-void SceneLink::publishScene()
+void SceneLink::publishScene(yade::Scene* scene)
 {
+	auto& container = *at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions);
 	assert(spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
+	eraseParted(scene);
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + early < world.pairs.size())
 			prefetchContact(forces[i + early]);
 		if (held[i].any) {
+			if (!interactions[i])
+				insert(container, i);
 			if (!forces[i].geom)
 				makeReal(i);
 			writeContact(i);
@@ -182,12 +232,20 @@ void SceneLink::publishScene()
 		if (bodies[id].exists)
 			writeMotion(id);
 	}
+	if (const auto& list = at<std::vector<boost::shared_ptr<yade::Interaction>>>(&container, layout.interactions_linear); list != listed)
+		listed = list;
 	behind = false;
+}
+
+void SceneLink::catchUp(yade::Scene* scene)
+{
+	if (behind)
+		publishScene(scene);
 }
 
 void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step)
 {
-	publishScene();
+	publishScene(scene);
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	const double rate = 1 / heldStep;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {

@@ -351,7 +351,7 @@ def test_bodies_that_are_gone_are_no_contacts(O, margin):
     plane.floor(mat)
     for k in range(3):
         column(0.1 * k, 3, mat)
-    cd = within(O, 50, lambda: [O.bodies.erase(k) for k in (7, 8, 9)], colliderMargin=margin)
+    cd = within(O, 50, lambda: [O.bodies.erase(k) for k in (7, 8, 9)], searchMargin=margin)
     O.run(80, True)
     assert (cd.sleeping, cd.contacts) == (2, 6)
 

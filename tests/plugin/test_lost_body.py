@@ -25,7 +25,6 @@ def test_a_lost_body_is_named_once_and_widens_nothing(O, capfd):
     lines = [line for line in capfd.readouterr().err.splitlines() if line.startswith("ContactDynamics: ")]
     assert len(lines) == 1 and f"body #{lost} has left all others far behind" in lines[0] and f"O.bodies.erase({lost})" in lines[0]
     assert O.bodies[lost].state.pos[1] < -15
-    assert O.engines[1].verletDist == pytest.approx(0.1 * 0.01)
     O.bodies.erase(lost)
     O.run(100, True)
     assert O.engines[2].converged
@@ -37,33 +36,14 @@ def test_it_hits_what_it_comes_to(O, capfd, settings):
     found = []
     for margin in (0.1, 10):
         O.reset()
-        bullet, O.engines = bed(60, dict(settings, colliderMargin=margin, tolerance=1e-6), position=(0.2, 3), velocity=(0.5, -20))
+        bullet, O.engines = bed(60, dict(settings, searchMargin=margin, tolerance=1e-6), position=(0.2, 3), velocity=(0.5, -20))
         O.dt = 1e-3
         O.run(100, True)
-        width = O.engines[1].verletDist
-        assert (width < 0.002) == (margin == 0.1)
         O.run(200, True)
         assert O.bodies[bullet].state.pos[1] > 0 and O.engines[2].deepestPenetration < (0.02 if settings else 1e-4)
         found.append(states(O))
     assert "behind" not in capfd.readouterr().err  # it flies up high and comes back
     assert found[0] == found[1]
-
-
-def test_fast_disks_widen_no_bounds_but_their_own(O):
-    """Twelve disks at 30 m/s high above a bed of 60, near each other: the bed has as many pairs as without them, in bounds as for slow disks."""
-    pairs = []
-    for speed in (0, 30):
-        O.reset()
-        first, O.engines = bed(60, {}, position=(0, 5), velocity=(speed, 0))
-        for k in range(1, 12):
-            plane.disk((0.05 * k, 5), 0.01, velocity=(speed, 0))
-        O.dt = 1e-3
-        O.run(30, True)
-        pairs.append(sum(i.id1 < first and i.id2 < first for i in O.interactions.all(False)))
-        for b in O.bodies:
-            if 0 < b.id < first:
-                assert b.bound.max[0] - b.bound.min[0] < 2 * (0.01 + 0.0051)  # half a radius, for what an impact may ask
-    assert pairs[0] == pairs[1] > 100
 
 
 @pytest.mark.parametrize("settings", [{}, dict(tolerance=1e-16), dict(fixedIterations=5)], ids=["converges", "stagnates", "fixed"])
@@ -81,7 +61,7 @@ def test_an_impact_is_passed_on_whatever_the_margin(O, settings, presses):
             plane.disk((0, -5), 0.01, mass=1, mat=mat)
             for side in (-1, 1):
                 O.bodies[plane.box((0, -5 + 0.011 * side), (0.1, 0.001), mat=mat)].state.vel = (0, -side, 0)
-        O.engines = cd_engine.engines(colliderMargin=margin, **{"tolerance": 1e-6, **settings})
+        O.engines = cd_engine.engines(searchMargin=margin, **{"tolerance": 1e-6, **settings})
         O.dt = 1e-3
         O.run(2, True)
         O.bodies[0].state.vel = (50, 0, 0)

@@ -24,7 +24,7 @@ counter.countPrint({output!r}.encode())
 assert engine.contacts > 20, engine.contacts
 """
 # What YADE asks for in a step of any engine: the collider's new interactions, and teams of threads.
-YADES = ("ForceContainer4sync", "InsertionSortCollider6action")
+YADES = ("ForceContainer4sync", "InteractionContainer")
 OURS = "_yade_plugin.so:"
 
 

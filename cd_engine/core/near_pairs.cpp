@@ -1,0 +1,127 @@
+#include "near_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	constexpr double mostCells = 64; // covered by a body that is kept in the grid
+	constexpr double widthOfCells = 1.5; // boxes of a mean disk
+
+	int32_t cellOf(double at, double width) { return static_cast<int32_t>(std::clamp(std::floor(at / width), -1e9, 1e9)); }
+
+	// Neighbours along x stay neighbours; rows are scattered (Knuth, vol. 3, section 6.4).
+	uint32_t placeOf(const int32_t* cell) { return static_cast<uint32_t>(cell[0]) + static_cast<uint32_t>(cell[1]) * 0x9E3779B1u; }
+
+	bool mayTouch(int32_t p, int32_t q, int32_t apart) { return (p & q) != 0 && !(p == q && (p & apart) != 0); }
+
+} // namespace
+
+const std::vector<NearPair>& NearPairs::find(const World& world, const std::vector<double>& margins)
+{
+	const std::size_t n = world.bodies.size();
+	boxes.resize(n);
+	double sides = 0;
+	std::size_t disks = 0;
+	for (std::size_t i = 0; i < n; i++) {
+		const Body& b = world.bodies[i];
+		const Half half = halfSides(b, world.shapes[i]);
+		const double x = half.x + margins[i], y = half.y + margins[i];
+		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
+		if (world.masks[i] != 0 && b.radius > 0) {
+			sides += 2 * x;
+			disks++;
+		}
+	}
+	found.clear();
+	large.clear();
+	entries.clear();
+	if (disks == 0)
+		return found;
+	const double width = widthOfCells * sides / static_cast<double>(disks);
+	for (std::size_t i = 0; i < n; i++)
+		if (world.masks[i] != 0)
+			enter(static_cast<int32_t>(i), width);
+	sortByPlace();
+	compareInCells(world, margins);
+	for (const int32_t i : large)
+		for (int32_t j = 0; j < static_cast<int32_t>(n); j++)
+			if (!boxes[j].large || j > i)
+				compare(world, margins, i, j);
+	return found;
+}
+
+void NearPairs::enter(int32_t body, double width)
+{
+	Box& box = boxes[body];
+	if (!((box.high[0] - box.low[0] + width) * (box.high[1] - box.low[1] + width) <= mostCells * width * width)) {
+		box.large = true;
+		large.push_back(body);
+		return;
+	}
+	const int32_t last[2] = { cellOf(box.high[0], width), cellOf(box.high[1], width) };
+	for (const int axis : { 0, 1 })
+		box.first[axis] = cellOf(box.low[axis], width);
+	for (int32_t y = box.first[1]; y <= last[1]; y++)
+		for (int32_t x = box.first[0]; x <= last[0]; x++)
+			entries.push_back({ { x, y }, body });
+}
+
+// A counting sort. What shares a place keeps its order.
+void NearPairs::sortByPlace()
+{
+	std::size_t places = 64;
+	while (places < entries.size())
+		places *= 2;
+	const auto mask = static_cast<uint32_t>(places - 1);
+	ends.assign(places, 0);
+	for (const Entry& e : entries)
+		ends[placeOf(e.cell) & mask]++;
+	uint32_t before = 0;
+	for (uint32_t& end : ends) {
+		const uint32_t count = end;
+		end = before; // its begin, until its entries have been moved
+		before += count;
+	}
+	sorted.resize(entries.size());
+	for (const Entry& e : entries)
+		sorted[ends[placeOf(e.cell) & mask]++] = e;
+}
+
+void NearPairs::compareInCells(const World& world, const std::vector<double>& margins)
+{
+	uint32_t begin = 0;
+	for (const uint32_t end : ends) {
+		for (uint32_t k = begin; k < end; k++)
+			for (uint32_t m = k + 1; m < end; m++) {
+				const Entry &p = sorted[k], &q = sorted[m];
+				const Box &r = boxes[p.body], &s = boxes[q.body];
+				if (p.cell[0] == q.cell[0] && p.cell[1] == q.cell[1] && std::max(r.first[0], s.first[0]) == p.cell[0]
+				    && std::max(r.first[1], s.first[1]) == p.cell[1])
+					compare(world, margins, p.body, q.body);
+			}
+		begin = end;
+	}
+}
+
+void NearPairs::compare(const World& world, const std::vector<double>& margins, int32_t a, int32_t b)
+{
+	constexpr double roundOff = 1e-12;
+	const Body &p = world.bodies[a], &q = world.bodies[b];
+	const Box &r = boxes[a], &s = boxes[b];
+	if (r.low[0] > s.high[0] || s.low[0] > r.high[0] || r.low[1] > s.high[1] || s.low[1] > r.high[1])
+		return;
+	if (p.radius > 0 && q.radius > 0) {
+		const double dx = p.x - q.x, dy = p.y - q.y, most = (p.radius + q.radius + margins[a] + margins[b]) * (1 + roundOff);
+		if (dx * dx + dy * dy > most * most)
+			return;
+	} else if (p.radius == q.radius)
+		return; // two boundaries
+	if (!mayTouch(world.masks[a], world.masks[b], world.apart))
+		return;
+	const bool turned = p.radius > 0 && (q.radius == 0 || b < a);
+	found.push_back(turned ? NearPair { 0, b, a } : NearPair { 0, a, b });
+}
+
+} // namespace cd

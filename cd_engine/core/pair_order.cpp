@@ -1,0 +1,69 @@
+#include "pair_order.hpp"
+
+#include <algorithm>
+
+namespace cd {
+namespace {
+
+	constexpr int blockBits = 5; // of 32 disks that follow one another along the curve
+	constexpr int keyBits = 40; // below the number of the block
+
+	// Pairs of the disks of a block stay together, for locality, and are scattered among themselves. So contacts near each other in the list mostly
+	// have no body in common, and can be solved eight at a time (grouping.hpp).
+	uint64_t keyOf(const NearPair& pair, const std::vector<int>& rank)
+	{
+		const uint64_t low = std::min(pair.a, pair.b), high = std::max(pair.a, pair.b);
+		uint64_t h = (low << 32 | high) * 0x9E3779B97F4A7C15ull; // Fibonacci hashing (Knuth, vol. 3, section 6.4)
+		h ^= h >> 32;
+		h *= 0xD6E8FEB86659FD93ull;
+		const uint64_t first = rank.empty() ? low : std::min(rank[pair.a], rank[pair.b]);
+		return first >> blockBits << keyBits | h >> (64 - keyBits);
+	}
+
+	// Different pairs may have one key; their numbers decide then.
+	bool comesFirst(const NearPair& p, const NearPair& q)
+	{
+		return p.key != q.key ? p.key < q.key : std::minmax(p.a, p.b) < std::minmax(q.a, q.b);
+	}
+
+} // namespace
+
+// By counting into blocks, then within each.
+void PairOrder::sort(std::vector<NearPair>& pairs, const std::vector<int>& rank)
+{
+	std::size_t blocks = 0;
+	for (NearPair& pair : pairs) {
+		pair.key = keyOf(pair, rank);
+		blocks = std::max<std::size_t>(blocks, (pair.key >> keyBits) + 1);
+	}
+	begins.assign(blocks + 1, 0);
+	for (const NearPair& pair : pairs)
+		begins[(pair.key >> keyBits) + 1]++;
+	for (std::size_t k = 1; k <= blocks; k++)
+		begins[k] += begins[k - 1];
+	sorted.resize(pairs.size());
+	next = begins;
+	for (const NearPair& pair : pairs)
+		sorted[next[pair.key >> keyBits]++] = pair;
+	for (std::size_t k = 0; k < blocks; k++)
+		std::sort(sorted.begin() + static_cast<long>(begins[k]), sorted.begin() + static_cast<long>(begins[k + 1]), comesFirst);
+	pairs.swap(sorted);
+}
+
+void findAgain(std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& left)
+{
+	left.clear();
+	std::size_t old = 0;
+	const auto leaveUpTo = [&](const NearPair* pair) {
+		for (; old < before.size() && (!pair || comesFirst(before[old], *pair)); old++)
+			left.push_back(static_cast<int32_t>(old));
+	};
+	for (NearPair& pair : now) {
+		leaveUpTo(&pair);
+		const bool same = old < before.size() && !comesFirst(pair, before[old]);
+		pair.from = same ? static_cast<int32_t>(old++) : -1;
+	}
+	leaveUpTo(nullptr);
+}
+
+} // namespace cd

@@ -1,0 +1,127 @@
+#include "pair_search.hpp"
+#include "lost.hpp"
+#include "time_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	constexpr std::size_t fewQuick = 8;
+	// Ways of its own in a step that a body may go before the next search; of the few fastest disks.
+	constexpr double mostWays = 7, spareQuick = 50;
+	// Of the radius: mean margin of the disks that is worth a rest, beyond a way of each.
+	constexpr double meanMargin = 2;
+	// Of its radius: margin of a slow disk where others are fast.
+	constexpr double hitRadius = 0.5;
+
+} // namespace
+
+// The ways of the bodies in this step, and what they need.
+void PairSearch::measure(const World& world, double dt, const std::vector<double>& outran)
+{
+	const std::size_t count = world.bodies.size();
+	ways.assign(count, 0);
+	needs.assign(count, 0);
+	fastest = 0;
+	for (std::size_t i = 0; i < count; i++) {
+		if (world.masks[i] == 0)
+			continue;
+		ways[i] = wayOf(world.bodies[i], world.shapes[i], dt);
+		needs[i] = reachOf(world.bodies[i], world.shapes[i], dt);
+		if (i < outran.size())
+			needs[i] = std::max(needs[i], outran[i]);
+		fastest = std::max(fastest, ways[i]);
+	}
+}
+
+// Margins that serve for some steps. The few fastest disks, which may be far from all others, get the widest. Where bodies are fast, slow ones get
+// what an impact may ask of them.
+void PairSearch::chooseMargins(const World& world)
+{
+	const std::size_t count = world.bodies.size();
+	quick.clear();
+	for (std::size_t i = 0; i < count; i++)
+		if (world.bodies[i].radius > 0 && ways[i] > least)
+			quick.push_back(i);
+	const std::size_t many = std::min(fewQuick, quick.size());
+	std::partial_sort(quick.begin(), quick.begin() + static_cast<long>(many), quick.end(),
+	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
+	quick.resize(many);
+	margins.resize(count);
+	double radii = 0, need = 0, way = 0; // sums over the disks
+	for (std::size_t i = 0; i < count; i++)
+		if (world.bodies[i].radius > 0) {
+			radii += world.bodies[i].radius;
+			need += needs[i];
+			way += ways[i];
+		}
+	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, 1., mostWays) : mostWays;
+	for (std::size_t i = 0; i < count; i++) {
+		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
+		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });
+	}
+	for (const std::size_t i : quick)
+		margins[i] = needs[i] + spareQuick * ways[i];
+}
+
+// What of its margin a body has used up by moving [m]; infinite if it is another one now.
+double PairSearch::used(const World& world, std::size_t i) const
+{
+	const Body& b = world.bodies[i];
+	if (b.radius != seen[i].radius || world.masks[i] != seenMasks[i])
+		return endless;
+	double way = std::hypot(b.x - seen[i].x, b.y - seen[i].y);
+	if (b.radius == 0) {
+		const Shape &now = world.shapes[i], &then = seenShapes[i];
+		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
+			return endless;
+		if (now.kind == ShapeKind::box)
+			way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
+	}
+	return way;
+}
+
+// Whether what is left of every margin is enough. Fills World::listed.
+bool PairSearch::stillComplete(World& world) const
+{
+	world.listed.resize(seen.size());
+	for (std::size_t i = 0; i < seen.size(); i++) {
+		world.listed[i] = margins[i] - used(world, i);
+		if (!(needs[i] <= world.listed[i]))
+			return false;
+		if (world.masks[i] == 0)
+			world.listed[i] = endless;
+	}
+	return true;
+}
+
+bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran)
+{
+	const double smallest = smallestRadius(world);
+	least = std::isinf(smallest) ? 0 : leastMargin * smallest;
+	measure(world, dt, outran);
+	longest = fastest / smallest;
+	return seen.size() != world.bodies.size() || world.apart != seenApart || !stillComplete(world);
+}
+
+const std::vector<NearPair>& PairSearch::find(World& world)
+{
+	chooseMargins(world);
+	seen.clear();
+	for (const Body& b : world.bodies)
+		seen.push_back({ b.x, b.y, b.radius });
+	seenShapes = world.shapes;
+	seenMasks = world.masks;
+	seenApart = world.apart;
+	world.listed = margins;
+	for (std::size_t i = 0; i < seenMasks.size(); i++)
+		if (seenMasks[i] == 0)
+			world.listed[i] = endless;
+	return nearPairs.find(world, margins);
+}
+
+int PairSearch::lost(const World& world) const { return leftBehind(world, quick); }
+
+} // namespace cd

@@ -1,0 +1,45 @@
+// When near pairs have to be searched anew, and how far around each body.
+#pragma once
+
+#include "near_pairs.hpp"
+
+namespace cd {
+
+// Each body has a margin of its own, up to which pairs are listed. The list stays complete until the bodies have used their margins up by moving. A
+// fast body has a wide margin and makes nobody else's wider. Which further pairs are listed changes no result (pair_order.hpp).
+class PairSearch {
+    public:
+	// Whether the list does not hold all pairs that this step may need, with the bodies as they are now; else fills World::listed.
+	// least: the margin of slow bodies as a fraction of the smallest radius. outran: StepReport::outran of a step that is made again; else empty.
+	bool needed(World&, double dt, double least, const std::vector<double>& outran);
+	// The pairs, in no order. Fills World::listed. Call `needed` first.
+	const std::vector<NearPair>& find(World&);
+
+	// The body that has left all others behind, -1: none.
+	int lost(const World&) const;
+	// Of the fastest body in this step, in radii of the smallest disk.
+	double longestWay() const { return longest; }
+	double marginOf(int32_t body) const { return margins[body]; }
+
+    private:
+	struct Place {
+		double x, y, radius;
+	};
+	void measure(const World&, double dt, const std::vector<double>& outran);
+	void chooseMargins(const World&);
+	double used(const World&, std::size_t body) const;
+	bool stillComplete(World&) const;
+
+	double least = 0; // margin [m]
+	double fastest = 0, longest = 0; // way of a body in this step [m], and over the smallest radius
+	std::vector<double> ways, needs; // of the bodies in this step, and how far from them pairs have to be listed [m]
+	std::vector<std::size_t> quick; // the fastest disks
+	std::vector<double> margins; // of the bodies at the last search [m]
+	std::vector<Place> seen; // the bodies then
+	std::vector<Shape> seenShapes;
+	std::vector<int32_t> seenMasks;
+	int32_t seenApart = 0;
+	NearPairs nearPairs;
+};
+
+} // namespace cd
