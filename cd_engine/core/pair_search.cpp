@@ -10,9 +10,9 @@ namespace {
 
 	constexpr std::size_t fewQuick = 8;
 	// Ways of its own in a step that a body may go before the next search; of the few fastest disks.
-	constexpr double mostWays = 7, spareQuick = 50;
+	constexpr double leastWays = 1.01, mostWays = 4, spareQuick = 50;
 	// Of the radius: mean margin of the disks that is worth a rest, beyond a way of each.
-	constexpr double meanMargin = 2;
+	constexpr double meanMargin = 0.5;
 	// Of its radius: margin of a slow disk where others are fast.
 	constexpr double hitRadius = 0.5;
 
@@ -57,7 +57,7 @@ void PairSearch::chooseMargins(const World& world)
 			need += needs[i];
 			way += ways[i];
 		}
-	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, 1., mostWays) : mostWays;
+	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, leastWays, mostWays) : mostWays;
 	for (std::size_t i = 0; i < count; i++) {
 		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
 		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });

@@ -1,4 +1,4 @@
-"""The collider rests while displacements stay within its margin; that changes cost and nothing else."""
+"""Pairs are searched anew when bodies have moved through their margins; YADE's collider rests. Both change cost and nothing else."""
 
 import pytest
 
@@ -46,7 +46,7 @@ def test_it_rests_within_a_run_and_is_awake_after_it(O):
 
 @pytest.mark.parametrize("change", ["move a disk by hand", "append a disk", "grow a disk"])
 def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
-    """A new contact that only a run of the collider can find."""
+    """A new contact that only another search can find."""
     import yade
     mat = plane.material()
     plane.floor(mat)
@@ -78,7 +78,7 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
 
 @pytest.mark.parametrize("speed", [1, 5, 20, 100])
 def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
-    """At 100 m/s a disk of 1 cm goes ten radii a step; the bounds are widened to what a step needs."""
+    """At 100 m/s a disk of 1 cm goes ten radii a step; pairs are listed as far as a step needs."""
     mat = plane.material()
     plane.floor(mat)
     falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed), mat=mat)

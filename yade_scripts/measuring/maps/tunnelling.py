@@ -10,10 +10,10 @@ from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, 
 DISTANCES = (2.13, 2.38, 2.63, 2.88)  # in ways of a step: the phases at which the step meets the wall
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
 NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for a flight that begins in front of the wall, within half a step
-SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}, "CD colliderMargin=0": {"colliderMargin": 0.0}}
+SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}}
 DEPTH = 0.5
 
-KINDS = ("MD", "CD", "CD e=0.5", "CD from near", "CD colliderMargin=0")
+KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
 
 
 def grid(full):
@@ -38,8 +38,8 @@ MAP = Map(
     question="How fast must a disk be to pass through a wall?",
     criterion="A disk flies at a fixed box without gravity, from four distances; springs have no dashpots and md_dt_factor 0.2. Unstable: "
               "the disk ends beyond the box. Inaccurate: on its way it overlaps the box by more than half its radius.",
-    remedy="A rigid disk is stopped at any speed if colliderMargin is above 0, as cd_engine.engines sets it. Exception: a flight that begins "
-           "within half a step of the wall may end up to a radius deep in it. Springs stop a disk if v sqrt(m/k_n) is below R; for an "
+    remedy="A rigid disk is stopped at any speed. Exception: a flight that begins within half a step of the wall may end up to a radius deep "
+           "in it. Springs stop a disk if v sqrt(m/k_n) is below R; for an "
            "overlap below a tenth of R, k_n must exceed 100 m v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
     measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},

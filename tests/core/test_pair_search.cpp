@@ -1,0 +1,231 @@
+// Near pairs: against a look at all of them, while bodies move.
+#include "pair_order.hpp"
+#include "pair_search.hpp"
+#include "time_step.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <set>
+
+using namespace cd;
+
+namespace {
+
+using Ids = std::set<std::pair<int, int>>;
+
+// Disks of unequal size and speed, some boxes, a wall, a disk that is far away and fast, one that is in no contact.
+World scene(int disks, unsigned seed, double speed)
+{
+	std::mt19937 draw(seed);
+	std::uniform_real_distribution<double> u(0, 1);
+	World w;
+	const double size = 0.02 * std::sqrt(disks);
+	const auto add = [&](const Body& b, const Shape& s) {
+		w.bodies.push_back(b);
+		w.shapes.push_back(s);
+		w.masks.push_back(1);
+	};
+	for (int i = 0; i < disks; i++) {
+		Body b;
+		b.x = size * (u(draw) - 0.5);
+		b.y = size * (u(draw) - 0.5);
+		b.radius = 0.01 * (0.2 + u(draw));
+		const double fast = u(draw) < 0.05 ? 50 * speed : speed;
+		b.v[0] = fast * (u(draw) - 0.5);
+		b.v[1] = fast * (u(draw) - 0.5);
+		std::fill_n(b.inverseMass, 3, 1);
+		add(b, {});
+	}
+	for (int i = 0; i < 12; i++) {
+		Body b;
+		b.x = size * (u(draw) - 0.5);
+		b.y = size * (u(draw) - 0.5);
+		Shape s;
+		s.kind = ShapeKind::box;
+		s.ex = i == 0 ? size : 0.05 * u(draw);
+		s.ey = 0.01 * u(draw);
+		s.cosine = std::cos(i);
+		s.sine = std::sin(i);
+		add(b, s);
+	}
+	Body b;
+	Shape s;
+	s.kind = ShapeKind::wall;
+	s.axis = 1;
+	b.y = -0.4 * size;
+	add(b, s);
+	w.bodies[3].x = 1e6;
+	w.bodies[3].v[0] = 1e3;
+	w.masks[4] = 0;
+	return w;
+}
+
+bool twoBoundaries(const World& w, int i, int j) { return w.bodies[i].radius == 0 && w.bodies[j].radius == 0; }
+
+double gap(const World& w, int i, int j)
+{
+	if (w.bodies[i].radius > 0)
+		std::swap(i, j); // a boundary comes first
+	return -locateContact(placeAhead(w.bodies[i], 0), placeAhead(w.bodies[j], 0), w.shapes[i]).overlap;
+}
+
+// Those that a step may need.
+Ids needed(const World& w, double dt)
+{
+	Ids ids;
+	const int n = static_cast<int>(w.bodies.size());
+	for (int i = 0; i < n; i++)
+		for (int j = i + 1; j < n; j++)
+			if ((w.masks[i] & w.masks[j]) != 0 && !twoBoundaries(w, i, j)
+			    && gap(w, i, j) <= reachOf(w.bodies[i], w.shapes[i], dt) + reachOf(w.bodies[j], w.shapes[j], dt))
+				ids.insert({ i, j });
+	return ids;
+}
+
+Ids listed(const std::vector<NearPair>& pairs)
+{
+	Ids ids;
+	for (const NearPair& p : pairs)
+		CHECK(ids.insert(std::minmax(p.a, p.b)).second); // each once
+	return ids;
+}
+
+} // namespace
+
+TEST_CASE("the list holds all pairs that a step may need until it is made anew")
+{
+	constexpr double dt = 1e-3;
+	for (const double speed : { 0.1, 3. })
+		for (unsigned seed = 1; seed <= 5; seed++) {
+			World w = scene(150, seed, speed);
+			PairSearch search;
+			std::vector<NearPair> pairs;
+			int searches = 0;
+			for (int step = 0; step < 60; step++) {
+				if (search.needed(w, dt, 0.1, {})) {
+					pairs = search.find(w);
+					searches++;
+				}
+				const Ids found = listed(pairs), all = needed(w, dt);
+				CHECK(std::includes(found.begin(), found.end(), all.begin(), all.end()));
+				for (std::size_t i = 0; i < w.bodies.size(); i++)
+					CHECK((w.masks[i] == 0 || w.listed[i] >= reachOf(w.bodies[i], w.shapes[i], dt)));
+				for (Body& b : w.bodies) {
+					b.x += dt * b.v[0];
+					b.y += dt * b.v[1];
+				}
+			}
+			CHECK(searches > 1);
+			CHECK(searches < 60);
+		}
+}
+
+TEST_CASE("fast bodies make nobody else's margin wider")
+{
+	std::size_t slow = 0;
+	for (const double speed : { 0., 30. }) {
+		World w = scene(400, 7, 0);
+		for (int k = 0; k < 12; k++) { // above the others
+			Body b = w.bodies[0];
+			b.x = 0.05 * k;
+			b.y = 5;
+			b.v[0] = speed;
+			w.bodies.push_back(b);
+			w.shapes.emplace_back();
+			w.masks.push_back(1);
+		}
+		w.bodies[3].v[0] = 0;
+		PairSearch search;
+		REQUIRE(search.needed(w, 1e-3, 0.1, {}));
+		std::size_t among = 0;
+		for (const NearPair& p : search.find(w))
+			among += std::max(p.a, p.b) < 413;
+		if (speed == 0)
+			slow = among;
+		else
+			CHECK(among <= 2 * slow); // half a radius, for what an impact may ask
+	}
+}
+
+TEST_CASE("what changes a body makes the list anew")
+{
+	World w = scene(50, 1, 0);
+	w.bodies[3].v[0] = 0;
+	PairSearch search;
+	REQUIRE(search.needed(w, 1e-3, 0.1, {}));
+	search.find(w);
+	CHECK(!search.needed(w, 1e-3, 0.1, {}));
+	World other = w;
+	other.bodies[5].radius *= 1.01;
+	CHECK(search.needed(other, 1e-3, 0.1, {}));
+	other = w;
+	other.masks[5] = 2;
+	CHECK(search.needed(other, 1e-3, 0.1, {}));
+	other = w;
+	other.apart = 1;
+	CHECK(search.needed(other, 1e-3, 0.1, {}));
+	other = w;
+	other.shapes[52].sine = 0;
+	CHECK(search.needed(other, 1e-3, 0.1, {}));
+	other = w;
+	other.bodies.pop_back();
+	other.shapes.pop_back();
+	other.masks.pop_back();
+	CHECK(search.needed(other, 1e-3, 0.1, {}));
+}
+
+TEST_CASE("masks keep bodies apart as YADE's do")
+{
+	World w = scene(80, 2, 0);
+	for (std::size_t i = 0; i < w.masks.size(); i++)
+		w.masks[i] = 1 + static_cast<int>(i % 3); // 1, 2, 3
+	PairSearch search;
+	search.needed(w, 1e-3, 1, {});
+	bool unequal = false;
+	for (const NearPair& p : search.find(w)) {
+		CHECK((w.masks[p.a] & w.masks[p.b]) != 0);
+		unequal = unequal || w.masks[p.a] != w.masks[p.b];
+	}
+	CHECK(unequal);
+	w.apart = 2;
+	REQUIRE(search.needed(w, 1e-3, 1, {}));
+	for (const NearPair& p : search.find(w))
+		CHECK((w.masks[p.a] != w.masks[p.b] || w.masks[p.a] == 1));
+}
+
+TEST_CASE("pairs keep their places in the order whatever others are listed, and are found again")
+{
+	World w = scene(300, 3, 0);
+	PairSearch narrow, wide;
+	narrow.needed(w, 1e-3, 0.1, {});
+	wide.needed(w, 1e-3, 3, {});
+	std::vector<NearPair> few = narrow.find(w), many = wide.find(w);
+	PairOrder order;
+	std::mt19937 draw(1);
+	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
+	std::iota(rank.begin(), rank.begin() + 300, 0);
+	std::shuffle(rank.begin(), rank.begin() + 300, draw);
+	for (const std::vector<int>& ranks : { std::vector<int> {}, rank }) {
+		std::shuffle(few.begin(), few.end(), draw);
+		order.sort(few, ranks);
+		order.sort(many, ranks);
+		std::vector<int32_t> left;
+		findAgain(few, many, left);
+		REQUIRE(few.size() < many.size());
+		CHECK(left.size() == many.size() - few.size());
+		int32_t before = -1;
+		for (const NearPair& p : few) {
+			REQUIRE(p.from > before);
+			CHECK(many[p.from].a == p.a);
+			CHECK(many[p.from].b == p.b);
+			before = p.from;
+		}
+		findAgain(many, few, left);
+		CHECK(left.empty());
+	}
+}
