@@ -8,6 +8,7 @@ namespace {
 
 	constexpr int rounds = 30; // of Newton's method; each finds which contacts close
 	constexpr int halvings = 50; // in the search for the length of a step of it
+	constexpr double exactly = 1e-3; // of the gradient, in one round: the next one finds other contacts
 	constexpr double solved = 1e-15; // share of the terms of the gradient that is round-off
 	// Tolerances by which the contacts together may close in a step that counts as solved. (The tests allow ten of them at a single contact.)
 	constexpr double missed = 3;
@@ -32,11 +33,10 @@ namespace {
 			unknowns = 3 * s.bodies.size();
 			const double scale = std::sqrt(closing(b)), all = std::max(scale, std::sqrt(closing(q)));
 			const double least = std::max(share * scale, missed * tolerance * all);
-			if (!(closing(r) > least * least))
-				return -1;
+			tryRigidMotion(free);
 			for (int k = 0; k < rounds && left > 0; k++) {
 				const double before = closing(r);
-				if (!(before > share * share * scale * scale))
+				if (!(before > least * least))
 					return -1;
 				gradient(r, g);
 				if (square(g) <= solved * solved * terms(r))
@@ -86,6 +86,57 @@ namespace {
 				relativeVelocity(c, system->bodies[c.a], system->bodies[c.b], un, ut);
 				r.push_back((un + c.bias) / root);
 			}
+		}
+
+		// Begins with the one motion of all bodies that the boundaries share, where that closes less: a drum that turns, a box that is shaken.
+		void tryRigidMotion(const std::vector<double>& free)
+		{
+			if (system->places.empty())
+				return;
+			const auto prescribed = [&](int32_t i) { return system->bodies[i].w[0] == 0 && system->bodies[i].w[1] == 0; };
+			touched.assign(system->bodies.size(), 0);
+			double x = 0, y = 0, vx = 0, vy = 0, spin = 0, turn = 0, spread = 0;
+			int count = 0;
+			for (const int32_t row : rows)
+				for (const int32_t i : { system->contacts[row].a, system->contacts[row].b }) {
+					if (!prescribed(i) || touched[i])
+						continue;
+					touched[i] = 1;
+					count++;
+					x += system->places[i][0];
+					y += system->places[i][1];
+					vx += free[3 * i];
+					vy += free[3 * i + 1];
+					spin += free[3 * i + 2];
+				}
+			if (count == 0)
+				return;
+			for (double* mean : { &x, &y, &vx, &vy, &spin })
+				*mean /= count;
+			for (std::size_t i = 0; i < touched.size(); i++)
+				if (touched[i]) {
+					const double dx = system->places[i][0] - x, dy = system->places[i][1] - y;
+					turn += dx * (free[3 * i + 1] - vy) - dy * (free[3 * i] - vx);
+					spread += dx * dx + dy * dy;
+				}
+			if (spread > 0)
+				spin = turn / spread;
+			motion = free;
+			for (std::size_t i = 0; i < touched.size(); i++) {
+				const double rigid[3] = { vx - spin * (system->places[i][1] - y), vy + spin * (system->places[i][0] - x), spin };
+				for (int k = 0; k < 3; k++)
+					if (system->bodies[i].w[k] > 0)
+						motion[3 * i + k] = rigid[k];
+			}
+			w.clear();
+			for (const int32_t row : rows) {
+				const ContactRow& c = system->contacts[row];
+				const double *a = &motion[3 * c.a], *z = &motion[3 * c.b];
+				const double un = c.nx * (z[0] - a[0]) + c.ny * (z[1] - a[1]) + c.bn * z[2] - c.an * a[2];
+				w.push_back((un + c.bias) / std::sqrt(c.wnn));
+			}
+			if (closing(w) < closing(r))
+				r = w;
 		}
 
 		static double closing(const std::vector<double>& r)
@@ -146,7 +197,7 @@ namespace {
 				e = -e;
 			direction = g;
 			double gg = square(g);
-			const double goal = gg * 1e-24;
+			const double goal = gg * exactly * exactly;
 			while (gg > goal && gg > solved * solved * terms(r) && left-- > 0) {
 				along(direction, w);
 				double ww = 0;
@@ -213,6 +264,8 @@ namespace {
 		std::vector<double> q; // the same without impulses, of all bodies
 		std::vector<double> r; // J v + b, of the velocities found at first
 		std::size_t unknowns = 0;
+		std::vector<char> touched; // whether a body is a boundary that has a contact
+		std::vector<double> motion; // of the bodies
 		std::vector<double> g, step, direction; // of the bodies
 		std::vector<double> w, rest, change; // of the contacts
 	};

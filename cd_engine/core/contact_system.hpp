@@ -10,6 +10,7 @@
 // `bias` [m/s] carries the gap of the step (gap/h) or Newton's restitution (e u_n before the step).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -65,6 +66,7 @@ struct ContactRow {
 static_assert(sizeof(ContactRow) == 8 + 13 * 8);
 
 struct ContactSystem {
+	std::vector<std::array<double, 2>> places; // of the bodies' centres [m]; empty where they are not known
 	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
 	std::vector<ContactRow> contacts; // solvers may sweep them in any order but leave this order alone
 

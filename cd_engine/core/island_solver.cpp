@@ -167,6 +167,8 @@ int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
 		place[body] = static_cast<int32_t>(partBodies.size());
 		partBodies.push_back(body);
 		part.bodies.push_back(system.bodies[body]);
+		if (!system.places.empty())
+			part.places.push_back(system.places[body]);
 	}
 	return place[body];
 }
@@ -175,6 +177,7 @@ int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
 void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Island&))
 {
 	part.bodies.clear();
+	part.places.clear();
 	part.contacts.clear();
 	partBodies.clear();
 	partContacts.clear();

@@ -7,12 +7,17 @@ namespace cd {
 namespace {
 
 	constexpr double mostCells = 64; // covered by a body that is kept in the grid
-	constexpr double widthOfCells = 1.5; // boxes of a mean disk
-
-	int32_t cellOf(double at, double width) { return static_cast<int32_t>(std::clamp(std::floor(at / width), -1e9, 1e9)); }
+	constexpr double widthOfCells = 1.5; // boxes of the median disk
 
 	// Neighbours along x stay neighbours; rows are scattered (Knuth, vol. 3, section 6.4).
 	uint32_t placeOf(const int32_t* cell) { return static_cast<uint32_t>(cell[0]) + static_cast<uint32_t>(cell[1]) * 0x9E3779B1u; }
+
+	double median(std::vector<double>& values)
+	{
+		const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+		std::nth_element(values.begin(), middle, values.end());
+		return *middle;
+	}
 
 	bool mayTouch(int32_t p, int32_t q, int32_t apart) { return (p & q) != 0 && !(p == q && (p & apart) != 0); }
 
@@ -22,27 +27,31 @@ const std::vector<NearPair>& NearPairs::find(const World& world, const std::vect
 {
 	const std::size_t n = world.bodies.size();
 	boxes.resize(n);
-	double sides = 0;
-	std::size_t disks = 0;
+	for (auto& values : { &sides, &xs, &ys })
+		values->clear();
 	for (std::size_t i = 0; i < n; i++) {
 		const Body& b = world.bodies[i];
 		const Half half = halfSides(b, world.shapes[i]);
 		const double x = half.x + margins[i], y = half.y + margins[i];
 		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
 		if (world.masks[i] != 0 && b.radius > 0) {
-			sides += 2 * x;
-			disks++;
+			sides.push_back(2 * x);
+			xs.push_back(b.x);
+			ys.push_back(b.y);
 		}
 	}
 	found.clear();
 	large.clear();
 	entries.clear();
-	if (disks == 0)
+	if (sides.empty())
 		return found;
-	const double width = widthOfCells * sides / static_cast<double>(disks);
+	// Medians: neither a giant nor a body far away makes the cells useless.
+	width = widthOfCells * median(sides);
+	origin[0] = median(xs);
+	origin[1] = median(ys);
 	for (std::size_t i = 0; i < n; i++)
 		if (world.masks[i] != 0)
-			enter(static_cast<int32_t>(i), width);
+			enter(static_cast<int32_t>(i));
 	sortByPlace();
 	compareInCells(world, margins);
 	for (const int32_t i : large)
@@ -52,7 +61,9 @@ const std::vector<NearPair>& NearPairs::find(const World& world, const std::vect
 	return found;
 }
 
-void NearPairs::enter(int32_t body, double width)
+int32_t NearPairs::cellOf(double at, int axis) const { return static_cast<int32_t>(std::clamp(std::floor((at - origin[axis]) / width), -1e9, 1e9)); }
+
+void NearPairs::enter(int32_t body)
 {
 	Box& box = boxes[body];
 	if (!((box.high[0] - box.low[0] + width) * (box.high[1] - box.low[1] + width) <= mostCells * width * width)) {
@@ -60,9 +71,9 @@ void NearPairs::enter(int32_t body, double width)
 		large.push_back(body);
 		return;
 	}
-	const int32_t last[2] = { cellOf(box.high[0], width), cellOf(box.high[1], width) };
+	const int32_t last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
 	for (const int axis : { 0, 1 })
-		box.first[axis] = cellOf(box.low[axis], width);
+		box.first[axis] = cellOf(box.low[axis], axis);
 	for (int32_t y = box.first[1]; y <= last[1]; y++)
 		for (int32_t x = box.first[0]; x <= last[0]; x++)
 			entries.push_back({ { x, y }, body });

@@ -16,7 +16,7 @@ struct NearPair {
 
 // Each body lies in a box, wider than itself by its margin, and stands in every cell that its box covers. Two bodies are compared in the first cell
 // that they share. Cells are kept in a table of as many places as there are entries, which far cells share: one body far away costs nothing.
-// Boundaries that cover many cells are compared with every disk.
+// Bodies that cover many cells are compared with all others.
 class NearPairs {
     public:
 	// All pairs, two boundaries excepted, whose surfaces are at most as far from each other as the sum of their margins [m]; of boxes also some
@@ -32,11 +32,14 @@ class NearPairs {
 	struct Entry {
 		int32_t cell[2], body;
 	};
-	void enter(int32_t body, double width);
+	int32_t cellOf(double at, int axis) const;
+	void enter(int32_t body);
 	void sortByPlace();
 	void compareInCells(const World&, const std::vector<double>& margins);
 	void compare(const World&, const std::vector<double>& margins, int32_t a, int32_t b);
 
+	double width = 0, origin[2] = { 0, 0 }; // of the cells [m]
+	std::vector<double> sides, xs, ys; // of the disks, scratch
 	std::vector<Box> boxes;
 	std::vector<int32_t> large;
 	std::vector<Entry> entries, sorted;

@@ -16,15 +16,19 @@ namespace {
 		uint64_t h = (low << 32 | high) * 0x9E3779B97F4A7C15ull; // Fibonacci hashing (Knuth, vol. 3, section 6.4)
 		h ^= h >> 32;
 		h *= 0xD6E8FEB86659FD93ull;
-		const uint64_t first = rank.empty() ? low : std::min(rank[pair.a], rank[pair.b]);
+		// A body has no rank if it was no disk when the ranks were made.
+		const uint64_t first = rank.empty() ? low : std::min<uint64_t>(std::min(rank[pair.a], rank[pair.b]), rank.size());
 		return first >> blockBits << keyBits | h >> (64 - keyBits);
 	}
 
 	// Different pairs may have one key; their numbers decide then.
-	bool comesFirst(const NearPair& p, const NearPair& q)
-	{
-		return p.key != q.key ? p.key < q.key : std::minmax(p.a, p.b) < std::minmax(q.a, q.b);
-	}
+	struct ComesFirst {
+		bool operator()(const NearPair& p, const NearPair& q) const
+		{
+			return p.key != q.key ? p.key < q.key : std::minmax(p.a, p.b) < std::minmax(q.a, q.b);
+		}
+	};
+	constexpr ComesFirst comesFirst;
 
 } // namespace
 

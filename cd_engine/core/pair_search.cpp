@@ -88,11 +88,9 @@ bool PairSearch::stillComplete(World& world) const
 {
 	world.listed.resize(seen.size());
 	for (std::size_t i = 0; i < seen.size(); i++) {
-		world.listed[i] = margins[i] - used(world, i);
+		world.listed[i] = world.masks[i] == 0 && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
 		if (!(needs[i] <= world.listed[i]))
 			return false;
-		if (world.masks[i] == 0)
-			world.listed[i] = endless;
 	}
 	return true;
 }

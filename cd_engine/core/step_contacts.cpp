@@ -10,6 +10,10 @@ namespace {
 
 	constexpr double nearby = 1e-3; // of a disk's radius: gaps as wide as this are contacts however slow the bodies are
 
+	// A pair is a contact if its bodies come as near in the step as this times their relative way and this share of the radius: impulses of other
+	// contacts may change both velocities. At most twice the ways that both bodies go.
+	constexpr double soon = 1.2, pushed = 0.2, farthest = 2;
+
 	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off, and are left
 
 	constexpr double quick = 1 + 1e-3; // times what a speed needs to close a gap, above what round-off can hide
@@ -26,8 +30,12 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-// Two ways of each body, as in contactGap, and the half way that each goes until contact is looked at.
-double reachOf(const Body& b, const Shape& shape, double dt) { return 2.5 * wayOf(b, shape, dt) + nearby * b.radius; }
+// As in mayClose, for any other body; and the half way that each goes until contact is looked at.
+double reachOf(const Body& b, const Shape& shape, double dt)
+{
+	const double way = wayOf(b, shape, dt), most = farthest * way;
+	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
+}
 
 void TimeStep::freeVelocities(const World& world, double dt)
 {
@@ -51,10 +59,12 @@ void TimeStep::locateBodies(const World& world, double dt)
 {
 	places.resize(world.bodies.size());
 	ways.resize(world.bodies.size());
+	system.places.resize(world.bodies.size());
 	for (size_t i = 0; i < places.size(); i++) {
 		const Body& b = world.bodies[i];
 		const double* v = system.bodies[i].v; // free
 		places[i] = placeAhead(b, 0.5 * dt);
+		system.places[i] = { places[i].x, places[i].y };
 		ways[i] = dt * std::max(outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
 	}
 }
@@ -97,11 +107,27 @@ inline double TimeStep::turning(const Pair& pair, const World& world, const Touc
 	return gapByTurning(shape, a, b, touch, distance - std::max(gap, 0.), va, vb, dt);
 }
 
-// Up to which a pair is a contact. Of its two bodies alone, so that a fast one makes no contacts elsewhere.
-inline double TimeStep::contactGap(const Pair& pair) const
+// How fast two bodies move against each other, at most, at any point of their outlines [m/s].
+inline double TimeStep::relativeSpeed(const Pair& pair, const World& world, const double* a, const double* b) const
 {
-	const double a = places[pair.a].radius, b = places[pair.b].radius;
-	return 2 * (ways[pair.a] + ways[pair.b]) + nearby * (a > 0 ? std::min(a, b) : b);
+	const Shape& shape = world.shapes[pair.a];
+	const double turns = places[pair.a].radius == 0 && shape.kind == ShapeKind::box ? std::abs(a[2]) * std::hypot(shape.ex, shape.ey) : 0;
+	const double x = b[0] - a[0], y = b[1] - a[1];
+	return std::sqrt(x * x + y * y) + turns;
+}
+
+// Whether a pair is a contact by its gap and by the velocities of its two bodies alone, so that a fast body makes no contacts elsewhere.
+inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap, double dt) const
+{
+	const double a = places[pair.a].radius, b = places[pair.b].radius, radius = a > 0 ? std::min(a, b) : b;
+	const double beyond = gap - nearby * radius;
+	if (beyond > farthest * (ways[pair.a] + ways[pair.b]))
+		return false;
+	if (beyond <= pushed * radius)
+		return true;
+	const double before = relativeSpeed(pair, world, world.bodies[pair.a].v, world.bodies[pair.b].v);
+	const double free = relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
+	return beyond <= soon * dt * std::max(before, free) + pushed * radius;
 }
 
 inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings)
@@ -201,7 +227,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, bool sto
 			forgotten.push_back(i);
 		}
 		gaps[i] = gap;
-		if (gap <= contactGap(pair) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
+		if (mayClose(pair, world, gap, settings.dt) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
 			addRow(world, i, touch, gap, settings);
 		else {
 			pair.pn = pair.pt = 0;
@@ -250,7 +276,9 @@ bool TimeStep::outruns(const World& world, double dt, StepReport& report) const
 bool TimeStep::within(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
-	return gaps[index] <= quick * dt * (means[pair.a].speed + means[pair.b].speed);
+	if (gaps[index] > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // most
+		return false;
+	return gaps[index] <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
 }
 
 // Whether the solution lets a pair that was left out cross its gap within the step.

@@ -59,8 +59,8 @@ class TimeStep {
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
-	// gap is at most twice the ways that both bodies go by themselves and a thousandth of the smaller disk. If the solution lets one cross its
-	// gap that was left out, the step is solved again with that and all that both bodies of a pair are now fast enough to reach.
+	// bodies may close their gap at their present velocities (mayClose). If the solution lets one cross its gap that was left out, the step is solved
+	// again with that and all others that the new velocities can close.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
 	// Of the last step: the pairs that had a contact, and where.
@@ -84,7 +84,8 @@ class TimeStep {
 	void noteLoads(const World&, const StepSettings&);
 	void locateBodies(const World&, double dt);
 	void meanVelocities(const World&, double dt, bool solved);
-	double contactGap(const Pair&) const;
+	double relativeSpeed(const Pair&, const World&, const double* a, const double* b) const;
+	bool mayClose(const Pair&, const World&, double gap, double dt) const;
 	void findContacts(World&, const StepSettings&, bool stops);
 	bool stopAtFace(const Pair&, const World&, const Touch&, double dt);
 	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;

@@ -124,8 +124,7 @@ inline const char* const ContactDynamics::documentation
     = "Contact Dynamics for disks in the plane: rigid bodies, unilateral contact (Signorini) and exact, non-associated Coulomb friction, "
       "solved implicitly for all contacts of a step at once; moves the bodies by the Moreau-Jean scheme. Takes the place of InteractionLoop "
       "and "
-      "NewtonIntegrator; stands after ForceResetter and a collider that reports pairs before they touch (:py:func:`cd_engine.engines` makes "
-      "the list). "
+      "NewtonIntegrator; stands after ForceResetter (:py:func:`cd_engine.engines` makes the list). Finds near pairs itself, without a collider. "
       "Disks are Sphere bodies with blockedDOFs='zXY' in one plane of constant z; Box (turned about z at will) and Wall are boundaries: "
       "fixed, moving at a "
       "prescribed velocity, or free in some freedoms and pushed by O.forces. Two boundaries never touch each other. Friction: the smaller "
@@ -262,8 +261,7 @@ template <class Class> void ContactDynamics::methods(Class& cls)
 	    "other "
 	    "codes; the ids of the bodies of each contact are in its data set contact_ids. Nothing in the scene changes. External forces are gravity "
 	    "and "
-	    "the permanent ones (O.forces.setPermF); what engines add in the course of a step is not known before it, and is left out. Pairs are "
-	    "those the collider has found, so at least one step must have been made, by this engine or by springs.");
+	    "the permanent ones (O.forces.setPermF); what engines add in the course of a step is not known before it, and is left out. ");
 }
 
 } // namespace cd_engine

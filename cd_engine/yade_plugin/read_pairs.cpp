@@ -1,4 +1,4 @@
-// The near pairs the collider found, their friction, reference overlaps and the forces they carry now.
+// The near pairs, their friction, reference overlaps and the forces they carry now.
 #include "inheritance.hpp"
 #include "scene_link.hpp"
 
@@ -81,6 +81,16 @@ void SceneLink::forget(yade::Interaction* interaction) const
 	at<long>(interaction, layout.interaction_iterMadeReal) = -1;
 }
 
+// The bodies of an interaction stand in the order of its pair; YADE's own functors, too, want the boundary first.
+void SceneLink::turn(std::size_t index) const
+{
+	yade::Interaction* const interaction = interactions[index];
+	if (inspecting || at<int>(interaction, layout.interaction_id1) == pairs[index].a)
+		return;
+	forget(interaction);
+	interaction->swapOrder();
+}
+
 // Pairs that were listed before keep what is known of them.
 void SceneLink::keepPairs()
 {
@@ -131,10 +141,7 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 		if (pairs[k].from < 0)
 			continue;
 		interactions[k] = listed[before[pairs[k].from].from].get();
-		if (at<int>(interactions[k], layout.interaction_id1) == pairs[k].a || inspecting)
-			continue;
-		forget(interactions[k]);
-		interactions[k]->swapOrder(); // YADE's own functors, too, want the boundary first
+		turn(k);
 	}
 	collectSpares();
 	spare.assign(pairs.size(), {});

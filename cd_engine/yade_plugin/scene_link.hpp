@@ -146,6 +146,7 @@ class SceneLink {
 	void keepPairs();
 	void takePairs(yade::InteractionContainer*, const std::vector<int>& rank);
 	void forget(yade::Interaction*) const;
+	void turn(std::size_t pair) const;
 	void listPairs(const Memory&);
 	bool readForces(cd::Sleepers*);
 	Held heldIn(const Forces&) const;

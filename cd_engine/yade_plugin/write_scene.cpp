@@ -50,10 +50,11 @@ void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
 	if (!container.find(a, b))
 		container.insert(a, b);
 	interactions[index] = container.find(a, b).get();
+	turn(index);
 }
 
-// Empties the interactions of pairs that are no more. Those that the collider would keep, by the bounds that it knows, stay: it notices only what
-// changes.
+// Empties and erases the interactions of pairs that are no more. Those that the collider would keep, by the bounds that it knows, stay in the list: it
+// notices only what changes.
 void SceneLink::eraseParted(yade::Scene* scene)
 {
 	auto& container = *at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions);
@@ -118,6 +119,7 @@ void SceneLink::makeUnreal(std::size_t index)
 void SceneLink::writeContact(std::size_t index)
 {
 	const Held& h = held[index];
+	assert(at<int>(interactions[index], layout.interaction_id1) == pairs[index].a);
 	at<long>(interactions[index], layout.interaction_iterMadeReal) = h.since;
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;

@@ -65,7 +65,7 @@ def histories(table, folder):
         path = results.path_of(parameters.complete(row), folder)
         if results.finished(path):
             with h5py.File(path) as file:
-                found[line] = {name: values[()] for name, values in file["history"].items() if name != "wall_clock"}
+                found[line] = {name: values[()] for name, values in file["history"].items() if name not in ("wall_clock", "processor_time")}
     return found
 
 

@@ -24,6 +24,10 @@ ROWS_AT_ONCE = 50   # into the file in memory
 SECONDS = 30        # between two writes of the unfinished file, for those who want to look
 
 
+def _clocks():
+    return time.perf_counter(), time.process_time()
+
+
 class Recorder:
     """Samples a scene into `<name>.partial.h5`, which becomes `<name>.h5` when the run ends, finished or failed."""
     NOT_KEPT = ("started", "written")  # by a checkpoint: readings of clocks
@@ -39,7 +43,7 @@ class Recorder:
             self.names.remove("friction_dissipation")
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.bounds = Bounds(full, scene.load is not None)
-        self.started, self.seconds = time.perf_counter(), 0.0  # computing time before `started`
+        self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
         self.reference, self.first_sides = None, None
         self.memory = io.BytesIO(record or b"")
         self.file = h5py.File(self.memory, "r+" if record else "w")
@@ -61,7 +65,7 @@ class Recorder:
         """Return the content of the file so far, for a checkpoint."""
         self._write_rows()
         self.file.flush()
-        self.seconds, self.started = self._elapsed(), time.perf_counter()
+        self.seconds, self.started = self._elapsed(), _clocks()
         return self.memory.getvalue()
 
     def _write(self, path):
@@ -71,8 +75,8 @@ class Recorder:
         sealed.write(path, self.memory.getvalue())
 
     def _elapsed(self):
-        """Return the computing time [s] of the run, without what an interruption has lost."""
-        return self.seconds + time.perf_counter() - self.started
+        """Return (computing time, processor time) [s] of the run, without what an interruption has lost."""
+        return tuple(before + now - start for before, now, start in zip(self.seconds, _clocks(), self.started))
 
     def _write_attributes(self):
         self.file.attrs.update({
@@ -109,8 +113,7 @@ class Recorder:
     def _measure(self):
         contacts = observe.Contacts()
         row = {"time": O.time, "cycle": O.time / self.full["period"], "contacts": len(contacts), "sliding_contacts": contacts.sliding(),
-               "kinetic_energy": observe.kinetic_energy(), "unbalanced_force": utils.unbalancedForce(),
-               "wall_clock": self._elapsed()}
+               "kinetic_energy": observe.kinetic_energy(), "unbalanced_force": utils.unbalancedForce()} | dict(zip(("wall_clock", "processor_time"), self._elapsed()))
         row |= self._box()
         row |= self._cd(row) if self.full["method"] == "CD" else self._md(row, contacts)
         return row

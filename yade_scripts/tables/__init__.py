@@ -1,12 +1,15 @@
 """Tables of runs, by products of values or from files in the format of yade-batch: a line of names, then one run a line. Needs no YADE.
 
-Words are separated by blanks; `#` starts a comment; `=` repeats the value above; columns `description` and `!NAME` (environment
-variables) are for yade-batch only.
+Words are separated by blanks; `#` starts a comment; `=` repeats the value above; `-` stands where a row's scene has no such parameter; columns
+`description` and `!NAME` (environment variables) are for yade-batch only.
 """
 import itertools
 import pathlib
 
 from yade_scripts import parameters
+
+
+NO_VALUE = "-"
 
 
 class TableError(parameters.ParameterError):
@@ -23,7 +26,7 @@ def text(rows):
     """Return the rows as a table that yade-batch runs; what a row leaves out is written as its default."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     full = [parameters.complete(row) for row in rows]
-    lines = [names] + [[str(row[name]) for name in names] for row in full]
+    lines = [names] + [[str(row.get(name, NO_VALUE)) for name in names] for row in full]
     widths = [max(map(len, column)) for column in zip(*lines)]
     return "\n".join("  ".join(word.ljust(width) for word, width in zip(line, widths)).rstrip() for line in lines) + "\n"
 
@@ -54,7 +57,7 @@ def read(path):
             raise TableError(f"{path}:{number}: '=' repeats the value above, but this is the first line")
         above = [old if value == "=" else value for value, old in zip(values, above or values)]
         rows[number] = {head: parameters.from_text(head, text) for head, text in zip(heads, above)
-                        if head != "description" and not head.startswith("!")}
+                        if head != "description" and not head.startswith("!") and text != NO_VALUE}
         try:
             parameters.complete(rows[number])
         except parameters.ParameterError as error:
