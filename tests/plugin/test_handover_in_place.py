@@ -74,6 +74,28 @@ def test_falling_disks_do_not_pass_into_each_other(O, before):
     assert deepest(O) < 1e-3
 
 
+@pytest.mark.parametrize("publish", ["always", "due"])
+def test_a_collider_that_lists_more_than_the_engine_changes_nothing(O, publish):
+    """It lists disks and boxes the disk first; published contacts have the boundary first, whoever made their interaction."""
+    import cd_engine
+    from yade import wrapper as w
+    found = []
+    for factor in (1, 3):
+        O.reset()
+        mat = plane.material(0.3)
+        ids = [plane.disk((0.021 * k, 0.08 + 0.03 * (k % 3)), RADIUS, mat=mat) for k in range(6)]
+        floor = plane.box((0.05, -THIN), (0.2, THIN), mat=mat)
+        collider = w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=factor), w.Bo1_Box_Aabb()], verletDist=0)
+        O.engines = [w.ForceResetter(), collider, cd_engine.ContactDynamics(gravity=(0, -9.81, 0), tolerance=1e-8, publish=publish)]
+        O.dt = 1e-3
+        for _ in range(30):
+            O.run(10, True)
+            assert all(i.id1 == floor and i.geom.normal[1] > 0.99 for i in O.interactions if i.isReal and floor in (i.id1, i.id2))
+        assert sum(floor in (i.id1, i.id2) for i in O.interactions if i.isReal) == len(ids)
+        found.append(([tuple(O.bodies[i].state.pos) for i in ids], O.engines[-1].totalIterations))
+    assert found[0] == found[1]
+
+
 @pytest.mark.parametrize("collider", ["none", "without a functor for boxes"])
 def test_pairs_do_not_hang_on_the_collider(O, collider):
     import cd_engine
