@@ -83,13 +83,13 @@ def test_a_collider_that_lists_more_than_the_engine_changes_nothing(O, publish):
     for factor in (1, 3):
         O.reset()
         mat = plane.material(0.3)
-        ids = [plane.disk((0.021 * k, 0.08 + 0.03 * (k % 3)), RADIUS, mat=mat) for k in range(6)]
+        ids = [plane.disk((0.021 * k, 0.022 + 0.003 * (k % 3)), RADIUS, mat=mat) for k in range(6)]
         floor = plane.box((0.05, -THIN), (0.2, THIN), mat=mat)
         collider = w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=factor), w.Bo1_Box_Aabb()], verletDist=0)
         O.engines = [w.ForceResetter(), collider, cd_engine.ContactDynamics(gravity=(0, -9.81, 0), tolerance=1e-8, publish=publish)]
         O.dt = 1e-3
-        for _ in range(30):
-            O.run(10, True)
+        for steps in (200, 100):
+            O.run(steps, True)
             assert all(i.id1 == floor and i.geom.normal[1] > 0.99 for i in O.interactions if i.isReal and floor in (i.id1, i.id2))
         assert sum(floor in (i.id1, i.id2) for i in O.interactions if i.isReal) == len(ids)
         found.append(([tuple(O.bodies[i].state.pos) for i in ids], O.engines[-1].totalIterations))
