@@ -8,7 +8,6 @@ namespace {
 
 	constexpr int rounds = 30; // of Newton's method; each finds which contacts close
 	constexpr int halvings = 50; // in the search for the length of a step of it
-	constexpr double exactly = 1e-3; // of the gradient, in one round: the next one finds other contacts
 	constexpr double solved = 1e-15; // share of the terms of the gradient that is round-off
 	// Tolerances by which the contacts together may close in a step that counts as solved. (The tests allow ten of them at a single contact.)
 	constexpr double missed = 3;
@@ -34,9 +33,11 @@ namespace {
 			const double scale = std::sqrt(closing(b)), all = std::max(scale, std::sqrt(closing(q)));
 			const double least = std::max(share * scale, missed * tolerance * all);
 			tryRigidMotion(free);
+			if (!(closing(r) > least * least))
+				return -1;
 			for (int k = 0; k < rounds && left > 0; k++) {
 				const double before = closing(r);
-				if (!(before > least * least))
+				if (!(before > share * share * scale * scale))
 					return -1;
 				gradient(r, g);
 				if (square(g) <= solved * solved * terms(r))
@@ -197,7 +198,7 @@ namespace {
 				e = -e;
 			direction = g;
 			double gg = square(g);
-			const double goal = gg * exactly * exactly;
+			const double goal = gg * 1e-24;
 			while (gg > goal && gg > solved * solved * terms(r) && left-- > 0) {
 				along(direction, w);
 				double ww = 0;
