@@ -132,7 +132,7 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport report;
-	if (rested && surelySolvable(system)) {
+	if (rested && surelySolvable(system, settings.threads)) {
 		report = reportOf(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
@@ -220,7 +220,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		takePart(system, [](const Island& island) { return !island.asleep; });
 		measurePart(sums);
 	}
-	const bool solvable = surelySolvable(system); // else a small error is not enough, and the method has to say that there is a solution
+	const bool solvable = surelySolvable(system, settings.threads); // else a small error is not enough, and the method has to say that there is a solution
 	if (solvable)
 		judge(settings.tolerance);
 	Status status = Status::converged;

@@ -33,6 +33,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double colliderMargin = 0;
 	std::string publish = "due";
 	bool stopUnsolved = false;
+	int threads = 0;
 
 	// Left by the last step.
 	int iterations = 0;
@@ -183,6 +184,9 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("stopUnsolved", &C::stopUnsolved, Access::set, any,
 	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told of "
 	    "and the run goes on.");
+	visit("threads", &C::threads, Access::set, Range { 0, 1024 },
+	    "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with any "
+	    "number. Only steps with thousands of bodies and contacts use more than one.");
 	visit("iterations", &C::iterations, Access::read, any,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,
