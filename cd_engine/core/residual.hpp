@@ -74,19 +74,10 @@ struct ResidualSum {
 			leastBody = body;
 		}
 	}
-	// The bodies of another sum.
-	void addBodies(const ResidualSum& other)
-	{
-		touched += other.touched;
-		mass += other.mass;
-		weighted += other.weighted;
-		if (other.least < least) {
-			least = other.least;
-			leastBody = other.leastBody;
-		}
-	}
 	// A contact, missing `velocity`, of a body that touches one ten times heavier, on which s acts; nothing where s is infinite.
 	void addUnderHeavy(double velocity, double s);
+
+	void add(const ResidualSum&); // of other contacts and bodies of the island
 
 	double bodies() const; // the error of the bodies
 	Residual of() const;

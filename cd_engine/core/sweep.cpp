@@ -106,7 +106,7 @@ void Sweep::groupContacts()
 		for (std::size_t i = from; i < to; i++)
 			packed.links[i] = link(system.contacts[i]);
 	});
-	packed.partition.update(system);
+	packed.partition.update(system, threads);
 	packed.blocks.cut(packed.links, packed.partition.freedom);
 	numberBodies();
 	packed.builder.begin(packed.bodyAt.size(), system.contacts.size(), packed.grouping);
@@ -125,6 +125,7 @@ void Sweep::groupContacts()
 	}
 	packed.begin.back().group = packed.grouping.groups();
 	packed.begin.back().loose = packed.grouping.loose.size();
+	numberSums();
 }
 
 // As the contacts first meet them: what is near in the order of the contacts is near in memory.

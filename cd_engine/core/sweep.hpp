@@ -73,18 +73,16 @@ class Sweep {
 	// Where a block begins among the groups, the loose contacts and the bodies; it ends where the next begins. Bodies belong to the block that meets
 	// them first, those that cannot move are in every block anew: it writes to them, too.
 	struct Begin {
-		std::size_t group, loose, body;
+		std::size_t group, loose, body, sum;
 	};
-	// Packed bodies of a contact.
+	// Of a contact: its packed bodies, and the sum for the error that it adds to: that of its island in its block.
 	struct Ends {
-		int32_t a, b;
+		int32_t a, b, sum;
 	};
-	// What a block adds to what is asked of a sweep.
+	// What a sweep with momentum did in a block.
 	struct alignas(128) BlockSums {
 		LaneSums ahead;
 		AheadReport aheadLoose;
-		LaneMisses misses;
-		ResidualSum bodies;
 	};
 	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
 	struct Packed {
@@ -112,6 +110,10 @@ class Sweep {
 		std::vector<PackedBody> moved; // w: what acts on the body [m/s]
 		std::vector<GroupMiss> misses;
 		std::vector<ResidualSum> sums; // of the islands
+		std::vector<ResidualSum> partSums; // of the islands in each block
+		std::vector<int32_t> islandAt; // of these
+		std::vector<int32_t> sumOfBody; // that it adds to; -1: it cannot move
+		std::vector<std::pair<int32_t, int32_t>> sumOfIsland; // block in which it was last met, and its sum there
 		std::vector<double> asked; // by packed body: least that acts on those that it carries and that are far heavier [m/s]
 	};
 	static std::unique_ptr<Packed>& spare();
@@ -135,11 +137,10 @@ class Sweep {
 	void findCarried();
 	void moveBodies();
 	void twistBodies();
-	void addBodies();
+	void numberSums();
+	void findAsked();
 	void missInBlock(std::size_t block, bool apart);
-	void addTogether();
-	void addApart();
-	void addCarried();
+	void addApart(std::size_t block);
 	Miss missOf(const Loose&) const;
 	static void solveLoose(Loose&, PackedBody* bodies);
 	static void solveAhead(Loose&, PackedBody* bodies, double beta, AheadReport&);

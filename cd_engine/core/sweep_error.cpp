@@ -6,6 +6,25 @@
 #include <limits>
 
 namespace cd {
+namespace {
+
+	ResidualSum sumOf(const LaneMisses& all, std::size_t contacts)
+	{
+		ResidualSum sum;
+		sum.contacts = contacts;
+		for (int lane = 0; lane < Group::lanes; lane++) {
+			sum.difference += all.difference[lane];
+			sum.square += all.square[lane];
+			sum.differenceEnergy += all.differenceEnergy[lane];
+			sum.squareEnergy += all.squareEnergy[lane];
+			sum.missed += all.velocity[lane];
+			sum.worst = std::max(sum.worst, all.worst[lane]);
+			sum.mostMissed = std::max(sum.mostMissed, all.mostVelocity[lane]);
+		}
+		return sum;
+	}
+
+} // namespace
 
 // Velocities anew from all impulses, and in place of w what acts on the body [m/s].
 void Sweep::moveBodies()
@@ -78,121 +97,103 @@ Miss Sweep::missOf(const Loose& l) const
 	return cd::missOf(l.row, l.row.wnn, at(l.row.a), at(l.row.b));
 }
 
+// The sums that make the error: one for every island in every block, in the order of the sweep.
+void Sweep::numberSums()
+{
+	packed.islandAt.clear();
+	packed.sumOfIsland.assign(packed.partition.islands.size(), { -1, -1 });
+	packed.sumOfBody.assign(packed.bodyAt.size(), -1);
+	for (std::size_t block = 0; block < packed.blocks.count(); block++) {
+		packed.begin[block].sum = packed.islandAt.size();
+		for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++) {
+			const int32_t contact = packed.blocks.contacts[k], island = packed.partition.ofContact[contact];
+			auto& [metIn, sum] = packed.sumOfIsland[island];
+			if (metIn != static_cast<int32_t>(block)) {
+				metIn = static_cast<int32_t>(block);
+				sum = static_cast<int32_t>(packed.islandAt.size());
+				packed.islandAt.push_back(island);
+			}
+			packed.ends[contact].sum = sum;
+			for (const int32_t body : { packed.ends[contact].a, packed.ends[contact].b })
+				if (packed.sumOfBody[body] < 0 && packed.partition.freedom[packed.bodyAt[body]] > 0)
+					packed.sumOfBody[body] = sum;
+		}
+	}
+	packed.begin.back().sum = packed.islandAt.size();
+}
+
 Residual Sweep::error()
 {
 	moveBodies();
 	if (twisted)
 		twistBodies();
-	std::vector<ResidualSum>& sums = packed.sums;
-	sums.assign(packed.partition.islands.size(), {});
-	const bool apart = sums.size() > 1 || !packed.carried.empty(); // else all that is asked of the groups are their sums
+	const bool apart = packed.partition.islands.size() > 1 || !packed.carried.empty(); // else all that is asked of the groups are their sums
 	packed.misses.resize(apart ? packed.groups.size() : 0);
-	inEveryBlock([&](std::size_t block) { missInBlock(block, apart); });
-	if (apart)
-		addApart();
-	else if (!sums.empty())
-		addTogether();
-	for (std::size_t i = 0; i < packed.loose.size(); i++) {
-		const ContactRow& c = packed.loose[i].row;
-		const Miss miss = missOf(packed.loose[i]);
-		sums[packed.partition.ofContact[packed.grouping.loose[i]]].addContact(
-		    miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
-	}
-	addBodies();
+	packed.partSums.resize(packed.islandAt.size());
 	if (!packed.carried.empty())
-		addCarried();
-	return residual(sums.data(), sums.size());
+		findAsked();
+	inEveryBlock([&](std::size_t block) { missInBlock(block, apart); });
+	packed.sums.assign(packed.partition.islands.size(), {});
+	for (std::size_t i = 0; i < packed.partSums.size(); i++)
+		packed.sums[packed.islandAt[i]].add(packed.partSums[i]);
+	return residual(packed.sums.data(), packed.sums.size());
+}
+
+// What acts on the lightest of those that a body carries and that are far heavier.
+void Sweep::findAsked()
+{
+	packed.asked.assign(packed.moved.size(), std::numeric_limits<double>::infinity());
+	for (const auto& [light, heavy] : packed.carried)
+		if (packed.moved[heavy].w > 0)
+			packed.asked[light] = std::min(packed.asked[light], packed.moved[heavy].w);
 }
 
 void Sweep::missInBlock(std::size_t block, bool apart)
 {
 	const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
-	BlockSums& sums = packed.blockSums[block];
-	sums.misses = {};
-	groupKernel().miss(packed.groups.data() + begin.group, end.group - begin.group, packed.moved.data(), sums.misses,
+	const auto first = packed.partSums.begin() + static_cast<std::ptrdiff_t>(begin.sum);
+	std::fill(first, packed.partSums.begin() + static_cast<std::ptrdiff_t>(end.sum), ResidualSum {});
+	LaneMisses all = {};
+	groupKernel().miss(packed.groups.data() + begin.group, end.group - begin.group, packed.moved.data(), all,
 	    apart ? packed.misses.data() + begin.group : nullptr);
-	if (packed.sums.size() > 1)
-		return;
-	ResidualSum all; // of its own, so that it stays in registers
-	for (std::size_t i = begin.body; i < end.body; i++)
-		if (packed.masses[i] > 0 || packed.partition.ofBody[packed.bodyAt[i]] >= 0) // it can move
-			all.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
-	sums.bodies = all;
-}
-
-void Sweep::addBodies()
-{
-	if (packed.sums.size() == 1)
-		for (const BlockSums& of : packed.blockSums)
-			packed.sums.front().addBodies(of.bodies);
-	else
-		for (std::size_t i = 0; i < packed.bodyAt.size(); i++)
-			if (const int32_t island = packed.partition.ofBody[packed.bodyAt[i]]; island >= 0)
-				packed.sums[island].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
-}
-
-void Sweep::addTogether()
-{
-	ResidualSum& sum = packed.sums.front();
-	sum.contacts = packed.blocks.contacts.size() - packed.loose.size();
-	LaneMisses all = packed.blockSums[0].misses;
-	for (std::size_t block = 1; block < packed.blocks.count(); block++) {
-		const LaneMisses& of = packed.blockSums[block].misses;
-		for (int lane = 0; lane < Group::lanes; lane++) {
-			all.difference[lane] += of.difference[lane];
-			all.square[lane] += of.square[lane];
-			all.differenceEnergy[lane] += of.differenceEnergy[lane];
-			all.squareEnergy[lane] += of.squareEnergy[lane];
-			all.velocity[lane] += of.velocity[lane];
-			all.worst[lane] = std::max(all.worst[lane], of.worst[lane]);
-			all.mostVelocity[lane] = std::max(all.mostVelocity[lane], of.mostVelocity[lane]);
-		}
+	if (apart)
+		addApart(block);
+	else if (begin.sum < end.sum)
+		*first = sumOf(all, packed.blocks.block[block + 1] - packed.blocks.block[block] - (end.loose - begin.loose));
+	for (std::size_t i = begin.loose; i < end.loose; i++) {
+		const ContactRow& c = packed.loose[i].row;
+		const Miss miss = missOf(packed.loose[i]);
+		ResidualSum& sum = packed.partSums[packed.ends[packed.grouping.loose[i]].sum];
+		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
+		if (!packed.carried.empty())
+			sum.addUnderHeavy(miss.velocity, std::min(packed.asked[c.a], packed.asked[c.b]));
 	}
-	for (int lane = 0; lane < Group::lanes; lane++) {
-		sum.difference += all.difference[lane];
-		sum.square += all.square[lane];
-		sum.differenceEnergy += all.differenceEnergy[lane];
-		sum.squareEnergy += all.squareEnergy[lane];
-		sum.missed += all.velocity[lane];
-		sum.worst = std::max(sum.worst, all.worst[lane]);
-		sum.mostMissed = std::max(sum.mostMissed, all.mostVelocity[lane]);
-	}
+	if (end.sum - begin.sum == 1) {
+		ResidualSum sum = *first; // of its own, so that it stays in registers
+		for (std::size_t i = begin.body; i < end.body; i++)
+			if (packed.sumOfBody[i] >= 0)
+				sum.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
+		*first = sum;
+	} else
+		for (std::size_t i = begin.body; i < end.body; i++)
+			if (packed.sumOfBody[i] >= 0)
+				packed.partSums[packed.sumOfBody[i]].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
 }
 
-void Sweep::addApart()
+// What the groups of a block miss, contact by contact.
+void Sweep::addApart(std::size_t block)
 {
-	for (std::size_t k = 0; k < packed.grouping.members.size(); k++)
+	for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++)
 		if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
 			const Group& g = packed.groups[k / Group::lanes];
 			const GroupMiss& miss = packed.misses[k / Group::lanes];
 			const int lane = k % Group::lanes;
 			const double square = g.pn[lane] * g.pn[lane] + g.pt[lane] * g.pt[lane];
-			packed.sums[packed.partition.ofContact[contact]].addContact(
-			    miss.difference[lane], miss.velocity[lane], square, system.contacts[contact].wnn);
+			ResidualSum& sum = packed.partSums[packed.ends[contact].sum];
+			sum.addContact(miss.difference[lane], miss.velocity[lane], square, system.contacts[contact].wnn);
+			if (!packed.carried.empty())
+				sum.addUnderHeavy(miss.velocity[lane], std::min(packed.asked[g.a[lane]], packed.asked[g.b[lane]]));
 		}
-}
-
-// The contacts of bodies that touch one ten times heavier.
-void Sweep::addCarried()
-{
-	constexpr double none = std::numeric_limits<double>::infinity();
-	std::vector<double>& asked = packed.asked;
-	asked.assign(packed.moved.size(), none);
-	for (const auto& [light, heavy] : packed.carried)
-		if (packed.moved[heavy].w > 0)
-			asked[light] = std::min(asked[light], packed.moved[heavy].w);
-	for (std::size_t k = 0; k < packed.grouping.members.size(); k++)
-		if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
-			const Group& g = packed.groups[k / Group::lanes];
-			const int lane = k % Group::lanes;
-			packed.sums[packed.partition.ofContact[contact]].addUnderHeavy(
-			    packed.misses[k / Group::lanes].velocity[lane], std::min(asked[g.a[lane]], asked[g.b[lane]]));
-		}
-	for (std::size_t i = 0; i < packed.loose.size(); i++) {
-		const Loose& l = packed.loose[i];
-		packed.sums[packed.partition.ofContact[packed.grouping.loose[i]]].addUnderHeavy(
-		    missOf(l).velocity, std::min(asked[l.row.a], asked[l.row.b]));
-	}
 }
 
 } // namespace cd
