@@ -107,6 +107,9 @@ class Threads::Pool {
 
 	void help(std::size_t self)
 	{
+#ifdef __linux__
+		pthread_setname_np(pthread_self(), "cd_engine"); // what `top -H` shows
+#endif
 		uint32_t last = 0;
 		const auto none = [&] { return current.load() == last; };
 		for (;;) {
