@@ -1,5 +1,6 @@
-// Which contacts can be swept at the same time: blocks of neighbours in the order given, in colours. No two blocks of a colour share a body that can
-// move. The sweep goes colour by colour, within a block in the order given. The cut is a function of the contacts alone: not of the number of threads.
+// Which contacts can be swept at the same time: blocks of neighbours in the order given, in colours. No two blocks of a colour share a body that
+// can move. The sweep goes colour by colour, within a block in the order given. The cut is a function of the contacts alone: not of the number of
+// threads.
 //
 // Blocks, and not single contacts, since the order of a sweep is part of the method: orders that jump from contact to contact have cost 2.5 times the
 // sweeps.
@@ -37,8 +38,8 @@ class Blocks {
 	std::size_t colours() const { return colour.size() - 1; }
 
     private:
-	// Blocks in which a body may have contacts. One that has more, a wall, would set all of them apart from each other: its contacts come last, in
-	// a block of their own.
+	// Blocks in which a body may have contacts. One that has more, a wall, would set all of them apart from each other: its contacts come last,
+	// in a block of their own.
 	static constexpr int mostOfBody = 16;
 	static constexpr int mostColours = 64;
 

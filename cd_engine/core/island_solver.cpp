@@ -222,7 +222,8 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		takePart(system, [](const Island& island) { return !island.asleep; });
 		measurePart(sums);
 	}
-	const bool solvable = surelySolvable(system, settings.threads); // else a small error is not enough, and the method has to say that there is a solution
+	const bool solvable
+	    = surelySolvable(system, settings.threads); // else a small error is not enough, and the method has to say that there is a solution
 	if (solvable)
 		judge(settings.tolerance);
 	Status status = Status::converged;

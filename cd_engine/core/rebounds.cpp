@@ -24,7 +24,8 @@ void Rebounds::clear()
 
 bool Rebounds::any() const
 {
-	return std::any_of(asked.begin(), asked.end(), [](const Asked& a) { return !std::isnan(a.rebound) && bias(a.plain, a.rebound) != bias(a.plain, 0); });
+	return std::any_of(
+	    asked.begin(), asked.end(), [](const Asked& a) { return !std::isnan(a.rebound) && bias(a.plain, a.rebound) != bias(a.plain, 0); });
 }
 
 int32_t Rebounds::islandOf(int32_t body)

@@ -25,7 +25,7 @@ inline TimeStep::Share TimeStep::share(size_t row, const Pair& pair) const
 	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
 	// A disk takes it on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
 	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
-	return { pair.a, pair.b, x, y, -turnA, (b.radius - 0.5 * touch.overlap) * pair.pt };
+	return { pair.a, pair.b, x, y, -turnA, -(b.radius - 0.5 * touch.overlap) * pair.pt };
 }
 
 // Adds it to them, or, for a sleeping island, to what it remembers of those that cannot move.
@@ -103,7 +103,9 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 	shares.resize(system.contacts.size());
 	const Account all = reduceRanges<Account>(
 	    &threads, system.contacts.size(), [&](size_t from, size_t to) { return account(world, from > 0 ? 0 : report.dissipated, from, to); },
-	    [](const Account& a, const Account& b) { return Account { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated }; });
+	    [](const Account& a, const Account& b) {
+		    return Account { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated };
+	    });
 	report.loadedContacts += all.loaded;
 	report.slidingContacts += all.sliding;
 	report.dissipated = all.dissipated;

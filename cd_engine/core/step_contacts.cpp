@@ -63,9 +63,9 @@ void TimeStep::locateBodies(const World& world, double dt)
 	});
 }
 
-// The face by which the centre of a disk has come into a boundary in the half step, if it has. The end of a step before is no place at which contact was
-// required, nor is the place half a step before it where the velocities are new: both have to tell the same. A disk that cannot move along the normal
-// goes on as prescribed.
+// The face by which the centre of a disk has come into a boundary in the half step, if it has. The end of a step before is no place at which contact
+// was required, nor is the place half a step before it where the velocities are new: both have to tell the same. A disk that cannot move along the
+// normal goes on as prescribed.
 bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touch, double dt, Foot& face) const
 {
 	const Place &a = places[pair.a], &b = places[pair.b];
@@ -81,8 +81,8 @@ bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touc
 	return !ContactRow::held(w[0] * face.nx * face.nx + w[1] * face.ny * face.ny, w[0] + w[1]);
 }
 
-// Takes such disks back to the face, the way that an impulse would push them; again as long as one comes into another boundary by that. Two faces that
-// pass each other would send it to and fro for ever.
+// Takes such disks back to the face, the way that an impulse would push them; again as long as one comes into another boundary by that. Two faces
+// that pass each other would send it to and fro for ever.
 void TimeStep::stopAtFaces(const World& world, double dt)
 {
 	std::size_t stopped;
@@ -284,9 +284,8 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 bool TimeStep::outruns(const World& world, double dt, StepReport& report)
 {
 	report.outran.clear();
-	const auto needed = [&](size_t i) {
-		return quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
-	};
+	const auto needed
+	    = [&](size_t i) { return quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i])); };
 	const bool any = anyOf(&threads, world.listed.size(), [&](size_t i) { return needed(i) > world.listed[i]; });
 	for (size_t i = 0; any && i < world.bodies.size(); i++)
 		report.outran.push_back(needed(i));
@@ -319,7 +318,8 @@ bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
 	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
 }
 
-// If there are such pairs, adds them, and all that are as near for their speeds, since an impact may go on from body to body; says whether there were.
+// If there are such pairs, adds them, and all that are as near for their speeds, since an impact may go on from body to body; says whether there
+// were.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!anyViolated(world, settings))

@@ -70,8 +70,8 @@ class Sweep {
 		bool uniform; // one inverse mass for x, y and spin: may be in a group
 		bool turns, movable;
 	};
-	// Where a block begins among the groups, the loose contacts and the bodies; it ends where the next begins. Bodies belong to the block that meets
-	// them first, those that cannot move are in every block anew: it writes to them, too.
+	// Where a block begins among the groups, the loose contacts and the bodies; it ends where the next begins. Bodies belong to the block that
+	// meets them first, those that cannot move are in every block anew: it writes to them, too.
 	struct Begin {
 		std::size_t group, loose, body, sum;
 	};

@@ -10,10 +10,10 @@
 namespace cd {
 namespace {
 
-	constexpr int patience = 4000; // looks, of about 25 ns, for work before a helper sleeps: to wake it costs as much
-	constexpr int alone = 400; // looks before who waits lets another run on its processor: it may be the one that is waited for
+	constexpr unsigned patience = 4000; // looks, of about 25 ns, for work before a helper sleeps: to wake it costs as much
+	constexpr unsigned alone = 400; // looks before who waits lets others run on its processor: the one that is waited for may be among them
 
-	void wait(int looks)
+	void wait(unsigned looks)
 	{
 		if (looks > alone && looks % 16 == 0)
 			std::this_thread::yield();
@@ -58,7 +58,7 @@ class Threads::Pool {
 		if (asleep.load() > 0)
 			wake();
 		take(number, 0);
-		for (int looks = 0; unfinished.load(std::memory_order_acquire) > 0; looks++)
+		for (unsigned looks = 0; unfinished.load(std::memory_order_acquire) > 0; looks++)
 			wait(looks);
 	}
 
@@ -88,8 +88,8 @@ class Threads::Pool {
 		}
 	}
 
-	// What nobody has begun yet, of one's own share and then of those of the others. What a job is is read only by who has one of its parts: it stays
-	// until all are done.
+	// What nobody has begun yet, of one's own share and then of those of the others. What a job is is read only by who has one of its parts: it
+	// stays until all are done.
 	void take(uint32_t number, std::size_t self)
 	{
 		for (std::size_t i = 0; i < open.size(); i++) {
@@ -113,7 +113,7 @@ class Threads::Pool {
 		uint32_t last = 0;
 		const auto none = [&] { return current.load() == last; };
 		for (;;) {
-			for (int looks = 0; looks < looksBeforeSleep && none(); looks++)
+			for (unsigned looks = 0; looks < looksBeforeSleep && none(); looks++)
 				wait(looks);
 			if (none()) {
 				std::unique_lock<std::mutex> lock(mutex);
@@ -147,7 +147,7 @@ class Threads::Pool {
 	alignas(64) std::atomic<uint32_t> current { 0 }; // number of the job
 	alignas(64) std::atomic<int32_t> unfinished { 0 }; // its parts
 	alignas(64) Job job {};
-	const int looksBeforeSleep;
+	const unsigned looksBeforeSleep;
 	std::atomic<bool> ends { false };
 	std::atomic<int> asleep { 0 };
 	std::mutex mutex;

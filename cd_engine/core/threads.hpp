@@ -1,5 +1,5 @@
-// Threads that share the work of one caller, and how work is cut for them: by its amount alone, never by their number, so that every number of threads
-// gives the same bits.
+// Threads that share the work of one caller, and how work is cut for them: by its amount alone, never by their number, so that every number of
+// threads gives the same bits.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace cd {
 
 // The caller and so many helpers less one. Helpers are started by the first work of several parts, wait without using the processor where none comes
-// for a tenth of a millisecond, and end with this object. One caller at a time.
+// for some tenths of a millisecond, and end with this object. One caller at a time.
 class Threads {
     public:
 	Threads();
@@ -24,8 +24,8 @@ class Threads {
 	bool started() const { return pool != nullptr; } // helpers
 
 	// Calls work(part) for every part from `bounds[0]` on and below `bounds[rows]`, each once; returns when all are done. Work does not throw.
-	// Of each row of parts, bounds[r] to bounds[r + 1], every thread takes its share first, the same one in every run, so that what it works on is
-	// near it still; who has done with that takes what others have not begun.
+	// Of each row of parts, bounds[r] to bounds[r + 1], every thread takes its share first, the same one in every run, so that what it works on
+	// is near it still; who has done with that takes what others have not begun.
 	template <class Work> void run(const int32_t* bounds, std::size_t rows, const Work& work)
 	{
 		if (bounds[rows] - bounds[0] < 2 || wanted < 2)

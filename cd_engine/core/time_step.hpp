@@ -55,8 +55,8 @@ class TimeStep {
 	// it, before contact is looked at, in the first half of a step: its way ends at the face then. Restitution e > 0: a contact that is closed,
 	// or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or what its overlap asks for where that is more
 	// (rebounds.hpp); one that only other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
-	// If the solver has met a number that is not finite, no body is moved; nor if impulses made bodies so fast that pairs may be missing that they
-	// reach in the step (report.outran, World::listed): the step is to be made again, with these.
+	// If the solver has met a number that is not finite, no body is moved; nor if impulses made bodies so fast that pairs may be missing that
+	// they reach in the step (report.outran, World::listed): the step is to be made again, with these.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose

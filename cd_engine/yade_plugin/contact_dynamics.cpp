@@ -244,10 +244,12 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 std::string ContactDynamics::unsolved() const
 {
 	std::ostringstream s;
-	s << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations << " iterations): ";
+	s << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
+	  << " iterations): ";
 	if (!unsolvableContact.empty())
 		s << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
-		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to be "
+		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
+		     "be "
 		     "trusted.";
 	else {
 		s << "the contact law is missed by " << residual << " of all impulses";

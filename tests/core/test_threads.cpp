@@ -50,7 +50,8 @@ ContactSystem packing()
 	return s;
 }
 
-// Disks in a loose heap over a wall that may move up and down, thrown about; every disk is a pair with those around it, in the order of their squares.
+// Disks in a loose heap over a wall that may move up and down, thrown about; every disk is a pair with those around it, in the order of their
+// squares.
 World flow(int side)
 {
 	std::mt19937 random(2);
@@ -112,7 +113,8 @@ TEST_CASE("every part is done once by every number of threads, and none is start
 		CAPTURE(count);
 		Threads threads;
 		threads.use(count);
-		for (const std::vector<int32_t>& bounds : { std::vector<int32_t> { 0, 1 }, { 3, 3 }, { 0, 2 }, { 5, 6, 6, 70 }, { 0, 64 }, { 0, 1000 } }) {
+		for (const std::vector<int32_t>& bounds :
+		    { std::vector<int32_t> { 0, 1 }, { 3, 3 }, { 0, 2 }, { 5, 6, 6, 70 }, { 0, 64 }, { 0, 1000 } }) {
 			const std::size_t rows = bounds.size() - 1;
 			const bool before = threads.started();
 			std::vector<std::atomic<int>> done(bounds.back());
@@ -163,7 +165,10 @@ TEST_CASE("blocks hold every contact once in the order given, and those of a col
 	for (int i = 0; i < contacts; i++) {
 		const int near = static_cast<int>(static_cast<long>(i) * (disks - 40) / contacts);
 		const int a = i % 50 == 0 ? wall : i % 20 == 0 ? floor : near + static_cast<int>(random() % 20);
-		links.push_back({ a, near + 20 + static_cast<int>(random() % 20), i % 7 == 0 ? Part::loose : i % 11 == 0 ? Part::none : Part::grouped });
+		links.push_back({ a, near + 20 + static_cast<int>(random() % 20),
+		    i % 7 == 0	      ? Part::loose
+			: i % 11 == 0 ? Part::none
+				      : Part::grouped });
 	}
 	for (const int n : { 100, contacts, static_cast<int>(Blocks::worthwhile) }) {
 		CAPTURE(n);
@@ -171,7 +176,8 @@ TEST_CASE("blocks hold every contact once in the order given, and those of a col
 		Blocks blocks;
 		blocks.cut(some, freedom);
 		std::multiset<int32_t> seen(blocks.contacts.begin(), blocks.contacts.end());
-		CHECK(seen.size() == static_cast<std::size_t>(std::count_if(some.begin(), some.end(), [](const Link& l) { return l.part != Part::none; })));
+		CHECK(seen.size()
+		    == static_cast<std::size_t>(std::count_if(some.begin(), some.end(), [](const Link& l) { return l.part != Part::none; })));
 		CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
 		CHECK((n == contacts) == (blocks.count() > 1)); // the others have too few that can be solved
 		if (n == contacts) {
