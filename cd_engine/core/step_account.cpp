@@ -54,6 +54,29 @@ SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
 	return nullptr;
 }
 
+// Each body takes them in the order of the contacts, which the last digits of its sum depend on: so a thread has some of the bodies, not of the
+// contacts. More than a few threads would only look more often at what is not theirs.
+void TimeStep::pushAll()
+{
+	const std::size_t ranges = shares.size() < Cut::few ? 1 : std::min(threads.count(), 4), count = impulses.size();
+	forEach(&threads, ranges, [&](std::size_t range) {
+		const auto from = static_cast<int32_t>(count * range / ranges), to = static_cast<int32_t>(count * (range + 1) / ranges);
+		const auto add = [&](int32_t body, double px, double py, double turn) {
+			if (body < from || body >= to)
+				return;
+			std::array<double, 3>& on = impulses[body];
+			on[0] += px;
+			on[1] += py;
+			on[2] += turn;
+		};
+		for (const Share& of : shares)
+			if (of.a >= 0) {
+				add(of.a, -of.x, -of.y, of.turnA);
+				add(of.b, of.x, of.y, of.turnB);
+			}
+	});
+}
+
 // What the contacts of a range have done, their bodies' shares aside.
 struct TimeStep::Account {
 	int loaded = 0, sliding = 0;
@@ -109,15 +132,10 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 	report.loadedContacts += all.loaded;
 	report.slidingContacts += all.sliding;
 	report.dissipated = all.dissipated;
-	// In the order of the contacts, which the last digits of what a body takes depend on.
+	if (sleepers.none())
+		return pushAll();
 	for (size_t i = 0; i < shares.size(); i++) {
 		const Share& of = shares[i];
-		if (of.a < 0)
-			continue;
-		if (sleepers.none()) {
-			push(of, nullptr);
-			continue;
-		}
 		const ContactRow& c = system.contacts[i];
 		SleepingIsland* const asleep = asleepAt(c);
 		if (asleep) {

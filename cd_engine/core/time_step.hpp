@@ -112,6 +112,7 @@ class TimeStep {
 	struct Share;
 	Share share(std::size_t row, const Pair&) const;
 	void push(const Share&, SleepingIsland*);
+	void pushAll();
 	void finishSleepers(StepReport&);
 	bool finishBodies(World&, double dt);
 

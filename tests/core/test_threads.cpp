@@ -7,6 +7,7 @@
 #include "time_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -251,6 +252,7 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 			CAPTURE(reduce);
 			CAPTURE(restitution);
 			World expected;
+			std::vector<std::array<double, 3>> forces, shared;
 			double dissipated = 0;
 			int most = 0;
 			for (const int count : counts) {
@@ -273,12 +275,17 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 					most = std::max(most, report.contacts);
 					lost += report.dissipated;
 				}
+				shared.clear();
+				for (std::size_t i = 0; i < w.bodies.size(); i++)
+					shared.push_back(step.impulseOn(i));
 				if (count == 1) {
 					expected = w;
+					forces = shared;
 					dissipated = lost;
 					continue;
 				}
 				CHECK(same(expected.bodies, w.bodies));
+				CHECK(same(forces, shared));
 				CHECK(same(&dissipated, &lost, sizeof lost));
 				bool pairs = true;
 				for (std::size_t i = 0; i < w.pairs.size(); i++)
