@@ -3,6 +3,7 @@
 #include "../core/group_kernel.hpp"
 #include "../core/residual.hpp"
 #include "../core/solver.hpp"
+#include "../core/threads.hpp"
 #include "../core/verdict.hpp"
 
 #include <boost/python.hpp>
@@ -198,7 +199,7 @@ py::tuple solve(const py::object& start, const py::object& column, const py::obj
 
 // The same for bodies.
 py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const std::string& method, double tolerance, int maxIterations,
-    int fixedIterations, unsigned seed)
+    int fixedIterations, unsigned seed, int threads)
 {
 	const cd::Solver solver = cd::findSolver(method);
 	require(solver != nullptr, "there is no such method");
@@ -208,7 +209,11 @@ py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const
 	if (!(cd::growth(system, { bodies.v.begin(), bodies.v.end() }) <= cd::mostGrowth)) // as above
 		for (cd::ContactRow& c : system.contacts)
 			c.pn = c.pt = 0;
-	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed });
+	cd::Threads team;
+	team.use(threads);
+	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
+	settings.threads = &team;
+	const py::tuple report = solved(system, solver, method, settings);
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		p.begin()[2 * i] = system.contacts[i].pn;
 		p.begin()[2 * i + 1] = system.contacts[i].pt;

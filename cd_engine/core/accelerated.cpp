@@ -102,8 +102,8 @@ namespace {
 		const int all = settings.maxIterations;
 		if (settings.fixedIterations > 0 || all <= firstTrial)
 			return iterate<S>(system, settings, method);
-		const Kept start(system, settings.start);
-		S withMomentum(system, settings.seed);
+		const Kept start(system, settings);
+		S withMomentum(system, settings.seed, settings.threads);
 		auto improve = method(withMomentum);
 		Iteration<S> first(withMomentum, settings);
 		first.begin();
@@ -115,7 +115,7 @@ namespace {
 		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
 		start->free(system);
 		start->guess(system);
-		S plain(system, settings.seed);
+		S plain(system, settings.seed, settings.threads);
 		Iteration<S> second(plain, settings);
 		second.begin();
 		const auto toFirst = [&](int until) { return first.advance(improve, until, all - second.iterations()); };

@@ -48,7 +48,7 @@ namespace {
 		const int most = std::min(mostSteps, settings.maxIterations / 6); // these are left for Newton's method
 		if (settings.fixedIterations > 0 || size(system) > large || most == 0)
 			return accelerated(system, settings);
-		const Kept start(system, settings.start);
+		const Kept start(system, settings);
 		SolverSettings part = settings;
 		part.maxIterations -= most;
 		const SolverReport sweeps = accelerated(system, part);

@@ -12,7 +12,7 @@ std::unique_ptr<DelassusSweep::Packed>& DelassusSweep::spare()
 	return one;
 }
 
-DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed)
+DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed, Threads*)
     : system(s)
     , kept(spare() ? std::move(spare()) : std::make_unique<Packed>())
     , packed(*kept)

@@ -6,6 +6,7 @@
 #include "residual.hpp"
 #include "row_grouping.hpp"
 #include "row_momentum.hpp"
+#include "threads.hpp"
 
 #include <memory>
 
@@ -17,7 +18,8 @@ class DelassusSweep {
 
 	// Packs the rows and the first-guess impulses; costs about as much as fifteen sweeps.
 	// seed > 0: each sweep visits the groups of rows in a new random order.
-	DelassusSweep(DelassusSystem& system, unsigned seed);
+	// By one thread, whatever threads there are.
+	DelassusSweep(DelassusSystem& system, unsigned seed, Threads* = nullptr);
 	~DelassusSweep();
 	DelassusSweep(const DelassusSweep&) = delete;
 	DelassusSweep& operator=(const DelassusSweep&) = delete;

@@ -65,7 +65,7 @@ void GroupBuilder::retireOldest()
 
 void GroupBuilder::end()
 {
-	for (int i = 0; i < places - 1; i++)
+	for (int i = 0; i < places; i++) // the last time nothing but the group that stays in its place
 		retireOldest();
 }
 

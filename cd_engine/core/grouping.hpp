@@ -20,6 +20,7 @@ class GroupBuilder {
 	void begin(std::size_t bodies, std::size_t contacts, Grouping& result);
 	// Contacts come in an order in which neighbours are near each other.
 	void add(int32_t contact, int32_t a, bool movableA, int32_t b, bool movableB);
+	// Closes all groups; what is added after that shares none with what was before.
 	void end();
 
     private:

@@ -11,11 +11,13 @@ namespace {
 	// Islands at their tolerance to the last digit are above it together by the round-off of their sums.
 	constexpr double onTheEdge = 1e-9;
 
-	void copyVelocities(const ContactSystem& system, std::vector<double>& to)
+	void copyVelocities(const ContactSystem& system, std::vector<double>& to, Threads* threads)
 	{
 		to.resize(3 * system.bodies.size());
-		for (std::size_t i = 0; i < system.bodies.size(); i++)
-			std::copy_n(system.bodies[i].v, 3, &to[3 * i]);
+		forRanges(threads, system.bodies.size(), [&](std::size_t from, std::size_t end) {
+			for (std::size_t i = from; i < end; i++)
+				std::copy_n(system.bodies[i].v, 3, &to[3 * i]);
+		});
 	}
 
 	void addImpulse(ContactSystem& system, const ContactRow& c)
@@ -57,9 +59,9 @@ SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettin
 	return report;
 }
 
-void IslandSolver::findIslands(const ContactSystem& system)
+void IslandSolver::findIslands(const ContactSystem& system, Threads* threads)
 {
-	if (!partition.update(system)) {
+	if (!partition.update(system, threads)) {
 		for (Island& island : islands)
 			island = { island.first, island.contacts };
 		return;
@@ -132,7 +134,7 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport report;
-	if (rested && surelySolvable(system)) {
+	if (rested && surelySolvable(system, settings.threads)) {
 		report = reportOf(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
@@ -193,7 +195,7 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 		partContacts.push_back(static_cast<int32_t>(i));
 		partIsland.push_back(partition.ofContact[i]);
 	}
-	copyVelocities(part, partFree);
+	copyVelocities(part, partFree, nullptr);
 }
 
 // The errors of the islands of the part, in place of those they had.
@@ -223,7 +225,8 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		takePart(system, [](const Island& island) { return !island.asleep; });
 		measurePart(sums);
 	}
-	const bool solvable = surelySolvable(system); // else a small error is not enough, and the method has to say that there is a solution
+	const bool solvable
+	    = surelySolvable(system, settings.threads); // else a small error is not enough, and the method has to say that there is a solution
 	if (solvable)
 		judge(settings.tolerance);
 	Status status = Status::converged;
@@ -292,9 +295,9 @@ SolverReport IslandSolver::operator()(
 {
 	if (settings.fixedIterations > 0 || settings.seed > 0)
 		return solveWhole(system, method, settings, effort);
-	findIslands(system);
+	findIslands(system, settings.threads);
 	countUnknowns(effort);
-	copyVelocities(system, freeVelocity);
+	copyVelocities(system, freeVelocity, settings.threads);
 	sums.assign(islands.size(), {});
 	sleeping = 0;
 	if (stillness) {

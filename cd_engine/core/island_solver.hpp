@@ -54,7 +54,7 @@ class IslandSolver {
 		bool asleep = false;
 	};
 
-	void findIslands(const ContactSystem&);
+	void findIslands(const ContactSystem&, Threads*);
 	void countUnknowns(Effort&);
 	void solveLoneContacts(ContactSystem&, double tolerance);
 	bool isNearlyOneIsland(const ContactSystem&) const;

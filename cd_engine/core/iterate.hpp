@@ -163,7 +163,7 @@ template <class S> class Iteration {
 // Kertesz 2003) holds for plain Gauss-Seidel.
 template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)
 {
-	S sweep(system, settings.seed);
+	S sweep(system, settings.seed, settings.threads);
 	auto improve = method(sweep);
 	return Iteration<S>(sweep, settings).run(improve);
 }

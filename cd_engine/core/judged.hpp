@@ -37,9 +37,9 @@ namespace judging {
 
 	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
 	// be so large that whatever velocities they make are within the tolerance.
-	inline bool makesEnergy(const ContactSystem& s, const Start& start, double guess)
+	inline bool makesEnergy(const ContactSystem& s, const Start& start, double guess, Threads* threads)
 	{
-		if (!(weighted(s) > 10 * guess)) // what was there before holds itself, to the tolerance
+		if (!(weighted(s, threads) > 10 * guess)) // what was there before holds itself, to the tolerance
 			return false;
 		double before = 0, after = 0;
 		for (std::size_t i = 0; i < s.bodies.size(); i++)
@@ -51,7 +51,7 @@ namespace judging {
 				}
 		return after > 2 * before;
 	}
-	inline bool makesEnergy(const DelassusSystem&, const Start&, double) { return false; } // never surely solvable
+	inline bool makesEnergy(const DelassusSystem&, const Start&, double, Threads*) { return false; } // never surely solvable
 
 	inline int32_t strongest(const ContactSystem& s)
 	{
@@ -106,7 +106,7 @@ namespace judging {
 		clearImpulses(system);
 		report = goOn<System>(system, start, settings, report, nsgs);
 		report.plain = true;
-		if (report.status == Status::converged && makesEnergy(system, start, guess)) {
+		if (report.status == Status::converged && makesEnergy(system, start, guess, settings.threads)) {
 			report.status = Status::stagnated;
 			report.contact = strongest(system);
 		}
@@ -116,7 +116,7 @@ namespace judging {
 	template <class System> SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, Method<System> method)
 	{
 		clearImpulses(system);
-		const Start nothing(system);
+		const Start nothing(system, settings.threads);
 		SolverSettings brief = settings;
 		brief.start = &nothing;
 		brief.maxIterations = std::min(fewSweeps, settings.maxIterations / 8);
@@ -167,10 +167,10 @@ namespace judging {
 		    : system(problem)
 		    , settings(asked)
 		    , method(by)
-		    , start(problem)
+		    , start(problem, asked.threads)
 		    , fixed(asked.fixedIterations > 0)
-		    , solvable(surelySolvable(problem))
-		    , guess(asked.guessSolved ? weighted(problem) : 0)
+		    , solvable(surelySolvable(problem, asked.threads))
+		    , guess(asked.guessSolved ? weighted(problem, asked.threads) : 0)
 		    , part(asked)
 		{
 			part.start = &start;
@@ -189,7 +189,7 @@ namespace judging {
 			report = goOn<System>(system, start, part, report, method);
 			tryPlain(system, start, part, report, method);
 			if (solvable) {
-				if (report.status == Status::converged && makesEnergy(system, start, guess))
+				if (report.status == Status::converged && makesEnergy(system, start, guess, settings.threads))
 					beginFromNothing(system, start, settings, report, guess);
 				return report;
 			}
@@ -217,7 +217,7 @@ namespace judging {
 			const SolverReport before = report;
 			start.free(system);
 			clearImpulses(system);
-			const Start nothing(system);
+			const Start nothing(system, settings.threads);
 			part.start = &nothing;
 			part.tolerance = settings.tolerance;
 			part.maxIterations = most;

@@ -14,28 +14,38 @@ int32_t Partition::root(int32_t body)
 	return body;
 }
 
-bool Partition::sameLinks(const ContactSystem& system)
+bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
-	bool same = freedom.size() == system.bodies.size() && links.size() == system.contacts.size();
+	const bool known = freedom.size() == system.bodies.size() && links.size() == system.contacts.size();
 	freedom.resize(system.bodies.size());
 	links.resize(system.contacts.size());
-	for (std::size_t i = 0; i < freedom.size(); i++) {
-		const auto free = static_cast<uint8_t>(freedoms(system.bodies[i]));
-		same = same && freedom[i] == free;
-		freedom[i] = free;
-	}
-	for (std::size_t i = 0; i < links.size(); i++) {
-		const ContactRow& c = system.contacts[i];
-		const Link link { c.a, c.b, c.wnn > 0 };
-		same = same && links[i].a == link.a && links[i].b == link.b && links[i].solvable == link.solvable;
-		links[i] = link;
-	}
-	return same;
+	const auto both = [](bool a, bool b) { return a && b; };
+	const auto bodies = [&](std::size_t from, std::size_t to) {
+		bool same = known;
+		for (std::size_t i = from; i < to; i++) {
+			const auto free = static_cast<uint8_t>(freedoms(system.bodies[i]));
+			same = same && freedom[i] == free;
+			freedom[i] = free;
+		}
+		return same;
+	};
+	const auto contacts = [&](std::size_t from, std::size_t to) {
+		bool same = known;
+		for (std::size_t i = from; i < to; i++) {
+			const ContactRow& c = system.contacts[i];
+			const Link link { c.a, c.b, c.wnn > 0 };
+			same = same && links[i].a == link.a && links[i].b == link.b && links[i].solvable == link.solvable;
+			links[i] = link;
+		}
+		return same;
+	};
+	const bool sameBodies = reduceRanges<bool>(threads, freedom.size(), bodies, both);
+	return reduceRanges<bool>(threads, links.size(), contacts, both) && sameBodies;
 }
 
-bool Partition::update(const ContactSystem& system)
+bool Partition::update(const ContactSystem& system, Threads* threads)
 {
-	if (sameLinks(system))
+	if (sameLinks(system, threads))
 		return false;
 	name.resize(freedom.size());
 	std::iota(name.begin(), name.end(), 0);

@@ -3,13 +3,14 @@
 #pragma once
 
 #include "contact_system.hpp"
+#include "threads.hpp"
 
 namespace cd {
 
 class Partition {
     public:
 	// Of this system; false if its contacts and freedoms are those of the last one, whose islands these then are.
-	bool update(const ContactSystem&);
+	bool update(const ContactSystem&, Threads* = nullptr);
 
 	struct Island {
 		int32_t first = 0; // contact
@@ -31,7 +32,7 @@ class Partition {
 		bool solvable;
 	};
 
-	bool sameLinks(const ContactSystem&);
+	bool sameLinks(const ContactSystem&, Threads*);
 	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	int32_t root(int32_t body);
 	void number();

@@ -18,15 +18,14 @@ namespace {
 
 void Rebounds::clear()
 {
-	impacts = false;
 	asked.clear();
 	parent.clear();
 }
 
-void Rebounds::add(double plain, double rebound)
+bool Rebounds::any() const
 {
-	impacts = impacts || (!std::isnan(rebound) && bias(plain, rebound) != bias(plain, 0));
-	asked.push_back({ plain, rebound });
+	return std::any_of(
+	    asked.begin(), asked.end(), [](const Asked& a) { return !std::isnan(a.rebound) && bias(a.plain, a.rebound) != bias(a.plain, 0); });
 }
 
 int32_t Rebounds::islandOf(int32_t body)

@@ -29,10 +29,11 @@ class Rebounds {
 	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
 
 	void clear();
-	// Of the next contact of the system: its bias without restitution, and e u_n [m/s]; a NaN if it has no part in an impact.
-	void add(double plain, double rebound);
+	void resize(std::size_t contacts) { asked.resize(contacts); }
+	// Of a contact of the system: its bias without restitution, and e u_n [m/s]; a NaN if it has no part in an impact.
+	void set(std::size_t row, double plain, double rebound) { asked[row] = { plain, rebound }; }
 	// Whether any contact has a part in an impact.
-	bool any() const { return impacts; }
+	bool any() const;
 
 	// Lowers the biases in the islands whose impulses have added energy by more than round-off, `tolerance` and mostGain leave open; says whether
 	// there are such islands. To be asked again after the next solution. `before`: the velocities before the step, `free`: those that the
@@ -65,7 +66,7 @@ class Rebounds {
 	Account& accountOf(const ContactSystem&, const ContactRow&);
 	bool askAgain(ContactSystem&);
 
-	bool impacts = false, remains = false;
+	bool remains = false;
 	std::vector<Asked> asked; // of the contacts
 	std::vector<int32_t> parent; // of every body, towards the one that names its island; empty: not looked for yet
 	std::vector<Account> accounts; // by body

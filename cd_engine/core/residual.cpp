@@ -148,6 +148,27 @@ void ResidualSum::addUnderHeavy(double velocity, double s)
 	leastHeavy = std::min(leastHeavy, s);
 }
 
+void ResidualSum::add(const ResidualSum& other)
+{
+	contacts += other.contacts;
+	difference += other.difference;
+	square += other.square;
+	differenceEnergy += other.differenceEnergy;
+	squareEnergy += other.squareEnergy;
+	raise(worst, other.worst);
+	missed += other.missed;
+	raise(mostMissed, other.mostMissed);
+	raise(missedUnderHeavy, other.missedUnderHeavy);
+	leastHeavy = std::min(leastHeavy, other.leastHeavy);
+	touched += other.touched;
+	mass += other.mass;
+	weighted += other.weighted;
+	if (other.least < least) {
+		least = other.least;
+		leastBody = other.leastBody;
+	}
+}
+
 double ResidualSum::bodies() const
 {
 	if (missed == 0)

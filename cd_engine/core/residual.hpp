@@ -77,6 +77,8 @@ struct ResidualSum {
 	// A contact, missing `velocity`, of a body that touches one ten times heavier, on which s acts; nothing where s is infinite.
 	void addUnderHeavy(double velocity, double s);
 
+	void add(const ResidualSum&); // of other contacts and bodies of the island
+
 	double bodies() const; // the error of the bodies
 	Residual of() const;
 };

@@ -23,7 +23,7 @@ class Report:
     contact: object           # where there is no solution, the contact that closes or grows most (diverged: one that is no number); else None
     bodies: object            # of a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
-    seconds: float            # of processor time, spent in the solver
+    seconds: float            # of the calling thread's processor time, spent in the solver
 
 
 def _core():
@@ -81,7 +81,7 @@ def _count(name, value, least):
     return count
 
 
-def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0):
+def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0, threads=1):
     """Impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
     method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
@@ -91,6 +91,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     impulses          first guess [N s]; none: zero. One 1e12 times larger than what would stop each closing contact alone is not used
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
+    threads           that share the work of a large `BodyProblem`; the result is the same bits with any number. A `Problem` is solved by one
 
     A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. `no_solution`: the impulses grow
     for ever along a self-stress against which the free velocities work, as where two walls close in on a body, or only some 1e12 times larger than
@@ -106,11 +107,14 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     max_iterations = _count("max_iterations", max_iterations, 1)
     fixed_iterations = _count("fixed_iterations", fixed_iterations, 0)
     seed = _count("seed", seed, 0)
+    threads = _count("threads", threads, 1)
+    if threads > 1024:
+        raise ValueError(f"threads={threads} is out of range: it must be at most 1024")
     arrays = _arrays(problem)
     size = 2 * len(arrays[-1])
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
     settings = method, float(tolerance), max_iterations, fixed_iterations, seed
-    found = core.solve_bodies(arrays, p, *settings) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
+    found = core.solve_bodies(arrays, p, *settings, threads) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
     iterations, factorizations, e, worst, status, doubtful, contact, solved_by, seconds = found
     converged = status == "converged" or (status == "fixed_iterations" and not doubtful and e <= tolerance)
     contact = contact if contact >= 0 else None

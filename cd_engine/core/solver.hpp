@@ -13,6 +13,7 @@
 namespace cd {
 
 class Start;
+class Threads;
 
 struct SolverSettings {
 	double tolerance = 1e-6; // on the errors of residual.hpp
@@ -23,6 +24,7 @@ struct SolverSettings {
 	bool guessSolved = true; // whether the first guess is of a step that was solved; else its size excuses no growth (verdict.hpp)
 	bool guessPressed = false; // whether it is of a step without a solution, or in doubt: what it leads to is confirmed from none
 	const Start* start = nullptr; // what the system holds, if somebody keeps it already (start.hpp)
+	Threads* threads = nullptr; // that share the work of a problem given by its bodies; the bits are the same with any, and without
 };
 
 // no_solution: none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.

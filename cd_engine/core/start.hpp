@@ -4,6 +4,8 @@
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
 #include "handed_on.hpp"
+#include "solver.hpp"
+#include "threads.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -12,24 +14,35 @@ namespace cd {
 
 class Start {
     public:
-	explicit Start(const ContactSystem& s)
+	explicit Start(const ContactSystem& s, Threads* t)
+	    : threads(t)
 	{
 		velocities.values.resize(3 * s.bodies.size());
 		impulses.values.resize(2 * s.contacts.size());
-		for (std::size_t i = 0; i < s.bodies.size(); i++)
-			std::copy_n(s.bodies[i].v, 3, &velocities.values[3 * i]);
-		for (std::size_t i = 0; i < s.contacts.size(); i++) {
-			impulses.values[2 * i] = s.contacts[i].pn;
-			impulses.values[2 * i + 1] = s.contacts[i].pt;
-		}
+		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
+			for (std::size_t i = from; i < to; i++)
+				std::copy_n(s.bodies[i].v, 3, &velocities.values[3 * i]);
+		});
+		forRanges(threads, s.contacts.size(), [&](std::size_t from, std::size_t to) {
+			for (std::size_t i = from; i < to; i++) {
+				impulses.values[2 * i] = s.contacts[i].pn;
+				impulses.values[2 * i + 1] = s.contacts[i].pt;
+			}
+		});
 	}
-	explicit Start(const DelassusSystem& s) { impulses.values = s.p; }
+	explicit Start(const DelassusSystem& s, Threads* t)
+	    : threads(t)
+	{
+		impulses.values = s.p;
+	}
 
 	// A method leaves the velocities that belong to its impulses; the next begins with the free ones again.
 	void free(ContactSystem& s) const
 	{
-		for (std::size_t i = 0; i < s.bodies.size(); i++)
-			std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
+		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
+			for (std::size_t i = from; i < to; i++)
+				std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
+		});
 	}
 	void free(DelassusSystem&) const { } // has none
 
@@ -45,6 +58,7 @@ class Start {
 	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none of a matrix
 
     private:
+	Threads* const threads;
 	HandedOn<double, Start> velocities;
 	HandedOn<double, const Start> impulses;
 };
@@ -53,8 +67,8 @@ class Start {
 class Kept {
     public:
 	template <class System>
-	Kept(const System& s, const Start* kept)
-	    : start(kept ? kept : &own.emplace(s))
+	Kept(const System& s, const SolverSettings& settings)
+	    : start(settings.start ? settings.start : &own.emplace(s, settings.threads))
 	{
 	}
 	operator const Start&() const { return *start; }

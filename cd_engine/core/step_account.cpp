@@ -13,17 +13,24 @@ namespace {
 
 	constexpr size_t ahead = 12; // contacts whose bodies are asked for before they are wanted
 
+	bool slides(const ContactRow& c) { return c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone); }
+
 } // namespace
 
-// Adds a contact's impulse to both of its bodies, or, for a sleeping island, to what it remembers of those that cannot move.
-inline void TimeStep::push(size_t row, const Pair& pair, SleepingIsland* asleep)
+// What a contact's impulse does to both of its bodies.
+inline TimeStep::Share TimeStep::share(size_t row, const Pair& pair) const
 {
 	const Touch& touch = rowTouch[row];
 	const Place &a = places[pair.a], &b = places[pair.b];
 	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
 	// A disk takes it on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
 	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
-	const double turnB = (b.radius - 0.5 * touch.overlap) * pair.pt;
+	return { pair.a, pair.b, x, y, -turnA, -(b.radius - 0.5 * touch.overlap) * pair.pt };
+}
+
+// Adds it to them, or, for a sleeping island, to what it remembers of those that cannot move.
+inline void TimeStep::push(const Share& of, SleepingIsland* asleep)
+{
 	const auto add = [&](int32_t body, double px, double py, double turn) {
 		if (asleep && !sleepers.sleeps(body)) {
 			asleep->onImmobile.push_back({ body, { px, py, turn } });
@@ -34,8 +41,8 @@ inline void TimeStep::push(size_t row, const Pair& pair, SleepingIsland* asleep)
 		on[1] += py;
 		on[2] += turn;
 	};
-	add(pair.a, -x, -y, -turnA);
-	add(pair.b, x, y, -turnB);
+	add(of.a, -of.x, -of.y, of.turnA);
+	add(of.b, of.x, of.y, of.turnB);
 }
 
 // The sleeping island that a contact belongs to, if any.
@@ -47,13 +54,40 @@ SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
 	return nullptr;
 }
 
-void TimeStep::finishContacts(World& world, StepReport& report)
+// Each body takes them in the order of the contacts, which the last digits of its sum depend on: so a thread has some of the bodies, not of the
+// contacts. More than a few threads would only look more often at what is not theirs.
+void TimeStep::pushAll()
 {
-	impulses.resize(world.bodies.size());
-	for (size_t i = 0; i < impulses.size(); i++)
-		if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
-			impulses[i] = { 0, 0, 0 };
-	for (size_t i = 0; i < system.contacts.size(); i++) {
+	const std::size_t ranges = shares.size() < Cut::few ? 1 : std::min(threads.count(), 4), count = impulses.size();
+	forEach(&threads, ranges, [&](std::size_t range) {
+		const auto from = static_cast<int32_t>(count * range / ranges), to = static_cast<int32_t>(count * (range + 1) / ranges);
+		const auto add = [&](int32_t body, double px, double py, double turn) {
+			if (body < from || body >= to)
+				return;
+			std::array<double, 3>& on = impulses[body];
+			on[0] += px;
+			on[1] += py;
+			on[2] += turn;
+		};
+		for (const Share& of : shares)
+			if (of.a >= 0) {
+				add(of.a, -of.x, -of.y, of.turnA);
+				add(of.b, of.x, of.y, of.turnB);
+			}
+	});
+}
+
+// What the contacts of a range have done, their bodies' shares aside.
+struct TimeStep::Account {
+	int loaded = 0, sliding = 0;
+	double dissipated = 0; // [J]
+};
+
+TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from, size_t to)
+{
+	Account sum;
+	sum.dissipated = dissipated;
+	for (size_t i = from; i < to; i++) {
 		if (i + ahead < system.contacts.size()) {
 			__builtin_prefetch(&means[system.contacts[i + ahead].a]);
 			__builtin_prefetch(&means[system.contacts[i + ahead].b]);
@@ -62,25 +96,57 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 		Pair& pair = world.pairs[rowPair[i]];
 		pair.pn = c.pn;
 		pair.pt = c.pt;
-		SleepingIsland* const asleep = asleepAt(c);
-		if (asleep) {
-			asleep->contacts++;
-			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
-			asleep->disturbed = asleep->disturbed || i >= assembled; // one that was taken back is none in the next step
-		}
-		if (c.pn > 0 || asleep)
-			push(i, pair, asleep);
+		shares[i].a = -1;
+		if (c.pn <= 0 && sleepers.none())
+			continue;
+		shares[i] = share(i, pair);
 		if (c.pn <= 0)
 			continue;
-		(asleep ? asleep->loaded : report.loadedContacts)++;
-		if (c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone))
-			(asleep ? asleep->sliding : report.slidingContacts)++;
+		const bool asleep = asleepAt(c);
+		sum.loaded += !asleep;
+		sum.sliding += !asleep && slides(c);
 		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
 		const double *a = means[c.a].v, *b = means[c.b].v;
 		const double dx = b[0] - a[0], dy = b[1] - a[1];
 		const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
 		const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-		report.dissipated -= c.pn * un + c.pt * ut;
+		sum.dissipated -= c.pn * un + c.pt * ut;
+	}
+	return sum;
+}
+
+void TimeStep::finishContacts(World& world, StepReport& report)
+{
+	impulses.resize(world.bodies.size());
+	forRanges(&threads, impulses.size(), [&](size_t from, size_t to) {
+		for (size_t i = from; i < to; i++)
+			if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
+				impulses[i] = { 0, 0, 0 };
+	});
+	shares.resize(system.contacts.size());
+	const Account all = reduceRanges<Account>(
+	    &threads, system.contacts.size(), [&](size_t from, size_t to) { return account(world, from > 0 ? 0 : report.dissipated, from, to); },
+	    [](const Account& a, const Account& b) {
+		    return Account { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated };
+	    });
+	report.loadedContacts += all.loaded;
+	report.slidingContacts += all.sliding;
+	report.dissipated = all.dissipated;
+	if (sleepers.none())
+		return pushAll();
+	for (size_t i = 0; i < shares.size(); i++) {
+		const Share& of = shares[i];
+		const ContactRow& c = system.contacts[i];
+		SleepingIsland* const asleep = asleepAt(c);
+		if (asleep) {
+			asleep->contacts++;
+			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
+			asleep->disturbed = asleep->disturbed || i >= assembled; // one that was taken back is none in the next step
+			asleep->loaded += c.pn > 0;
+			asleep->sliding += c.pn > 0 && slides(c);
+		}
+		if (c.pn > 0 || asleep)
+			push(of, asleep);
 	}
 }
 

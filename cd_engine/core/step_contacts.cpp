@@ -41,18 +41,20 @@ void TimeStep::freeVelocities(const World& world, double dt)
 {
 	system.bodies.resize(world.bodies.size());
 	before.resize(3 * world.bodies.size());
-	for (size_t i = 0; i < world.bodies.size(); i++) {
-		const Body& b = world.bodies[i];
-		BodyVelocity& s = system.bodies[i];
-		for (int k = 0; k < 3; k++) {
-			s.w[k] = b.inverseMass[k];
-			before[3 * i + k] = b.v[k];
-			s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
+	forRanges(&threads, world.bodies.size(), [&](size_t from, size_t to) {
+		for (size_t i = from; i < to; i++) {
+			const Body& b = world.bodies[i];
+			BodyVelocity& s = system.bodies[i];
+			for (int k = 0; k < 3; k++) {
+				s.w[k] = b.inverseMass[k];
+				before[3 * i + k] = b.v[k];
+				s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
+			}
+			const double ax = b.inverseMass[0] * b.force[0], ay = b.inverseMass[1] * b.force[1];
+			s.pushed = dt * std::sqrt(ax * ax + ay * ay);
+			s.twisted = dt * b.inverseMass[2] * std::abs(b.force[2]);
 		}
-		const double ax = b.inverseMass[0] * b.force[0], ay = b.inverseMass[1] * b.force[1];
-		s.pushed = dt * std::sqrt(ax * ax + ay * ay);
-		s.twisted = dt * b.inverseMass[2] * std::abs(b.force[2]);
-	}
+	});
 }
 
 void TimeStep::locateBodies(const World& world, double dt)
@@ -60,39 +62,56 @@ void TimeStep::locateBodies(const World& world, double dt)
 	places.resize(world.bodies.size());
 	ways.resize(world.bodies.size());
 	system.places.resize(world.bodies.size());
-	for (size_t i = 0; i < places.size(); i++) {
-		const Body& b = world.bodies[i];
-		const double* v = system.bodies[i].v; // free
-		places[i] = placeAhead(b, 0.5 * dt);
-		system.places[i] = { places[i].x, places[i].y };
-		ways[i] = dt * std::max(outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
-	}
+	forRanges(&threads, places.size(), [&](size_t from, size_t to) {
+		for (size_t i = from; i < to; i++) {
+			const Body& b = world.bodies[i];
+			const double* v = system.bodies[i].v; // free
+			places[i] = placeAhead(b, 0.5 * dt);
+			system.places[i] = { places[i].x, places[i].y };
+			ways[i] = dt * std::max(outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
+		}
+	});
 }
 
-// Takes a disk back to the face by which its centre has come into a boundary in the half step, the way that an impulse would push it; says whether it
-// has. The end of a step before is no place at which contact was required, nor is the place half a step before it where the velocities are new: both
-// have to tell the same. A disk that cannot move along the normal goes on as prescribed.
-bool TimeStep::stopAtFace(const Pair& pair, const World& world, const Touch& touch, double dt)
+// The face by which the centre of a disk has come into a boundary in the half step, if it has. The end of a step before is no place at which contact
+// was required, nor is the place half a step before it where the velocities are new: both have to tell the same. A disk that cannot move along the
+// normal goes on as prescribed.
+bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touch, double dt, Foot& face) const
 {
-	const Place& a = places[pair.a];
-	Place& b = places[pair.b];
+	const Place &a = places[pair.a], &b = places[pair.b];
 	if (a.radius > 0 || b.radius - touch.overlap > 0.5 * (ways[pair.a] + ways[pair.b]))
 		return false;
-	Foot face, same;
+	Foot same;
 	const auto through = [&](double ahead, Foot& by) {
 		return comesThrough(world.shapes[pair.a], placeAhead(world.bodies[pair.a], ahead), placeAhead(world.bodies[pair.b], ahead), a, b, by);
 	};
 	if (!through(0, face) || !through(-0.5 * dt, same) || face.nx != same.nx || face.ny != same.ny)
 		return false;
 	const double* const w = system.bodies[pair.b].w;
-	const double along = w[0] * face.nx * face.nx + w[1] * face.ny * face.ny;
-	if (ContactRow::held(along, w[0] + w[1]))
-		return false;
-	const double back = (b.radius - face.distance) / along, x = back * w[0] * face.nx, y = back * w[1] * face.ny;
-	shifts.push_back({ pair.b, x, y });
-	b.x += x;
-	b.y += y;
-	return true;
+	return !ContactRow::held(w[0] * face.nx * face.nx + w[1] * face.ny * face.ny, w[0] + w[1]);
+}
+
+// Takes such disks back to the face, the way that an impulse would push them; again as long as one comes into another boundary by that. Two faces
+// that pass each other would send it to and fro for ever.
+void TimeStep::stopAtFaces(const World& world, double dt)
+{
+	std::size_t stopped;
+	do {
+		stopped = shifts.size();
+		for (const int32_t i : world.awake) {
+			const Pair& pair = world.pairs[i];
+			Place& b = places[pair.b];
+			Foot face;
+			if (!isThrough(pair, world, locateContact(places[pair.a], b, world.shapes[pair.a]), dt, face))
+				continue;
+			const double* const w = system.bodies[pair.b].w;
+			const double along = w[0] * face.nx * face.nx + w[1] * face.ny * face.ny;
+			const double back = (b.radius - face.distance) / along, x = back * w[0] * face.nx, y = back * w[1] * face.ny;
+			shifts.push_back({ pair.b, x, y });
+			b.x += x;
+			b.y += y;
+		}
+	} while (shifts.size() > stopped && stopped <= world.bodies.size());
 }
 
 // What the turning of a pair's boundary adds to its gap within the step.
@@ -130,8 +149,13 @@ inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap,
 	return beyond <= soon * dt * std::max(before, free) + pushed * radius;
 }
 
-inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pair, const Touch& touch, double gap, const StepSettings& settings)
+inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t index, const Touch& touch, const StepSettings& settings)
 {
+	const Pair& pair = world.pairs[index];
+	const double gap = gaps[index];
+	rowPair[row] = static_cast<int32_t>(index);
+	rowTouch[row] = touch;
+	ContactRow& c = system.contacts[row];
 	const Place& place = places[pair.a];
 	c.a = pair.a;
 	c.b = pair.b;
@@ -157,7 +181,7 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pai
 		const double un = touch.nx * (b.v[0] - a.v[0]) + touch.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
 		const bool hit = un < 0 && gap + turned + settings.dt * un <= 0, parts = gap <= 0 && un > 0;
 		const double rebound = hit || parts ? settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
-		rebounds.add(c.bias, rebound);
+		rebounds.set(row, c.bias, rebound);
 		if (hit || parts)
 			c.bias = Rebounds::bias(c.bias, rebound);
 	}
@@ -166,16 +190,14 @@ inline void TimeStep::fillRow(ContactRow& c, const World& world, const Pair& pai
 		c.pn = c.pt = 0; // two immobile bodies: whatever springs left between them means nothing here
 }
 
-// Rows are filled in place; those of the last step need no new construction.
-inline void TimeStep::addRow(World& world, size_t index, const Touch& touch, double gap, const StepSettings& settings)
+// Those of the last step need no new construction.
+void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 {
-	if (rows == system.contacts.size())
-		system.contacts.emplace_back();
-	fillRow(system.contacts[rows++], world, world.pairs[index], touch, gap, settings);
-	rowPair.push_back(static_cast<int32_t>(index));
-	rowTouch.push_back(touch);
-	solved[index] = 1;
-	deepest = std::max(deepest, -gap);
+	rows = count;
+	system.contacts.resize(count);
+	rowPair.resize(count);
+	rowTouch.resize(count);
+	rebounds.resize(settings.restitution > 0 ? count : 0);
 }
 
 // Whether a pair is closed, or is closed within the step by the velocities before it or by the external forces.
@@ -198,44 +220,77 @@ inline void TimeStep::prefetchBodies(const Pair& pair) const
 	__builtin_prefetch(&places[pair.b]);
 	__builtin_prefetch(&ways[pair.a]);
 	__builtin_prefetch(&ways[pair.b]);
-	__builtin_prefetch(&system.bodies[pair.a].w);
-	__builtin_prefetch(&system.bodies[pair.b].w);
 }
 
-void TimeStep::findContacts(World& world, const StepSettings& settings, bool stops)
+// Where the pairs of each part touch, their gaps, and which are contacts.
+TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, Seen* parts)
 {
-	rows = 0;
-	rebounds.clear();
-	rowPair.clear();
-	rowTouch.clear();
-	solved.assign(world.pairs.size(), 0);
+	const Cut cut(world.awake.size());
+	touchOf.resize(world.awake.size());
 	gaps.resize(world.pairs.size());
-	deepest = 0;
-	narrowest = std::numeric_limits<double>::infinity();
-	for (size_t k = 0; k < world.awake.size(); k++) {
-		if (k + ahead < world.awake.size())
-			prefetchBodies(world.pairs[world.awake[k + ahead]]);
-		const int32_t i = world.awake[k];
-		Pair& pair = world.pairs[i];
-		Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
-		if (stops && stopAtFace(pair, world, touch, settings.dt))
-			touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
-		double gap = pair.reference - touch.overlap;
-		if (pair.reference > 0 && touch.overlap <= 0) { // truly apart
-			pair.reference = 0;
-			gap = -touch.overlap;
-			forgotten.push_back(i);
+	solved.assign(world.pairs.size(), 0);
+	forEach(&threads, cut.parts, [&](std::size_t part) {
+		Seen of;
+		for (size_t k = cut.from(part); k < cut.from(part + 1); k++) {
+			if (k + ahead < world.awake.size())
+				prefetchBodies(world.pairs[world.awake[k + ahead]]);
+			const int32_t i = world.awake[k];
+			const Pair& pair = world.pairs[i];
+			const Touch touch = touchOf[k] = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+			Foot face;
+			of.through = of.through || isThrough(pair, world, touch, settings.dt, face);
+			const bool apart = pair.reference > 0 && touch.overlap <= 0; // truly
+			of.apart = of.apart || apart;
+			const double gap = gaps[i] = apart ? -touch.overlap : pair.reference - touch.overlap;
+			if (mayClose(pair, world, gap, settings.dt) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt))) {
+				solved[i] = 1;
+				of.contacts++;
+				of.deepest = std::max(of.deepest, -gap);
+			} else
+				of.narrowest = std::min(of.narrowest, gap);
 		}
-		gaps[i] = gap;
-		if (mayClose(pair, world, gap, settings.dt) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt)))
-			addRow(world, i, touch, gap, settings);
-		else {
-			pair.pn = pair.pt = 0;
-			narrowest = std::min(narrowest, gap);
-		}
+		parts[part] = of;
+	});
+	Seen all;
+	for (std::size_t part = 0; part < cut.parts; part++) {
+		parts[part].first = all.contacts;
+		all.contacts += parts[part].contacts;
+		all.through = all.through || parts[part].through;
+		all.apart = all.apart || parts[part].apart;
+		all.deepest = std::max(all.deepest, parts[part].deepest);
+		all.narrowest = std::min(all.narrowest, parts[part].narrowest);
 	}
+	return all;
+}
+
+void TimeStep::findContacts(World& world, const StepSettings& settings)
+{
+	Seen parts[Cut::most], all = look(world, settings, parts);
+	if (all.through) {
+		stopAtFaces(world, settings.dt);
+		all = look(world, settings, parts);
+	}
+	deepest = all.deepest;
+	narrowest = all.narrowest;
+	for (size_t k = 0; all.apart && k < world.awake.size(); k++)
+		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && touchOf[k].overlap <= 0) {
+			pair.reference = 0;
+			forgotten.push_back(world.awake[k]);
+		}
+	rebounds.clear();
+	resizeRows(all.contacts, settings);
 	assembled = rows;
-	system.contacts.resize(rows);
+	const Cut cut(world.awake.size());
+	forEach(&threads, cut.parts, [&](std::size_t part) {
+		std::size_t row = parts[part].first;
+		for (size_t k = cut.from(part); k < cut.from(part + 1); k++) {
+			const int32_t i = world.awake[k];
+			if (solved[i])
+				fillRow(row++, world, i, touchOf[k], settings);
+			else
+				world.pairs[i].pn = world.pairs[i].pt = 0;
+		}
+	});
 }
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
@@ -247,26 +302,17 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 			free.insert(free.end(), b.v, b.v + 3);
 	locateBodies(world, settings.dt);
 	shifts.clear();
-	std::size_t stopped;
-	do { // again for the other pairs of a disk that was stopped
-		stopped = shifts.size();
-		// Two faces that pass each other would send a disk to and fro for ever. The last look moves none, so that all its contacts see one
-		// place.
-		findContacts(world, settings, stopped <= world.bodies.size());
-	} while (shifts.size() > stopped);
+	findContacts(world, settings);
 	return system;
 }
 
 // Whether a body has become so fast that it may reach, within the step, another that is not listed with it.
-bool TimeStep::outruns(const World& world, double dt, StepReport& report) const
+bool TimeStep::outruns(const World& world, double dt, StepReport& report)
 {
 	report.outran.clear();
-	bool any = false;
-	const auto needed = [&](size_t i) {
-		return quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
-	};
-	for (size_t i = 0; i < world.listed.size() && !any; i++)
-		any = needed(i) > world.listed[i];
+	const auto needed
+	    = [&](size_t i) { return quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i])); };
+	const bool any = anyOf(&threads, world.listed.size(), [&](size_t i) { return needed(i) > world.listed[i]; });
 	for (size_t i = 0; any && i < world.bodies.size(); i++)
 		report.outran.push_back(needed(i));
 	return any;
@@ -294,10 +340,10 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	return gaps[index] + turning(pair, world, touch, gaps[index], dt) + dt * un < 0;
 }
 
-bool TimeStep::anyViolated(const World& world, const StepSettings& settings) const
+bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
 {
 	return narrowest <= 2 * quick * settings.dt * fastest
-	    && std::any_of(world.awake.begin(), world.awake.end(), [&](int32_t i) { return !solved[i] && crosses(i, world, settings.dt); });
+	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
 }
 
 // If there are such pairs, adds them and all others that their bodies are fast enough to close, since an impact may go on from body to body. Says
@@ -309,7 +355,10 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	for (const int32_t i : world.awake)
 		if (!solved[i] && within(i, world, settings.dt)) {
 			const Pair& pair = world.pairs[i];
-			addRow(world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), gaps[i], settings);
+			resizeRows(rows + 1, settings);
+			fillRow(rows - 1, world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), settings);
+			solved[i] = 1;
+			deepest = std::max(deepest, -gaps[i]);
 		}
 	return true;
 }

@@ -1,12 +1,14 @@
 // Gauss-Seidel sweeps over packed contacts, in the velocities of the bodies: the inner loop that all sweeping solvers share.
 #pragma once
 
+#include "blocks.hpp"
 #include "contact_system.hpp"
 #include "group_kernel.hpp"
 #include "grouping.hpp"
 #include "partition.hpp"
 #include "random_order.hpp"
 #include "residual.hpp"
+#include "threads.hpp"
 
 #include <memory>
 #include <utility>
@@ -27,7 +29,8 @@ class Sweep {
 	// Packs the contacts and puts their first-guess impulses on the bodies. The groups are those of this thread's last problem where that had
 	// the same contacts in the same order, as in most steps of a packing at rest.
 	// seed > 0: each sweep visits the groups of contacts in a new random order.
-	Sweep(ContactSystem& system, unsigned seed);
+	// threads: that share the work; the bits are the same with any, and without.
+	Sweep(ContactSystem& system, unsigned seed, Threads* threads = nullptr);
 	~Sweep();
 	Sweep(const Sweep&) = delete;
 	Sweep& operator=(const Sweep&) = delete;
@@ -52,6 +55,8 @@ class Sweep {
 	void copyTo(Iterate&) const;
 	void copyFrom(const Iterate&);
 
+	const Blocks& blocks() const { return packed.blocks; }
+
     private:
 	// A contact that is solved alone: it couples n and t, or has a body that is no disk.
 	struct Loose {
@@ -65,20 +70,29 @@ class Sweep {
 		bool uniform; // one inverse mass for x, y and spin: may be in a group
 		bool turns, movable;
 	};
-	enum class Part : int32_t { none, loose, grouped }; // none: two immobile bodies
-	// All that the grouping asks of a contact.
-	struct Link {
-		int32_t a, b;
-		Part part;
-		bool operator==(const Link& other) const { return a == other.a && b == other.b && part == other.part; }
+	// Where a block begins among the groups, the loose contacts and the bodies; it ends where the next begins. Bodies belong to the block that
+	// meets them first, those that cannot move are in every block anew: it writes to them, too.
+	struct Begin {
+		std::size_t group, loose, body, sum;
+	};
+	// Of a contact: its packed bodies, and the sum for the error that it adds to: that of its island in its block.
+	struct Ends {
+		int32_t a, b, sum;
+	};
+	// What a sweep with momentum did in a block.
+	struct alignas(128) BlockSums {
+		LaneSums ahead;
+		AheadReport aheadLoose;
 	};
 	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
 	struct Packed {
 		std::vector<int32_t> place; // of each body of the system: its number among the packed, -1: not in any contact
+		std::vector<int32_t> metIn; // the block in which it was; 0 of those that can move
 		std::vector<int32_t> bodyAt; // the other way round
 		std::vector<BodyKind> kinds; // of each body of the system
 		std::vector<Link> links; // of each contact of the system
-		std::vector<PackedBody> bodies, bodiesBefore; // the last is immobile, for empty lanes
+		std::vector<Ends> ends;
+		std::vector<PackedBody> bodies, bodiesBefore; // the last are immobile, for the empty lanes of each block
 		std::vector<PackedBody> freeBodies; // their free velocities; w: what external forces make of them, BodyVelocity::pushed [m/s]
 		std::vector<double> masses; // of the same [kg]; 0: it cannot move along
 		std::vector<double> freeSpins; // of the same [rad/s]
@@ -86,14 +100,20 @@ class Sweep {
 		std::vector<GroupBefore> groupsBefore;
 		std::vector<Loose> loose;
 		Grouping grouping;
-		std::size_t contacts = 0; // that can be solved
 		GroupBuilder builder;
+		Blocks blocks;
+		std::vector<Begin> begin; // of each block, and the end of all
+		std::vector<BlockSums> blockSums;
 		Partition partition; // of the system
 		std::vector<std::pair<int32_t, int32_t>> carried; // packed bodies that touch, the second ten times heavier
 		// Of the error.
 		std::vector<PackedBody> moved; // w: what acts on the body [m/s]
 		std::vector<GroupMiss> misses;
 		std::vector<ResidualSum> sums; // of the islands
+		std::vector<ResidualSum> partSums; // of the islands in each block
+		std::vector<int32_t> islandAt; // of these
+		std::vector<int32_t> sumOfBody; // that it adds to; -1: it cannot move
+		std::vector<std::pair<int32_t, int32_t>> sumOfIsland; // block in which it was last met, and its sum there
 		std::vector<double> asked; // by packed body: least that acts on those that it carries and that are far heavier [m/s]
 	};
 	static std::unique_ptr<Packed>& spare();
@@ -102,17 +122,25 @@ class Sweep {
 	Link link(const ContactRow&) const;
 	bool sameLinks() const;
 	void groupContacts();
-	void fillGroups();
-	void fillLoose();
-	void packBodies();
+	void numberBodies();
+	// A body for the empty lanes of a block, in lines of memory of its own.
+	int32_t nobody(std::size_t block) const { return static_cast<int32_t>(packed.bodyAt.size() + 4 * block); }
+	void fillGroups(std::size_t block);
+	void fillLoose(std::size_t block);
+	void packBodies(std::size_t block);
+	template <class Work> void inEveryBlock(const Work&) const;
+	template <class Work> void colourByColour(const Work&) const;
+	void sweepBlock(std::size_t block);
+	void aheadInBlock(std::size_t block, double beta);
+	AheadReport aheadAtRandom(double beta);
 	void remember();
 	void findCarried();
 	void moveBodies();
 	void twistBodies();
-	void addBodies();
-	void addTogether(const LaneMisses&);
-	void addApart();
-	void addCarried();
+	void numberSums();
+	void findAsked();
+	void missInBlock(std::size_t block, bool apart);
+	void addApart(std::size_t block);
 	Miss missOf(const Loose&) const;
 	static void solveLoose(Loose&, PackedBody* bodies);
 	static void solveAhead(Loose&, PackedBody* bodies, double beta, AheadReport&);
@@ -123,6 +151,26 @@ class Sweep {
 	bool remembered = false; // whether the arrays named `before` are filled
 	bool twisted = false; // whether external forces turn any body
 	RandomOrder order;
+	Threads* const threads;
 };
+
+// Calls work(block) for every block.
+template <class Work> void Sweep::inEveryBlock(const Work& work) const
+{
+	if (threads)
+		threads->run(packed.blocks.colour.data(), packed.blocks.colours(), work);
+	else
+		for (std::size_t block = 0; block < packed.blocks.count(); block++)
+			work(block);
+}
+
+// The same in the order of the sweep: no two blocks at once that have a body that can move in common.
+template <class Work> void Sweep::colourByColour(const Work& work) const
+{
+	if (!threads)
+		return inEveryBlock(work);
+	for (std::size_t c = 0; c < packed.blocks.colours(); c++)
+		threads->run(&packed.blocks.colour[c], 1, work);
+}
 
 } // namespace cd

@@ -6,32 +6,65 @@
 #include <limits>
 
 namespace cd {
+namespace {
+
+	ResidualSum sumOf(const LaneMisses& all, std::size_t contacts)
+	{
+		ResidualSum sum;
+		sum.contacts = contacts;
+		for (int lane = 0; lane < Group::lanes; lane++) {
+			sum.difference += all.difference[lane];
+			sum.square += all.square[lane];
+			sum.differenceEnergy += all.differenceEnergy[lane];
+			sum.squareEnergy += all.squareEnergy[lane];
+			sum.missed += all.velocity[lane];
+			sum.worst = std::max(sum.worst, all.worst[lane]);
+			sum.mostMissed = std::max(sum.mostMissed, all.mostVelocity[lane]);
+		}
+		return sum;
+	}
+
+} // namespace
 
 // Velocities anew from all impulses, and in place of w what acts on the body [m/s].
 void Sweep::moveBodies()
 {
 	std::vector<PackedBody>& moved = packed.moved;
-	moved.assign(packed.bodies.size(), {});
-	groupKernel().press(packed.groups.data(), packed.groups.size(), moved.data());
-	for (std::size_t i = 0; i < packed.bodyAt.size(); i++) {
-		const PackedBody& free = packed.freeBodies[i];
-		const double w = packed.bodies[i].w; // of what is not uniform nothing has been pressed
-		PackedBody& m = moved[i];
-		m = { free.vx + w * m.vx, free.vy + w * m.vy, free.spin + w * m.spin, free.w + w * m.w };
-	}
-	for (const Loose& l : packed.loose) {
-		const ContactRow& c = l.row;
-		const double px = c.nx * c.pn - c.ny * c.pt, py = c.ny * c.pn + c.nx * c.pt;
-		PackedBody &A = moved[c.a], &B = moved[c.b];
-		A.vx -= l.wa[0] * px;
-		A.vy -= l.wa[1] * py;
-		A.spin -= l.wa[2] * (c.an * c.pn + c.at * c.pt);
-		A.w += actionOn(l.wa, c, c.an, c.at);
-		B.vx += l.wb[0] * px;
-		B.vy += l.wb[1] * py;
-		B.spin += l.wb[2] * (c.bn * c.pn + c.bt * c.pt);
-		B.w += actionOn(l.wb, c, c.bn, c.bt);
-	}
+	moved.resize(packed.bodies.size());
+	inEveryBlock([&](std::size_t block) {
+		std::fill(moved.data() + packed.begin[block].body, moved.data() + packed.begin[block + 1].body, PackedBody {});
+		moved[nobody(block)] = {};
+	});
+	colourByColour([&](std::size_t block) {
+		const std::size_t first = packed.begin[block].group;
+		groupKernel().press(packed.groups.data() + first, packed.begin[block + 1].group - first, moved.data());
+	});
+	inEveryBlock([&](std::size_t block) {
+		for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
+			const PackedBody& free = packed.freeBodies[i];
+			const double w = packed.bodies[i].w; // of what is not uniform nothing has been pressed
+			PackedBody& m = moved[i];
+			m = { free.vx + w * m.vx, free.vy + w * m.vy, free.spin + w * m.spin, free.w + w * m.w };
+		}
+	});
+	if (packed.loose.empty())
+		return;
+	colourByColour([&](std::size_t block) {
+		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
+			const Loose& l = packed.loose[i];
+			const ContactRow& c = l.row;
+			const double px = c.nx * c.pn - c.ny * c.pt, py = c.ny * c.pn + c.nx * c.pt;
+			PackedBody &A = moved[c.a], &B = moved[c.b];
+			A.vx -= l.wa[0] * px;
+			A.vy -= l.wa[1] * py;
+			A.spin -= l.wa[2] * (c.an * c.pn + c.at * c.pt);
+			A.w += actionOn(l.wa, c, c.an, c.at);
+			B.vx += l.wb[0] * px;
+			B.vy += l.wb[1] * py;
+			B.spin += l.wb[2] * (c.bn * c.pn + c.bt * c.pt);
+			B.w += actionOn(l.wb, c, c.bn, c.bt);
+		}
+	});
 }
 
 // What acts on bodies that external forces turn, by every contact's arm.
@@ -41,15 +74,19 @@ void Sweep::twistBodies()
 		if (static_cast<std::size_t>(at) < packed.bodyAt.size())
 			packed.moved[at].w += system.bodies[packed.bodyAt[at]].twisted * packed.kinds[packed.bodyAt[at]].radius * std::abs(arm);
 	};
-	for (const Group& g : packed.groups)
-		for (int lane = 0; lane < Group::lanes; lane++) {
-			twist(g.a[lane], g.at[lane]);
-			twist(g.b[lane], g.bt[lane]);
+	colourByColour([&](std::size_t block) {
+		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++)
+			for (int lane = 0; lane < Group::lanes; lane++) {
+				const Group& g = packed.groups[k];
+				twist(g.a[lane], g.at[lane]);
+				twist(g.b[lane], g.bt[lane]);
+			}
+		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
+			const ContactRow& c = packed.loose[i].row;
+			twist(c.a, c.at);
+			twist(c.b, c.bt);
 		}
-	for (const Loose& l : packed.loose) {
-		twist(l.row.a, l.row.at);
-		twist(l.row.b, l.row.bt);
-	}
+	});
 }
 
 Miss Sweep::missOf(const Loose& l) const
@@ -60,98 +97,103 @@ Miss Sweep::missOf(const Loose& l) const
 	return cd::missOf(l.row, l.row.wnn, at(l.row.a), at(l.row.b));
 }
 
+// The sums that make the error: one for every island in every block, in the order of the sweep.
+void Sweep::numberSums()
+{
+	packed.islandAt.clear();
+	packed.sumOfIsland.assign(packed.partition.islands.size(), { -1, -1 });
+	packed.sumOfBody.assign(packed.bodyAt.size(), -1);
+	for (std::size_t block = 0; block < packed.blocks.count(); block++) {
+		packed.begin[block].sum = packed.islandAt.size();
+		for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++) {
+			const int32_t contact = packed.blocks.contacts[k], island = packed.partition.ofContact[contact];
+			auto& [metIn, sum] = packed.sumOfIsland[island];
+			if (metIn != static_cast<int32_t>(block)) {
+				metIn = static_cast<int32_t>(block);
+				sum = static_cast<int32_t>(packed.islandAt.size());
+				packed.islandAt.push_back(island);
+			}
+			packed.ends[contact].sum = sum;
+			for (const int32_t body : { packed.ends[contact].a, packed.ends[contact].b })
+				if (packed.sumOfBody[body] < 0 && packed.partition.freedom[packed.bodyAt[body]] > 0)
+					packed.sumOfBody[body] = sum;
+		}
+	}
+	packed.begin.back().sum = packed.islandAt.size();
+}
+
 Residual Sweep::error()
 {
 	moveBodies();
 	if (twisted)
 		twistBodies();
-	std::vector<ResidualSum>& sums = packed.sums;
-	sums.assign(packed.partition.islands.size(), {});
-	LaneMisses all = {};
-	const bool apart = sums.size() > 1 || !packed.carried.empty(); // else all that is asked of the groups are their sums
+	const bool apart = packed.partition.islands.size() > 1 || !packed.carried.empty(); // else all that is asked of the groups are their sums
 	packed.misses.resize(apart ? packed.groups.size() : 0);
-	groupKernel().miss(packed.groups.data(), packed.groups.size(), packed.moved.data(), all, apart ? packed.misses.data() : nullptr);
+	packed.partSums.resize(packed.islandAt.size());
+	if (!packed.carried.empty())
+		findAsked();
+	inEveryBlock([&](std::size_t block) { missInBlock(block, apart); });
+	packed.sums.assign(packed.partition.islands.size(), {});
+	for (std::size_t i = 0; i < packed.partSums.size(); i++)
+		packed.sums[packed.islandAt[i]].add(packed.partSums[i]);
+	return residual(packed.sums.data(), packed.sums.size());
+}
+
+// What acts on the lightest of those that a body carries and that are far heavier.
+void Sweep::findAsked()
+{
+	packed.asked.assign(packed.moved.size(), std::numeric_limits<double>::infinity());
+	for (const auto& [light, heavy] : packed.carried)
+		if (packed.moved[heavy].w > 0)
+			packed.asked[light] = std::min(packed.asked[light], packed.moved[heavy].w);
+}
+
+void Sweep::missInBlock(std::size_t block, bool apart)
+{
+	const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
+	const auto first = packed.partSums.begin() + static_cast<std::ptrdiff_t>(begin.sum);
+	std::fill(first, packed.partSums.begin() + static_cast<std::ptrdiff_t>(end.sum), ResidualSum {});
+	LaneMisses all = {};
+	groupKernel().miss(packed.groups.data() + begin.group, end.group - begin.group, packed.moved.data(), all,
+	    apart ? packed.misses.data() + begin.group : nullptr);
 	if (apart)
-		addApart();
-	else if (!sums.empty())
-		addTogether(all);
-	for (std::size_t i = 0; i < packed.loose.size(); i++) {
+		addApart(block);
+	else if (begin.sum < end.sum)
+		*first = sumOf(all, packed.blocks.block[block + 1] - packed.blocks.block[block] - (end.loose - begin.loose));
+	for (std::size_t i = begin.loose; i < end.loose; i++) {
 		const ContactRow& c = packed.loose[i].row;
 		const Miss miss = missOf(packed.loose[i]);
-		sums[packed.partition.ofContact[packed.grouping.loose[i]]].addContact(
-		    miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
+		ResidualSum& sum = packed.partSums[packed.ends[packed.grouping.loose[i]].sum];
+		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
+		if (!packed.carried.empty())
+			sum.addUnderHeavy(miss.velocity, std::min(packed.asked[c.a], packed.asked[c.b]));
 	}
-	addBodies();
-	if (!packed.carried.empty())
-		addCarried();
-	return residual(sums.data(), sums.size());
+	if (end.sum - begin.sum == 1) {
+		ResidualSum sum = *first; // of its own, so that it stays in registers
+		for (std::size_t i = begin.body; i < end.body; i++)
+			if (packed.sumOfBody[i] >= 0)
+				sum.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
+		*first = sum;
+	} else
+		for (std::size_t i = begin.body; i < end.body; i++)
+			if (packed.sumOfBody[i] >= 0)
+				packed.partSums[packed.sumOfBody[i]].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
 }
 
-void Sweep::addBodies()
+// What the groups of a block miss, contact by contact.
+void Sweep::addApart(std::size_t block)
 {
-	if (packed.sums.size() == 1) {
-		ResidualSum all = packed.sums.front(); // of its own, so that it stays in registers
-		for (std::size_t i = 0; i < packed.bodyAt.size(); i++)
-			if (packed.masses[i] > 0)
-				all.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
-		packed.sums.front() = all;
-	}
-	for (std::size_t i = 0; i < packed.bodyAt.size(); i++) {
-		const int32_t island = packed.sums.size() > 1 || packed.masses[i] == 0 ? packed.partition.ofBody[packed.bodyAt[i]] : -1;
-		if (island >= 0) // it can move
-			packed.sums[island].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
-	}
-}
-
-void Sweep::addTogether(const LaneMisses& all)
-{
-	ResidualSum& sum = packed.sums.front();
-	sum.contacts = packed.contacts - packed.loose.size();
-	for (int lane = 0; lane < Group::lanes; lane++) {
-		sum.difference += all.difference[lane];
-		sum.square += all.square[lane];
-		sum.differenceEnergy += all.differenceEnergy[lane];
-		sum.squareEnergy += all.squareEnergy[lane];
-		sum.missed += all.velocity[lane];
-		sum.worst = std::max(sum.worst, all.worst[lane]);
-		sum.mostMissed = std::max(sum.mostMissed, all.mostVelocity[lane]);
-	}
-}
-
-void Sweep::addApart()
-{
-	for (std::size_t k = 0; k < packed.grouping.members.size(); k++)
+	for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++)
 		if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
 			const Group& g = packed.groups[k / Group::lanes];
 			const GroupMiss& miss = packed.misses[k / Group::lanes];
 			const int lane = k % Group::lanes;
 			const double square = g.pn[lane] * g.pn[lane] + g.pt[lane] * g.pt[lane];
-			packed.sums[packed.partition.ofContact[contact]].addContact(
-			    miss.difference[lane], miss.velocity[lane], square, system.contacts[contact].wnn);
+			ResidualSum& sum = packed.partSums[packed.ends[contact].sum];
+			sum.addContact(miss.difference[lane], miss.velocity[lane], square, system.contacts[contact].wnn);
+			if (!packed.carried.empty())
+				sum.addUnderHeavy(miss.velocity[lane], std::min(packed.asked[g.a[lane]], packed.asked[g.b[lane]]));
 		}
-}
-
-// The contacts of bodies that touch one ten times heavier.
-void Sweep::addCarried()
-{
-	constexpr double none = std::numeric_limits<double>::infinity();
-	std::vector<double>& asked = packed.asked;
-	asked.assign(packed.moved.size(), none);
-	for (const auto& [light, heavy] : packed.carried)
-		if (packed.moved[heavy].w > 0)
-			asked[light] = std::min(asked[light], packed.moved[heavy].w);
-	for (std::size_t k = 0; k < packed.grouping.members.size(); k++)
-		if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
-			const Group& g = packed.groups[k / Group::lanes];
-			const int lane = k % Group::lanes;
-			packed.sums[packed.partition.ofContact[contact]].addUnderHeavy(
-			    packed.misses[k / Group::lanes].velocity[lane], std::min(asked[g.a[lane]], asked[g.b[lane]]));
-		}
-	for (std::size_t i = 0; i < packed.loose.size(); i++) {
-		const Loose& l = packed.loose[i];
-		packed.sums[packed.partition.ofContact[packed.grouping.loose[i]]].addUnderHeavy(
-		    missOf(l).velocity, std::min(asked[l.row.a], asked[l.row.b]));
-	}
 }
 
 } // namespace cd

@@ -24,17 +24,22 @@ void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 void TimeStep::meanVelocities(const World& world, double dt, bool solved)
 {
 	means.resize(world.bodies.size());
-	fastest = 0;
-	const double longest = ways.empty() ? 0 : *std::max_element(ways.begin(), ways.end());
-	const double most = solved ? std::numeric_limits<double>::infinity() : (4 * longest + 2 * smallestRadius(world)) / dt;
-	for (size_t i = 0; i < means.size(); i++) {
-		const Body& b = world.bodies[i];
-		const double* v = system.bodies[i].v;
-		for (int k = 0; k < 3; k++)
-			means[i].v[k] = 0.5 * (b.v[k] + v[k]);
-		means[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
-		fastest = std::max(fastest, means[i].speed);
-	}
+	double most = std::numeric_limits<double>::infinity();
+	if (!solved && !ways.empty())
+		most = (4 * *std::max_element(ways.begin(), ways.end()) + 2 * smallestRadius(world)) / dt;
+	const auto mean = [&](size_t from, size_t to) {
+		double fastest = 0;
+		for (size_t i = from; i < to; i++) {
+			const Body& b = world.bodies[i];
+			const double* v = system.bodies[i].v;
+			for (int k = 0; k < 3; k++)
+				means[i].v[k] = 0.5 * (b.v[k] + v[k]);
+			means[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
+			fastest = std::max(fastest, means[i].speed);
+		}
+		return fastest;
+	};
+	fastest = reduceRanges<double>(&threads, means.size(), mean, [](double a, double b) { return std::max(a, b); });
 }
 
 // Another solution is needed and nothing is left for it.
@@ -81,6 +86,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		SolverSettings left = settings.solver;
 		left.maxIterations -= previous;
 		left.tolerance = tolerance;
+		left.threads = &threads;
 		if (tolerance
 		    < settings.solver.tolerance) // not asked for: so much as that may need, so that something is left to lower rebounds further
 			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
@@ -132,6 +138,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
 	StepReport report;
+	threads.use(settings.threads);
 	forgotten.clear();
 	noteLoads(world, settings);
 	wokeSome = false;
@@ -153,16 +160,20 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 // Whether any body moves.
 bool TimeStep::finishBodies(World& world, double h)
 {
-	bool moves = false;
-	for (size_t i = 0; i < world.bodies.size(); i++) {
-		Body& b = world.bodies[i];
-		const double* v = system.bodies[i].v;
-		b.x += 0.5 * h * (b.v[0] + v[0]);
-		b.y += 0.5 * h * (b.v[1] + v[1]);
-		b.turn = 0.5 * h * (b.v[2] + v[2]);
-		std::copy_n(v, 3, b.v);
-		moves = moves || v[0] != 0 || v[1] != 0 || v[2] != 0;
-	}
+	const auto move = [&](size_t from, size_t to) {
+		bool moves = false;
+		for (size_t i = from; i < to; i++) {
+			Body& b = world.bodies[i];
+			const double* v = system.bodies[i].v;
+			b.x += 0.5 * h * (b.v[0] + v[0]);
+			b.y += 0.5 * h * (b.v[1] + v[1]);
+			b.turn = 0.5 * h * (b.v[2] + v[2]);
+			std::copy_n(v, 3, b.v);
+			moves = moves || v[0] != 0 || v[1] != 0 || v[2] != 0;
+		}
+		return moves;
+	};
+	const bool moves = reduceRanges<bool>(&threads, world.bodies.size(), move, [](bool a, bool b) { return a || b; });
 	for (const Shift& shift : shifts) {
 		world.bodies[shift.body].x += shift.x;
 		world.bodies[shift.body].y += shift.y;

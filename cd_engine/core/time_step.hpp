@@ -4,6 +4,7 @@
 #include "island_solver.hpp"
 #include "rebounds.hpp"
 #include "sleepers.hpp"
+#include "threads.hpp"
 #include "world.hpp"
 
 #include <array>
@@ -14,6 +15,7 @@ struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap beyond the reference that the step pushes out
+	int threads = 1; // that share the work of a large scene; the bits are the same with any number
 	bool reduce = true; // solve islands of contacts apart (island_solver.hpp)
 	int trial = 0; // sweeps that slow islands may take to prove their rest (sleep.hpp)
 	const std::vector<int>* loadsBefore = nullptr; // for that: the loads of the step before
@@ -86,17 +88,20 @@ class TimeStep {
 	void meanVelocities(const World&, double dt, bool solved);
 	double relativeSpeed(const Pair&, const World&, const double* a, const double* b) const;
 	bool mayClose(const Pair&, const World&, double gap, double dt) const;
-	void findContacts(World&, const StepSettings&, bool stops);
-	bool stopAtFace(const Pair&, const World&, const Touch&, double dt);
+	struct Seen;
+	Seen look(const World&, const StepSettings&, Seen* parts);
+	void findContacts(World&, const StepSettings&);
+	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
+	void stopAtFaces(const World&, double dt);
 	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;
 	bool crosses(std::size_t pair, const World&, double dt) const;
 	void prefetchBodies(const Pair&) const;
-	void addRow(World&, size_t pair, const Touch&, double gap, const StepSettings&);
-	void fillRow(ContactRow&, const World&, const Pair&, const Touch&, double gap, const StepSettings&);
+	void resizeRows(std::size_t count, const StepSettings&);
+	void fillRow(std::size_t row, const World&, std::size_t pair, const Touch&, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
-	bool outruns(const World&, double dt, StepReport&) const;
+	bool outruns(const World&, double dt, StepReport&);
 	bool within(std::size_t pair, const World&, double dt) const;
-	bool anyViolated(const World&, const StepSettings&) const;
+	bool anyViolated(const World&, const StepSettings&);
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void firstGuess(const World&);
@@ -104,15 +109,29 @@ class TimeStep {
 	static bool end(StepReport&);
 	void finishContacts(World&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);
-	void push(std::size_t row, const Pair&, SleepingIsland*);
+	struct Account;
+	Account account(World&, double dissipated, std::size_t from, std::size_t to);
+	struct Share;
+	Share share(std::size_t row, const Pair&) const;
+	void push(const Share&, SleepingIsland*);
+	void pushAll();
 	void finishSleepers(StepReport&);
 	bool finishBodies(World&, double dt);
+
+	// What a part of the pairs that a step looks at has shown.
+	struct Seen {
+		std::size_t contacts = 0, first = 0; // first: row of the first
+		bool through = false; // a disk is to be taken back to a face
+		bool apart = false; // a reference overlap has ended
+		double deepest = 0, narrowest = endless; // overlap beyond the reference one, gap that was left out [m]
+	};
 
 	struct Mean {
 		double v[3]; // of the velocities before and after the step
 		double speed; // after the step, of the fastest point of its outline, for how far it may go [m/s]
 	};
 
+	Threads threads;
 	IslandSolver solveIslands;
 	Rebounds rebounds;
 	ContactSystem system;
@@ -138,6 +157,12 @@ class TimeStep {
 	std::vector<Touch> rowTouch;
 	std::vector<char> solved; // whether a pair has a contact in the system
 	std::vector<double> gaps; // of the pairs looked at [m]
+	std::vector<Touch> touchOf; // the same in the order of world.awake
+	struct Share { // of a contact's impulse
+		int32_t a, b; // bodies; a < 0: none
+		double x, y, turnA, turnB; // on b, and about the centres of both
+	};
+	std::vector<Share> shares; // of the contacts
 	std::vector<std::array<double, 3>> impulses; // on the bodies [N s], [N s], [N m s]
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace cd {
@@ -348,15 +349,20 @@ Verdict judge(const DelassusSystem& system, double guess, double tolerance, int 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }
 double growth(const DelassusSystem& system) { return growthOf(form(system)); }
 
-double weighted(const ContactSystem& system)
+double weighted(const ContactSystem& system, Threads* threads)
 {
-	double square = 0;
-	for (const ContactRow& c : system.contacts)
-		square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
-	return std::sqrt(square);
+	const auto sum = [&](std::size_t from, std::size_t to) {
+		double square = 0;
+		for (std::size_t i = from; i < to; i++) {
+			const ContactRow& c = system.contacts[i];
+			square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
+		}
+		return square;
+	};
+	return std::sqrt(reduceRanges<double>(threads, system.contacts.size(), sum, std::plus<double>()));
 }
 
-double weighted(const DelassusSystem& system)
+double weighted(const DelassusSystem& system, Threads*)
 {
 	double square = 0;
 	for (std::size_t i = 0; i < system.contacts(); i++) {
@@ -366,16 +372,14 @@ double weighted(const DelassusSystem& system)
 	return std::sqrt(square);
 }
 
-bool surelySolvable(const ContactSystem& system)
+bool surelySolvable(const ContactSystem& system, Threads* threads)
 {
-	for (const BodyVelocity& b : system.bodies)
-		for (int k = 0; k < 3; k++)
-			if (!(b.w[k] > 0) && b.v[k] != 0)
-				return false;
-	for (const ContactRow& c : system.contacts)
-		if (!(c.bias >= 0))
-			return false;
-	return true;
+	const auto isDriven = [&](std::size_t i) {
+		const BodyVelocity& b = system.bodies[i];
+		return (!(b.w[0] > 0) && b.v[0] != 0) || (!(b.w[1] > 0) && b.v[1] != 0) || (!(b.w[2] > 0) && b.v[2] != 0);
+	};
+	return !anyOf(threads, system.bodies.size(), isDriven)
+	    && !anyOf(threads, system.contacts.size(), [&](std::size_t i) { return !(system.contacts[i].bias >= 0); });
 }
 
 } // namespace cd

@@ -17,6 +17,7 @@
 
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
+#include "threads.hpp"
 
 namespace cd {
 
@@ -49,12 +50,12 @@ double growth(const ContactSystem& system, const std::vector<double>& freeVeloci
 double growth(const DelassusSystem& system);
 
 // The norm that `guess` is.
-double weighted(const ContactSystem& system);
-double weighted(const DelassusSystem& system);
+double weighted(const ContactSystem& system, Threads* = nullptr);
+double weighted(const DelassusSystem& system, Threads* = nullptr);
 
 // Whether a motion is at hand that holds every contact open or closed, so that a solution exists: all that cannot move is at rest and no bias
 // asks for distance; then no velocity at all is one. Costs a look at every body and contact.
-bool surelySolvable(const ContactSystem& system);
-inline bool surelySolvable(const DelassusSystem&) { return false; } // a matrix does not tell
+bool surelySolvable(const ContactSystem& system, Threads* = nullptr);
+inline bool surelySolvable(const DelassusSystem&, Threads* = nullptr) { return false; } // a matrix does not tell
 
 } // namespace cd

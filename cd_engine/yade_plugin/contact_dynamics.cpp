@@ -7,6 +7,8 @@
 #include <iostream>
 #include <sstream>
 
+extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the library that YADE's own loops use; there where it was built with that
+
 namespace cd_engine {
 namespace {
 
@@ -23,6 +25,8 @@ namespace {
 	{
 		return seed > 0 ? static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(iteration) + 1 : 0;
 	}
+
+	int threadsOfYade() { return omp_get_max_threads ? omp_get_max_threads() : 1; }
 
 } // namespace
 
@@ -95,6 +99,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.reduce = reduce;
+	s.threads = threads > 0 ? threads : threadsOfYade();
 	const bool awake = sleeping < islands; // else there is nothing to try
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
@@ -242,10 +247,12 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 std::string ContactDynamics::unsolved() const
 {
 	std::ostringstream s;
-	s << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations << " iterations): ";
+	s << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
+	  << " iterations): ";
 	if (!unsolvableContact.empty())
 		s << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
-		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to be "
+		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
+		     "be "
 		     "trusted.";
 	else {
 		s << "the contact law is missed by " << residual << " of all impulses";

@@ -33,6 +33,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double searchMargin = 0.1;
 	std::string publish = "due";
 	bool stopUnsolved = false;
+	int threads = 0;
 
 	// Left by the last step.
 	int iterations = 0;
@@ -178,8 +179,13 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "
 	    "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.");
 	visit("stopUnsolved", &C::stopUnsolved, Access::set, any,
-	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told of "
+	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told "
+	    "of "
 	    "and the run goes on.");
+	visit("threads", &C::threads, Access::set, Range { 0, 1024 },
+	    "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with "
+	    "any "
+	    "number. Only steps with thousands of bodies and contacts use more than one.");
 	visit("iterations", &C::iterations, Access::read, any,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,

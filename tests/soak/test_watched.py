@@ -57,6 +57,12 @@ def test_core_s_tests_with_address_and_undefined_behaviour_sanitizers(root):
 
 
 @pytest.mark.timeout(3600)
+def test_threads_of_a_step_with_the_thread_sanitizer(root):
+    """The core's own tests of them, where each fault found makes the exit status one of failure."""
+    test_core.run(root, "threaded_core", "--source-file=*test_threads*")
+
+
+@pytest.mark.timeout(3600)
 def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tmp_path):
     """All of tests/plugin in a copy of the repository whose plug-in is the watched one. The first fault ends the process that made it.
 

@@ -1,0 +1,186 @@
+// What a sweep works on: contacts in blocks and groups of eight, bodies in the order in which the contacts meet them.
+#include "sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cd {
+
+bool Sweep::classifyBodies(bool& sameMasses)
+{
+	const bool known = packed.kinds.size() == system.bodies.size();
+	packed.kinds.resize(system.bodies.size());
+	struct Same {
+		bool kinds, masses;
+	};
+	const auto classify = [&](std::size_t from, std::size_t to) {
+		Same same { known, known };
+		for (std::size_t i = from; i < to; i++) {
+			const double* const w = system.bodies[i].w;
+			BodyKind& kind = packed.kinds[i];
+			if (known && std::equal(w, w + 3, kind.w))
+				continue;
+			same.masses = false;
+			const bool turns = w[0] > 0 && w[2] > 0, uniform = w[0] == w[1] && (w[0] > 0 || w[2] == 0), movable = w[0] > 0;
+			const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
+			same.kinds = same.kinds && uniform == kind.uniform && turns == kind.turns && movable == kind.movable;
+			kind = { { w[0], w[1], w[2] }, k, 1 / k, uniform, turns, movable };
+		}
+		return same;
+	};
+	const Same same = reduceRanges<Same>(threads, system.bodies.size(), classify, [](const Same& a, const Same& b) {
+		return Same { a.kinds && b.kinds, a.masses && b.masses };
+	});
+	sameMasses = same.masses;
+	return same.kinds;
+}
+
+inline Link Sweep::link(const ContactRow& c) const
+{
+	const BodyKind &A = packed.kinds[c.a], &B = packed.kinds[c.b];
+	const bool groupable = c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
+	return { c.a, c.b, !(c.wnn > 0) ? Part::none : groupable ? Part::grouped : Part::loose };
+}
+
+bool Sweep::sameLinks() const
+{
+	return packed.links.size() == system.contacts.size()
+	    && !anyOf(threads, packed.links.size(), [&](std::size_t i) { return !(packed.links[i] == link(system.contacts[i])); });
+}
+
+void Sweep::groupContacts()
+{
+	packed.links.resize(system.contacts.size());
+	forRanges(threads, system.contacts.size(), [&](std::size_t from, std::size_t to) {
+		for (std::size_t i = from; i < to; i++)
+			packed.links[i] = link(system.contacts[i]);
+	});
+	packed.partition.update(system, threads);
+	packed.blocks.cut(packed.links, packed.partition.freedom);
+	numberBodies();
+	packed.builder.begin(packed.bodyAt.size(), system.contacts.size(), packed.grouping);
+	for (std::size_t block = 0; block < packed.blocks.count(); block++) {
+		packed.begin[block].group = packed.grouping.groups();
+		packed.begin[block].loose = packed.grouping.loose.size();
+		for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++) {
+			const int32_t i = packed.blocks.contacts[k];
+			const Link& c = packed.links[i];
+			if (c.part == Part::grouped)
+				packed.builder.add(i, packed.ends[i].a, packed.kinds[c.a].movable, packed.ends[i].b, packed.kinds[c.b].movable);
+			else
+				packed.grouping.loose.push_back(i);
+		}
+		packed.builder.end();
+	}
+	packed.begin.back().group = packed.grouping.groups();
+	packed.begin.back().loose = packed.grouping.loose.size();
+	numberSums();
+}
+
+// As the contacts first meet them: what is near in the order of the contacts is near in memory.
+void Sweep::numberBodies()
+{
+	const Blocks& blocks = packed.blocks;
+	packed.place.assign(system.bodies.size(), -1);
+	packed.metIn.assign(system.bodies.size(), -1);
+	packed.ends.resize(packed.links.size());
+	packed.begin.resize(blocks.count() + 1);
+	int32_t met = 0;
+	for (std::size_t block = 0; block < blocks.count(); block++) {
+		packed.begin[block].body = met;
+		packed.bodyAt.resize(met + system.bodies.size() + 1); // the last is written to where none is fresh
+		const auto number = [&](int32_t body) {
+			const int32_t in = packed.partition.freedom[body] > 0 ? 0 : static_cast<int32_t>(block);
+			const bool fresh = packed.metIn[body] != in;
+			const int32_t at = fresh ? met : packed.place[body]; // without a branch, which would be mispredicted half the time
+			packed.place[body] = at;
+			packed.metIn[body] = in;
+			packed.bodyAt[met] = body;
+			met += fresh;
+			return at;
+		};
+		for (int32_t k = blocks.block[block]; k < blocks.block[block + 1]; k++) {
+			const int32_t i = blocks.contacts[k];
+			packed.ends[i].a = number(packed.links[i].a);
+			packed.ends[i].b = number(packed.links[i].b);
+		}
+	}
+	packed.begin.back().body = met;
+	packed.bodyAt.resize(met);
+}
+
+void Sweep::findCarried()
+{
+	packed.carried.clear();
+	forEachCarried(system, [&](int32_t light, int32_t heavy) { packed.carried.emplace_back(packed.place[light], packed.place[heavy]); });
+}
+
+void Sweep::fillGroups(std::size_t block)
+{
+	const int32_t empty = nobody(block);
+	const int32_t* member = packed.grouping.members.data() + packed.begin[block].group * Group::lanes;
+	for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
+		Group& g = packed.groups[k];
+		double wnn[Group::lanes], wtt[Group::lanes];
+		for (int lane = 0; lane < Group::lanes; lane++, member++) {
+			if (*member < 0) {
+				g.a[lane] = g.b[lane] = empty;
+				g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
+				wnn[lane] = wtt[lane] = std::numeric_limits<double>::infinity();
+				continue;
+			}
+			const ContactRow& c = system.contacts[*member];
+			g.a[lane] = packed.ends[*member].a;
+			g.b[lane] = packed.ends[*member].b;
+			g.nx[lane] = c.nx;
+			g.ny[lane] = c.ny;
+			g.at[lane] = c.at * packed.kinds[c.a].inverseRadius;
+			g.bt[lane] = c.bt * packed.kinds[c.b].inverseRadius;
+			g.bias[lane] = c.bias;
+			g.mu[lane] = c.mu;
+			g.pn[lane] = c.pn;
+			g.pt[lane] = c.pt;
+			wnn[lane] = c.wnn;
+			wtt[lane] = c.wtt;
+		}
+		for (int lane = 0; lane < Group::lanes; lane++) {
+			g.inverseWnn[lane] = 1 / wnn[lane];
+			g.inverseWtt[lane] = 1 / wtt[lane];
+		}
+	}
+}
+
+void Sweep::fillLoose(std::size_t block)
+{
+	for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
+		Loose& l = packed.loose[i];
+		const int32_t contact = packed.grouping.loose[i];
+		l.row = system.contacts[contact];
+		const auto fill = [&](int32_t& body, int32_t place, double& n, double& t, double* w) {
+			std::copy_n(system.bodies[body].w, 3, w);
+			const BodyKind& kind = packed.kinds[body];
+			n *= kind.inverseRadius;
+			t *= kind.inverseRadius;
+			w[2] *= kind.radius * kind.radius;
+			body = place;
+		};
+		fill(l.row.a, packed.ends[contact].a, l.row.an, l.row.at, l.wa);
+		fill(l.row.b, packed.ends[contact].b, l.row.bn, l.row.bt, l.wb);
+	}
+}
+
+void Sweep::packBodies(std::size_t block)
+{
+	for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
+		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
+		packed.bodies[i].w = b.w[0];
+		packed.freeBodies[i] = { b.v[0], b.v[1], b.v[2] * packed.kinds[packed.bodyAt[i]].radius, b.pushed };
+		packed.freeSpins[i] = b.v[2];
+		const double inverse = std::max(b.w[0], b.w[1]);
+		packed.masses[i] = inverse > 0 ? 1 / inverse : 0;
+	}
+	packed.bodies[nobody(block)] = {};
+}
+
+} // namespace cd

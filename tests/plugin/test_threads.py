@@ -1,0 +1,125 @@
+"""Threads that share a step: the motion is the same bits with any number, and nobody starts one in vain."""
+import os
+import pathlib
+import subprocess
+import sys
+
+import pytest
+import yade
+from yade import utils
+
+from . import plane
+from .test_invariants import digest
+
+SIDE = 62        # disks in a row and a column: more contacts than one block of a sweep may have
+COUNTS = 1, 2, 3, 4, 8, 16
+RADIUS = 0.05
+
+
+def helpers():
+    """How many threads of the engine there are beside those that call it."""
+    names = []
+    for task in pathlib.Path("/proc/self/task").iterdir():
+        try:
+            names.append((task / "comm").read_text().strip())
+        except FileNotFoundError:  # it has ended meanwhile
+            pass
+    return names.count("cd_engine")
+
+
+def crystal(lid=False, speed=0.0, side=SIDE):
+    """Disks row by row on a floor between two walls, each in a hollow of those below; `lid`: under a free wall that gravity presses on them."""
+    import cd_engine
+    material = plane.material(0.3)
+    width, row = (2 * side + 1) * RADIUS, 3**0.5 * RADIUS
+    for axis, place in ((1, 0), (0, 0), (0, width)):
+        yade.O.bodies.append(utils.wall(place, axis=axis, material=material))
+    for k in range(side * side):
+        x, y = k % side, k // side
+        plane.disk(((2 * x + 1 + y % 2) * RADIUS, RADIUS + y * row), RADIUS, mass=5 + k % 3, mat=material)
+        yade.O.bodies[-1].state.vel = (speed * (k % 7 - 3), speed * (k % 5 - 2), 0)
+    if lid:
+        wall = yade.O.bodies[yade.O.bodies.append(utils.wall((side - 1) * row + 2 * RADIUS, axis=1, material=material))]
+        wall.state.mass, wall.state.blockedDOFs = 500, "xzXYZ"
+        yade.O.forces.setPermF(wall.id, (0, -5e3, 0))
+    yade.O.dt = 1e-3
+    return cd_engine
+
+
+SCENES = {
+    "packing": (dict(), dict(tolerance=1e-4)),
+    "free wall, as a whole": (dict(lid=True), dict(tolerance=1e-3, reduce=False)),
+    "flow": (dict(speed=0.05, side=90), dict(tolerance=1e-2, restitution=0.6)),
+    "flow, as a whole": (dict(speed=0.05, side=90), dict(tolerance=1e-2, restitution=0.6, reduce=False)),
+    "plain sweeps": (dict(lid=True, speed=0.02), dict(tolerance=1e-2, method="nsgs", maxIterations=60)),
+    "sweeps with momentum": (dict(lid=True, speed=0.02), dict(tolerance=1e-2, method="accelerated", maxIterations=60)),
+    "Newton's method": (dict(speed=0.02), dict(tolerance=1e-6, method="newton", maxIterations=12)),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_number_of_threads_gives_the_same_bits(O, name):
+    scene, settings = SCENES[name]
+    digests, most = {}, 0
+    for threads in COUNTS:
+        O.reset()
+        O.engines = crystal(**scene).engines(gravity=(0, -9.81, 0), threads=threads, **settings)
+        O.run(2, True)
+        most = max(most, O.engines[-1].contacts)
+        if settings.get("method") != "newton":
+            O.run(5, True)
+        digests[threads] = digest(O)
+        assert helpers() == threads - 1  # those of the engine before have ended
+    assert most > 9000  # 8192 make more than one block
+    assert set(digests.values()) == {digests[1]}
+
+
+def test_a_small_scene_starts_no_thread_and_one_thread_ends_the_others(O):
+    O.engines = crystal(lid=True, side=20).engines(gravity=(0, -9.81, 0), threads=16)
+    O.run(3, True)
+    assert helpers() == 0
+    O.reset()
+    O.engines = crystal().engines(gravity=(0, -9.81, 0), threads=4, tolerance=1e-2)
+    O.run(2, True)
+    assert helpers() == 3
+    O.engines[-1].threads = 1
+    O.run(1, True)
+    assert helpers() == 0
+
+
+def test_the_number_is_saved_and_refused_where_it_is_none(O, tmp_path):
+    import cd_engine
+    O.engines = cd_engine.engines(threads=3)
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.load(str(tmp_path / "scene.yade.gz"))
+    assert O.engines[-1].threads == 3
+    for number in (-1, 1025):
+        with pytest.raises(ValueError, match=f"threads={number} is out of range: it must be at least 0 and at most 1024"):
+            O.engines[-1].threads = number
+
+
+def test_none_given_takes_as_many_as_yade_has(root):
+    """In a process of its own, which ends with the threads there."""
+    code = (f"import glob, sys; sys.path[:0] = [{str(root)!r}, *glob.glob('/usr/lib/*/yade-double/py')]\n"
+            "import yade\nfrom tests.plugin import test_threads as t\n"
+            "yade.O.engines = t.crystal().engines(gravity=(0, -9.81, 0), tolerance=1e-2)\n"
+            "yade.O.run(2, True)\nprint(t.helpers())")
+    done = subprocess.run([sys.executable, "-c", code], env=os.environ | {"OMP_NUM_THREADS": "3", "OMP_WAIT_POLICY": "passive"}, cwd=root, capture_output=True, text=True,
+                          timeout=600)
+    assert done.returncode == 0 and done.stdout.split()[-1:] == ["2"], done.stdout + done.stderr
+
+
+def test_solve_without_yade_by_several_threads(O, tmp_path):
+    import numpy as np
+
+    from cd_engine import core
+    O.engines = crystal(lid=True).engines(gravity=(0, -9.81, 0), tolerance=1e-2)
+    O.run(2, True)
+    O.engines[-1].exportProblem(str(tmp_path / "problem.npz"), bodies=True)
+    problem = core.read_problem(str(tmp_path / "problem.npz"))
+    first, *others = (core.solve(problem, tolerance=1e-4, threads=threads) for threads in COUNTS)
+    for other in others:
+        assert np.array_equal(first.impulses, other.impulses) and (first.iterations, first.residual) == (other.iterations, other.residual)
+    for number in (0, 1025, 1.5):
+        with pytest.raises(ValueError, match="threads"):
+            core.solve(problem, threads=number)
