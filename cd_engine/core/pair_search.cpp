@@ -19,21 +19,24 @@ namespace {
 } // namespace
 
 // The ways of the bodies in this step, and what they need.
-void PairSearch::measure(const World& world, double dt, const std::vector<double>& outran)
+void PairSearch::measure(const World& world, double dt, const std::vector<double>& outran, Threads* threads)
 {
 	const std::size_t count = world.bodies.size();
-	ways.assign(count, 0);
-	needs.assign(count, 0);
-	fastest = 0;
-	for (std::size_t i = 0; i < count; i++) {
-		if (world.masks[i] == 0)
-			continue;
-		ways[i] = wayOf(world.bodies[i], world.shapes[i], dt);
-		needs[i] = reachOf(world.bodies[i], world.shapes[i], dt);
-		if (i < outran.size())
-			needs[i] = std::max(needs[i], outran[i]);
-		fastest = std::max(fastest, ways[i]);
-	}
+	ways.resize(count);
+	needs.resize(count);
+	const auto range = [&](std::size_t from, std::size_t to) {
+		double most = 0;
+		for (std::size_t i = from; i < to; i++) {
+			const bool joins = world.masks[i] != 0;
+			ways[i] = joins ? wayOf(world.bodies[i], world.shapes[i], dt) : 0;
+			needs[i] = joins ? reachOf(world.bodies[i], ways[i]) : 0;
+			if (joins && i < outran.size())
+				needs[i] = std::max(needs[i], outran[i]);
+			most = std::max(most, ways[i]);
+		}
+		return most;
+	};
+	fastest = reduceRanges<double>(threads, count, range, [](double a, double b) { return std::max(a, b); });
 }
 
 // Margins that serve for some steps. The few fastest disks, which may be far from all others, get the widest. Where bodies are fast, slow ones get
@@ -72,7 +75,8 @@ double PairSearch::used(const World& world, std::size_t i) const
 	const Body& b = world.bodies[i];
 	if (b.radius != seen[i].radius || world.masks[i] != seenMasks[i])
 		return endless;
-	double way = std::hypot(b.x - seen[i].x, b.y - seen[i].y);
+	const double x = b.x - seen[i].x, y = b.y - seen[i].y;
+	double way = std::sqrt(x * x + y * y);
 	if (b.radius == 0) {
 		const Shape &now = world.shapes[i], &then = seenShapes[i];
 		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
@@ -84,24 +88,22 @@ double PairSearch::used(const World& world, std::size_t i) const
 }
 
 // Whether what is left of every margin is enough. Fills World::listed.
-bool PairSearch::stillComplete(World& world) const
+bool PairSearch::stillComplete(World& world, Threads* threads) const
 {
 	world.listed.resize(seen.size());
-	for (std::size_t i = 0; i < seen.size(); i++) {
+	return !anyOf(threads, seen.size(), [&](std::size_t i) {
 		world.listed[i] = world.masks[i] == 0 && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
-		if (!(needs[i] <= world.listed[i]))
-			return false;
-	}
-	return true;
+		return !(needs[i] <= world.listed[i]);
+	});
 }
 
-bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran)
+bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran, Threads* threads)
 {
 	const double smallest = smallestRadius(world);
 	least = std::isinf(smallest) ? 0 : leastMargin * smallest;
-	measure(world, dt, outran);
+	measure(world, dt, outran, threads);
 	longest = fastest / smallest;
-	return seen.size() != world.bodies.size() || world.apart != seenApart || !stillComplete(world);
+	return seen.size() != world.bodies.size() || world.apart != seenApart || !stillComplete(world, threads);
 }
 
 const std::vector<NearPair>& PairSearch::find(World& world)

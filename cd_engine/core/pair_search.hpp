@@ -2,6 +2,7 @@
 #pragma once
 
 #include "near_pairs.hpp"
+#include "threads.hpp"
 
 namespace cd {
 
@@ -11,7 +12,7 @@ class PairSearch {
     public:
 	// Whether the list does not hold all pairs that this step may need, with the bodies as they are now; else fills World::listed.
 	// least: the margin of slow bodies as a fraction of the smallest radius. outran: StepReport::outran of a step that is made again; else empty.
-	bool needed(World&, double dt, double least, const std::vector<double>& outran);
+	bool needed(World&, double dt, double least, const std::vector<double>& outran, Threads* = nullptr);
 	// The pairs, in no order. Fills World::listed. Call `needed` first.
 	const std::vector<NearPair>& find(World&);
 
@@ -25,10 +26,10 @@ class PairSearch {
 	struct Place {
 		double x, y, radius;
 	};
-	void measure(const World&, double dt, const std::vector<double>& outran);
+	void measure(const World&, double dt, const std::vector<double>& outran, Threads*);
 	void chooseMargins(const World&);
 	double used(const World&, std::size_t body) const;
-	bool stillComplete(World&) const;
+	bool stillComplete(World&, Threads*) const;
 
 	double least = 0; // margin [m]
 	double fastest = 0, longest = 0; // way of a body in this step [m], and over the smallest radius

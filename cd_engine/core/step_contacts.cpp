@@ -31,9 +31,9 @@ double smallestRadius(const World& world)
 }
 
 // As in mayClose, for any other body; and the half way that each goes until contact is looked at.
-double reachOf(const Body& b, const Shape& shape, double dt)
+double reachOf(const Body& b, double way)
 {
-	const double way = wayOf(b, shape, dt), most = farthest * way;
+	const double most = farthest * way;
 	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
 }
 

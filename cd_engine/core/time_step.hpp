@@ -41,9 +41,9 @@ struct StepReport {
 // Of all disks [m]; infinite if there is none.
 double smallestRadius(const World&);
 
-// How far from its present place a body may have a contact in a step [m], at most. A pair becomes a contact only if its gap is at most the sum of
+// How far from its present place a body may have a contact in a step [m], at most; way: that it goes in it (wayOf). A pair becomes a contact only if its gap is at most the sum of
 // both bodies' reach.
-double reachOf(const Body&, const Shape&, double dt);
+double reachOf(const Body&, double way);
 
 class TimeStep {
     public:
@@ -80,6 +80,8 @@ class TimeStep {
 
 	// What is asked before the pairs are read, and told what of the scene a step has changed.
 	Sleepers sleepers;
+	// Share the work of a step, and what is done before and after it.
+	Threads threads;
 
     private:
 	void freeVelocities(const World&, double dt);
@@ -131,7 +133,6 @@ class TimeStep {
 		double speed; // after the step, of the fastest point of its outline, for how far it may go [m/s]
 	};
 
-	Threads threads;
 	IslandSolver solveIslands;
 	Rebounds rebounds;
 	ContactSystem system;

@@ -143,7 +143,7 @@ void ContactDynamics::advance()
 	last = settings;
 	link.world.apart = rest->maskApart();
 	rest->rest(scene);
-	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), searchMargin, step.sleepers, {});
+	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), searchMargin, step, {});
 	if (handover) {
 		link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
@@ -160,7 +160,7 @@ void ContactDynamics::advance()
 	for (std::vector<double> needed; !made.outran.empty();) { // a later solution of the step may ask for more
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
-		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, searchMargin, step.sleepers, needed);
+		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, searchMargin, step, needed);
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)

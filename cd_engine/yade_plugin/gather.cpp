@@ -24,7 +24,7 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 }
 
 void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look,
-    double margin, cd::Sleepers& sleepers, const std::vector<double>& outran)
+    double margin, cd::TimeStep& step, const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
 	const bool read = !behind;
@@ -41,11 +41,11 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	gone.clear();
 	if (behind && reordered)
 		publishScene(scene); // from which pairs are taken in their new order
-	const bool searched = search.needed(world, dt, margin, outran);
+	const bool searched = search.needed(world, dt, margin, outran, &step.threads);
 	if (searched)
 		findPairs();
-	gatherPairs(scene, memory, read, searched, reordered, sleepers);
-	guess(dt, impulses);
+	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
+	guess(dt, impulses, &step.threads);
 }
 
 void SceneLink::findPairs()
@@ -79,7 +79,7 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 	search.needed(world, dt, 0, {});
 	findPairs();
 	gatherPairs(scene, memory, true, true, true, none);
-	guess(dt, impulses);
+	guess(dt, impulses, nullptr);
 }
 
 } // namespace cd_engine

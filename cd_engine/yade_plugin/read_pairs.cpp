@@ -286,16 +286,19 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 }
 
 // Friction and first guess of every pair that is awake.
-void SceneLink::guess(double dt, bool impulses)
+void SceneLink::guess(double dt, bool impulses, cd::Threads* threads)
 {
 	assert(isSelection(world.awake, world.pairs.size()));
-	for (const int32_t i : world.awake) {
-		cd::Pair& pair = world.pairs[i];
-		pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
-		const std::array<double, 2> guess = impulses ? impulseIn(held[i], dt) : std::array<double, 2> { 0, 0 };
-		pair.pn = guess[0];
-		pair.pt = withinCone(guess[1], pair.mu * guess[0]);
-	}
+	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
+		for (std::size_t k = from; k < to; k++) {
+			const int32_t i = world.awake[k];
+			cd::Pair& pair = world.pairs[i];
+			pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
+			const std::array<double, 2> guess = impulses ? impulseIn(held[i], dt) : std::array<double, 2> { 0, 0 };
+			pair.pn = guess[0];
+			pair.pt = withinCone(guess[1], pair.mu * guess[0]);
+		}
+	});
 }
 
 void SceneLink::takeOverlaps()

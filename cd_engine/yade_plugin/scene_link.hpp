@@ -55,7 +55,7 @@ class SceneLink {
 	// Reads the scene, unless it is behind what is known here. `impulses`: whether contact forces present become the first guess (times dt).
 	// `look`: whether to look at this step if the order of the bodies still serves. `margin`: the searchMargin. `outran`: StepReport::outran of a
 	// step that is made again; else empty.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, double margin, cd::Sleepers&,
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, double margin, cd::TimeStep&,
 	    const std::vector<double>& outran);
 	// The same without a trace in the scene, and with only the lasting external forces. For a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
@@ -150,7 +150,7 @@ class SceneLink {
 	void listPairs(const Memory&);
 	bool readForces(cd::Sleepers*);
 	Held heldIn(const Forces&) const;
-	void guess(double dt, bool impulses);
+	void guess(double dt, bool impulses, cd::Threads*);
 	void findForces(std::size_t pair);
 	bool checkForces(std::size_t pair);
 	static std::array<double, 2> impulseIn(const Held&, double dt);
@@ -159,7 +159,7 @@ class SceneLink {
 	Spare takeSpare();
 	void makeReal(std::size_t pair);
 	void makeUnreal(std::size_t pair);
-	void turnBodies();
+	void turnBodies(cd::Threads*);
 	void orient(int id);
 	void publishScene(yade::Scene*);
 	void insert(yade::InteractionContainer&, std::size_t pair);

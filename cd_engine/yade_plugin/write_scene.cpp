@@ -157,25 +157,27 @@ void SceneLink::writeMotion(std::size_t id)
 }
 
 // The turn of a step about z, applied from the left. Quasi-static turns are tiny, where two terms of the series are exact to round-off.
-void SceneLink::turnBodies()
+void SceneLink::turnBodies(cd::Threads* threads)
 {
-	for (std::size_t id = 0; id < bodies.size(); id++) {
-		const double half = 0.5 * world.bodies[id].turn, square = half * half;
-		if (half == 0 || !bodies[id].exists)
-			continue;
-		double* const q = bodies[id].orientation;
-		const bool tiny = square < 1e-7;
-		const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
-		const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
-		// Renormalised, since round-off would grow over 1e6 steps.
-		const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
-		q[0] = x * inverse;
-		q[1] = y * inverse;
-		q[2] = z * inverse;
-		q[3] = w * inverse;
-		if (world.shapes[id].kind == cd::ShapeKind::box)
-			orient(static_cast<int>(id));
-	}
+	cd::forRanges(threads, bodies.size(), [&](std::size_t from, std::size_t to) {
+		for (std::size_t id = from; id < to; id++) {
+			const double half = 0.5 * world.bodies[id].turn, square = half * half;
+			if (half == 0 || !bodies[id].exists)
+				continue;
+			double* const q = bodies[id].orientation;
+			const bool tiny = square < 1e-7;
+			const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
+			const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
+			// Renormalised, since round-off would grow over 1e6 steps.
+			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
+			q[0] = x * inverse;
+			q[1] = y * inverse;
+			q[2] = z * inverse;
+			q[3] = w * inverse;
+			if (world.shapes[id].kind == cd::ShapeKind::box)
+				orient(static_cast<int>(id));
+		}
+	});
 }
 
 // Forces that say already what they are to say stay as they are, since taken up again they would differ in the last digit. Where one changes, its
@@ -185,29 +187,36 @@ void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 	const std::vector<int32_t>& solved = step.pairs();
 	assert(solved.size() == step.touches().size() && held.size() == world.pairs.size());
 	const double rate = 1 / dt;
-	for (std::size_t i = 0; i < solved.size(); i++) {
-		const cd::Pair& pair = world.pairs[solved[i]];
-		if (!(pair.pn > 0))
-			continue;
-		const cd::Touch& touch = step.touches()[i];
-		Held& h = held[solved[i]];
-		h.touch = touch;
-		if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
-			continue;
-		const double fn = pair.pn * rate, ft = pair.pt * rate;
-		const long since = h.any ? h.since : iteration;
-		h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch, since };
-		step.sleepers.disturb(pair);
-	}
-	for (const int32_t i : world.awake)
-		if (held[i].any && !(world.pairs[i].pn > 0)) {
-			held[i].any = false;
-			step.sleepers.disturb(world.pairs[i]);
+	cd::Threads* const threads = step.sleepers.none() ? &step.threads : nullptr; // one alone tells of what it wakes
+	cd::forRanges(threads, solved.size(), [&](std::size_t from, std::size_t to) {
+		for (std::size_t i = from; i < to; i++) {
+			const cd::Pair& pair = world.pairs[solved[i]];
+			if (!(pair.pn > 0))
+				continue;
+			const cd::Touch& touch = step.touches()[i];
+			Held& h = held[solved[i]];
+			h.touch = touch;
+			if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
+				continue;
+			const double fn = pair.pn * rate, ft = pair.pt * rate;
+			const long since = h.any ? h.since : iteration;
+			h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch, since };
+			step.sleepers.disturb(pair);
 		}
-	turnBodies();
+	});
+	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
+		for (std::size_t k = from; k < to; k++)
+			if (const int32_t i = world.awake[k]; held[i].any && !(world.pairs[i].pn > 0)) {
+				held[i].any = false;
+				step.sleepers.disturb(world.pairs[i]);
+			}
+	});
+	turnBodies(&step.threads);
 	heldStep = dt;
-	numbers = std::all_of(
-	    world.bodies.begin(), world.bodies.end(), [](const cd::Body& b) { return (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0; });
+	numbers = !cd::anyOf(&step.threads, world.bodies.size(), [&](std::size_t i) {
+		const cd::Body& b = world.bodies[i];
+		return !((b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0);
+	});
 	behind = true;
 }
 

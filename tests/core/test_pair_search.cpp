@@ -66,6 +66,8 @@ World scene(int disks, unsigned seed, double speed)
 	return w;
 }
 
+double reach(const World& w, std::size_t i, double dt) { return reachOf(w.bodies[i], wayOf(w.bodies[i], w.shapes[i], dt)); }
+
 bool twoBoundaries(const World& w, int i, int j) { return w.bodies[i].radius == 0 && w.bodies[j].radius == 0; }
 
 double gap(const World& w, int i, int j)
@@ -83,7 +85,7 @@ Ids needed(const World& w, double dt)
 	for (int i = 0; i < n; i++)
 		for (int j = i + 1; j < n; j++)
 			if ((w.masks[i] & w.masks[j]) != 0 && !twoBoundaries(w, i, j)
-			    && gap(w, i, j) <= reachOf(w.bodies[i], w.shapes[i], dt) + reachOf(w.bodies[j], w.shapes[j], dt))
+			    && gap(w, i, j) <= reach(w, i, dt) + reach(w, j, dt))
 				ids.insert({ i, j });
 	return ids;
 }
@@ -115,7 +117,7 @@ TEST_CASE("the list holds all pairs that a step may need until it is made anew")
 				const Ids found = listed(pairs), all = needed(w, dt);
 				CHECK(std::includes(found.begin(), found.end(), all.begin(), all.end()));
 				for (std::size_t i = 0; i < w.bodies.size(); i++)
-					CHECK((w.masks[i] == 0 || w.listed[i] >= reachOf(w.bodies[i], w.shapes[i], dt)));
+					CHECK((w.masks[i] == 0 || w.listed[i] >= reach(w, i, dt)));
 				for (Body& b : w.bodies) {
 					b.x += dt * b.v[0];
 					b.y += dt * b.v[1];
