@@ -16,7 +16,8 @@ QUANTITY = {"hopper": "rate", "drum": "slope", "filling": "height", "collapse": 
 WORDS = {"hopper": "discharge of a silo", "drum": "slope of a drum", "filling": "height of a filling", "collapse": "front of a collapse"}
 PERIOD = {"hopper": 1.5, "drum": 3.0, "filling": 1.0, "collapse": 1.5}  # s, of 500 disks
 SMALL, WITHIN = 500, 0.02
-RIGID = dict(method="CD", cd_dt=2.5e-4, tolerance=1e-3)  # the rigid answer
+FINE = dict(method="CD", cd_dt=2.5e-4, tolerance=1e-3)  # the rigid answer of 500 disks
+RIGID = dict(method="CD", cd_dt=1e-3, tolerance=1e-3)  # of more disks
 COARSE = dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
 
 
@@ -29,12 +30,11 @@ def _flow(scene, disks, settings, seeds):
             for row in product(**dict(scene=scene, disks=disks, period=round(PERIOD[scene] * size**0.25, 3), seed=seeds) | more | setting)]
 
 
-SETTINGS = [RIGID, dict(method="CD", cd_dt=1e-3, tolerance=1e-3), COARSE, COARSE | {"gap_correction": 0.1}] \
+SETTINGS = [RIGID, COARSE, COARSE | {"gap_correction": 0.1}] \
     + product(method="MD", kn=2e6, md_dt_factor=0.4) + product(method="MD", kn=2e7, md_dt_factor=(0.2, 0.4))
-# Of 50 000 disks one deposit, and the rigid answer by four times the step.
-LARGE = [RIGID | {"cd_dt": 1e-3}, COARSE, COARSE | {"gap_correction": 0.1}] + product(method="MD", kn=2e7, md_dt_factor=0.4)
+LARGE = SETTINGS[:2] + product(method="MD", kn=2e7, md_dt_factor=0.4)
 ROWS = {"quick": _flow("filling", SMALL, [COARSE] + product(method="MD", kn=2e6, md_dt_factor=0.4), 1),
-        "full": [row for scene in QUANTITY for row in _flow(scene, SMALL, SETTINGS, (1, 2, 3, 4)) + _flow(scene, 5000, SETTINGS, (1, 2))]
+        "full": [row for scene in QUANTITY for row in _flow(scene, SMALL, [FINE] + SETTINGS, (1, 2, 3, 4)) + _flow(scene, 5000, SETTINGS, (1, 2))]
         + _flow("filling", 50000, LARGE, 1)}
 
 
