@@ -23,7 +23,7 @@ namespace {
 
 } // namespace
 
-const std::vector<NearPair>& NearPairs::find(const World& world, const std::vector<double>& margins)
+void NearPairs::find(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found)
 {
 	const std::size_t n = world.bodies.size();
 	boxes.resize(n);
@@ -44,7 +44,7 @@ const std::vector<NearPair>& NearPairs::find(const World& world, const std::vect
 	large.clear();
 	entries.clear();
 	if (sides.empty())
-		return found;
+		return;
 	// Medians: neither a giant nor a body far away makes the cells useless.
 	width = widthOfCells * median(sides);
 	origin[0] = median(xs);
@@ -53,12 +53,11 @@ const std::vector<NearPair>& NearPairs::find(const World& world, const std::vect
 		if (world.masks[i] != 0)
 			enter(static_cast<int32_t>(i));
 	sortByPlace();
-	compareInCells(world, margins);
+	compareInCells(world, margins, found);
 	for (const int32_t i : large)
 		for (int32_t j = 0; j < static_cast<int32_t>(n); j++)
 			if (!boxes[j].large || j > i)
-				compare(world, margins, i, j);
-	return found;
+				compare(world, margins, i, j, found);
 }
 
 int32_t NearPairs::cellOf(double at, int axis) const { return static_cast<int32_t>(std::clamp(std::floor((at - origin[axis]) / width), -1e9, 1e9)); }
@@ -100,7 +99,7 @@ void NearPairs::sortByPlace()
 		sorted[ends[placeOf(e.cell) & mask]++] = e;
 }
 
-void NearPairs::compareInCells(const World& world, const std::vector<double>& margins)
+void NearPairs::compareInCells(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
 {
 	uint32_t begin = 0;
 	for (const uint32_t end : ends) {
@@ -110,13 +109,13 @@ void NearPairs::compareInCells(const World& world, const std::vector<double>& ma
 				const Box &r = boxes[p.body], &s = boxes[q.body];
 				if (p.cell[0] == q.cell[0] && p.cell[1] == q.cell[1] && std::max(r.first[0], s.first[0]) == p.cell[0]
 				    && std::max(r.first[1], s.first[1]) == p.cell[1])
-					compare(world, margins, p.body, q.body);
+					compare(world, margins, p.body, q.body, found);
 			}
 		begin = end;
 	}
 }
 
-void NearPairs::compare(const World& world, const std::vector<double>& margins, int32_t a, int32_t b)
+void NearPairs::compare(const World& world, const std::vector<double>& margins, int32_t a, int32_t b, std::vector<NearPair>& found) const
 {
 	constexpr double roundOff = 1e-12;
 	const Body &p = world.bodies[a], &q = world.bodies[b];

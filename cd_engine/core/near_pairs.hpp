@@ -21,7 +21,7 @@ class NearPairs {
     public:
 	// All pairs, two boundaries excepted, whose surfaces are at most as far from each other as the sum of their margins [m]; of boxes also some
 	// that are further. Bodies whose masks have no bit in common, or that are of one mask kept apart (World::apart), make no pair.
-	const std::vector<NearPair>& find(const World&, const std::vector<double>& margins);
+	void find(const World&, const std::vector<double>& margins, std::vector<NearPair>& found);
 
     private:
 	struct Box {
@@ -35,8 +35,8 @@ class NearPairs {
 	int32_t cellOf(double at, int axis) const;
 	void enter(int32_t body);
 	void sortByPlace();
-	void compareInCells(const World&, const std::vector<double>& margins);
-	void compare(const World&, const std::vector<double>& margins, int32_t a, int32_t b);
+	void compareInCells(const World&, const std::vector<double>& margins, std::vector<NearPair>& found) const;
+	void compare(const World&, const std::vector<double>& margins, int32_t a, int32_t b, std::vector<NearPair>& found) const;
 
 	double width = 0, origin[2] = { 0, 0 }; // of the cells [m]
 	std::vector<double> sides, xs, ys; // of the disks, scratch
@@ -44,7 +44,6 @@ class NearPairs {
 	std::vector<int32_t> large;
 	std::vector<Entry> entries, sorted;
 	std::vector<uint32_t> ends; // of the entries of each place of the table
-	std::vector<NearPair> found;
 };
 
 } // namespace cd

@@ -106,7 +106,7 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 	return seen.size() != world.bodies.size() || world.apart != seenApart || !stillComplete(world, threads);
 }
 
-const std::vector<NearPair>& PairSearch::find(World& world)
+void PairSearch::find(World& world, std::vector<NearPair>& found)
 {
 	chooseMargins(world);
 	seen.clear();
@@ -119,7 +119,7 @@ const std::vector<NearPair>& PairSearch::find(World& world)
 	for (std::size_t i = 0; i < seenMasks.size(); i++)
 		if (seenMasks[i] == 0)
 			world.listed[i] = endless;
-	return nearPairs.find(world, margins);
+	nearPairs.find(world, margins, found);
 }
 
 int PairSearch::lost(const World& world) const { return leftBehind(world, quick); }

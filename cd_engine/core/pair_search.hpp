@@ -14,7 +14,7 @@ class PairSearch {
 	// least: the margin of slow bodies as a fraction of the smallest radius. outran: StepReport::outran of a step that is made again; else empty.
 	bool needed(World&, double dt, double least, const std::vector<double>& outran, Threads* = nullptr);
 	// The pairs, in no order. Fills World::listed. Call `needed` first.
-	const std::vector<NearPair>& find(World&);
+	void find(World&, std::vector<NearPair>&);
 
 	// The body that has left all others behind, -1: none.
 	int lost(const World&) const;

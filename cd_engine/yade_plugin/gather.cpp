@@ -51,7 +51,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 void SceneLink::findPairs()
 {
 	before.swap(pairs);
-	pairs = search.find(world);
+	search.find(world, pairs);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)

@@ -17,6 +17,13 @@ using namespace cd;
 
 namespace {
 
+std::vector<NearPair> pairsOf(PairSearch& search, World& w)
+{
+	std::vector<NearPair> found;
+	search.find(w, found);
+	return found;
+}
+
 using Ids = std::set<std::pair<int, int>>;
 
 // Disks of unequal size and speed, some boxes, a wall, a disk that is far away and fast, one that is in no contact.
@@ -111,7 +118,7 @@ TEST_CASE("the list holds all pairs that a step may need until it is made anew")
 			int searches = 0;
 			for (int step = 0; step < 60; step++) {
 				if (search.needed(w, dt, 0.1, {})) {
-					pairs = search.find(w);
+					pairs = pairsOf(search, w);
 					searches++;
 				}
 				const Ids found = listed(pairs), all = needed(w, dt);
@@ -146,7 +153,7 @@ TEST_CASE("fast bodies make nobody else's margin wider")
 		PairSearch search;
 		REQUIRE(search.needed(w, 1e-3, 0.1, {}));
 		std::size_t among = 0;
-		for (const NearPair& p : search.find(w))
+		for (const NearPair& p : pairsOf(search, w))
 			among += std::max(p.a, p.b) < 413;
 		if (speed == 0)
 			slow = among;
@@ -161,7 +168,7 @@ TEST_CASE("what changes a body makes the list anew")
 	w.bodies[3].v[0] = 0;
 	PairSearch search;
 	REQUIRE(search.needed(w, 1e-3, 0.1, {}));
-	search.find(w);
+	pairsOf(search, w);
 	CHECK(!search.needed(w, 1e-3, 0.1, {}));
 	World other = w;
 	other.bodies[5].radius *= 1.01;
@@ -189,7 +196,7 @@ TEST_CASE("a body in no contact may move as it likes")
 	w.bodies[4].v[0] = 50; // masked
 	PairSearch search;
 	REQUIRE(search.needed(w, 1e-3, 0.1, {}));
-	search.find(w);
+	pairsOf(search, w);
 	for (int step = 0; step < 100; step++) {
 		w.bodies[4].x += 0.05;
 		CHECK(!search.needed(w, 1e-3, 0.1, {}));
@@ -202,13 +209,13 @@ TEST_CASE("bodies far from the origin and one without a rank have their pairs in
 	w.bodies[3].v[0] = 0;
 	PairSearch here, there;
 	REQUIRE(here.needed(w, 1e-3, 0.1, {}));
-	std::vector<NearPair> first = here.find(w);
+	std::vector<NearPair> first = pairsOf(here, w);
 	for (Body& b : w.bodies) {
 		b.x += 1e7;
 		b.y -= 1e7;
 	}
 	REQUIRE(there.needed(w, 1e-3, 0.1, {}));
-	std::vector<NearPair> second = there.find(w);
+	std::vector<NearPair> second = pairsOf(there, w);
 	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
 	std::iota(rank.begin(), rank.begin() + 99, 0); // one disk less
 	PairOrder order;
@@ -230,14 +237,14 @@ TEST_CASE("masks keep bodies apart as YADE's do")
 	PairSearch search;
 	search.needed(w, 1e-3, 1, {});
 	bool unequal = false;
-	for (const NearPair& p : search.find(w)) {
+	for (const NearPair& p : pairsOf(search, w)) {
 		CHECK((w.masks[p.a] & w.masks[p.b]) != 0);
 		unequal = unequal || w.masks[p.a] != w.masks[p.b];
 	}
 	CHECK(unequal);
 	w.apart = 2;
 	REQUIRE(search.needed(w, 1e-3, 1, {}));
-	for (const NearPair& p : search.find(w))
+	for (const NearPair& p : pairsOf(search, w))
 		CHECK((w.masks[p.a] != w.masks[p.b] || w.masks[p.a] == 1));
 }
 
@@ -247,7 +254,7 @@ TEST_CASE("pairs keep their places in the order whatever others are listed, and 
 	PairSearch narrow, wide;
 	narrow.needed(w, 1e-3, 0.1, {});
 	wide.needed(w, 1e-3, 3, {});
-	std::vector<NearPair> few = narrow.find(w), many = wide.find(w);
+	std::vector<NearPair> few = pairsOf(narrow, w), many = pairsOf(wide, w);
 	PairOrder order;
 	std::mt19937 draw(1);
 	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
