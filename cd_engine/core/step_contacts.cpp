@@ -10,9 +10,9 @@ namespace {
 
 	constexpr double nearby = 1e-3; // of a disk's radius: gaps as wide as this are contacts however slow the bodies are
 
-	// A pair is a contact if its bodies come as near in the step as this times their relative way and this share of the radius: impulses of other
-	// contacts may change both velocities. At most twice the ways that both bodies go.
-	constexpr double soon = 1.2, pushed = 0.2, farthest = 2;
+	// A pair is a contact if its gap is at most `soon` times the relative way of its bodies in the step and `pushed` of the smaller radius, since
+	// impulses of other contacts may change both velocities; but not if it is more than `mostWays` times the ways that both go.
+	constexpr double soon = 1.2, pushed = 0.5, mostWays = 2;
 
 	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off, and are left
 
@@ -30,10 +30,10 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-// As in mayClose, for any other body; and the half way that each goes until contact is looked at.
+// As in mayClose, for any other body: each of its two limits is at most the sum of what both bodies have here. And the half way that each goes until contact is looked at.
 double reachOf(const Body& b, double way)
 {
-	const double most = farthest * way;
+	const double most = mostWays * way;
 	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
 }
 
@@ -140,7 +140,7 @@ inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap,
 {
 	const double a = places[pair.a].radius, b = places[pair.b].radius, radius = a > 0 ? std::min(a, b) : b;
 	const double beyond = gap - nearby * radius;
-	if (beyond > farthest * (ways[pair.a] + ways[pair.b]))
+	if (beyond > mostWays * (ways[pair.a] + ways[pair.b]))
 		return false;
 	if (beyond <= pushed * radius)
 		return true;
@@ -359,6 +359,11 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 			fillRow(rows - 1, world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), settings);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gaps[i]);
+			// What it needs by itself: among many contacts the error alone would not ask for it.
+			ContactRow& c = system.contacts[rows - 1];
+			double un, ut;
+			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
+			c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
 		}
 	return true;
 }

@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include <unistd.h>
+
 namespace cd {
 namespace {
 
@@ -37,6 +39,9 @@ class Threads::Pool {
 		} catch (const std::system_error&) { // no more are to be had: those there are do
 		}
 	}
+
+	// A process that has forked off has no helpers: nothing of the pool may be touched there, and it is left as it is.
+	bool isOurs() const { return process == getpid(); }
 
 	~Pool()
 	{
@@ -153,23 +158,41 @@ class Threads::Pool {
 	std::mutex mutex;
 	std::condition_variable begins;
 	std::vector<std::thread> threads;
+	const pid_t process = getpid();
 };
 
 Threads::Threads() = default;
 Threads::Threads(Threads&&) noexcept = default;
-Threads& Threads::operator=(Threads&&) noexcept = default;
-Threads::~Threads() = default;
+Threads& Threads::operator=(Threads&& other) noexcept
+{
+	if (this != &other) {
+		drop();
+		wanted = other.wanted;
+		pool = std::move(other.pool);
+	}
+	return *this;
+}
+Threads::~Threads() { drop(); }
+
+void Threads::drop()
+{
+	if (pool && !pool->isOurs())
+		(void)pool.release();
+	pool.reset();
+}
 
 void Threads::use(int count)
 {
 	if (count == wanted)
 		return;
-	pool.reset();
+	drop();
 	wanted = std::max(1, count);
 }
 
 void Threads::share(const Job& job)
 {
+	if (pool && !pool->isOurs())
+		drop();
 	if (!pool)
 		pool = std::make_unique<Pool>(wanted - 1);
 	pool->share(job);

@@ -9,8 +9,8 @@
 
 namespace cd {
 
-// The caller and so many helpers less one. Helpers are started by the first work of several parts, wait without using the processor where none comes
-// for some tenths of a millisecond, and end with this object. One caller at a time.
+// The caller and count() - 1 helpers. These are started by the first work of several parts, wait without using the processor where none comes
+// for some tenths of a millisecond, and end with this object. A process that is forked off starts its own. One caller at a time.
 class Threads {
     public:
 	Threads();
@@ -21,7 +21,7 @@ class Threads {
 	// At least one.
 	void use(int count);
 	int count() const { return wanted; }
-	bool started() const { return pool != nullptr; } // helpers
+	bool started() const { return pool != nullptr; } // whether there are helpers
 
 	// Calls work(part) for every part from `bounds[0]` on and below `bounds[rows]`, each once; returns when all are done. Work does not throw.
 	// Of each row of parts, bounds[r] to bounds[r + 1], every thread takes its share first, the same one in every run, so that what it works on
@@ -44,6 +44,7 @@ class Threads {
 	};
 	class Pool;
 	void share(const Job&);
+	void drop();
 
 	int wanted = 1;
 	std::unique_ptr<Pool> pool;

@@ -80,15 +80,16 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	const Stillness stillness { sleepers, before, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
 	double tolerance = settings.solver.tolerance;
 	int first = 0; // iterations of the first solution
+	int most = settings.solver.maxIterations;
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
 		const int previous = report.solver.iterations;
 		SolverSettings left = settings.solver;
-		left.maxIterations -= previous;
+		left.maxIterations = most - previous;
 		left.tolerance = tolerance;
 		left.threads = &threads;
-		if (tolerance
-		    < settings.solver.tolerance) // not asked for: so much as that may need, so that something is left to lower rebounds further
+		// An exactness that is not asked for gets as many sweeps as it may need, so that some are left to lower rebounds further.
+		if (tolerance < settings.solver.tolerance)
 			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
 		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
 						: solveWhole(system, settings.solve, left, report.effort);
@@ -104,7 +105,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			report.solver.status = Status::converged;
 		const Status found = report.solver.status;
 		meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
-		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= settings.solver.maxIterations;
+		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
 		if (settings.restitution > 0) {
 			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
 			if (!lowerRebounds(settings, report)) {
@@ -121,10 +122,13 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		}
 		if (found != Status::diverged && outruns(world, settings.dt, report))
 			return true;
-		if (spent)
-			return !anyViolated(world, settings) || end(report);
+		const bool late = settings.solver.fixedIterations == 0 && report.solver.iterations > settings.solver.maxIterations;
+		if (spent && most > settings.solver.maxIterations)
+			return end(report);
 		if (!addViolated(world, settings))
-			return true;
+			return !late || end(report);
+		if (spent) // without an impulse they would pass through each other
+			most += 1 + settings.solver.maxIterations / 10;
 		if (sleepers.wake(system.contacts, world))
 			return false;
 		freeVelocities(world, settings.dt);

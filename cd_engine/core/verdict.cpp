@@ -23,7 +23,7 @@ namespace {
 	// A self-stress makes no velocity but the round-off of its sums.
 	constexpr double selfStress = 256 * epsilon;
 	constexpr double mayHide = 10; // growth above which impulses within the tolerance may miss ten tolerances of what presses
-	constexpr int few = 256; // contacts, up to which finding that out may cost more than the sweeps did
+	constexpr int few = 256; // contacts, up to which the proof by velocities may take more products than the sweeps did
 	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
 
 	double dot(const std::vector<double>& a, const std::vector<double>& b)

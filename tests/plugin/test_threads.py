@@ -123,3 +123,33 @@ def test_solve_without_yade_by_several_threads(O, tmp_path):
     for number in (0, 1025, 1.5):
         with pytest.raises(ValueError, match="threads"):
             core.solve(problem, threads=number)
+
+
+def test_a_process_that_is_forked_off_goes_on_alone(root):
+    """It has none of the helpers: what they belong to is given up there, and others are started. The parent goes on with its own."""
+    program = """
+import os, sys
+sys.path.insert(0, ROOT)
+from yade import O
+from tests.plugin import test_threads as t
+
+def steps(side, threads):
+    O.reset()
+    O.engines = t.crystal(side=side).engines(gravity=(0, -9.81, 0), tolerance=1e-2, threads=threads)
+    O.run(3, True)
+    return t.digest(O)
+
+wanted = steps(t.SIDE, 3)
+assert t.helpers() == 2
+for side, threads in ((t.SIDE, 3), (t.SIDE, 1), (5, 3)):
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if steps(side, threads) == wanted or side == 5 else 1)
+    assert os.waitpid(child, 0)[1] == 0, (side, threads)
+assert steps(t.SIDE, 3) == wanted
+print("forked")
+os._exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", program.replace("ROOT", repr(str(root)))], capture_output=True, text=True, timeout=200,
+                          env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})
+    assert "forked" in done.stdout, done.stderr[-2000:]
