@@ -147,7 +147,7 @@ for side, threads in ((t.SIDE, 3), (t.SIDE, 1), (5, 3)):
         os._exit(0 if steps(side, threads) == wanted or side == 5 else 1)
     assert os.waitpid(child, 0)[1] == 0, (side, threads)
 assert steps(t.SIDE, 3) == wanted
-print("forked")
+print("forked", flush=True)
 os._exit(0)
 """
     done = subprocess.run([sys.executable, "-c", program.replace("ROOT", repr(str(root)))], capture_output=True, text=True, timeout=200,
