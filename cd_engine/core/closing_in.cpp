@@ -89,7 +89,8 @@ namespace {
 			}
 		}
 
-		// Begins with the rigid motion of all bodies that fits the prescribed ones best, where that closes less: a drum that turns, a box that is shaken.
+		// Begins with the rigid motion of all bodies that fits the prescribed ones best, where that closes less: a drum that turns, a box
+		// that is shaken.
 		void tryRigidMotion(const std::vector<double>& free)
 		{
 			if (system->places.empty())

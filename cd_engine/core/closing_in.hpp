@@ -14,9 +14,9 @@
 namespace cd {
 
 // The row of the contact that has to close most if it is proven within mostProducts products with J and J^T that there is no solution; else -1.
-// freeVelocity: as in residual.hpp. The search begins at the velocities in system.bodies, or at the one rigid motion that all boundaries share; where these
-// close by less than this tolerance of what is prescribed, it ends at once. A solution whose velocities would be beyond `bound` times the prescribed ones, both weighted by the masses,
-// is none. Memory is kept from one problem of a thread to the next.
+// freeVelocity: as in residual.hpp. The search begins at the velocities in system.bodies, or at the one rigid motion that all boundaries share; where
+// these close by less than this tolerance of what is prescribed, it ends at once. A solution whose velocities would be beyond `bound` times the
+// prescribed ones, both weighted by the masses, is none. Memory is kept from one problem of a thread to the next.
 int closingIn(const ContactSystem& system, const std::vector<double>& freeVelocity, double tolerance, double bound, int mostProducts);
 
 } // namespace cd

@@ -8,8 +8,8 @@ namespace {
 	constexpr int blockBits = 5; // of 32 disks that follow one another along the curve
 	constexpr int keyBits = 40; // below the number of the block
 
-	// Pairs of the disks of a block stay together, for locality, and are scattered among themselves. So contacts near each other in the list mostly
-	// have no body in common, and can be solved eight at a time (grouping.hpp).
+	// Pairs of the disks of a block stay together, for locality, and are scattered among themselves. So contacts near each other in the list
+	// mostly have no body in common, and can be solved eight at a time (grouping.hpp).
 	uint64_t keyOf(const NearPair& pair, const std::vector<int>& rank)
 	{
 		const uint64_t low = std::min(pair.a, pair.b), high = std::max(pair.a, pair.b);

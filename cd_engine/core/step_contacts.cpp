@@ -30,7 +30,8 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-// As in mayClose, for any other body: each of its two limits is at most the sum of what both bodies have here. And the half way that each goes until contact is looked at.
+// As in mayClose, for any other body: each of its two limits is at most the sum of what both bodies have here. And the half way that each goes until
+// contact is looked at.
 double reachOf(const Body& b, double way)
 {
 	const double most = mostWays * way;

@@ -41,8 +41,8 @@ struct StepReport {
 // Of all disks [m]; infinite if there is none.
 double smallestRadius(const World&);
 
-// How far from its present place a body may have a contact in a step [m], at most; way: that it goes in it (wayOf). A pair becomes a contact only if its gap is at most the sum of
-// both bodies' reach.
+// How far from its present place a body may have a contact in a step [m], at most; way: that it goes in it (wayOf). A pair becomes a contact only if
+// its gap is at most the sum of both bodies' reach.
 double reachOf(const Body&, double way);
 
 class TimeStep {
@@ -56,13 +56,13 @@ class TimeStep {
 	// it, before contact is looked at, in the first half of a step: its way ends at the face then. Restitution e > 0: a contact that is closed,
 	// or that the velocities before the step would close within it, takes u_n' >= -e u_n instead, or what its overlap asks for where that is more
 	// (rebounds.hpp); one that only other contacts' impulses close is left to the next step, overlapping by up to their velocity times h.
-	// No body is moved in two cases. The solver has met a number that is not finite. Or impulses made a body so fast that it may reach others that are
-	// not in the list of pairs (World::listed); report.outran is not empty then, and the step has to be made again with a longer list.
+	// No body is moved in two cases. The solver has met a number that is not finite. Or impulses made a body so fast that it may reach others
+	// that are not in the list of pairs (World::listed); report.outran is not empty then, and the step has to be made again with a longer list.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem such a step would hand to its solver, with the velocities free of impulses; the world is not moved. Pairs are contacts whose
-	// bodies may close their gap at their present velocities (mayClose). If the solution lets one cross its gap that was left out, the step is solved
-	// again with that and all others that the new velocities can close.
+	// bodies may close their gap at their present velocities (mayClose). If the solution lets one cross its gap that was left out, the step is
+	// solved again with that and all others that the new velocities can close.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
 	// Of the last step: the pairs that had a contact, and where.

@@ -48,11 +48,13 @@ struct Touch {
 struct World {
 	std::vector<Body> bodies;
 	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
-	// Of each body: two make a pair only if their masks have a bit in common; 0: in no contact. Bodies of one mask that has a bit of `apart` make none.
+	// Of each body: two make a pair only if their masks have a bit in common; 0: in no contact. Bodies of one mask that has a bit of `apart` make
+	// none.
 	std::vector<int32_t> masks;
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
-	// Of each body [m]: two bodies are in the list of pairs if the gap between them is at most the sum of their two values. Empty: all pairs are listed.
+	// Of each body [m]: two bodies are in the list of pairs if the gap between them is at most the sum of their two values. Empty: all pairs are
+	// listed.
 	std::vector<double> listed;
 	std::vector<int32_t> awake; // the pairs that a step looks at, in order, no others: Sleepers::look lists them before every step
 };

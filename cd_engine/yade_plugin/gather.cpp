@@ -23,8 +23,8 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
 }
 
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look,
-    double margin, cd::TimeStep& step, const std::vector<double>& outran)
+void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, double margin,
+    cd::TimeStep& step, const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
 	const bool read = !behind;

@@ -53,8 +53,8 @@ void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
 	turn(index);
 }
 
-// Empties and erases the interactions of pairs that are no more. Those that the collider would keep, by the bounds that it knows, stay in the list: it
-// notices only what changes.
+// Empties and erases the interactions of pairs that are no more. Those that the collider would keep, by the bounds that it knows, stay in the list:
+// it notices only what changes.
 void SceneLink::eraseParted(yade::Scene* scene)
 {
 	auto& container = *at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions);
@@ -166,7 +166,8 @@ void SceneLink::turnBodies(cd::Threads* threads)
 				continue;
 			double* const q = bodies[id].orientation;
 			const bool tiny = square < 1e-7;
-			const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
+			const double s = tiny ? half * (1 - square / 6) : std::sin(half),
+				     c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
 			const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
 			// Renormalised, since round-off would grow over 1e6 steps.
 			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);

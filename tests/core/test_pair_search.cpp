@@ -91,8 +91,7 @@ Ids needed(const World& w, double dt)
 	const int n = static_cast<int>(w.bodies.size());
 	for (int i = 0; i < n; i++)
 		for (int j = i + 1; j < n; j++)
-			if ((w.masks[i] & w.masks[j]) != 0 && !twoBoundaries(w, i, j)
-			    && gap(w, i, j) <= reach(w, i, dt) + reach(w, j, dt))
+			if ((w.masks[i] & w.masks[j]) != 0 && !twoBoundaries(w, i, j) && gap(w, i, j) <= reach(w, i, dt) + reach(w, j, dt))
 				ids.insert({ i, j });
 	return ids;
 }
