@@ -57,3 +57,14 @@ def test_fig4_runs_both_methods_from_each_packing():
             assert (md["method"], cd["method"]) == ("MD", "CD")
             assert parameters.preparation(md) == parameters.preparation(cd)
             assert all(md[name] == cd[name] for name in ("loading", "delta_sigma", "period", "cycles"))
+
+
+def test_scenes_with_parameters_of_their_own_make_one_table(tmp_path):
+    """A scene leaves out what only another one has."""
+    from yade import utils
+    rows = [dict(scene="hopper", slot=12.0, seed=2), dict(scene="filling", seed=3)]
+    path = write(tmp_path, tables.text(rows))
+    found = list(tables.read(path).values())
+    assert found == [dict(scene="hopper", slot=12.0, seed=2), dict(scene="filling", seed=3)]
+    assert [parameters.complete(row) for row in found] == [parameters.complete(row) for row in rows]
+    assert len(utils.TableParamReader(str(path)).paramDict()) == 2  # yade-batch starts one process for each
