@@ -252,8 +252,7 @@ std::string ContactDynamics::unsolved() const
 	if (!unsolvableContact.empty())
 		s << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
 		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
-		     "be "
-		     "trusted.";
+		     "be trusted.";
 	else {
 		s << "the contact law is missed by " << residual << " of all impulses";
 		if (worstBody >= 0)

@@ -123,15 +123,12 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 
 inline const char* const ContactDynamics::documentation
     = "Contact Dynamics for disks in the plane: rigid bodies, unilateral contact (Signorini) and exact, non-associated Coulomb friction, "
-      "solved implicitly for all contacts of a step at once; moves the bodies by the Moreau-Jean scheme. Takes the place of InteractionLoop "
-      "and "
+      "solved implicitly for all contacts of a step at once; moves the bodies by the Moreau-Jean scheme. Takes the place of InteractionLoop and "
       "NewtonIntegrator; stands after ForceResetter (:py:func:`cd_engine.engines` makes the list). Finds near pairs itself, without a collider. "
-      "Disks are Sphere bodies with blockedDOFs='zXY' in one plane of constant z; Box (turned about z at will) and Wall are boundaries: "
-      "fixed, moving at a "
-      "prescribed velocity, or free in some freedoms and pushed by O.forces. Two boundaries never touch each other. Friction: the smaller "
-      "frictionAngle of the two. "
-      "After a step every loaded contact is a real interaction with ScGeom and FrictPhys, and O.forces holds the total on each body, gravity "
-      "of free bodies included.";
+      "Disks are Sphere bodies with blockedDOFs='zXY' in one plane of constant z; Box (turned about z at will) and Wall are boundaries: fixed, "
+      "moving at a prescribed velocity, or free in some freedoms and pushed by O.forces. Two boundaries never touch each other. Friction: the "
+      "smaller frictionAngle of the two. After a step every loaded contact is a real interaction with ScGeom and FrictPhys, and O.forces holds the "
+      "total on each body, gravity of free bodies included.";
 
 template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 {
@@ -140,8 +137,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access::set, positive,
 	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by "
-	    "W_nn, "
-	    "and *bodyError*) [1].");
+	    "W_nn, and *bodyError*) [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. },
 	    "Sweeps and factorizations after which a step is left unconverged [1].");
 	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
@@ -150,14 +146,12 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("method", &C::method, Access::set, any,
 	    "Name of the solver: one of :py:func:`cd_engine.methods`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: "
 	    "proximal-point semismooth Newton, for small problems; auto: accelerated, and newton where that stagnates, which can take half a second "
-	    "a "
-	    "step and more.");
+	    "a step and more.");
 	visit("warmStart", &C::warmStart, Access::set, any,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
 	visit("restitution", &C::restitution, Access::set, Range { 0, 1 },
 	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
-	    "take "
-	    "a smaller one in a step in which this one would add energy, and 0 where nothing solves the step with it.");
+	    "take a smaller one in a step in which this one would add energy, and 0 where nothing solves the step with it.");
 	visit("gapCorrection", &C::gapCorrection, Access::set, Range { 0, 1 },
 	    "Share of an overlap, beyond the reference one, that a step pushes out [1]; 0: overlaps are only kept from growing. The velocity of "
 	    "pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it needs "
@@ -180,12 +174,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.");
 	visit("stopUnsolved", &C::stopUnsolved, Access::set, any,
 	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told "
-	    "of "
-	    "and the run goes on.");
+	    "of and the run goes on.");
 	visit("threads", &C::threads, Access::set, Range { 0, 1024 },
 	    "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with "
-	    "any "
-	    "number. Only steps with thousands of bodies and contacts use more than one.");
+	    "any number. Only steps with thousands of bodies and contacts use more than one.");
 	visit("iterations", &C::iterations, Access::read, any,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
 	visit("residual", &C::residual, Access::read, any,
@@ -202,8 +194,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "towards each other has none.");
 	visit("converged", &C::converged, Access::read, any,
 	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change "
-	    "of "
-	    "every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
+	    "of every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
 	visit("status", &C::status, Access::read, any,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated, no_solution (*unsolvableContact*) or "
 	    "diverged.");
@@ -215,15 +206,13 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("resting", &C::resting, Access::read, any,
 	    "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].");
 	visit("sleeping", &C::sleeping, Access::read, any,
-	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing "
-	    "of "
+	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing of "
 	    "them is looked at but their bodies [1].");
 	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::internal, any,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::internal, any,
 	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
-	    "to a "
-	    "thousandth of the tolerance are stopped and sleep [1].");
+	    "to a thousandth of the tolerance are stopped and sleep [1].");
 	visit("pressed", &C::pressed, Access::internal, any,
 	    "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.");
 	visit("restTrialPause", &C::restTrialPause, Access::internal, any,
@@ -234,8 +223,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("maxPenetration", &C::maxPenetration, Access::read, any, "Largest overlap beyond the reference one met in the last step [m].");
 	visit("deepestPenetration", &C::deepestPenetration, Access::read, any,
 	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: bodies pass into each "
-	    "other "
-	    "where forces are far too small, even if *converged* says that the error e is.");
+	    "other where forces are far too small, even if *converged* says that the error e is.");
 	visit("handoverOverlap", &C::handoverOverlap, Access::read, any, "Largest overlap taken as reference at the hand-over [m].");
 	visit("dissipatedEnergy", &C::dissipatedEnergy, Access::read, any,
 	    "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "
@@ -263,11 +251,9 @@ template <class Class> void ContactDynamics::methods(Class& cls)
 	cls.def("exportProblem", &ContactDynamics::exportProblem,
 	    (boost::python::arg("self"), boost::python::arg("path"), boost::python::arg("bodies") = false),
 	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5; with *bodies* a BodyProblem as .npz, in the order of "
-	    "the sweeps and with the first guess) for :py:func:`cd_engine.core.read_problem` and for "
-	    "other "
-	    "codes; the ids of the bodies of each contact are in its data set contact_ids. Nothing in the scene changes. External forces are gravity "
-	    "and "
-	    "the permanent ones (O.forces.setPermF); what engines add in the course of a step is not known before it, and is left out. ");
+	    "the sweeps and with the first guess) for :py:func:`cd_engine.core.read_problem` and for other codes; the ids of the bodies of each "
+	    "contact are in its data set contact_ids. Nothing in the scene changes. External forces are gravity and the permanent ones "
+	    "(O.forces.setPermF); what engines add in the course of a step is not known before it, and is left out. ");
 }
 
 } // namespace cd_engine
