@@ -56,7 +56,7 @@ class Sleepers {
 
 	// At the end of a step: how everything is, and islands of which something has been written.
 	void remember(const World&);
-	void disturb(const Pair&);
+	void disturb(const Pair&); // not for several threads at once
 
     private:
 	void resize(std::size_t bodies);

@@ -50,10 +50,10 @@ class Threads {
 	std::unique_ptr<Pool> pool;
 };
 
-// Of items in a row: one part where they are few, else 64.
+// Cuts a row of items into parts of equal size.
 struct Cut {
-	static constexpr std::size_t few = 8192; // that one thread has done before another has woken
-	static constexpr std::size_t most = 64;
+	static constexpr std::size_t few = 8192; // fewer items than these are one part: one thread has done them before another has woken
+	static constexpr std::size_t most = 64; // parts, of any larger number of items
 
 	explicit Cut(std::size_t n)
 	    : items(n)

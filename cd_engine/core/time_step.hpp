@@ -41,8 +41,8 @@ struct StepReport {
 // Of all disks [m]; infinite if there is none.
 double smallestRadius(const World&);
 
-// How far from its present place a body may have a contact in a step [m], at most; way: that it goes in it (wayOf). A pair becomes a contact only if
-// its gap is at most the sum of both bodies' reach.
+// How far from its outline a body may meet others in a step [m], at most. way: what it goes in the step (wayOf) [m]. A pair becomes a contact only
+// if its gap is at most the sum of the reaches of both bodies.
 double reachOf(const Body&, double way);
 
 class TimeStep {

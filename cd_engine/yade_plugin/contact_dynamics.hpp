@@ -139,7 +139,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by "
 	    "W_nn, and *bodyError*) [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. },
-	    "Sweeps and factorizations after which a step is left unconverged [1].");
+	    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
+	    "solved.");
 	visit("fixedIterations", &C::fixedIterations, Access::set, Range { 0, 2147483647. },
 	    "If positive: make exactly this many plain Gauss-Seidel sweeps in every step, whatever *method*, and test nothing, for studies of "
 	    "under-converged contact dynamics [1].");

@@ -110,9 +110,7 @@ void SceneLink::keepPairs()
 	rearrange(forces, scratch.forces);
 	rearrange(held, scratch.held);
 	rearrange(spare, scratch.spare);
-	for (Spare& s : scratch.spare) // of pairs that are no more
-		recycle(std::move(s));
-	scratch.spare.clear();
+	recycle(scratch.spare); // of pairs that are no more
 }
 
 // Pairs get the interactions that the scene has for them. What others carry is carried no more.
@@ -121,9 +119,9 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
 	before.clear();
 	parted.clear();
+	const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
 	for (std::size_t i = 0; i < listed.size(); i++) {
 		const int32_t a = at<int>(listed[i].get(), layout.interaction_id1), b = at<int>(listed[i].get(), layout.interaction_id2);
-		const auto exists = [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists; };
 		if (!exists(a) || !exists(b))
 			continue;
 		if (bodies[a].boundary && bodies[b].boundary)
@@ -142,8 +140,8 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 		interactions[k] = listed[before[pairs[k].from].from].get();
 		turn(k);
 	}
-	collectSpares();
-	spare.assign(pairs.size(), {});
+	recycle(spare);
+	spare.resize(pairs.size());
 	forces.assign(pairs.size(), {});
 	held.assign(pairs.size(), {});
 }

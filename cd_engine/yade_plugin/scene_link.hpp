@@ -154,7 +154,7 @@ class SceneLink {
 	void findForces(std::size_t pair);
 	bool checkForces(std::size_t pair);
 	static std::array<double, 2> impulseIn(const Held&, double dt);
-	void collectSpares();
+	void recycle(std::vector<Spare>&);
 	void recycle(Spare&&);
 	Spare takeSpare();
 	void makeReal(std::size_t pair);

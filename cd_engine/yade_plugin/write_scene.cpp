@@ -19,12 +19,13 @@ namespace {
 
 } // namespace
 
-// Keeps the spares of pairs that are about to be forgotten, so that contacts that come and go do not ask for memory. Not those that somebody
-// else holds or that springs have made: stiffnesses stay with their pair.
-void SceneLink::collectSpares()
+// Keeps the objects of pairs that are forgotten, so that contacts that come and go do not ask for memory. Not those that somebody else holds or
+// that springs have made: stiffnesses stay with their pair.
+void SceneLink::recycle(std::vector<Spare>& of)
 {
-	for (Spare& s : spare)
+	for (Spare& s : of)
 		recycle(std::move(s));
+	of.clear();
 }
 
 void SceneLink::recycle(Spare&& s)

@@ -186,3 +186,56 @@ TEST_CASE("fixedIterations are so many sweeps, also where an impact goes on to a
 	CHECK(r.contacts == 2);
 	CHECK(r.solver.iterations == 7);
 }
+
+namespace {
+
+// What a step asked of its solver, call by call.
+struct Asked {
+	std::vector<int> contacts, maxIterations;
+	std::vector<double> lastGuess; // pn of the last contact [N s]
+} asked;
+
+// A solver that spends all its sweeps and satisfies the first contact only.
+SolverReport stopFirst(ContactSystem& system, const SolverSettings& settings)
+{
+	asked.lastGuess.push_back(system.contacts.back().pn);
+	asked.contacts.push_back(static_cast<int>(system.contacts.size()));
+	asked.maxIterations.push_back(settings.maxIterations);
+	ContactRow& c = system.contacts[0];
+	double un, ut;
+	relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
+	c.pn = -un / c.wnn;
+	applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, 0);
+	SolverReport report;
+	report.iterations = settings.maxIterations;
+	report.status = Status::max_iterations;
+	return report;
+}
+
+} // namespace
+
+TEST_CASE("a contact that only the solution makes starts with the impulse that it needs by itself, and gets a tenth more sweeps")
+{
+	const double speed = 150, gap = 0.6 * radius; // a disk runs into one at rest; the next one is beyond what a step looks at before the solution
+	World w = twoDisks(0, 0);
+	w.bodies[0].v[0] = speed;
+	w.bodies.push_back(w.bodies[1]);
+	w.bodies[2].x += 2 * radius + gap;
+	w.shapes.resize(3);
+	w.pairs.push_back({ 1, 2 });
+	StepSettings s;
+	s.dt = h;
+	s.reduce = false;
+	s.solve = stopFirst;
+	s.solver.maxIterations = 100;
+	asked = {};
+	TimeStep t;
+	t.sleepers.look(w);
+	const StepReport r = t(w, s);
+	REQUIRE(asked.contacts == std::vector<int> { 1, 2 });
+	// Two disks of 1 kg that run into each other at half the speed, of which closing the gap takes gap/h.
+	CHECK(asked.lastGuess[1] == doctest::Approx(0.5 * (0.5 * speed - gap / h)).epsilon(1e-11));
+	CHECK(asked.maxIterations == std::vector<int> { 100, 11 });
+	CHECK(r.solver.iterations == 111);
+	CHECK(r.solver.status == Status::max_iterations);
+}
