@@ -1,0 +1,111 @@
+"""What a mean of a flow costs by either method, at 500 and more disks."""
+
+import math
+
+import numpy as np
+
+from analysis import style, summary
+from yade_scripts.tables import product
+
+TITLE = "Flows: what does an answer within 2 % cost?"
+QUESTION = ("A silo that runs empty, a drum that turns, a box that is filled and a column that collapses, of 500 and of 5000 disks: what does it cost "
+            "to find the rate, the slope, the height or the front within 2 % of the rigid answer, by rigid contacts and by springs?")
+ORDER = 20  # in the report
+
+QUANTITY = {"hopper": "rate", "drum": "slope", "filling": "height", "collapse": "front"}
+WORDS = {"hopper": "discharge of a silo", "drum": "slope of a drum", "filling": "height of a filling", "collapse": "front of a collapse"}
+PERIOD = {"hopper": 1.5, "drum": 3.0, "filling": 1.0, "collapse": 1.5}  # s, of 500 disks
+SMALL, WITHIN = 500, 0.02
+FINEST = dict(method="CD", cd_dt=2.5e-4, tolerance=1e-3)
+FINE = dict(method="CD", cd_dt=1e-3, tolerance=1e-3)
+COARSE = dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
+RIGID = [FINE, COARSE, COARSE | {"gap_correction": 0.1}]
+SPRINGS = dict(method="MD", md_dt_factor=0.3)
+
+
+def _flow(scene, disks, settings, seeds):
+    """Return rows of a scene whose times and slot grow with its size, so that it stays the same flow."""
+    size = disks / SMALL
+    more = {"slot": 10 * math.sqrt(size)} if scene == "hopper" else {}
+    more |= {"column_aspect": 2.0, "radius_spread": 0.2} if scene == "collapse" else {}
+    return [row for setting in settings
+            for row in product(**dict(scene=scene, disks=disks, period=round(PERIOD[scene] * size**0.25, 3), seed=seeds) | more | setting)]
+
+
+SOFT, STIFF = (SPRINGS | {"kn": kn} for kn in (2e6, 2e7))
+ROWS = {"quick": _flow("filling", SMALL, [COARSE, SOFT], 1),
+        "full": [row for scene in QUANTITY
+                 for row in _flow(scene, SMALL, [FINEST, *RIGID, COARSE | {"cd_dt": 4e-3}, COARSE | {"tolerance": 5e-2}, SOFT, SPRINGS | {"kn": 5e6}, STIFF], range(1, 9))
+                 + _flow(scene, 5000, [*RIGID, SOFT, STIFF], (1, 2, 3)) + _flow(scene, 50000, [COARSE, SOFT, STIFF], 1)]}
+
+
+def _key(run):
+    row = run.parameters
+    cd = run.method == "CD"
+    return (row["scene"], row["disks"], run.method, *((row["cd_dt"], row["tolerance"], row["gap_correction"]) if cd else (row["kn"], row["md_dt_factor"], 0.0)))
+
+
+def summarize(runs):
+    """Return one row a scene, size and setting, over the seeds.
+
+    error: of the mean, relative to the rigid answer; error_deviation: standard error of that difference. seconds: processor time, median.
+    overlap: largest overlap over the mean radius. unsolved: share of the steps beyond the tolerance.
+    """
+    rows = [_row(key, group) for key, group in summary.groups(runs, _key).items()]
+    for row in rows:
+        same = [other for other in rows if (other["scene"], other["disks"], other["method"]) == (row["scene"], row["disks"], "CD")]
+        rigid = min(same, key=lambda other: (other["step"], other["setting"]), default=None)
+        row["is_rigid_answer"] = row is rigid
+        row["error"] = row["value"] / rigid["value"] - 1 if rigid else math.nan
+        row["error_deviation"] = math.hypot(row["deviation"], rigid["deviation"]) / rigid["value"] if rigid and row is not rigid else 0.0
+    return rows
+
+
+def _row(key, group):
+    scene, disks, method, first, second, gap = key
+    values = np.array([float(run.extra[QUANTITY[scene]]) for run in group])
+    steps = [run.values("time")[-1] / run.parameters["cd_dt"] for run in group]
+    cd = method == "CD"
+    return {"scene": scene, "disks": disks, "method": method, "step": first if cd else second, "setting": second if cd else first, "gap_correction": gap,
+            "seeds": len(group), "value": float(values.mean()), "deviation": float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan,
+            "seconds": float(np.median([run.values("processor_time")[-1] for run in group])),
+            "overlap": float(max(run.values("max_penetration").max() / run.parameters["radius_mean"] for run in group)),
+            "unsolved": sum(run.values("unconverged_steps")[-1] for run in group) / sum(steps) if cd else 0.0}
+
+
+def cheapest(rows, scene, disks, method):
+    """Return the cheapest row of a method within 2 % of the rigid answer, the nearest one if none is; None without any."""
+    mine = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
+    good = [row for row in mine if abs(row["error"]) <= WITHIN]
+    return min(good, key=lambda row: row["seconds"]) if good else min(mine, key=lambda row: abs(row["error"]), default=None)
+
+
+def draw(runs, rows, path):
+    """Draw the error against the cost, one panel a scene; larger markers for more disks."""
+    names = [scene for scene in QUANTITY if any(row["scene"] == scene for row in rows)]
+    fig, panels = style.plt.subplots(1, len(names), figsize=(3.1 * len(names), 3.8), sharey=True, squeeze=False)
+    sizes = sorted({row["disks"] for row in rows})
+    for axes, scene in zip(panels[0], names):
+        for disks, area in zip(sizes, (16, 60)):
+            for method in ("CD", "MD"):
+                part = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
+                axes.scatter([row["seconds"] for row in part], [max(abs(row["error"]), 1e-4) for row in part], s=area, marker=style.MARKER[method],
+                             facecolors="none", edgecolors=style.COLOUR[method], label=f"{method}, {disks} disks" if part else None)
+        axes.axhline(WITHIN, color="k", lw=0.7, ls=":")
+        axes.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
+    panels[0][0].set_ylabel("error, relative to the rigid answer")
+    panels[0][-1].legend(fontsize=7)
+    style.finish(fig, path, "Each point: one setting, mean over the seeds. Dotted: 2 %. Nearer to the lower left corner is better. Errors below the "
+                 "spread of the means are chance", runs)
+
+
+ANSWER = """
+Not run yet.
+"""
+GIVEN = ()
+POINTS = ()
+
+
+def numbers(table):
+    """Return the numbers of the text, from the summary table."""
+    return {}
