@@ -111,7 +111,9 @@ REGISTRY = {p.name: p for p in (
     # The loading.
     Parameter("loading", "triangle", "1", "sigma2(t): triangle (linear up and down, Fig. 4), cosine (eq. 7), ramp (eq. 1)",
               choices=("triangle", "cosine", "ramp")),
-    Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(1)),
+    Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(10)),
+    Parameter("stress_path", "constant", "1", "sigma1 while sigma2 changes: constant (sigma1 = P0, eq. 1) or mean (sigma1 = 2 P0 - sigma2, so that "
+              "(sigma1 + sigma2)/2 stays P0); the paper does not say which its Fig. 3 has", choices=("constant", "mean")),
     Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", **_positive(1e3)),
     Parameter("period", 1.0, "s",
               "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % under a triangle",
@@ -201,6 +203,10 @@ def _check_together(full):
                              "or spheres touch the walls in front and behind")
     if full["gravity"] and full["scene"] in ("biaxial", "loaded_box", "frozen_packing"):
         raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
+    highest = full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"]
+    if full["stress_path"] == "mean" and highest >= 1:
+        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 is no pressure any more; take "
+                             + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
     if hasattr(scene, "check"):

@@ -46,6 +46,14 @@ def test_rough_walls_widen_the_range_of_loads(mu):
     assert statics.limit_loads(diagonal_pair(math.pi / 4, mu, mu), P0, DEPTH) == pytest.approx((1 / exact, exact), rel=1e-9)
 
 
+def test_the_limit_under_a_constant_mean_stress():
+    """With smooth walls sigma2/sigma1 is given by the geometry, so sigma2 = 2 P0 r/(1 + r) where sigma1 = 2 P0 - sigma2."""
+    snapshot = diagonal_pair(0.8, 0.5, 0.0)
+    ratio = statics.limit_loads(snapshot, P0, DEPTH)[1]
+    exact = 2 * ratio / (1 + ratio)
+    assert statics.limit_loads(snapshot, P0, DEPTH, "mean") == pytest.approx((exact, exact), rel=1e-9)
+
+
 def test_violations_tell_balance_cone_and_pull_apart():
     snapshot = diagonal_pair(math.pi / 4, 0.3, 0.0)
     load = statics.wall_loads(snapshot, (P0, P0), DEPTH)

@@ -8,9 +8,9 @@ FULL = parameters.complete({})
 P0 = parameters.pressure(FULL)
 
 
-def ends(samples, length=100):
+def ends(samples, length=100, full=FULL):
     """(number of the sample that ends a run of `length` intervals, how) or None; samples: (gamma, sigma2 below its goal in P0)."""
-    check = LoadCheck(FULL, length)
+    check = LoadCheck(full, length)
     for number, (gamma, off) in enumerate(samples):
         row = dict(time=0.1 * number, gamma=gamma, sigma1=P0, sigma1_goal=P0, sigma2=P0 * (1 - off), sigma2_goal=P0)
         try:
@@ -27,6 +27,15 @@ def test_a_sample_that_gives_way_and_stops_has_not_collapsed():
     """Stress off its goal ends a run only where nothing strains meanwhile; strain beyond collapse_strain always does."""
     assert ends(MOVING + [(-0.045, 0.0)] * 10) is None
     assert ends(MOVING + [(-0.21, 0.3)]) == (12, Collapse)
+
+
+@pytest.mark.parametrize("row", [dict(method="CD"), dict(md_walls="force")])
+def test_pushed_walls_of_a_sample_that_has_given_way_cannot_lock(row):
+    """It stops at a tenth of collapse_strain and more, its walls swing, and it gives way again. A servo may lock there as anywhere."""
+    stops = MOVING + [(-0.045, 0.3)] * 10 + [(-0.21, 0.3)]
+    assert ends(stops, full=parameters.complete(row)) == (22, Collapse)
+    assert ends(stops) == (16, StressError)
+    assert ends([(-0.015, 0.3)] * 10, full=parameters.complete(row))[1] is StressError
 
 
 def test_walls_that_stay_are_locked():

@@ -33,6 +33,15 @@ def test_cycles_repeat_and_stay_between_their_extremes(t, shape):
     assert goals(100 * T0 - t)[1] == pytest.approx(sigma2, abs=1e-9 * P0)  # even in t: unloading mirrors loading
 
 
+@pytest.mark.parametrize("shape", [dict(loading="cosine"), dict(loading="triangle"), dict(loading="ramp", ramp_rate=0.1)])
+def test_the_mean_stress_stays_p0_if_asked_for(shape):
+    changing, held = (loading.goals(complete({"period": T0, "delta_sigma": D, "stress_path": path} | shape), P0) for path in ("constant", "mean"))
+    for t in (0.0, 0.3 * T0, 0.5 * T0):
+        sigma1, sigma2 = held(t)
+        assert sigma2 == changing(t)[1] and changing(t)[0] == P0
+        assert (sigma1 + sigma2) / 2 == pytest.approx(P0, rel=1e-15)
+
+
 def test_goals_pick_the_ramp():
     sigma1, sigma2 = loading.goals(complete({"loading": "ramp", "ramp_rate": 0.2}), P0)(3.0)
     assert sigma1 == P0 and sigma2 == pytest.approx(1.6 * P0, rel=1e-15)

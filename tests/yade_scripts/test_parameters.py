@@ -98,9 +98,16 @@ def test_unknown_name_is_refused_with_the_near_ones():
         complete({"frction": 0.2})
 
 
+@pytest.mark.parametrize("row", [dict(delta_sigma=1.0), dict(loading="ramp", ramp_rate=0.2, period=5.0)])
+def test_a_lateral_stress_below_zero_is_refused(row):
+    with pytest.raises(ParameterError, match="sigma1 = 2 P0 - sigma2 is no pressure"):
+        complete({"stress_path": "mean"} | row)
+    complete({"stress_path": "constant"} | row)
+
+
 @pytest.mark.parametrize("name, value", [
     ("friction", -0.1), ("friction", math.nan), ("friction", math.inf), ("friction", "rough"), ("friction", True), ("friction", None),
-    ("seed", 1.5), ("seed", -1), ("disks", 0), ("delta_sigma", 0), ("delta_sigma", 1.01), ("warm_start", 1), ("method", "ED"),
+    ("seed", 1.5), ("seed", -1), ("disks", 0), ("delta_sigma", 0), ("delta_sigma", 10.1), ("warm_start", 1), ("method", "ED"),
     ("scene", "triaxial"), ("cd_dt", 0.0), ("tolerance", 0)])
 def test_wrong_value_is_refused_with_name_value_and_range(name, value):
     with pytest.raises(ParameterError) as caught:

@@ -19,8 +19,15 @@ def ramp(t, p0, alpha):
 
 
 def goals(full, p0):
-    """Return the function t -> (sigma1, sigma2) [Pa] that a full row of parameters asks for; sigma1 = P0 always (eqs. 1 and 7)."""
+    """Return the function t -> (sigma1, sigma2) [Pa] that a full row of parameters asks for."""
     if full["loading"] == "ramp":
-        return lambda t: (p0, ramp(t, p0, full["ramp_rate"]))
-    shape = {"cosine": cosine, "triangle": triangle}[full["loading"]]
-    return lambda t: (p0, shape(t, p0, full["delta_sigma"], full["period"]))
+        def sigma2(t):
+            return ramp(t, p0, full["ramp_rate"])
+    else:
+        shape = {"cosine": cosine, "triangle": triangle}[full["loading"]]
+
+        def sigma2(t):
+            return shape(t, p0, full["delta_sigma"], full["period"])
+    if full["stress_path"] == "mean":
+        return lambda t: (2 * p0 - sigma2(t), sigma2(t))
+    return lambda t: (p0, sigma2(t))

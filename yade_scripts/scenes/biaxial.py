@@ -1,4 +1,4 @@
-"""The paper's experiment: a packing prepared under P0, then sigma2 changed while sigma1 = P0 (eqs. 1 and 7, Figs. 3 to 5)."""
+"""The paper's experiment: a packing prepared under P0, then sigma2 changed (eqs. 1 and 7, Figs. 3 to 5) while sigma1, or the mean stress, stays P0."""
 
 TITLE = "Biaxial test of a dense packing"
 KIND = "dense packings under load"

@@ -75,13 +75,15 @@ def dimension(snapshot, loaded):
     return len(unknowns) - int(np.linalg.matrix_rank(balance_matrix(snapshot)[:, unknowns].toarray()))
 
 
-def limit_loads(snapshot, pressure, depth):
+def limit_loads(snapshot, pressure, depth, stress_path="constant"):
     """Return (least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
 
+    stress_path: "mean" for sigma1 = 2 P0 - sigma2.
     Beyond these no rigid contacts hold the sample as it stands; between them, with Coulomb's (not associated) friction, nothing says
     that they must.
     """
-    constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in ((pressure, 0), (0, pressure)))
+    paths = {"constant": ((pressure, 0), (0, pressure)), "mean": ((2 * pressure, 0), (-pressure, pressure))}
+    constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in paths[stress_path])
     goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
     goal[-1] = 1
     return _extremes(snapshot, goal, constant, rising)
