@@ -10,7 +10,7 @@ namespace {
 
 	constexpr std::size_t fewQuick = 8;
 	// Ways of its own in a step that a body may go before the next search; of the few fastest disks.
-	constexpr double leastWays = 1.01, mostWays = 4, spareQuick = 50;
+	constexpr double leastWays = 1.1, mostWays = 4, spareQuick = 50;
 	// Of the radius: mean margin of the disks that is worth a rest, beyond a way of each.
 	constexpr double meanMargin = 0.5;
 	// Of its radius: margin of a slow disk where others are fast.
@@ -53,12 +53,12 @@ void PairSearch::chooseMargins(const World& world)
 	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
 	quick.resize(many);
 	margins.resize(count);
-	double radii = 0, need = 0, way = 0; // sums over the disks
+	double radii = 0, need = 0, way = 0; // sums over the disks, in which none that is far faster than the others counts for many
 	for (std::size_t i = 0; i < count; i++)
-		if (world.bodies[i].radius > 0) {
-			radii += world.bodies[i].radius;
-			need += needs[i];
-			way += ways[i];
+		if (const double radius = world.bodies[i].radius; radius > 0) {
+			radii += radius;
+			need += std::min(needs[i], radius);
+			way += std::min(ways[i], radius);
 		}
 	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, leastWays, mostWays) : mostWays;
 	for (std::size_t i = 0; i < count; i++) {
