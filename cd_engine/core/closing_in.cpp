@@ -56,7 +56,12 @@ namespace {
 	    private:
 		void read(const std::vector<double>& free)
 		{
+			roots.clear();
+			for (const BodyVelocity& body : system->bodies)
+				for (const double w : body.w)
+					roots.push_back(std::sqrt(w));
 			rows.clear();
+			links.clear();
 			b.clear();
 			r.clear();
 			q.clear();
@@ -80,6 +85,9 @@ namespace {
 				}
 				rows.push_back(static_cast<int32_t>(i));
 				const double root = std::sqrt(c.wnn);
+				const double *A = &roots[3 * c.a], *B = &roots[3 * c.b];
+				links.push_back({ 3 * c.a, 3 * c.b, { -A[0] * c.nx / root, -A[1] * c.ny / root, -A[2] * c.an / root },
+				    { B[0] * c.nx / root, B[1] * c.ny / root, B[2] * c.bn / root } });
 				b.push_back(prescribed / root);
 				q.push_back(all / root);
 				size.push_back(terms / root);
@@ -155,16 +163,13 @@ namespace {
 		// J x
 		void along(const std::vector<double>& x, std::vector<double>& to) const
 		{
-			to.resize(rows.size());
-			for (std::size_t i = 0; i < rows.size(); i++) {
-				const ContactRow& c = system->contacts[rows[i]];
-				const BodyVelocity &A = system->bodies[c.a], &B = system->bodies[c.b];
-				const double *a = &x[3 * c.a], *z = &x[3 * c.b];
-				const double arm[3] = { c.nx, c.ny, 0 };
-				double u = std::sqrt(B.w[2]) * c.bn * z[2] - std::sqrt(A.w[2]) * c.an * a[2];
-				for (const int k : { 0, 1 })
-					u += arm[k] * (std::sqrt(B.w[k]) * z[k] - std::sqrt(A.w[k]) * a[k]);
-				to[i] = u / std::sqrt(c.wnn);
+			to.resize(links.size());
+			for (std::size_t i = 0; i < links.size(); i++) {
+				const Link& l = links[i];
+				double u = 0;
+				for (int k = 0; k < 3; k++)
+					u += l.onA[k] * x[l.a + k] + l.onB[k] * x[l.b + k];
+				to[i] = u;
 			}
 		}
 
@@ -172,19 +177,14 @@ namespace {
 		void back(const std::vector<double>& y, const std::vector<double>& closes, std::vector<double>& to) const
 		{
 			to.assign(unknowns, 0);
-			for (std::size_t i = 0; i < rows.size(); i++) {
+			for (std::size_t i = 0; i < links.size(); i++) {
 				if (!(closes[i] < 0))
 					continue;
-				const ContactRow& c = system->contacts[rows[i]];
-				const BodyVelocity &A = system->bodies[c.a], &B = system->bodies[c.b];
-				const double p = y[i] / std::sqrt(c.wnn);
-				const double arm[3] = { c.nx, c.ny, 0 };
-				for (const int k : { 0, 1 }) {
-					to[3 * c.a + k] -= std::sqrt(A.w[k]) * arm[k] * p;
-					to[3 * c.b + k] += std::sqrt(B.w[k]) * arm[k] * p;
+				const Link& l = links[i];
+				for (int k = 0; k < 3; k++) {
+					to[l.a + k] += l.onA[k] * y[i];
+					to[l.b + k] += l.onB[k] * y[i];
 				}
-				to[3 * c.a + 2] -= std::sqrt(A.w[2]) * c.an * p;
-				to[3 * c.b + 2] += std::sqrt(B.w[2]) * c.bn * p;
 			}
 		}
 		void gradient(const std::vector<double>& of, std::vector<double>& to) const { back(of, of, to); }
@@ -261,7 +261,13 @@ namespace {
 
 		const ContactSystem* system = nullptr;
 		int left = 0; // products
+		std::vector<double> roots; // of the inverse masses
 		std::vector<int32_t> rows; // contacts that can open
+		struct Link { // a row of J
+			int32_t a, b; // first unknowns of its bodies
+			double onA[3], onB[3];
+		};
+		std::vector<Link> links; // of `rows`
 		std::vector<double> b, size; // the prescribed velocities and the sizes of their terms
 		std::vector<double> q; // the same without impulses, of all bodies
 		std::vector<double> r; // J v + b, of the velocities found at first
