@@ -8,6 +8,7 @@ from analysis import cycles, observables, style
 from analysis import summary
 from yade_scripts.results.reader import ResultError
 from yade_scripts.tables import product
+from yade_scripts.theory import statics
 
 TITLE = "Fig. 3: strain per cycle under repeated loading"
 QUESTION = ("Which loads shake down, which ratchet at a constant rate and which collapse, in MD as the paper reports and in CD, of which the paper "
@@ -40,13 +41,30 @@ ROWS = {"quick": [row for setting in (SPRINGS, RIGID | {"tolerance": 1e-7, "max_
 
 
 def summarize(runs):
-    """Return one row a run: regime, rates, sliding contacts, dissipation, contacts."""
-    return [_row(run) for run in sorted(runs, key=_order)]
+    """Return one row a run: when it collapses, how it strains, what slides, dissipates and touches.
+
+    static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
+    """
+    limits = {}
+    return [_row(run, _limit(run, limits)) for run in sorted(runs, key=_order)]
+
+
+def _limit(run, known):
+    key = run.attributes["state_sha256"], run.parameters["stress_path"]
+    if key not in known:
+        known[key] = statics.limit_loads(run.snapshots[0], run.pressure, run.attributes["depth"], key[1])[1]
+    return known[key]
+
+
+def kind(run):
+    """Return the method, with the walls where they are a servo and the period where it is not 0.5 s."""
+    row = run.parameters
+    return run.method + ", servo" * (run.method == "MD" and row["md_walls"] == "servo") + f", {row['period']:g} s" * (row["period"] != LOADING["period"])
 
 
 def _order(run):
     row = run.parameters
-    return (*_group(run), row["delta_sigma"], row["seed"])
+    return (*_group(run), row["period"], row["stress_path"], row["delta_sigma"], row["seed"])
 
 
 def _group(run):
@@ -54,14 +72,16 @@ def _group(run):
     return run.method != "MD", run.parameters["preparation_friction"]
 
 
-def _row(run):
-    found, regime = _cycles(run), cycles.regime(run)
-    row = {"method": run.method, "preparation friction": run.parameters["preparation_friction"], "dSigma": run.parameters["delta_sigma"],
-           "seed": run.parameters["seed"], "cycles": len(found.number) if found else 0, "regime": regime.name,
-           "gamma at the end": float(run.values("gamma")[-1]), "late rate": float(regime.late_rate), "decay p": float(regime.decay),
-           "noise of the rate": float(regime.noise), "other verdicts": " or ".join(cycles.other_verdicts(run)),
-           "last quarter's rate over the one before": cycles.last_quarter(run), f"regime after {COMPARED}": cycles.regime(run, most=COMPARED).name,
-           f"rate after {COMPARED}": float(cycles.regime(run, most=COMPARED).late_rate),
+def _row(run, limit):
+    found, regime, full = _cycles(run), cycles.regime(run), run.parameters
+    row = {"kind": kind(run), "stress path": full["stress_path"], "preparation friction": full["preparation_friction"], "dSigma": full["delta_sigma"],
+           "seed": full["seed"], "static limit": limit, "load over limit": (1 + full["delta_sigma"]) / limit, "cycles": len(found.number) if found else 0,
+           "collapses in cycle": int(run.values("cycle")[-1]) + 1 if run.collapsed else "", "gamma at the end": float(run.values("gamma")[-1]),
+           f"gamma after {COMPARED}": float(found.permanent[COMPARED - 1]) if found and len(found.number) >= COMPARED else np.nan,
+           "late rate": float(regime.late_rate), "decay p": float(regime.decay), "noise of the rate": float(regime.noise),
+           "last quarter's rate over the one before": cycles.last_quarter(run),
+           f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}": float(found.rates([(COMPARED // 2 + 1, COMPARED)])[0])
+           if found and len(found.number) >= COMPARED else np.nan,
            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
     if found:
         row |= {"first cycle": float(found.rate[0]), "sliding at most, first cycle": float(found.sliding_max[0]),
@@ -96,22 +116,46 @@ def _sliding_change(run):
 
 
 def draw(runs, rows, path):
-    """Draw the strain rate against the strain, both methods on the same axes; what slides, dissipates and touches in a figure of its own."""
+    """Draw the strain rate against the strain of dense packings, a panel a stress path, both methods on the same axes; beside them, when packings
+    collapse. What slides, dissipates and touches is a figure of its own."""
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
-    groups = summary.groups(runs, lambda run: run.parameters["preparation_friction"])
-    fig, axes = plt.subplots(1, len(groups), figsize=(1 + 3.7 * len(groups), 4), squeeze=False, sharex=True, sharey=True)
-    for axis, (friction, own) in zip(axes[0], groups.items()):
+    usual = [run for run in runs if kind(run) in LINES]
+    dense = [run for run in usual if run.parameters["preparation_friction"] == 0]
+    paths = summary.groups(dense, lambda run: -list(LOADS)[::-1].index(run.parameters["stress_path"]))
+    fig, axes = plt.subplots(1, len(paths) + 1, figsize=(2 + 3.5 * (len(paths) + 1), 4), squeeze=False)
+    for axis in axes[0, 1:-1]:
+        axis.sharex(axes[0, 0])
+        axis.sharey(axes[0, 0])
+    for axis, own in zip(axes[0], paths.values()):
         for (method, load), same in summary.groups(own, lambda run: (run.method, run.parameters["delta_sigma"])).items():
             _rates(axis, same, look[load], method)
-        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=f"prepared with $\\mu$ = {friction:g}")
+        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=TITLES[own[0].parameters["stress_path"]])
         axis.grid(color="#DDDDDD", linewidth=0.5)
     axes[0, 0].set_ylabel(r"strain rate $|\Delta\gamma|$ a cycle")
     handles = [Line2D([], [], color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]
     handles += [Line2D([], [], color="#444444", linestyle=line, marker=style.MARKER[method], markersize=4, label=method)
-                for method, line in LINES.items() if any(run.method == method for run in runs)]
-    axes[0, -1].legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "Median over the packings. CD's strain at rest is the error of its solver.", runs)
-    _appendix(runs, look, path.with_name(f"{path.stem}-cycles.png"))
+                for method, line in LINES.items() if any(run.method == method for run in dense)]
+    axes[0, -2].legend(handles=handles, fontsize=6.5, loc="lower right", ncol=2)
+    _collapses(axes[0, -1], [row for row in rows if row["kind"] in LINES])
+    style.finish(fig, path, "Left: dense packings, medians; a cross is a collapse. CD's strain at rest is the error of its solver. Right: all packings; "
+                 "open: no collapse in so many cycles.", runs)
+    _appendix([run for run in usual if run.parameters["stress_path"] == "mean"], look, path.with_name(f"{path.stem}-cycles.png"))
+
+
+TITLES = {"mean": r"$(\sigma_1+\sigma_2)/2 = P_0$", "constant": r"$\sigma_1 = P_0$"}
+
+
+def _collapses(axis, rows):
+    """Draw the cycle in which a packing collapses, or as many as it stands, against the load over its static limit."""
+    for method in LINES:
+        for collapsed in (True, False):
+            part = [row for row in rows if row["kind"] == method and (row["collapses in cycle"] != "") == collapsed]
+            axis.plot([row["load over limit"] for row in part], [row["collapses in cycle"] if collapsed else row["cycles"] for row in part], ls="",
+                      marker=style.MARKER[method], ms=4.5, color=style.COLOUR[method], mfc=None if collapsed else "none",
+                      label=f"{method}: {'collapses' if collapsed else 'stands'}")
+    axis.axvline(1, color="k", lw=0.7, ls=":")
+    axis.set(yscale="log", xlabel=r"largest $\sigma_2$ over the static limit", ylabel="cycles", title="collapse")
+    axis.legend(fontsize=6.5)
 
 
 LINES = {"MD": "-", "CD": "--"}

@@ -13,6 +13,13 @@ namespace {
 
 	constexpr size_t ahead = 12; // contacts whose bodies are asked for before they are wanted
 
+	void add(std::array<double, 3>& on, double x, double y, double turn)
+	{
+		on[0] += x;
+		on[1] += y;
+		on[2] += turn;
+	}
+
 	bool slides(const ContactRow& c) { return c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone); }
 
 } // namespace
@@ -20,29 +27,12 @@ namespace {
 // What a contact's impulse does to both of its bodies.
 inline TimeStep::Share TimeStep::share(size_t row, const Pair& pair) const
 {
-	const Touch& touch = rowTouch[row];
+	const Touch& touch = touches[rowPair[row]];
 	const Place &a = places[pair.a], &b = places[pair.b];
 	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
 	// A disk takes it on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
 	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
 	return { pair.a, pair.b, x, y, -turnA, -(b.radius - 0.5 * touch.overlap) * pair.pt };
-}
-
-// Adds it to them, or, for a sleeping island, to what it remembers of those that cannot move.
-inline void TimeStep::push(const Share& of, SleepingIsland* asleep)
-{
-	const auto add = [&](int32_t body, double px, double py, double turn) {
-		if (asleep && !sleepers.sleeps(body)) {
-			asleep->onImmobile.push_back({ body, { px, py, turn } });
-			return;
-		}
-		std::array<double, 3>& on = impulses[body];
-		on[0] += px;
-		on[1] += py;
-		on[2] += turn;
-	};
-	add(of.a, -of.x, -of.y, of.turnA);
-	add(of.b, of.x, of.y, of.turnB);
 }
 
 // The sleeping island that a contact belongs to, if any.
@@ -54,27 +44,33 @@ SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
 	return nullptr;
 }
 
-// Each body takes them in the order of the contacts, which the last digits of its sum depend on: so a thread has some of the bodies, not of the
-// contacts. More than a few threads would only look more often at what is not theirs.
+// Each body takes them in the order of the contacts, which the last digits of its sum depend on. So several threads share the bodies, not the
+// contacts; more than a few would only look more often at what is not theirs.
 void TimeStep::pushAll()
 {
 	const std::size_t ranges = shares.size() < Cut::few ? 1 : std::min(threads.count(), 4), count = impulses.size();
 	forEach(&threads, ranges, [&](std::size_t range) {
 		const auto from = static_cast<int32_t>(count * range / ranges), to = static_cast<int32_t>(count * (range + 1) / ranges);
-		const auto add = [&](int32_t body, double px, double py, double turn) {
-			if (body < from || body >= to)
-				return;
-			std::array<double, 3>& on = impulses[body];
-			on[0] += px;
-			on[1] += py;
-			on[2] += turn;
-		};
-		for (const Share& of : shares)
-			if (of.a >= 0) {
-				add(of.a, -of.x, -of.y, of.turnA);
-				add(of.b, of.x, of.y, of.turnB);
-			}
+		for (const Share& of : shares) {
+			if (of.a >= from && of.a < to)
+				add(impulses[of.a], -of.x, -of.y, of.turnA);
+			if (of.b >= from && of.b < to)
+				add(impulses[of.b], of.x, of.y, of.turnB);
+		}
 	});
+}
+
+// Adds it to the bodies of a sleeping island, and to what that remembers of those that cannot move.
+void TimeStep::push(const Share& of, SleepingIsland& island)
+{
+	const auto addTo = [&](int32_t body, double x, double y, double turn) {
+		if (sleepers.sleeps(body))
+			add(impulses[body], x, y, turn);
+		else
+			island.onImmobile.push_back({ body, { x, y, turn } });
+	};
+	addTo(of.a, -of.x, -of.y, of.turnA);
+	addTo(of.b, of.x, of.y, of.turnB);
 }
 
 // What the contacts of a range have done, their bodies' shares aside.
@@ -85,6 +81,7 @@ struct TimeStep::Account {
 
 TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from, size_t to)
 {
+	const bool keepsShares = !shares.empty();
 	Account sum;
 	sum.dissipated = dissipated;
 	for (size_t i = from; i < to; i++) {
@@ -96,13 +93,16 @@ TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from
 		Pair& pair = world.pairs[rowPair[i]];
 		pair.pn = c.pn;
 		pair.pt = c.pt;
-		shares[i].a = -1;
-		if (c.pn <= 0 && sleepers.none())
-			continue;
-		shares[i] = share(i, pair);
+		if (keepsShares)
+			shares[i] = c.pn > 0 || !sleepers.none() ? share(i, pair) : Share { -1, -1, 0, 0, 0, 0 };
 		if (c.pn <= 0)
 			continue;
-		const bool asleep = asleepAt(c);
+		if (!keepsShares) {
+			const Share of = share(i, pair);
+			add(impulses[of.a], -of.x, -of.y, of.turnA);
+			add(impulses[of.b], of.x, of.y, of.turnB);
+		}
+		const bool asleep = !sleepers.none() && asleepAt(c);
 		sum.loaded += !asleep;
 		sum.sliding += !asleep && slides(c);
 		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
@@ -123,7 +123,8 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 			if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
 				impulses[i] = { 0, 0, 0 };
 	});
-	shares.resize(system.contacts.size());
+	// One thread gives the bodies their shares at once.
+	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());
 	const Account all = reduceRanges<Account>(
 	    &threads, system.contacts.size(), [&](size_t from, size_t to) { return account(world, from > 0 ? 0 : report.dissipated, from, to); },
 	    [](const Account& a, const Account& b) {
@@ -137,16 +138,17 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 	for (size_t i = 0; i < shares.size(); i++) {
 		const Share& of = shares[i];
 		const ContactRow& c = system.contacts[i];
-		SleepingIsland* const asleep = asleepAt(c);
-		if (asleep) {
+		if (SleepingIsland* const asleep = asleepAt(c)) {
 			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
 			asleep->disturbed = asleep->disturbed || i >= assembled; // one that was taken back is none in the next step
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c);
+			push(of, *asleep);
+		} else if (c.pn > 0) {
+			add(impulses[of.a], -of.x, -of.y, of.turnA);
+			add(impulses[of.b], of.x, of.y, of.turnB);
 		}
-		if (c.pn > 0 || asleep)
-			push(of, asleep);
 	}
 }
 

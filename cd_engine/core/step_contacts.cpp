@@ -150,12 +150,12 @@ inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap,
 	return beyond <= soon * dt * std::max(before, free) + pushed * radius;
 }
 
-inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t index, const Touch& touch, const StepSettings& settings)
+inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t index, const StepSettings& settings)
 {
 	const Pair& pair = world.pairs[index];
+	const Touch& touch = touches[index];
 	const double gap = gaps[index];
 	rowPair[row] = static_cast<int32_t>(index);
-	rowTouch[row] = touch;
 	ContactRow& c = system.contacts[row];
 	const Place& place = places[pair.a];
 	c.a = pair.a;
@@ -197,7 +197,6 @@ void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 	rows = count;
 	system.contacts.resize(count);
 	rowPair.resize(count);
-	rowTouch.resize(count);
 	rebounds.resize(settings.restitution > 0 ? count : 0);
 }
 
@@ -227,7 +226,7 @@ inline void TimeStep::prefetchBodies(const Pair& pair) const
 TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, Seen* parts)
 {
 	const Cut cut(world.awake.size());
-	touchOf.resize(world.awake.size());
+	touches.resize(world.pairs.size());
 	gaps.resize(world.pairs.size());
 	solved.assign(world.pairs.size(), 0);
 	forEach(&threads, cut.parts, [&](std::size_t part) {
@@ -237,7 +236,7 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 				prefetchBodies(world.pairs[world.awake[k + ahead]]);
 			const int32_t i = world.awake[k];
 			const Pair& pair = world.pairs[i];
-			const Touch touch = touchOf[k] = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+			const Touch touch = touches[i] = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 			Foot face;
 			of.through = of.through || isThrough(pair, world, touch, settings.dt, face);
 			const bool apart = pair.reference > 0 && touch.overlap <= 0; // truly
@@ -274,7 +273,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 	deepest = all.deepest;
 	narrowest = all.narrowest;
 	for (size_t k = 0; all.apart && k < world.awake.size(); k++)
-		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && touchOf[k].overlap <= 0) {
+		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && touches[world.awake[k]].overlap <= 0) {
 			pair.reference = 0;
 			forgotten.push_back(world.awake[k]);
 		}
@@ -287,7 +286,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 		for (size_t k = cut.from(part); k < cut.from(part + 1); k++) {
 			const int32_t i = world.awake[k];
 			if (solved[i])
-				fillRow(row++, world, i, touchOf[k], settings);
+				fillRow(row++, world, i, settings);
 			else
 				world.pairs[i].pn = world.pairs[i].pt = 0;
 		}
@@ -335,7 +334,7 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	if (!within(index, world, dt)) // most are too slow for that
 		return false;
 	const Place& a = places[pair.a];
-	const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+	const Touch& touch = touches[index];
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
 	return gaps[index] + turning(pair, world, touch, gaps[index], dt) + dt * un < 0;
@@ -355,9 +354,8 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 		return false;
 	for (const int32_t i : world.awake)
 		if (!solved[i] && within(i, world, settings.dt)) {
-			const Pair& pair = world.pairs[i];
 			resizeRows(rows + 1, settings);
-			fillRow(rows - 1, world, i, locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]), settings);
+			fillRow(rows - 1, world, i, settings);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gaps[i]);
 			// What it needs by itself: among many contacts the error alone would not ask for it.

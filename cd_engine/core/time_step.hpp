@@ -65,9 +65,9 @@ class TimeStep {
 	// solved again with that and all others that the new velocities can close.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
-	// Of the last step: the pairs that had a contact, and where.
+	// Of the last step: the pairs that had a contact, and where a pair that was looked at touches, or would.
 	const std::vector<int32_t>& pairs() const { return rowPair; }
-	const std::vector<Touch>& touches() const { return rowTouch; }
+	const Touch& touchOf(int32_t pair) const { return touches[pair]; }
 	// The pairs whose reference overlap ended in the last step.
 	const std::vector<int32_t>& overlapsForgotten() const { return forgotten; }
 	// Fingerprints of the loads of the bodies, if they were to be noted.
@@ -99,7 +99,7 @@ class TimeStep {
 	bool crosses(std::size_t pair, const World&, double dt) const;
 	void prefetchBodies(const Pair&) const;
 	void resizeRows(std::size_t count, const StepSettings&);
-	void fillRow(std::size_t row, const World&, std::size_t pair, const Touch&, const StepSettings&);
+	void fillRow(std::size_t row, const World&, std::size_t pair, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool outruns(const World&, double dt, StepReport&);
 	bool within(std::size_t pair, const World&, double dt) const;
@@ -115,7 +115,7 @@ class TimeStep {
 	Account account(World&, double dissipated, std::size_t from, std::size_t to);
 	struct Share;
 	Share share(std::size_t row, const Pair&) const;
-	void push(const Share&, SleepingIsland*);
+	void push(const Share&, SleepingIsland&);
 	void pushAll();
 	void finishSleepers(StepReport&);
 	bool finishBodies(World&, double dt);
@@ -155,15 +155,14 @@ class TimeStep {
 	bool wokeSome = false;
 	std::size_t assembled = 0; // of these before any was taken back
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
-	std::vector<Touch> rowTouch;
 	std::vector<char> solved; // whether a pair has a contact in the system
 	std::vector<double> gaps; // of the pairs looked at [m]
-	std::vector<Touch> touchOf; // the same in the order of world.awake
+	std::vector<Touch> touches; // of the same
 	struct Share { // of a contact's impulse
 		int32_t a, b; // bodies; a < 0: none
 		double x, y, turnA, turnB; // on b, and about the centres of both
 	};
-	std::vector<Share> shares; // of the contacts
+	std::vector<Share> shares; // of the contacts, where several threads work or something sleeps
 	std::vector<std::array<double, 3>> impulses; // on the bodies [N s], [N s], [N m s]
 };
 

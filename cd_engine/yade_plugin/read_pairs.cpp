@@ -320,9 +320,9 @@ std::array<int, 2> SceneLink::deepest(const cd::TimeStep& step) const
 {
 	std::array<int, 2> ids { -1, -1 };
 	double most = 0;
-	for (std::size_t i = 0; i < step.touches().size(); i++) {
-		const cd::Pair& pair = world.pairs[step.pairs()[i]];
-		const double overlap = step.touches()[i].overlap - pair.reference;
+	for (const int32_t i : step.pairs()) {
+		const cd::Pair& pair = world.pairs[i];
+		const double overlap = step.touchOf(i).overlap - pair.reference;
 		if (overlap > most) {
 			most = overlap;
 			ids = { pair.a, pair.b };

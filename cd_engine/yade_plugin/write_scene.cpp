@@ -187,7 +187,7 @@ void SceneLink::turnBodies(cd::Threads* threads)
 void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 {
 	const std::vector<int32_t>& solved = step.pairs();
-	assert(solved.size() == step.touches().size() && held.size() == world.pairs.size());
+	assert(held.size() == world.pairs.size());
 	const double rate = 1 / dt;
 	cd::Threads* const threads = step.sleepers.none() ? &step.threads : nullptr; // one alone tells of what it wakes
 	cd::forRanges(threads, solved.size(), [&](std::size_t from, std::size_t to) {
@@ -195,7 +195,7 @@ void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 			const cd::Pair& pair = world.pairs[solved[i]];
 			if (!(pair.pn > 0))
 				continue;
-			const cd::Touch& touch = step.touches()[i];
+			const cd::Touch& touch = step.touchOf(solved[i]);
 			Held& h = held[solved[i]];
 			h.touch = touch;
 			if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
