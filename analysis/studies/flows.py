@@ -82,22 +82,24 @@ def cheapest(rows, scene, disks, method):
 
 
 def draw(runs, rows, path):
-    """Draw the error against the cost, one panel a scene; larger markers for more disks."""
+    """Draw the error with its uncertainty against the cost, one panel a scene; larger markers for more disks."""
     names = [scene for scene in QUANTITY if any(row["scene"] == scene for row in rows)]
-    fig, panels = style.plt.subplots(1, len(names), figsize=(3.1 * len(names), 3.8), sharey=True, squeeze=False)
+    fig, panels = style.plt.subplots(1, len(names), figsize=(2.9 * len(names), 3.9), sharey=True, squeeze=False)
     sizes = sorted({row["disks"] for row in rows})
     for axes, scene in zip(panels[0], names):
-        for disks, area in zip(sizes, (16, 60)):
+        axes.axhspan(-100 * WITHIN, 100 * WITHIN, color="#EEEEEE", zorder=0)
+        for disks, size in zip(sizes, (4, 7, 10)):
             for method in ("CD", "MD"):
                 part = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
-                axes.scatter([row["seconds"] for row in part], [max(abs(row["error"]), 1e-4) for row in part], s=area, marker=style.MARKER[method],
-                             facecolors="none", edgecolors=style.COLOUR[method], label=f"{method}, {disks} disks" if part else None)
-        axes.axhline(WITHIN, color="k", lw=0.7, ls=":")
-        axes.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
-    panels[0][0].set_ylabel("error, relative to the rigid answer")
-    panels[0][-1].legend(fontsize=7)
-    style.finish(fig, path, "Each point: one setting, mean over the seeds. Dotted: 2 %. Nearer to the lower left corner is better. Errors below the "
-                 "spread of the means are chance", runs)
+                bars = [100 * row["error_deviation"] if math.isfinite(row["error_deviation"]) else 0 for row in part]
+                axes.errorbar([row["seconds"] for row in part], [100 * row["error"] for row in part], bars, ls="", ms=size, marker=style.MARKER[method],
+                              mfc="none", color=style.COLOUR[method], elinewidth=0.7)
+        axes.set(xscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
+    panels[0][0].set_ylabel("error, relative to rigid grains [%]")
+    handles = [style.plt.Line2D([], [], ls="", marker=style.MARKER[method], mfc="none", color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
+    handles += [style.plt.Line2D([], [], ls="", marker="o", mfc="none", color="0.4", ms=size, label=f"{disks} disks") for disks, size in zip(sizes, (4, 7, 10))]
+    panels[0][-1].legend(handles=handles, fontsize=7)
+    style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Grey: 2 %.", runs)
 
 
 ANSWER = """

@@ -13,11 +13,12 @@ QUESTION = ("Strain a cycle of springs that are 1, 10 and 100 times as stiff, an
 ORDER = 8  # in the report
 LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0, cycles=20)
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
-RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-9, **LOADING)
-SEEDS, LOADS = range(1, 11), (0.3, 0.5)
+RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-9, method_cd="auto", **LOADING)
+SEEDS, LOADS = range(1, 7), (0.3, 0.5)
 ROWS = {"quick": product(stiffening=(1, 10), seed=1, delta_sigma=0.5, **SPRINGS) + product(stiffening=(1, 10), seed=1, delta_sigma=0.5, **RIGID),
-        "full": product(stiffening=(1, 10), seed=SEEDS, delta_sigma=LOADS, **SPRINGS) + product(stiffening=(1, 10), seed=SEEDS, delta_sigma=LOADS, **RIGID)
-        + product(stiffening=100, seed=SEEDS, delta_sigma=0.5, **SPRINGS) + product(stiffening=100, seed=SEEDS, delta_sigma=0.5, **RIGID)}
+        "full": [row for setting in (SPRINGS, RIGID)
+                 for row in product(stiffening=(1, 10), seed=SEEDS, delta_sigma=LOADS, **setting)
+                 + product(stiffening=100, seed=SEEDS[:4], delta_sigma=0.5, **setting)]}
 
 # Share of the contacts that a packing still has at the last load maximum, of those of the first, above which it strains by its springs alone
 # (type I of Combe and Roux 2000); below it has rearranged (type II).

@@ -14,6 +14,7 @@ namespace {
 
 	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
 	constexpr double deep = 0.01;
+	constexpr double bouncy = 0.5; // restitution above which an overlap that is pushed out has been seen to make energy
 	constexpr double far = 4; // radii that a disk may go in a step without a word
 
 	// Steps between two trials of rest, and sweeps in one: about one for each step since the last, less than an island at rest costs while it is
@@ -154,6 +155,9 @@ void ContactDynamics::advance()
 
 	tellOfLost();
 	tellOfSpeed(settings.dt);
+	if (restitution > bouncy && gapCorrection > 0)
+		link.tell("restitution and gapCorrection together make energy: the velocity that pushes an overlap out bounces on.",
+		    "Set one of them to 0, and take a smaller O.dt against overlaps.");
 	const bool tracks = tracksEnergy(scene);
 	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
 	cd::StepReport made = step(link.world, settings);
@@ -257,7 +261,9 @@ std::string ContactDynamics::unsolved() const
 		s << "the contact law is missed by " << residual << " of all impulses";
 		if (worstBody >= 0)
 			s << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
-		s << "; the tolerance is " << tolerance << ". Raise maxIterations or tolerance, or take a smaller O.dt.";
+		s << "; the tolerance is " << tolerance << ". "
+		  << (status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance")
+		  << ", or take a smaller O.dt.";
 	}
 	return s.str();
 }
@@ -316,14 +322,22 @@ void ContactDynamics::watchPenetration(double before) const
 	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
 		return; // what a step without a solution leaves, or a boundary that is moved by its position, has its own warning
 	std::string remedy;
-	if (!converged || fixedIterations > 0)
-		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
-	else if (maxPenetration - before > 0.5 * deep * smallest)
+	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
+	if (atOnce && restitution > 0)
+		remedy
+		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
+		      "its speed times O.dt until then. Take a smaller O.dt";
+	else if (atOnce && misses)
+		remedy = "It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt "
+			 "(cd_engine.timeStep() proposes one), or raise maxIterations or fixedIterations";
+	else if (atOnce)
 		remedy = "It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt (cd_engine.timeStep() "
 			 "proposes one)";
+	else if (misses)
+		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
 	else if (gapCorrection == 0)
-		remedy = "It grew step by step by what the tolerance leaves: set gapCorrection=0.1, which pushes overlaps out; heavy bodies on light "
-			 "ones need a tolerance smaller by about the ratio of their masses";
+		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
+			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
 	else
 		remedy
 		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "

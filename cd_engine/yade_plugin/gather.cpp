@@ -6,7 +6,6 @@
 
 namespace cd_engine {
 
-// A warning that comes once.
 void SceneLink::tell(const std::string& what, const std::string& remedy)
 {
 	if (!inspecting && told.insert(what).second)

@@ -81,6 +81,9 @@ class SceneLink {
 	// The two bodies that overlapped most in a step, beyond their reference overlaps.
 	std::array<int, 2> deepest(const cd::TimeStep&) const;
 
+	// A warning that comes once.
+	void tell(const std::string& what, const std::string& remedy);
+
     private:
 	// A body of this step. Its addresses hold for the step only; the next one, before it looks, does no more than ask for their memory ahead.
 	struct KnownBody {
@@ -181,7 +184,6 @@ class SceneLink {
 	std::vector<yade::Interaction*> interactions; // of world.pairs; null: none, since the pair has carried nothing
 	std::vector<yade::Interaction*> parted; // of pairs that are no more, until the scene is published
 	bool inspecting = false; // the scene is only looked at
-	void tell(const std::string& what, const std::string& remedy);
 	std::set<std::string> told; // what has been warned of
 	bool placesBoundaries = false;
 	std::vector<Forces> forces; // of world.pairs, as they were when they were read or published last

@@ -49,6 +49,15 @@ def said_by(O, capfd, steps=3):
     return [line for line in capfd.readouterr().err.splitlines() if line.startswith("ContactDynamics: ")]
 
 
+def test_settings_that_make_energy_together(O, capfd):
+    O.engines = one_disk(restitution=0.9, gapCorrection=0.1)
+    O.dt = 1e-3
+    line, = said_by(O, capfd)
+    assert "restitution and gapCorrection together make energy" in line and "Set one of them to 0" in line
+    O.engines[-1].gapCorrection = 0
+    assert said_by(O, capfd) == []
+
+
 @pytest.mark.parametrize("make", [wrapper.CohFrictMat, wrapper.ViscElMat], ids=["cohesion", "damping"])
 def test_materials_of_which_only_friction_is_used(O, capfd, make):
     O.engines = one_disk()
