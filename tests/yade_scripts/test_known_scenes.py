@@ -53,6 +53,7 @@ ROWS = [
     ("elastic_step", dict(method="MD"), 6e-3, "geometry that changes with the overlaps, P0/k_n = 6e-4 a few times; inertia as much"),
     ("yield_ramp", {}, 0.01, "a step and a sample of the ramp, 0.002 P0 each; contacts that close in a strain of 2e-5"),
     ("yield_ramp", dict(seed=2), 0.01, "the same"),
+    ("yield_ramp", dict(stress_path="mean", ramp_rate=0.25), 0.01, "the same, with the mean stress held"),
     ("hopper", dict(tolerance=1e-2, cd_dt=2e-3), 0.15, "four standard deviations of one run, 0.035 each"),
     ("drum", dict(tolerance=1e-2, cd_dt=2e-3, gap_correction=0.1), 0.11, "the same, 0.026 each"),
     ("filling", dict(tolerance=1e-2), 0.032, "the same, 0.008 each"),

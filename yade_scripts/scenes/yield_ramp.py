@@ -35,7 +35,7 @@ def build(full, folder):
     from yade_scripts.running import hooks, loading, observe, walls
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder)
-    limit = statics.limit_loads(observe.snapshot(True), p0, full["depth"])[1]
+    limit = statics.limit_loads(observe.snapshot(True), p0, full["depth"], full["stress_path"])[1]
     sides, goals, yielded = walls.sides(), loading.goals(full, p0), []
 
     def watch():
