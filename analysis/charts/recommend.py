@@ -1,16 +1,23 @@
 """Which method with which settings for an accuracy, its expected error and cost: from the published measurements."""
 
+from analysis import publish
 from analysis.charts import choice, table
+from analysis.studies import flows
 from yade_scripts.measuring import charts as settings
 from yade_scripts.results.reader import ResultError
+
+FLOWS = table.PUBLISHED.parents[1] / "flows.csv"
 
 
 def of_scene(scene, accuracy):
     """Return the lines of an answer for one scene. ResultError for a scene without measurements, or an accuracy that no setting reaches."""
     found = table.one_size(table.from_csv(table.PUBLISHED))
     own = [row for row in found if row["scene"] == scene]
+    if not own and scene in flows.QUANTITY:
+        return of_flow(scene, accuracy)
     if not own:
-        raise ResultError(scene, "no setting of this scene was measured", f"there are {', '.join(dict.fromkeys(row['scene'] for row in found))}")
+        raise ResultError(scene, "no setting of this scene was measured",
+                          f"there are {', '.join(sorted({row['scene'] for row in found} | flows.QUANTITY.keys()))}")
     best = {method: choice.cheapest([row for row in own if row["method"] == method], accuracy) for method in dict.fromkeys(row["method"] for row in own)}
     ordered = sorted((row for row in best.values() if row), key=lambda row: row["seconds"])
     if not ordered:
@@ -24,6 +31,23 @@ def of_scene(scene, accuracy):
             lines.append(f"  {method}: not reached; its best is " + (f"{error:.2g} in {nearest['seconds']:.2g} s ({nearest['setting']})" if nearest else "nothing: all failed"))
     script = "accuracy.py" if f"{settings.ACCURACY}=" in ordered[0]["arguments"] else "run.py"
     return lines + [f"Run it: yade -n -x yade_scripts/{script} {ordered[0]['arguments']}"]
+
+
+def of_flow(scene, accuracy):
+    """Return the lines of an answer for a scene of the study of flows, whose error is that of a mean over seeds. ResultError where none reaches it."""
+    rows = [row for row in publish.read_table(FLOWS).to_dict("records") if row["scene"] == scene]
+    lines = []
+    for disks in sorted({row["disks"] for row in rows}):
+        own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
+        best = sorted((row for method in ("CD", "MD") if (row := flows.cheapest(own, scene, disks, method, accuracy)) and abs(row["error"]) <= accuracy),
+                      key=lambda row: row["seconds"])
+        lines += [f"{scene}, {flows.QUANTITY[scene]} of {disks} disks to {accuracy:g}: {best[0]['method'] if best else 'no setting that was tried reaches it'}"]
+        for row in best:
+            set_by = f"cd_dt={row['step']:g} tolerance={row['setting']:g} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
+                else f"kn={row['setting']:g} md_dt_factor={row['step']:g}"
+            lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % (standard error {100 * row['error_deviation']:.1f} %, {row['seeds']} seeds), "
+                         f"{row['seconds']:.2g} s a run")
+    return lines
 
 
 def _line(row, rows_of_scene):

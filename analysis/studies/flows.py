@@ -74,11 +74,17 @@ def _row(key, group):
             "unsolved": sum(run.values("unconverged_steps")[-1] for run in group) / sum(steps) if cd else 0.0}
 
 
-def cheapest(rows, scene, disks, method):
-    """Return the cheapest row of a method within 2 % of the rigid answer, the nearest one if none is; None without any."""
+def cheapest(rows, scene, disks, method, within=WITHIN):
+    """Return the cheapest row of a method that is so near to the rigid answer, the nearest one if none is; None without any."""
     mine = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
-    good = [row for row in mine if abs(row["error"]) <= WITHIN]
+    good = [row for row in mine if abs(row["error"]) <= within]
     return min(good, key=lambda row: row["seconds"]) if good else min(mine, key=lambda row: abs(row["error"]), default=None)
+
+
+def gains(rows, disks):
+    """Return {scene: how many times the cheapest springs cost what the cheapest rigid contacts do}, each within 2 % of the rigid answer or the nearest."""
+    pairs = {scene: [cheapest(rows, scene, disks, method) for method in ("MD", "CD")] for scene in QUANTITY}
+    return {scene: md["seconds"] / cd["seconds"] for scene, (md, cd) in pairs.items() if md and cd}
 
 
 def draw(runs, rows, path):
@@ -103,12 +109,31 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Not run yet.
+Of 500 disks rigid contacts come within 2 % of the rigid answer for 3.2 to 3.7 times less than springs, of 5000 disks for 7.5 to 12.0 times less.
+(Where no springs come within 2 %, as in the collapse, the nearest ones count.) Steps of 2 ms and a tolerance of 1e-2 do for 500 disks, within 0.2 to 2.2 %,
+but disks overlap by up to 0.13 radii; 5000, which fall further, need 1 ms to fill a box. Steps of 4 ms are off by 2.4 to 4.1 %. Steps of 0.5 ms to 1e-4, about
+what `timeStep()` proposes, cost 1.2 to 11.7 s, as much as springs. `gapCorrection` of 0.1 costs 1.2 to 2.5 times as much as the same without, and is no
+nearer: a smaller step is better spent. The standard error of the differences is 0.3 to 2.9 %, so that 2 % is what eight seeds can just tell; of 5000 disks
+there is one seed, and up to 5.8 % of the steps to 1e-3 missed it within 2000 sweeps.
 """
-GIVEN = ()
+GIVEN = ("500", "2", "5000", "1e-2", "1", "4", "0.5", "1e-4", "0.1", "1e-3", "2000")
 POINTS = ()
 
 
 def numbers(table):
     """Return the numbers of the text, from the summary table."""
-    return {}
+    rows = table.to_dict("records")
+    small, large = (gains(rows, disks) for disks in (SMALL, 5000))
+    cd = table[(table.method == "CD") & (table.disks == SMALL)]
+    others = table[(table.disks == SMALL) & ~table.is_rigid_answer]
+
+    def of(setting, gap=0.0):
+        return cd[(cd.step == setting["cd_dt"]) & (cd.setting == setting["tolerance"]) & (cd.gap_correction == gap)].set_index("scene")
+
+    coarse, coarser, proposed, pushed = of(COARSE), of(COARSE | {"cd_dt": 4e-3}), of(PROPOSED), of(COARSE, 0.1)
+    more = pushed.seconds / coarse.seconds
+    return {"3.2": min(small.values()), "3.7": max(small.values()), "7.5": min(large.values()), "12.0": max(large.values()),
+            "0.2": 100 * coarse.error.abs().min(), "2.2": 100 * coarse.error.abs().max(), "0.13": coarse.overlap.max(),
+            "2.4": 100 * coarser.error.abs().min(), "4.1": 100 * coarser.error.abs().max(), "1.2": [proposed.seconds.min(), more.min()], "11.7": proposed.seconds.max(),
+            "2.5": more.max(), "0.3": 100 * others.error_deviation.min(), "2.9": 100 * others.error_deviation.max(),
+            "5.8": 100 * table[table.disks == 5000].unsolved.max()}

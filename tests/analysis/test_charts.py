@@ -93,10 +93,20 @@ def test_recommend_says_what_is_missing(published, capsys):
     assert main([*published, "--scene", "stack", "--accuracy", "1e-9"]) == 2
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
-    assert "nowhere: no setting of this scene was measured; there are stack" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "nowhere: no setting of this scene was measured; there are" in said and "hopper, stack" in said
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
     assert "must be a number above 0" in capsys.readouterr().err
+
+
+def test_recommend_for_a_flow(published, capsys):
+    """By the published study, whose errors have a spread."""
+    assert main([*published, "--scene", "filling", "--accuracy", "0.02"]) == 0
+    said = capsys.readouterr().out
+    assert "filling, height of 500 disks to 0.02: CD" in said and "standard error" in said and "MD, kn=" in said
+    assert main([*published, "--scene", "filling", "--accuracy", "1e-6"]) == 0
+    assert "no setting that was tried reaches it" in capsys.readouterr().out
 
 
 def test_recommend_for_each_kind_of_scene(published, capsys):
