@@ -1,12 +1,14 @@
 """Which method with which settings for an accuracy, its expected error and cost: from the published measurements."""
 
+from pathlib import Path
+
 from analysis import publish
 from analysis.charts import choice, table
 from analysis.studies import flows
 from yade_scripts.measuring import charts as settings
 from yade_scripts.results.reader import ResultError
 
-FLOWS = table.PUBLISHED.parents[1] / "flows.csv"
+FLOWS = Path(__file__).resolve().parents[1] / "published" / "flows.csv"
 
 
 def of_scene(scene, accuracy):
@@ -35,18 +37,18 @@ def of_scene(scene, accuracy):
 
 def of_flow(scene, accuracy):
     """Return the lines of an answer for a scene of the study of flows, whose error is that of a mean over seeds. ResultError where none reaches it."""
-    rows = [row for row in publish.read_table(FLOWS).to_dict("records") if row["scene"] == scene]
+    rows = [row for row in flows.measured(publish.read_table(FLOWS)).to_dict("records") if row["scene"] == scene]
     lines = []
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
         best = sorted((row for method in ("CD", "MD") if (row := flows.cheapest(own, scene, disks, method, accuracy)) and abs(row["error"]) <= accuracy),
                       key=lambda row: row["seconds"])
-        lines += [f"{scene}, {flows.QUANTITY[scene]} of {disks} disks to {accuracy:g}: {best[0]['method'] if best else 'no setting that was tried reaches it'}"]
+        lines += [f"{scene}, {flows.QUANTITY[scene]} of {disks:.0f} disks to {accuracy:g}: {best[0]['method'] if best else 'no setting that was tried reaches it'}"]
         for row in best:
             set_by = f"cd_dt={row['step']:g} tolerance={row['setting']:g} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
                 else f"kn={row['setting']:g} md_dt_factor={row['step']:g}"
-            lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % (standard error {100 * row['error_deviation']:.1f} %, {row['seeds']} seeds), "
-                         f"{row['seconds']:.2g} s a run")
+            spread = f"standard error {100 * row['error_deviation']:.1f} %, {row['seeds']:.0f} seeds" if row["seeds"] > 1 else "one seed"
+            lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % ({spread}), {row['seconds']:.3g} s a run")
     return lines
 
 

@@ -7,7 +7,6 @@ from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from analysis import cycles, style
 from analysis import summary
-from analysis.studies import fig3
 from yade_scripts.results.reader import ResultError
 from yade_scripts.tables import product
 
@@ -20,9 +19,18 @@ BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, cyc
 PHYSICAL = ({}, dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4), dict(radius_spread=0.1),
             dict(radius_spread=0.5), dict(wall_friction=0.1), *(dict(md_walls="force", wall_mass_ratio=mass) for mass in (1.0, 20.0, 200.0)))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))
+# The search at constant sigma1: dense and loose packings under five loads, by both methods. Loose ones settle fast, so that 30 cycles do but for the
+# first; CD rests after few cycles.
+LOADS, SEEDS = (0.1, 0.2, 0.3, 0.4, 0.5), range(1, 6)
+LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20)
+SPRINGS = dict(method="MD", md_dt_factor=0.3, **LOADING)
+REGIMES = product(cycles=100, preparation_friction=0.0, seed=SEEDS, delta_sigma=LOADS, **SPRINGS) \
+    + product(cycles=100, preparation_friction=0.1, seed=1, delta_sigma=LOADS, **SPRINGS) \
+    + product(cycles=30, preparation_friction=0.1, seed=SEEDS[1:], delta_sigma=LOADS, **SPRINGS) \
+    + product(method="CD", cycles=20, cd_dt=2.5e-3, tolerance=1e-7, wall_mass_ratio=1.0, preparation_friction=(0.0, 0.1), seed=SEEDS, delta_sigma=LOADS, **LOADING)
 ROWS = {"quick": [BASE | {"cycles": 10} | change for change in ({}, dict(kt_over_kn=0.1), dict(preparation_friction=0.05))],
         "full": [BASE | change | {"seed": seed} for seed in (1, 2) for change in PHYSICAL] + [BASE | change for change in NUMERICAL]
-        + product(**BASE | dict(preparation_friction=(0.02, 0.05, 0.2, 0.4), seed=(1, 2), delta_sigma=fig3.LOADS)) + fig3.ROWS["full"]}
+        + product(**BASE | dict(preparation_friction=(0.02, 0.05, 0.2, 0.4), seed=(1, 2), delta_sigma=LOADS)) + REGIMES}
 # The axes of the search; a run that differs from the base in nothing else belongs to it.
 SEARCH = ("preparation_friction", "delta_sigma")
 # A comparison after fewer cycles than the base has is one of the first cycles: those are the same in a longer run.

@@ -187,12 +187,16 @@ def cyclic(folder, rates, name, **row):
     return reader.load(write(folder / name, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=10) | row))
 
 
-def test_fig3_names_regimes_by_load(tmp_path):
-    module, number = studies.module("fig3"), np.arange(1, 65)
-    runs = [cyclic(tmp_path, -1e-5 / number**3, "low.h5", delta_sigma=0.1), cyclic(tmp_path, np.full(64, -1e-5), "middle.h5", delta_sigma=0.3),
-            cyclic(tmp_path, np.full(64, -3e-3), "high.h5", delta_sigma=0.5)]
+def test_fig3_tells_collapse_from_what_stands(tmp_path):
+    module, number, usual = studies.module("fig3"), np.arange(1, 65), dict(md_walls="force", period=0.5)
+    runs = [cyclic(tmp_path, -1e-5 / number**3, "low.h5", delta_sigma=0.1, **usual),
+            cyclic(tmp_path, np.full(64, -1e-5), "middle.h5", delta_sigma=0.3, **usual),
+            cyclic(tmp_path, np.full(64, -3e-3), "high.h5", delta_sigma=0.5, **usual)]
+    runs[2].attributes["outcome"] = schema.OUTCOME_COLLAPSED
     rows = module.summarize(runs[::-1])
-    assert [(row["dSigma"], row["regime"]) for row in rows] == [(0.1, "shakedown"), (0.3, "ratcheting"), (0.5, "collapse")]
+    assert [row["dSigma"] for row in rows] == [0.1, 0.3, 0.5]
+    assert [row["late rate"] for row in rows[:2]] == pytest.approx([-1e-5 / 32 * sum(1 / number[32:]**3), -1e-5])
+    assert np.isnan([row["collapses after"] for row in rows[:2]]).all() and rows[2]["collapses after"] == 64
     module.draw(runs, rows, tmp_path / "fig3.png")
 
 
