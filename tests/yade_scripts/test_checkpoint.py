@@ -146,6 +146,8 @@ def test_published_runs_are_too_short_for_checkpoints():
     from analysis import studies
     from yade_scripts.running import checkpoint
     for name in studies.names():
+        if name == "flows":
+            continue  # means over chaotic motion: no single bit of theirs means anything
         for full in studies.rows(name, False) + studies.rows(name, True):
             mass = full["density"] * math.pi * (full["radius_mean"] * (1 - full["radius_spread"]))**2 * full["depth"]
             dt = full["cd_dt"] if full["method"] == "CD" else full["md_dt_factor"] * math.sqrt(mass / parameters.stiffness(full))
