@@ -102,7 +102,10 @@ def draw(runs, rows, path):
         axes.axhspan(-100 * WITHIN, 100 * WITHIN, color="#EEEEEE", zorder=0)
         for disks, size in zip(sizes, (4, 7, 10)):
             for method in ("CD", "MD"):
-                part = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
+                own = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method)]
+                axes.plot([row["seconds"] for row in own if row["is_rigid_answer"]], [0] * any(row["is_rigid_answer"] for row in own), ls="", ms=size,
+                          marker=style.MARKER[method], color=style.COLOUR[method])
+                part = [row for row in own if not row["is_rigid_answer"]]
                 bars = [100 * row["error_deviation"] if math.isfinite(row["error_deviation"]) else 0 for row in part]
                 axes.errorbar([row["seconds"] for row in part], [100 * row["error"] for row in part], bars, ls="", ms=size, marker=style.MARKER[method],
                               mfc="none", color=style.COLOUR[method], elinewidth=0.7)
@@ -111,7 +114,7 @@ def draw(runs, rows, path):
     handles = [style.plt.Line2D([], [], ls="", marker=style.MARKER[method], mfc="none", color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
     handles += [style.plt.Line2D([], [], ls="", marker="o", mfc="none", color="0.4", ms=size, label=f"{disks} disks") for disks, size in zip(sizes, (4, 7, 10))]
     panels[0][-1].legend(handles=handles, fontsize=7)
-    style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Grey: 2 %.", runs)
+    style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Filled: the rigid answer. Grey: 2 %.", runs)
 
 
 ANSWER = """
