@@ -22,7 +22,7 @@ MAD_TO_SIGMA = 1.4826
 
 @dataclass(frozen=True)
 class Rule:
-    """The limits between the regimes. They were set with trial runs in view, so that each verdict is given with those of VARIANTS.
+    """The limits between the regimes. They were set with trial runs in view.
 
     practical: "practically no accumulation" (paper, section 3) is that so many cycles at the late rate would neither double the strain
     nor add `elastic` P0/k_n. At the lowest load springs keep rates of 1e-10 a cycle in cycles that repeat to all digits, and CD creeps
@@ -38,8 +38,6 @@ class Rule:
 
 
 RULE = Rule()
-VARIANTS = (Rule(practical=300), Rule(practical=3000), Rule(elastic=0.3), Rule(elastic=3), Rule(significant=2), Rule(significant=5),
-            Rule(decay=0.7), Rule(decay=1.3))
 
 
 @dataclass(frozen=True)
@@ -83,9 +81,9 @@ def ends(run):
     return np.flatnonzero(near)[np.unique(whole[near], return_index=True)[1]]
 
 
-def of(run, most=None):
-    """Return the Cycles of a run, at most so many; ResultError if not one is complete."""
-    at = ends(run) if most is None else ends(run)[:most + 1]
+def of(run):
+    """Return the Cycles of a run; ResultError if not one is complete."""
+    at = ends(run)
     if len(at) < 2:
         raise ResultError(run.path, "no cycle is complete", "run longer")
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
@@ -123,13 +121,8 @@ class Regime:
     noise: float
 
 
-def other_verdicts(run):
-    """Return the regimes that VARIANTS of the rule give and RULE does not, sorted; empty where the verdict does not hang on a limit."""
-    return sorted({regime(run, rule).name for rule in VARIANTS} - {regime(run).name})
-
-
-def regime(run, rule=RULE, most=None):
-    """Return the Regime of a run, by a rule that sees gamma at the ends of the cycles only; most: as it would be after so many cycles.
+def regime(run):
+    """Return the Regime of a run, by a rule that sees gamma at the ends of the cycles only.
 
     collapse: the sample gave way, or at its late rate reaches collapse_strain within as many cycles again.
     shakedown: the late change is within the noise or has another sign than the one before; or the rate falls faster than 1/n - then
@@ -137,9 +130,9 @@ def regime(run, rule=RULE, most=None):
     far nor P0/k_n. (The numbers are those of RULE.)
     ratcheting: everything else; the strain grows without bound, at a constant rate if p is 0.
     """
-    collapsed, found = run.collapsed and (most is None or len(ends(run)) <= most), None
+    collapsed, found = run.collapsed, None
     try:
-        found = of(run, most)
+        found = of(run)
     except ResultError:
         if not collapsed:
             raise
@@ -152,8 +145,8 @@ def regime(run, rule=RULE, most=None):
     noise = MAD_TO_SIGMA * float(np.median(np.abs(late - np.median(late))))
     # Two comparisons, the less favourable of which counts: a slip in the earlier window alone would pass for a decay.
     decay = min(_decay(found, count // 4, half, count), _decay(found, half, half + (count - half) // 2, count))
-    within_noise = abs(rate) * (count - half) <= rule.significant * noise
-    name = COLLAPSE if collapsed else _name(run, found, rate, within_noise or decay > rule.decay, rule)
+    within_noise = abs(rate) * (count - half) <= RULE.significant * noise
+    name = COLLAPSE if collapsed else _name(run, found, rate, within_noise or decay > RULE.decay)
     return Regime(name, rate, decay, noise)
 
 
@@ -178,9 +171,9 @@ def _decay(found, first, middle, last):
     return float(-np.log(late / early) / np.log((middle + last) / (first + middle)))
 
 
-def _name(run, found, rate, ends, rule):
+def _name(run, found, rate, ends):
     count, strain = len(found.number), abs(found.permanent[-1])
-    if abs(rate) * rule.practical < max(strain, rule.elastic * run.pressure * run.parameters["depth"] / parameters.stiffness(run.parameters)):
+    if abs(rate) * RULE.practical < max(strain, RULE.elastic * run.pressure * run.parameters["depth"] / parameters.stiffness(run.parameters)):
         return SHAKEDOWN
     if count < FEWEST_FOR_DECAY:
         return SHORT

@@ -38,6 +38,8 @@ def of_scene(scene, accuracy):
 def of_flow(scene, accuracy):
     """Return the lines of an answer for a scene of the study of flows, whose error is that of a mean over seeds. ResultError where none reaches it."""
     rows = [row for row in flows.measured(publish.read_table(FLOWS)).to_dict("records") if row["scene"] == scene]
+    if not any(abs(row["error"]) <= accuracy and not row["is_rigid_answer"] for row in rows):
+        raise ResultError(scene, f"no measured setting reaches an accuracy of {accuracy:g}", "see analysis/published/flows.csv")
     lines = []
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]

@@ -119,9 +119,9 @@ def draw(runs, rows, path):
 
 ANSWER = """
 Of 500 disks rigid contacts come within 2 % of the rigid answer for 3.2 to 3.7 times less than springs, of 5000 disks for 3.5 to 12.0 times less.
-(Where no springs come within 2 %, as in the collapse, the nearest ones count.) Steps of 2 ms and a tolerance of 1e-2 do for 500 disks, within 0.2 to 2.2 %,
+(Where no springs come within 2 %, as in the collapse, the nearest ones count. Processor time; other runs kept the machine's second core busy.) Steps of 2 ms and a tolerance of 1e-2 do for 500 disks, within 0.2 to 2.2 %,
 but disks overlap by up to 0.13 radii; 5000, which fall further, need 1 ms to fill a box, and in the drum disks pass into each other at 2 ms. Steps of 4 ms are off by 2.4 to 4.1 %. Steps of 0.5 ms to 1e-4, about
-what timeStep() proposes, cost 1.2 to 11.7 s, as much as springs. gapCorrection of 0.1 costs 1.2 to 2.5 times as much as the same without, and is no
+what timeStep() proposes, cost 1.2 to 11.7 s, as much as springs and more. gapCorrection of 0.1 costs 1.2 to 2.5 times as much as the same without, and is no
 nearer: a smaller step is better spent. The standard error of the differences is 0.3 to 2.9 %, so that 2 % is what eight seeds can just tell; of 5000 disks
 there is one seed, and up to 5.8 % of the steps to 1e-3 missed it within 2000 sweeps.
 """

@@ -111,11 +111,3 @@ def test_too_short_to_tell(tmp_path):
     # Long enough to see that nothing moves, not to tell a decay from a constant rate.
     assert cycles.regime(run_of(tmp_path, [-1e-9] * cycles.FEWEST_CYCLES, "still.h5")).name == cycles.SHAKEDOWN
     assert cycles.regime(run_of(tmp_path, [-1e-4] * (cycles.FEWEST_FOR_DECAY - 1), "moving.h5")).name == cycles.SHORT
-
-
-def test_a_verdict_that_hangs_on_a_limit_says_so(tmp_path):
-    """Rates n^-1.15: bounded for the rule (p > 1), not for its variant with p > 1.3; n^-0.2 ratchets whatever the limits."""
-    n = np.arange(1, 65)
-    close, clear = (run_of(tmp_path, -1e-4 * n**-p, name=f"{p}.h5") for p in (1.15, 0.2))
-    assert cycles.regime(close).name == cycles.SHAKEDOWN and cycles.other_verdicts(close) == [cycles.RATCHETING]
-    assert cycles.regime(clear).name == cycles.RATCHETING and cycles.other_verdicts(clear) == []
