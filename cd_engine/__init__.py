@@ -6,14 +6,14 @@ Inside YADE (a script, a batch job, the console):
     O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
 
 `ContactDynamics` is a class registered in YADE itself (C++); its attributes, units and ranges are in `help(cd_engine.ContactDynamics)`.
-`PathIndependentShear`, a second one, serves the springs of Molecular Dynamics: put it right behind InteractionLoop.
-Import this module before `O.load` of a scene that contains either.
+Two more serve the springs of Molecular Dynamics, right behind InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
+what their dashpots dissipate. Import this module before `O.load` of a scene that contains one of them.
 """
 import sys
 
 from .proposed_step import timeStep
 
-__all__ = ["ContactDynamics", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
+__all__ = ["ContactDynamics", "DashpotWork", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
 
 # Versions of YADE that all tests were run with, by the Debian that packages them. What decides is the binary interface, which the compiled
 # module compares with the running YADE: any other version that passes runs, too, and says that nobody has tested it.
@@ -102,7 +102,7 @@ def _report_at_exit():
 
 
 def __getattr__(name):
-    if name in ("ContactDynamics", "PathIndependentShear"):
+    if name in ("ContactDynamics", "DashpotWork", "PathIndependentShear"):
         _plugin()
         from yade import wrapper
         return getattr(wrapper, name)

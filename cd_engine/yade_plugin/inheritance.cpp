@@ -17,7 +17,7 @@ bool looksUpInheritance(const void* serializable, Base base)
 	for (const Seen& s : seen)
 		if (s.vtable == vtable && s.base == base)
 			return s.yes;
-	static const char* const names[] = { "FrictMat", "ScGeom", "NormShearPhys", "FrictPhys", "Sphere", "PeriodicEngine" };
+	static const char* const names[] = { "FrictMat", "ScGeom", "NormShearPhys", "FrictPhys", "FrictViscoPhys", "Sphere", "PeriodicEngine" };
 	const std::string name = static_cast<const yade::Serializable*>(serializable)->getClassName();
 	const char* const wanted = names[static_cast<int>(base)];
 	const bool yes = name == wanted || Singleton<yade::Omega>::instance().isInheritingFrom_recursive(name, wanted);

@@ -85,6 +85,8 @@ namespace {
 		s.published<double>(&Layout::phys_ks, "NormShearPhys", "ks");
 		s.published<Vector3r>(&Layout::phys_shearForce, "NormShearPhys", "shearForce");
 		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
+		s.published<double>(&Layout::phys_cn, "FrictViscoPhys", "cn");
+		s.published<Vector3r>(&Layout::phys_normalViscous, "FrictViscoPhys", "normalViscous");
 		s.published<Vector3r>(&Layout::bound_min, "Bound", "min");
 		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
 		s.published<int>(&Layout::collider_avoidSelfInteractionMask, "Collider", "avoidSelfInteractionMask");
@@ -128,7 +130,7 @@ namespace {
 	// The plug-in takes a pointer to an object for one to its Factorable and back: that base must come first.
 	void surveyBases(Survey& s)
 	{
-		for (const char* const name : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictMat", "Sphere", "Box", "Wall",
+		for (const char* const name : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictViscoPhys", "FrictMat", "Sphere", "Box", "Wall",
 			 "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
 			const Shared<yade::Factorable> object = make(name);
 			const long offset = reinterpret_cast<char*>(object.get()) - static_cast<char*>(dynamic_cast<void*>(object.get()));

@@ -25,7 +25,7 @@ struct Layout {
 	long interaction_id1, interaction_id2, interaction_iterMadeReal, interaction_geom, interaction_phys;
 	long interactions_linear;
 	long geom_normal, geom_contactPoint, geom_refR1, geom_refR2, geom_penetrationDepth, geom_shearInc;
-	long phys_kn, phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle;
+	long phys_kn, phys_normalForce, phys_ks, phys_shearForce, phys_tangensOfFrictionAngle, phys_cn, phys_normalViscous;
 	long bound_min, bound_max;
 	long collider_avoidSelfInteractionMask, collider_doSort;
 	long periodic_virtPeriod, periodic_realPeriod, periodic_iterPeriod, periodic_nDone, periodic_iterLast;

@@ -7,6 +7,7 @@
 // The archives come first: the export below instantiates one serializer for each archive known by then.
 #include "../core/group_kernel.hpp"
 #include "contact_dynamics.hpp"
+#include "dashpot_work.hpp"
 #include "path_independent_shear.hpp"
 #include "python_registration.hpp"
 #include "waiting.hpp"
@@ -25,13 +26,16 @@ namespace serialization {
 
 // Version 1 begins with the names of its attributes (registered_engine.hpp).
 BOOST_CLASS_VERSION(cd_engine::ContactDynamics, 1)
+BOOST_CLASS_VERSION(cd_engine::DashpotWork, 1)
 BOOST_CLASS_VERSION(cd_engine::PathIndependentShear, 1)
 BOOST_CLASS_EXPORT(cd_engine::ContactDynamics)
+BOOST_CLASS_EXPORT(cd_engine::DashpotWork)
 BOOST_CLASS_EXPORT(cd_engine::PathIndependentShear)
 
 namespace cd_engine {
 
 template class RegisteredEngine<ContactDynamics>;
+template class RegisteredEngine<DashpotWork>;
 template class RegisteredEngine<PathIndependentShear>;
 
 namespace {
@@ -105,6 +109,7 @@ namespace {
 	{
 		verify({});
 		registerEngine<ContactDynamics>();
+		registerEngine<DashpotWork>();
 		registerEngine<PathIndependentShear>();
 		py::def("layout", layoutList, "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes.");
 		py::def("verify_layout", verifyLayout,

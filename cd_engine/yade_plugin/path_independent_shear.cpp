@@ -132,8 +132,9 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	const double oldForce = n[0] * old[1] - n[1] * old[0];
 
 	double force = oldForce; // a spring not known from the step before begins with what the law functor has found
+	// One that was lost is not remembered when it comes back. (Interaction.iterMadeReal does not tell: O.resetTime() leaves it in the future.)
 	const std::size_t known = recall(id1, id2);
-	if (known < pairForces.size() && at<long>(interaction, layout.interaction_iterMadeReal) < at<long>(scene, layout.scene_iter)) {
+	if (known < pairForces.size()) {
 		const double mx = pairNormals[2 * known], my = pairNormals[2 * known + 1];
 		const double theta = std::atan2(mx * n[1] - my * n[0], mx * n[0] + my * n[1]);
 		const double stretch = (r1 + r2) * theta - r1 * disks[id1].turn - r2 * disks[id2].turn;
@@ -141,6 +142,7 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	}
 	const double limit = at<double>(phys, layout.phys_tangensOfFrictionAngle) * at<Vector3r>(phys, layout.phys_normalForce).norm();
 	if (std::abs(force) > limit) {
+		frictionDissipation += limit * (std::abs(force) - limit) / at<double>(phys, layout.phys_ks);
 		force = std::copysign(limit, force);
 		slidingContacts += limit > 0; // without friction there is no limit to reach
 	}

@@ -63,8 +63,8 @@ HISTORY = _table(
     Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", methods=()),
     Field("wall_work", "J", "work of the wall loads on the sample since the start", methods=()),
     Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", methods=()),
-    Field("friction_dissipation", "J", "part of dissipated_energy that YADE's law functor has summed over the slips; the rest went into "
-          "dashpots. MD with the functor's own tangential law only", methods=()),
+    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots. MD; NaN where contacts with walls "
+          "slip under another law than those between disks", methods=()),
     Field("residual_max", "1", "largest error e since the sample before", methods=()),
     Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=()),
 )

@@ -16,9 +16,9 @@ RESIDUAL = 1.0
 # All of energies in P0 times the disks' area times depth, what a loaded box has at stake; only there is all work known.
 # CD: work of the walls = dissipated + kinetic, an identity of the scheme, kept to 3e-11 in the published runs.
 BALANCE = 1e-9
-# What MD calls dissipated is the rest of that balance. It cannot be negative (published: -2e-9, round-off and an averaged wall force), and friction
-# cannot have dissipated more than all (published: 4e-5; the tangential law is not quite a potential, so friction may take what it gives).
-CREATED, FRICTION_EXCESS = 1e-3, 1e-3
+# MD: what walls give and nobody has is dissipated, and cannot be negative (published: -2e-9, round-off and an averaged wall force). How well it
+# agrees with what friction and dashpots have dissipated stands in the tables of the studies; walls that flip to and fro blur it.
+CREATED = 1e-3
 
 
 class OutOfBounds(RuntimeError):
@@ -45,7 +45,7 @@ class Bounds:
 
     def __init__(self, full, loaded):
         self.full, self.loaded = full, loaded
-        self.kinetic = None  # [J] at the first sample
+        self.held = None  # kinetic and stored energy [J] at the first sample
         self.seen = 0  # step of the last sample
         area = full["disks"] * math.pi * full["radius_mean"]**2
         self.scale = parameters.pressure(full) * area * full["depth"]
@@ -64,16 +64,13 @@ class Bounds:
 
     def _energies(self, row, where):
         """Check that energy is neither created nor lost."""
-        if self.kinetic is None:
-            self.kinetic = row["kinetic_energy"]
-        gone, unit = row["dissipated_energy"], f"{self.scale:.3g} J (P0 times the disks' area and depth)"
+        held, unit = row["kinetic_energy"] + row["stored_energy"], f"{self.scale:.3g} J (P0 times the disks' area and depth)"
+        if self.held is None:
+            self.held = held
+        gone = row["wall_work"] - (held - self.held)
         if gone < -CREATED * self.scale:
             raise OutOfBounds(f"{where}: {-gone:.3g} J of energy were created, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
-        if self.full["method"] == "CD":
-            lost = row["wall_work"] - gone - (row["kinetic_energy"] - self.kinetic)
-            if abs(lost) > BALANCE * self.scale:
-                raise OutOfBounds(f"{where}: the energy balance is off by {lost:.3g} J, more than {BALANCE} of {unit}: something else than walls and "
-                                  "contacts acts on the disks")
-        elif row["friction_dissipation"] - gone > FRICTION_EXCESS * self.scale:
-            raise OutOfBounds(f"{where}: friction has dissipated {row['friction_dissipation']:.3g} J, all together {gone:.3g} J: the difference is "
-                              f"more than {FRICTION_EXCESS} of {unit}; lower md_dt_factor")
+        lost = gone - row["dissipated_energy"]
+        if self.full["method"] == "CD" and abs(lost) > BALANCE * self.scale:
+            raise OutOfBounds(f"{where}: the energy balance is off by {lost:.3g} J, more than {BALANCE} of {unit}: something else than walls and "
+                              "contacts acts on the disks")

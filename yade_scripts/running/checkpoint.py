@@ -88,7 +88,7 @@ class Checkpoints:
     def take(self, recorder):
         """Save, then go on from what was saved."""
         scene, record = saved_scene.take(), recorder.image()
-        memory = {"origin": self.origin, "dissipation": self.scene.law.plasticDissipation() if self.scene.law else None,
+        memory = {"origin": self.origin, "losses": self.scene.losses.memory() if self.scene.losses else None,
                   "kept": {name: _kept(keeper) for name, keeper in self._keepers(recorder).items()}, "scene": self.scene.kept}
         content = io.BytesIO()
         with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
@@ -108,8 +108,8 @@ class Checkpoints:
         saved_scene.restore(scene)
         hooks.set_commands(commands)
         scenes.method(self.full).bind(self.full, self.scene)
-        if self.scene.law:
-            self.scene.law.initPlasticDissipation(memory["dissipation"])
+        if self.scene.losses:
+            self.scene.losses.remember(memory["losses"])
         for name, keeper in self._keepers(recorder).items():
             for attribute, value in memory["kept"][name].items():
                 setattr(keeper, attribute, value)

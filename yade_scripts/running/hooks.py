@@ -8,8 +8,8 @@ import sys
 from yade import O
 from yade.wrapper import PyRunner
 
-# Labels of the runners that only record, or measure what is known of a scene: what is left without them is the simulation alone.
-SAMPLING, WATCHING, MEASURING = "sampling", "watching", "measuring"
+# Labels of the engines that only record, sum energies, or measure what is known of a scene: what is left without them is the simulation alone.
+SAMPLING, WATCHING, SUMMING, MEASURING = "sampling", "watching", "summing", "measuring"
 
 _functions = []
 _failure = None

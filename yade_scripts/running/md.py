@@ -17,6 +17,7 @@ from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.running import hooks, walls
+from yade_scripts.running.losses import Losses
 
 
 def contact_engines(full, tangential_law="standard"):
@@ -78,16 +79,16 @@ def set_engines(full, scene, goals=None):
     else:
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
-    engines = contact_engines(full, full["tangential_law"])
+    import cd_engine
+    engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)]
     O.engines = engines + loading + [integrator(full)]
+    scene.losses = Losses(full, scene.load is not None)
     bind(full, scene)
 
 
 def bind(full, scene):
     """Give the scene the functor and the controller that are in O; after O.load they are other objects."""
-    if full["tangential_law"] != "path_independent":  # which slips at other forces than the functor's
-        scene.law = next(engine for engine in O.engines if isinstance(engine, InteractionLoop)).lawDispatcher.functors[0]
-        scene.law.traceEnergy = True
+    scene.losses.bind()
     if isinstance(scene.load, walls.ServoLoad):
         scene.load.controller = next(engine for engine in O.engines if isinstance(engine, TriaxialStressController))
 

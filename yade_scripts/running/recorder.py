@@ -36,11 +36,8 @@ class Recorder:
         """record: the file's content so far, of a run that is resumed; None: a new file. checkpoint_samples: samples between checkpoints."""
         self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
         self.partial = self.path.with_suffix(".partial.h5")
-        self.names = [n for n, f in schema.HISTORY.items() if full["method"] in f.methods or not f.methods]
-        if full["method"] == "MD":
-            self.names = [n for n in self.names if n not in ("residual_max", "unconverged_steps")]
-        if scene.law is None:
-            self.names.remove("friction_dissipation")
+        other = {"MD": ("residual_max", "unconverged_steps"), "CD": ("friction_dissipation",)}[full["method"]]  # what only the other method has
+        self.names = [n for n, f in schema.HISTORY.items() if (full["method"] in f.methods or not f.methods) and n not in other]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.bounds = Bounds(full, scene.load is not None)
         self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
@@ -132,13 +129,15 @@ class Recorder:
                 "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
 
     def _md(self, row, contacts):
-        """Return MD's energies. Dissipation is what the walls and weights gave and nobody has: work - changes of stored, kinetic and potential energy."""
-        stored = contacts.stored_energy()
-        held = stored + row["kinetic_energy"] + observe.weight_energy(self.full["gravity"]) - row["wall_work"]
-        if self.reference is None:
-            self.reference = held
-        return {"stored_energy": stored, "dissipated_energy": self.reference - held,
-                "friction_dissipation": self.scene.law.plasticDissipation() if self.scene.law else math.nan,
+        """Return MD's energies. Where nobody sums the friction, all that is dissipated is what walls and weights gave and nobody has."""
+        stored, friction = contacts.stored_energy(), self.scene.losses.friction()
+        gone = friction + self.scene.losses.dashpots()
+        if math.isnan(friction):
+            held = stored + row["kinetic_energy"] + observe.weight_energy(self.full["gravity"]) - row["wall_work"]
+            if self.reference is None:
+                self.reference = held
+            gone = self.reference - held
+        return {"stored_energy": stored, "dissipated_energy": gone, "friction_dissipation": friction,
                 "max_penetration": max(contacts.overlap, default=0.0)}
 
     def _cd(self, row):

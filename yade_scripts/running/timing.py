@@ -7,7 +7,7 @@ from yade_scripts import scenes
 from yade_scripts.running import hooks, walls
 
 
-RECORDING = {hooks.SAMPLING, hooks.WATCHING}
+RECORDING = {hooks.SAMPLING, hooks.WATCHING, hooks.SUMMING}
 
 
 def measures():
@@ -25,8 +25,8 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
     def clock():
         moments.append(time.thread_time())  # of the thread that makes the steps: what other programs do meanwhile does not count
 
-    if scene.law is not None:
-        scene.law.traceEnergy = False
+    if scene.losses is not None:
+        scene.losses.leave()
     if scene.load is not None:
         also += (hooks.runner(_stop_at(full["collapse_strain"], clock), iterPeriod=scene.every),)
     simulation = [engine for engine in O.engines if engine.label not in without]

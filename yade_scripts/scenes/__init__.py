@@ -66,7 +66,7 @@ class Scene:
     """A scene that stands in O, ready to run.
 
     every: steps between samples, samples: intervals between them; the scene is over after every * samples steps (MD makes one more).
-    load: walls.Load, or None where no wall is loaded. law: the functor of MD that sums what its slips dissipate, else None. watch: cd.Watch,
+    load: walls.Load, or None where no wall is loaded. losses: losses.Losses, in MD. watch: cd.Watch,
     in CD. snapshots: numbers of the samples at which the whole sample is kept.
     extra: arrays that only this scene has, {name: (unit, meaning, array)}; instead of the array a function that gives it after the last
     step. observer: called at every sample. kept: the lists, by name, in which functions of the scene itself keep what they have seen, for
@@ -75,7 +75,7 @@ class Scene:
     every: int
     samples: int
     load: object = None
-    law: object = None
+    losses: object = None
     watch: object = None
     state_sha256: str = ""
     snapshots: set = field(default_factory=set)

@@ -9,8 +9,8 @@ DEFAULTS = {}
 PARAMETERS = ()
 CHART = None
 
-# Of a ramp, which has no load maximum to look at before it ends: enough to follow single forces.
-RAMP_SNAPSHOTS = 40
+# Of a ramp, which has no load maximum to look at before it ends, and of a single cycle: enough to follow single contacts.
+SNAPSHOTS = 40
 
 
 def build(full, folder, goals=None):
@@ -29,8 +29,8 @@ def build(full, folder, goals=None):
     every = stage.set_step(full, stage.largest_step(full))
     per_cycle, samples = full["records_per_cycle"], full["records_per_cycle"] * full["cycles"]
     snapshots = {per_cycle // 2, samples - per_cycle // 2}
-    if full["loading"] == "ramp":
-        snapshots |= set(range(0, samples, max(1, samples // RAMP_SNAPSHOTS)))
+    if full["loading"] == "ramp" or full["cycles"] == 1:
+        snapshots |= set(range(0, samples, max(1, samples // SNAPSHOTS)))
     scene = Scene(every=every, samples=samples, state_sha256=checksum, snapshots=snapshots, kept={})
     goals = goals or loading.goals(full, parameters.pressure(full))
     if full["method"] == "CD" and full["network_seed"]:

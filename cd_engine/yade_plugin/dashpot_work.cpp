@@ -1,0 +1,25 @@
+#include "dashpot_work.hpp"
+#include "inheritance.hpp"
+#include "layout.hpp"
+
+namespace cd_engine {
+
+void DashpotWork::action()
+{
+	double power = 0;
+	void* const list = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
+	for (const auto& interaction : at<std::vector<boost::shared_ptr<yade::Interaction>>>(list, layout.interactions_linear)) {
+		// A pair that only its bounds touch has a phys from before, or none.
+		if (!at<boost::shared_ptr<yade::IGeom>>(interaction.get(), layout.interaction_geom))
+			continue;
+		void* const phys = at<boost::shared_ptr<yade::IPhys>>(interaction.get(), layout.interaction_phys).get();
+		if (!phys || !inherits(phys, Base::FrictViscoPhys))
+			continue;
+		const double coefficient = at<double>(phys, layout.phys_cn);
+		if (coefficient > 0)
+			power += at<Vector3r>(phys, layout.phys_normalViscous).squaredNorm() / coefficient;
+	}
+	work += power * at<double>(scene, layout.scene_dt);
+}
+
+} // namespace cd_engine

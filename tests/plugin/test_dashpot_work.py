@@ -1,0 +1,46 @@
+"""What DashpotWork sums, against the kinetic energy that an impact loses."""
+import math
+
+import pytest
+
+from . import plane
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1, 0.5])
+def test_an_impact_loses_what_the_dashpot_takes(O, damping):
+    """Two free disks of mass m meet head-on: 1 - e^2 of m v^2/4 goes, e = exp(-pi beta/sqrt(1 - beta^2)) for the half period of eq. 5."""
+    import cd_engine
+    from yade import wrapper as w
+    radius, speed, stiffness = 0.01, 0.1, 1e6
+    plane.disk((0, 0), radius)
+    plane.disk((2.0001 * radius, 0), radius)
+    O.bodies[1].state.vel = (-speed, 0, 0)
+    mass = O.bodies[0].state.mass
+    material = w.FrictViscoMat(betan=damping, density=O.bodies[0].material.density, frictionAngle=0.0)
+    for body in O.bodies:
+        body.material = material
+    O.engines = [
+        w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=1e-3),
+        w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()],
+                          [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=w.MatchMaker(algo="val", val=stiffness), kRatio=w.MatchMaker(algo="val", val=0.5))],
+                          [w.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
+        cd_engine.DashpotWork(label="dashpots"), w.NewtonIntegrator(damping=0)]
+    contact = math.pi * math.sqrt(mass / 2 / stiffness / (1 - damping**2))
+    O.dt = contact / 2000
+    O.run(int(2e-6 / speed / O.dt) + 2300, True)
+    before, after = mass * speed**2 / 2, sum(mass * body.state.vel[0]**2 / 2 for body in O.bodies)
+    assert O.engines[3].work == pytest.approx(before - after, abs=2e-3 * before)  # steps of 1/2000 of the impact; half a step's speed at its start
+    if not damping:
+        assert O.engines[3].work == 0 and after == pytest.approx(before)
+    restitution = math.exp(-math.pi * damping / math.sqrt(1 - damping**2))
+    # YADE ends the contact where the spring is unloaded, not where the force is: the half period of the oscillator.
+    assert before - after == pytest.approx((1 - restitution**2) * before / 2, abs=5e-3 * before)
+
+
+def test_it_survives_saving(O, tmp_path):
+    import cd_engine
+    O.engines = [cd_engine.DashpotWork(work=0.25)]
+    O.save(str(tmp_path / "scene.yade.gz"))
+    O.reset()
+    O.load(str(tmp_path / "scene.yade.gz"))
+    assert O.engines[0].work == 0.25
