@@ -34,6 +34,7 @@ def test_pushed_walls_of_a_sample_that_has_given_way_cannot_lock(row):
     """It stops at a tenth of collapse_strain and more, its walls swing, and it gives way again. A servo may lock there as anywhere."""
     stops = MOVING + [(-0.045, 0.3)] * 10 + [(-0.21, 0.3)]
     assert ends(stops, full=parameters.complete(row)) == (22, Collapse)
+    assert ends(MOVING + [(-0.015, 0.3)] * 10, full=parameters.complete(row)) is None  # it swings back
     assert ends(stops) == (16, StressError)
     assert ends([(-0.015, 0.3)] * 10, full=parameters.complete(row))[1] is StressError
 

@@ -8,8 +8,8 @@ TOLERANCE, SAMPLES = 0.05, 5
 LAST_SAMPLES, SHARE = 2, 0.25
 # Of gamma while the stress is off: a sample that is giving way, beyond what walls can shake (a locked servo 3e-4, see walls.servo).
 COLLAPSE_STEP = 2e-3
-# Share of collapse_strain from which on walls that are pushed by forces may be off their goal: such walls cannot lock, and a sample that has given
-# way so far stops and gives way again.
+# Share of collapse_strain which a sample once has to have strained by, so that walls that are pushed by forces may be off their goal from then on:
+# such walls cannot lock, and a sample that has given way so far swings back, stops and gives way again.
 GIVEN_WAY = 0.1
 # Above the goal, in P0: a sample that gives way carries less than is asked of it (it stayed below 1 in collapses of 100 disks by both
 # methods), walls that fly to and fro carry 20 and more where a flight is longer than COLLAPSE_STEP.
@@ -37,6 +37,7 @@ class LoadCheck:
         self.misses = self.all_misses = self.excesses = 0
         self.pushed = full["method"] == "CD" or full["md_walls"] == "force"
         self.worst = 0.0  # stress error met, in P0
+        self.furthest = 0.0  # |gamma|
         self.gammas = (0.0, 0.0)  # the range of gamma since the stress was last on its goal
 
     def look(self, row):
@@ -52,7 +53,8 @@ class LoadCheck:
             raise Collapse(f"|gamma| = {abs(gamma):.3g} above collapse_strain at t = {row['time']:.4g} s, sigma2 = {row['sigma2_goal'] / p0:.4g} P0")
         low, high = self.gammas
         self.gammas = min(low, gamma), max(high, gamma)
-        gives_way = self.pushed and abs(gamma) > GIVEN_WAY * self.full["collapse_strain"]
+        self.furthest = max(self.furthest, abs(gamma))
+        gives_way = self.pushed and self.furthest > GIVEN_WAY * self.full["collapse_strain"]
         if off <= TOLERANCE or gives_way:
             self.misses, self.gammas = 0, (gamma, gamma)
         elif low - COLLAPSE_STEP <= gamma <= high + COLLAPSE_STEP:
