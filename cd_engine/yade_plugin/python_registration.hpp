@@ -130,6 +130,18 @@ template <class E> py::object constructRaw(py::tuple arguments, py::dict keyword
 	return py::object(self.attr("__init__")(construct<E>(rest, keywords)));
 }
 
+// engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
+template <class E> void setAttribute(const py::object& self, const std::string& name, const py::object& value)
+{
+	const py::object type = self.attr("__class__");
+	if (PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
+		const py::object near = py::import("difflib").attr("get_close_matches")(name, py::import("builtins").attr("dir")(type), 1);
+		const std::string hint = py::len(near) ? "; did you mean " + std::string(py::extract<std::string>(near[0])) + "?" : "";
+		raise(PyExc_AttributeError, std::string(E::name) + " has no attribute '" + name + "'" + hint);
+	}
+	py::import("builtins").attr("object").attr("__setattr__")(self, name, value);
+}
+
 template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, const py::object& value)
 {
 	bool found = false;
@@ -185,6 +197,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	PythonClass<E> cls(E::name, documentation<E>().c_str());
 	cls.def("__init__", py::raw_function(constructRaw<E>, 1));
 	cls.def("__init__", py::make_constructor(+[](const boost::shared_ptr<E>& e) { return e; }));
+	cls.def("__setattr__", &setAttribute<E>);
 	E::attributes(PropertyMaker<E> { cls, static_cast<const E&>(*this) });
 	E::methods(cls);
 }

@@ -82,6 +82,16 @@ def test_bad_assignment_is_refused_and_keeps_the_old_value(cd):
     assert engine.restitution == 0
 
 
+def test_a_misspelt_attribute_is_refused_with_the_right_name(cd):
+    import cd_engine
+    for engine, wrong, right in ((cd(), "tolerence", "tolerance"), (cd_engine.DashpotWork(), "worc", "work")):
+        with pytest.raises(AttributeError, match=f"no attribute '{wrong}'; did you mean {right}?"):
+            setattr(engine, wrong, 1e-3)
+        assert not hasattr(engine, wrong)
+    with pytest.raises(AttributeError, match="no attribute 'qqqqq'$"):
+        cd().qqqqq = 1
+
+
 def test_positional_arguments_are_refused(cd):
     with pytest.raises(TypeError, match="keyword"):
         cd(1e-6)
