@@ -124,8 +124,8 @@ def full(folder, files=()):
         + [_engine(folder, 4000, mu, tolerance=1e-8, steps=25, most_sweeps=10000) for mu in problems.FRICTION] \
         + [_engine(folder, 40000, mu, tolerance=tolerance, steps=steps, most_sweeps=10000)
            for tolerance, steps in ((1e-4, 20), (1e-6, 8)) for mu in problems.FRICTION] \
-        + [_step(20, columns, tolerance=tolerance, steps=steps, order="built") for columns, steps in ((20, 2000), (200, 500), (2000, 100), (12500, 25))
+        + [_step(20, columns, tolerance=tolerance, steps=steps, order="built") for columns, steps in ((20, 2000), (200, 500), (2000, 200), (12500, 100))
            for tolerance in (1e-4, 1e-6)] \
-        + [_step(20, 2000, tolerance=1e-4, steps=100, order="shuffled"), _step(20, 50000, tolerance=1e-4, steps=5, order="built")] \
+        + [_step(20, 2000, tolerance=1e-4, steps=200, order="shuffled"), _step(20, 50000, tolerance=1e-4, steps=50, order="built")] \
         + [_packing(folder, 40000, 1, mu, start, peer, targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer)
            for mu in problems.FRICTION for start in ("cold", "warm")]

@@ -3,8 +3,9 @@
     yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
 
 Equal disks (R = 1 cm, mu = 0.5) in a tray as wide as a row, all in one island that is solved whole (reduce=False), warm: the steps before are not
-counted. Both methods make the same number of steps in runs that are waited for, in turns, so that a busy machine slows both. Times are processor
-time, medians over the runs; nothing is recorded within them. The last line printed is the row, in JSON.
+counted. Both methods make the same number of steps, in RUNS runs that are waited for. Times are processor time, medians over the runs; nothing is
+recorded within them. Each run begins with a search by YADE's collider and ends with all contacts written to the scene, which counts. The last line
+printed is the row, in JSON.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
 Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
 """
