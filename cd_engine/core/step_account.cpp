@@ -44,6 +44,12 @@ SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
 	return nullptr;
 }
 
+inline void TimeStep::give(const Share& of)
+{
+	add(impulses[of.a], -of.x, -of.y, of.turnA);
+	add(impulses[of.b], of.x, of.y, of.turnB);
+}
+
 // Each body takes them in the order of the contacts, which the last digits of its sum depend on. So several threads share the bodies, not the
 // contacts; more than a few would only look more often at what is not theirs.
 void TimeStep::pushAll()
@@ -97,11 +103,8 @@ TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from
 			shares[i] = c.pn > 0 || !sleepers.none() ? share(i, pair) : Share { -1, -1, 0, 0, 0, 0 };
 		if (c.pn <= 0)
 			continue;
-		if (!keepsShares) {
-			const Share of = share(i, pair);
-			add(impulses[of.a], -of.x, -of.y, of.turnA);
-			add(impulses[of.b], of.x, of.y, of.turnB);
-		}
+		if (!keepsShares)
+			give(share(i, pair));
 		const bool asleep = !sleepers.none() && asleepAt(c);
 		sum.loaded += !asleep;
 		sum.sliding += !asleep && slides(c);
@@ -145,10 +148,8 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c);
 			push(of, *asleep);
-		} else if (c.pn > 0) {
-			add(impulses[of.a], -of.x, -of.y, of.turnA);
-			add(impulses[of.b], of.x, of.y, of.turnB);
-		}
+		} else if (c.pn > 0)
+			give(of);
 	}
 }
 

@@ -115,6 +115,7 @@ class TimeStep {
 	Account account(World&, double dissipated, std::size_t from, std::size_t to);
 	struct Share;
 	Share share(std::size_t row, const Pair&) const;
+	void give(const Share&);
 	void push(const Share&, SleepingIsland&);
 	void pushAll();
 	void finishSleepers(StepReport&);
