@@ -1,18 +1,18 @@
-// Gauss-Seidel sweeps with momentum: a sweep from the point y = p + beta (p - q) ahead of the last two iterates q, p.
+// Gauss-Seidel sweeps with momentum: a sweep starts from the extrapolated point y = p + beta (p - q), where q, p are the last two iterates.
 //
 // beta follows Nesterov's sequence (Nesterov 1983; O'Donoghue & Candes 2015, "Adaptive restart for accelerated gradient schemes",
-// eqs. 6-8), with their restart when the sweep turns back against the momentum. Friction makes the problem non-monotone, where
-// momentum can blow up: beta is capped, and the cap lowered whenever the changes made by the sweeps do not decrease over a window -
-// unless the iterate drifts: moves straight on, by the same change each sweep. Frictional packings are hyperstatic; where residual gaps do not
-// let all contacts that carry stay closed or sticking, the impulses move along a self-stress, which changes no velocity and so no error,
-// until a contact opens or slides, far away (1e4 to 1e6 plain sweeps, at errors from 1e-6 down). There momentum is what helps.
-// An iteration costs a sweep, 32 bytes a contact more, and a pass over the velocities. In the matrix form momentum is local (row_momentum.hpp).
+// eqs. 6-8). It restarts, as in their scheme, when a sweep turns back against the momentum. Friction makes the problem non-monotone, and momentum can
+// diverge. beta is therefore capped. The cap is lowered whenever the changes by the sweeps do not decrease over a window, unless the iterate drifts,
+// that is, moves straight on by the same change in each sweep. Frictional packings are hyperstatic: if residual gaps do not let all loaded contacts
+// stay closed or sticking, the impulses move along a self-stress. This changes no velocity, and so no error, until a contact opens or slides, far
+// away (1e4 to 1e6 plain sweeps, at errors from 1e-6 down). Momentum shortens such drifts. An iteration costs a sweep, 32 bytes a contact more, and a
+// pass over the velocities. In the matrix form momentum is local (row_momentum.hpp).
 //
-// Tried on cold dense packings of 400 and 4000 disks, mu 0.1 and 0.5, and not better (median sweeps to 1e-6 relative to this): a momentum of its
-// own for each block of 1024 or 256 contacts, 1.3 to 2.1 times (to 1e-4 0.8 to 1.0, but a second pass over the contacts); restart on a cosine
-// above 0.1 or 0.2, 1.1 to 1.4 (to 1e-4 0.9); a random order, 2.5; a sweep back after twenty forth, 0.9 to 1.1; jumps along the drift to the first,
-// 5th or 20th contact that leaves its state, none (a drift is left sooner, but the next takes as long to show). Without the drift's
-// exemption the sweeps stop at 1e-6 in two cases of three.
+// Alternatives tried on cold dense packings of 400 and 4000 disks, mu 0.1 and 0.5, none of them better (median sweeps to 1e-6 relative to this): a
+// separate momentum for each block of 1024 or 256 contacts, 1.3 to 2.1 times (to 1e-4 0.8 to 1.0, but a second pass over the contacts); restart on a
+// cosine above 0.1 or 0.2, 1.1 to 1.4 (to 1e-4 0.9); a random order, 2.5; one backward sweep after twenty forward sweeps, 0.9 to 1.1; jumps along the
+// drift to the first, 5th or 20th contact that leaves its state, no gain (the drift ends sooner, but the next takes as long to show). If the cap is
+// lowered in drifts, too, the sweeps stop at 1e-6 in two cases of three.
 #include "delassus_sweep.hpp"
 #include "iterate.hpp"
 #include "start.hpp"
@@ -46,9 +46,9 @@ namespace {
 
 	    private:
 		static constexpr int window = 20; // sweeps over which the changes must decrease
-		static constexpr double highest = 0.999; // the cap's bound
+		static constexpr double highest = 0.999; // upper limit of the cap
 
-		// What the sweeps of a window did.
+		// Sums over the sweeps of one window.
 		struct Window {
 			double change = 0, largest = 0; // of |y - p+|: sum and maximum [N s]
 			double changes = 0, advances = 0, along = 0; // sums of |y - p+|^2, |p+ - p|^2, (p+ - y) . (p+ - p) [N^2 s^2]
@@ -62,7 +62,7 @@ namespace {
 				advances += advance;
 				along -= report.against;
 			}
-			// The sweeps go where the momentum goes.
+			// Whether the sweeps move along the momentum.
 			bool straight() const { return along > 0.8 * std::sqrt(changes * advances); }
 		};
 
@@ -70,11 +70,11 @@ namespace {
 
 		void watch()
 		{
-			// May grow by 5 % a window: each drift has its own pace.
+			// The limit may grow by 5 % a window, because each drift has its own pace.
 			smallest = std::min(now.change, 1.05 * smallest);
 			const bool drift = now.straight() && now.change <= 1.1 * smallest;
 			const bool spike = now.largest > 4 * last.change / window;
-			// A window no better than the last, or with a spike in it: momentum is doing harm.
+			// Momentum does harm if a window is no better than the last one or contains a spike.
 			const bool worse = spike || (now.change > 0.98 * last.change && !drift);
 			cap = worse && last.change > 0 ? std::max(0., 1 - 1.5 * (1 - cap)) : std::min(highest, 1 - 0.8 * (1 - cap));
 			last = now;
@@ -85,20 +85,20 @@ namespace {
 		double t = 1, cap = 0.9;
 		double advance = 0; // |p+ - p|^2 of the last sweep [N^2 s^2]
 		Window now, last;
-		double smallest = std::numeric_limits<double>::infinity(); // change in a window
+		double smallest = std::numeric_limits<double>::infinity(); // smallest change in a window
 		int made = 0;
 	};
 
-	// Momentum can swing for ever: over W = 1 + 0.02, all entries, 1000 contacts, that of each group for itself stays at an error of 0.6, and
-	// plain sweeps need 250; over a tree of bodies, too. Plain sweeps are therefore tried beside it, from `firstTrial` sweeps on if always, else
-	// from when it has gained nothing in half of its sweeps at an error where no drift would show: brought to the same number, again each time
-	// the other has made four times as many, and the one with the smaller error leads on. Where momentum leads, the way it takes is the same to
-	// the last bit.
+	// Momentum can oscillate for ever. Over W = 1 + 0.02, all entries, 1000 contacts, a momentum for each group stays at an error of 0.6, while
+	// plain sweeps need 250; the same happens over a tree of bodies. Plain sweeps are therefore tried, too: from `firstTrial` sweeps on if
+	// `always` is set, else once momentum has gained nothing in half of its sweeps at an error too large for a drift. Both are compared at the
+	// same number of sweeps. The one with the smaller error goes on to four times as many, then the other catches up to a new comparison. Where
+	// momentum leads, its path is the same to the last bit.
 	template <class S, class Method>
 	SolverReport besidePlain(typename S::System& system, const SolverSettings& settings, int firstTrial, bool always, const Method& method)
 	{
 		constexpr int share = 4;
-		constexpr double drifting = 1e-2; // below it momentum that stands still has mostly met a drift, and goes on
+		constexpr double drifting = 1e-2; // below this error, momentum that stands still is mostly in a drift, and goes on
 		const int all = settings.maxIterations;
 		if (settings.fixedIterations > 0 || all <= firstTrial)
 			return iterate<S>(system, settings, method);

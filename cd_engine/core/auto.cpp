@@ -1,10 +1,9 @@
-// Accelerated sweeps, and where they stagnate or run out, Newton's method: from the best they found, and where that stagnates, too, from the
-// first guess.
+// Accelerated sweeps, and where they stagnate or run out, Newton's method from their best iterate. Where that stagnates, too, Newton's method from
+// the first guess.
 //
-// Sweeps come first and go to their end: one factorization costs as much as 300 of them and more, and what they solve at all they mostly solve in
-// a few hundred. Newton's method can stagnate from one start and solve from another: of twelve frozen packings with mu = 0.5 it solves ten
-// from where sweeps stagnate (1e-5) and eleven from e = 1e-3. Sweeps from where Newton's method stagnates gain nothing, on none of the problems
-// tried.
+// Sweeps come first and go to their end: one factorization costs as much as 300 of them or more, and most problems that they solve take a few
+// hundred. Newton's method can stagnate from one start and solve from another: of twelve frozen packings with mu = 0.5 it solves ten from where
+// sweeps stagnate (1e-5) and eleven from e = 1e-3. On no problem tried did sweeps gain anything from where Newton's method stagnates.
 #include "solver.hpp"
 #include "start.hpp"
 
@@ -13,16 +12,16 @@
 namespace cd {
 namespace {
 
-	// Bodies, or contacts of a problem given by its matrix, above which Newton's method is not tried: a few of its steps would take seconds.
+	// Above this number of bodies, or of contacts of a matrix problem, Newton's method is not tried: a few of its steps would take seconds.
 	constexpr std::size_t large = 10000;
-	// So much Newton's method may take from each of its starts: about 0.7 s whatever the size, 760 steps for 400 disks.
+	// Operations that Newton's method may take from each of its starts: about 0.7 s whatever the size, 760 steps for 400 disks.
 	constexpr double mostWork = 2e9;
-	constexpr int mostSteps = 3000; // in all; what can be solved at all takes 10 to 1000
+	constexpr int mostSteps = 3000; // limit on all steps; problems that can be solved take 10 to 1000
 
 	std::size_t size(const ContactSystem& s) { return s.bodies.size(); }
 	std::size_t size(const DelassusSystem& s) { return s.contacts(); }
 
-	// Newton's method from the impulses in the system, and anew from the first guess; the better of both stays.
+	// Newton's method from the impulses in the system and, if it stagnates, from the first guess. Keeps the better result.
 	template <class System> SolverReport newtonTwice(System& system, const Start& start, SolverSettings settings)
 	{
 		start.free(system);
@@ -45,7 +44,7 @@ namespace {
 
 	template <class System> SolverReport solve(System& system, const SolverSettings& settings)
 	{
-		const int most = std::min(mostSteps, settings.maxIterations / 6); // these are left for Newton's method
+		const int most = std::min(mostSteps, settings.maxIterations / 6); // iterations left for Newton's method
 		if (settings.fixedIterations > 0 || size(system) > large || most == 0)
 			return accelerated(system, settings);
 		const Kept start(system, settings);

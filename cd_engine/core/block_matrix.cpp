@@ -6,9 +6,9 @@
 namespace cd {
 namespace {
 
-	// Of the smallest pivot to the largest: below it no digit of the solution is known.
+	// Ratio of the smallest to the largest pivot below which no digit of the solution is known.
 	constexpr double singular = 1e-15;
-	// Old pivots that let numbers grow by more than this cost more digits than the errors asked for leave to lose.
+	// Pivots are chosen anew if the old ones let numbers grow by more than this. Larger growth would cost too many digits.
 	constexpr double growth = 1e6;
 
 } // namespace
@@ -50,11 +50,11 @@ template <int B> void BlockMatrix<B>::plan(std::size_t rows, const std::vector<s
 					numberRow.push_back(B * row[k] + r);
 			numberStart.push_back(static_cast<int>(numberRow.size()));
 		}
-	// Callers scale their rows, and look for blocks that need no others in vain: a packing hangs together.
+	// No scaling, since callers scale their rows. No search for a block triangular form, since the contacts of a packing are connected.
 	settings.scale = 0;
 	settings.btf = 0;
 	if (rows > 0 && !(order = klu_analyze(static_cast<int>(B * rows), numberStart.data(), numberRow.data(), &settings)))
-		throw std::bad_alloc(); // the pattern is sound
+		throw std::bad_alloc(); // the pattern is valid, so only memory can be missing
 }
 
 template <int B> void BlockMatrix<B>::clear() { std::fill(block.begin(), block.end(), Block {}); }

@@ -38,7 +38,7 @@ void Blocks::findWalls(const std::vector<Link>& links, const std::vector<uint8_t
 		atWall[k] = wall(links[solvable[k]].a) || wall(links[solvable[k]].b);
 }
 
-// Each block takes, of the colours that no block with one of its bodies has, that with the fewest blocks.
+// Gives each block the least used colour among those that no block with a common body has.
 void Blocks::findColours(const std::vector<Link>& links)
 {
 	const std::size_t blocks = (solvable.size() + size - 1) / size;

@@ -6,12 +6,12 @@
 namespace cd {
 namespace {
 
-	constexpr int rounds = 30; // of Newton's method; each finds which contacts close
-	constexpr int halvings = 50; // in the search for the length of a step of it
-	constexpr double solved = 1e-15; // share of the terms of the gradient that is round-off
-	// Tolerances by which the contacts together may close in a step that counts as solved. (The tests allow ten of them at a single contact.)
+	constexpr int rounds = 30; // of Newton's method, at most; each finds which contacts close
+	constexpr int halvings = 50; // bisections in the line search of a Newton step
+	constexpr double solved = 1e-15; // a gradient below this share of its terms is round-off
+	// In a step that counts as solved, contacts together may close by this many tolerances. (The tests allow ten at a single contact.)
 	constexpr double missed = 3;
-	constexpr double share = 1e-8; // of the terms of b . y that it has at least
+	constexpr double share = 1e-8; // the work b . y must exceed this share of its terms
 
 	double square(const std::vector<double>& a)
 	{
@@ -21,7 +21,7 @@ namespace {
 		return sum;
 	}
 
-	// Rows are weighted by 1/sqrt(W_nn) and velocities by the roots of the masses: the rows of J then have length 1.
+	// Rows are weighted by 1/sqrt(W_nn) and velocities by the square roots of the masses, so that the rows of J have length 1.
 	class LeastSquares {
 	    public:
 		int operator()(const ContactSystem& s, const std::vector<double>& free, double tolerance, double bound, int mostProducts)
@@ -97,8 +97,8 @@ namespace {
 			}
 		}
 
-		// Begins with the rigid motion of all bodies that fits the prescribed ones best, where that closes less: a drum that turns, a box
-		// that is shaken.
+		// Starts from the rigid motion of all bodies that best fits the prescribed ones, if contacts close less in it. Examples: a turning
+		// drum, a shaken box.
 		void tryRigidMotion(const std::vector<double>& free)
 		{
 			if (system->places.empty())
@@ -157,7 +157,7 @@ namespace {
 			return sum;
 		}
 
-		// What round-off in the gradient is compared with.
+		// The magnitude with which round-off in the gradient is compared.
 		double terms(const std::vector<double>& r) const { return 2 * closing(r); }
 
 		// J x
@@ -173,7 +173,7 @@ namespace {
 			}
 		}
 
-		// J^T y over those contacts at which `closes` is negative
+		// J^T y, summed over the contacts at which `closes` is negative
 		void back(const std::vector<double>& y, const std::vector<double>& closes, std::vector<double>& to) const
 		{
 			to.assign(unknowns, 0);
@@ -189,7 +189,7 @@ namespace {
 		}
 		void gradient(const std::vector<double>& of, std::vector<double>& to) const { back(of, of, to); }
 
-		// The least squares of the contacts that now close, by conjugate gradients (CGLS), into `step`.
+		// Solves the least squares problem of the contacts that now close, by conjugate gradients (CGLS). The result goes to `step`.
 		void descend()
 		{
 			step.assign(unknowns, 0);
@@ -222,7 +222,7 @@ namespace {
 			}
 		}
 
-		// The share of the step at which the contacts close least, at most all of it: which contacts close may change on the way.
+		// The share of the step, at most 1, at which the contacts close least. Along the step the set of closing contacts may change.
 		double best() const
 		{
 			const auto falls = [this](double length) {
@@ -241,7 +241,7 @@ namespace {
 			return low;
 		}
 
-		// The contact that closes most, if what closes is a proof: velocities that open it would be larger than |y|^2/|J^T y|.
+		// The contact that closes most if y is a proof, else -1. Velocities without closing would have to be larger than |y|^2/|J^T y|.
 		int proof(double scale, double bound)
 		{
 			gradient(r, g);
@@ -260,17 +260,17 @@ namespace {
 		}
 
 		const ContactSystem* system = nullptr;
-		int left = 0; // products
-		std::vector<double> roots; // of the inverse masses
-		std::vector<int32_t> rows; // contacts that can open
+		int left = 0; // products that may still be made
+		std::vector<double> roots; // square roots of the inverse masses
+		std::vector<int32_t> rows; // contacts with a body that can move along the normal
 		struct Link { // a row of J
-			int32_t a, b; // first unknowns of its bodies
+			int32_t a, b; // index of the first unknown of each body
 			double onA[3], onB[3];
 		};
-		std::vector<Link> links; // of `rows`
-		std::vector<double> b, size; // the prescribed velocities and the sizes of their terms
-		std::vector<double> q; // the same without impulses, of all bodies
-		std::vector<double> r; // J v + b, of the velocities found at first
+		std::vector<Link> links; // one for each of `rows`
+		std::vector<double> b, size; // the prescribed closing velocities, and the magnitude of their terms
+		std::vector<double> q; // the same with the free velocities of all bodies
+		std::vector<double> r; // J v + b; at first with the velocities in the system
 		std::size_t unknowns = 0;
 		std::vector<char> touched; // whether a body is a boundary that has a contact
 		std::vector<double> motion; // of the bodies

@@ -33,7 +33,7 @@ namespace {
 			nx = ox / distance;
 			ny = oy / distance;
 		} else {
-			// Over a face, or inside (then the face that is left by the shortest way).
+			// Over a face, or inside: then the nearest face.
 			const double outX = std::abs(lx) - box.ex, outY = std::abs(ly) - box.ey;
 			const bool alongX = outX > outY;
 			distance = alongX ? outX : outY;
@@ -50,7 +50,7 @@ namespace {
 		return { wall.axis == 0 ? side : 0., wall.axis == 0 ? 0. : side, side * d };
 	}
 
-	// Where on its way from `from` to `to`, both in the axes of a box of half lengths e, a point comes in: the axis of the face; -1: it does not.
+	// The axis of the face through which a point enters a box of half lengths e on its way from `from` to `to`, both in the box's axes; -1: none.
 	int faceEntered(const double* from, const double* to, const double* e)
 	{
 		double latest = -1;
@@ -101,18 +101,18 @@ bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& 
 	return true;
 }
 
-// In the axes (n, t) of the face at first the disk's centre lies at (b, s) from that of the box, and after the step at (b', s'), the box having
-// turned by w: it is as far from the face as it was to be if b' cos w + s' sin w = touching. With b' from that, and h u_n = b' - b + w s,
-// the condition h u_n + gap + change >= 0 gives the change.
+// In the axes (n, t) of the face, the disk's centre begins at (b, s) relative to the centre of the box and ends at (b', s'); the box turns by w. The
+// disk keeps the required distance if b' cos w + s' sin w = touching. This equation gives b'. With h u_n = b' - b + w s, the condition h u_n + gap +
+// change >= 0 then gives the change.
 double gapByTurning(
     const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox, const double* vDisk, double h)
 {
 	const double w = h * vBox[2], dx = disk.x - box.x, dy = disk.y - box.y;
 	const Axes axes(shape, box.turned);
 	if (std::abs(axes.along(dx, dy)) > shape.ex && std::abs(axes.across(dx, dy)) > shape.ey)
-		return 0; // over a corner: a point, whose way bends away from the disk
+		return 0; // beyond a corner, which is a point: its path bends away from the disk
 	if (!(std::abs(w) < 1))
-		return 0; // more than a radian a step: no face is met then
+		return 0; // more than a radian a step: the disk meets no definite face
 	const double s = touch.nx * dy - touch.ny * dx;
 	const double after = s + h * (touch.nx * (vDisk[1] - vBox[1]) - touch.ny * (vDisk[0] - vBox[0]));
 	return touching * (1 - 1 / std::cos(w)) + after * std::tan(w) - w * s;

@@ -1,4 +1,4 @@
-// The contact problem of one time step, in the velocities of the bodies (matrix-free): what every solver works on.
+// The contact problem of one time step, formulated in the velocities of the bodies (matrix-free). Every solver works on it.
 //
 // Conventions, defined here and nowhere else (SI units throughout, plane motion in x, y, rotation about z):
 //   n  unit normal from body `a` to body `b`;  t = (-n_y, n_x), n turned by +90 degrees
@@ -17,12 +17,12 @@
 
 namespace cd {
 
-// One cache line: a contact needs a body's velocity and its inverse mass together.
+// One cache line a body, because a contact needs the velocity and the inverse mass of a body together.
 struct alignas(64) BodyVelocity {
 	double v[3]; // v_x, v_y [m/s], angular velocity about z [rad/s]
-	double pushed; // size of the change of velocity that the external force makes in the step [m/s]; 0 where it is not known
+	double pushed; // magnitude of the velocity change by the external force in the step [m/s]; 0 where it is not known
 	double w[3]; // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
-	double twisted; // the same of the angular velocity [rad/s]
+	double twisted; // the same for the angular velocity, by the external torque [rad/s]
 };
 static_assert(sizeof(BodyVelocity) == 64 && offsetof(BodyVelocity, w) == 32);
 
@@ -36,21 +36,21 @@ struct ContactRow {
 	double wnn = 0, wnt = 0, wtt = 0; // own block of W [1/kg]
 	double pn = 0, pt = 0; // impulse on `b` [N s]: first guess on entry, solution on exit
 
-	// No coupling between the two directions: true for disks, and for boundaries whose free directions are along n or t.
+	// Whether the normal and tangential directions are uncoupled: true for disks, and for boundaries whose free directions are along n or t.
 	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
 
-	// Whether neither body can move along the normal: a compliance of `along` that is round-off of what both can move by at all is none. The
-	// normal of a body blocked along x, had as (1, cos(pi/2)), has 6e-17 along y, and 1e32 times its mass would have to push it out of the way.
+	// Whether neither body can move along the normal: the compliance `along` the normal is only round-off of the sum of `all` compliances.
+	// Example: the normal of a body blocked along x, computed as (1, cos(pi/2)), has 6e-17 along y: an effective mass of 1e32 times its own.
 	static bool held(double along, double all) { return along <= 1e-29 * all; } // (14 epsilon)^2
 	double freedom(const double* a, const double* b) const
 	{
 		return a[0] + a[1] + b[0] + b[1] + (an * an + at * at) * a[2] + (bn * bn + bt * bt) * b[2];
 	}
 
-	// Fills wnn, wnt, wtt from the arms and the bodies' inverse masses; wnn = 0 between bodies that are immobile along n: solvers pass them over.
+	// Fills wnn, wnt, wtt from the arms and the inverse masses of the bodies. wnn = 0 if both are immobile along n; solvers skip such contacts.
 	void assembleBlock(const BodyVelocity& A, const BodyVelocity& B)
 	{
-		// A body that neither turns nor can be turned makes its arms irrelevant; zeroing them keeps the contact on the diagonal kernel.
+		// The arms of a body that does not and cannot turn have no effect. Zero arms allow the faster kernel for uncoupled contacts.
 		if (A.w[2] == 0 && A.v[2] == 0)
 			an = at = 0;
 		if (B.w[2] == 0 && B.v[2] == 0)
@@ -68,7 +68,7 @@ static_assert(sizeof(ContactRow) == 8 + 13 * 8);
 struct ContactSystem {
 	std::vector<std::array<double, 2>> places; // of the bodies' centres [m]; empty where they are not known
 	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
-	std::vector<ContactRow> contacts; // solvers may sweep them in any order but leave this order alone
+	std::vector<ContactRow> contacts; // solvers may sweep them in any order but must not reorder them
 
 	void assembleBlocks()
 	{

@@ -94,7 +94,7 @@ void DelassusSweep::fillSlices(std::size_t group)
 	};
 	for (int lane = 0; lane < RowGroup::lanes; lane++) {
 		const int32_t row = packed.grouping.members[group * RowGroup::lanes + (spread ? 0 : lane)];
-		// Of a row alone in its lane every block, of one that is spread every eighth.
+		// A row with one lane puts all its blocks there. A spread row puts every eighth block in each lane.
 		std::size_t slice = first, seen = 0;
 		if (row >= 0)
 			for (std::size_t k = system.start[row]; k < system.start[row + 1]; k++)
@@ -164,7 +164,7 @@ void DelassusSweep::chooseFocus()
 			packed.focus.push_back(static_cast<int32_t>(g));
 			inFocus += packed.steps[g].change;
 		}
-	// An eighth of the groups at most, and a tenth of the change left to the others.
+	// The focus has at most an eighth of the groups, and the others keep at most a tenth of the change (in the 2-norm).
 	if (8 * packed.focus.size() > packed.groups.size() || !(inFocus > 0.99 * total))
 		packed.focus.clear();
 }

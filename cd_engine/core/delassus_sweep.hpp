@@ -1,4 +1,4 @@
-// Gauss-Seidel sweeps over the rows of W: what sweep.hpp does in the velocities of disks, for any bodies.
+// Gauss-Seidel sweeps over the rows of W, for bodies of any kind. sweep.hpp does the same in the velocities of disks.
 #pragma once
 
 #include "delassus_system.hpp"
@@ -16,23 +16,23 @@ class DelassusSweep {
     public:
 	using System = DelassusSystem;
 
-	// Packs the rows and the first-guess impulses; costs about as much as fifteen sweeps.
+	// Packs the rows and the impulses of the first guess; this costs about as much as fifteen sweeps.
 	// seed > 0: each sweep visits the groups of rows in a new random order.
-	// By one thread, whatever threads there are.
+	// Uses one thread, whatever threads are passed.
 	DelassusSweep(DelassusSystem& system, unsigned seed, Threads* = nullptr);
 	~DelassusSweep();
 	DelassusSweep(const DelassusSweep&) = delete;
 	DelassusSweep& operator=(const DelassusSweep&) = delete;
 
-	// Solves every contact once, exactly, the others held. A block of W is 36 bytes and 8 operations; disks in a dense packing have seven a
-	// contact.
+	// Solves every contact once, exactly, the others being held. A block of W takes 36 bytes and 8 operations; disks in a dense packing have
+	// seven blocks a contact.
 	void operator()();
-	// The same with momentum (row_momentum.hpp). Where nearly all of a sweep's change was in a few groups, the next solves these again and again,
-	// as many rows in all: contacts that hold each other in more ways than they have bodies settle by a drift of 1e5 sweeps, next to nothing else
-	// moving. Siconos's problems of 7002 and 2020 contacts come to 1e-8 this way, and stop at 2e-8 and 2e-7 without.
+	// The same with momentum (row_momentum.hpp). If a few groups made nearly all of a sweep's change, the next call solves only these, again and
+	// again, as many rows in all as a sweep: contacts in hyperstatic clusters settle by a drift of 1e5 sweeps while next to nothing else moves.
+	// Siconos's problems of 7002 and 2020 contacts reach 1e-8 this way; without it they stop at 2e-8 and 2e-7.
 	void ahead();
 
-	// No velocity is kept: each is the product of a row with the impulses, made when needed.
+	// Does nothing: no velocity is stored. Each is computed from a row and the impulses when needed.
 	void restoreVelocities() { }
 	// Copies the impulses back to `system.p`.
 	void store();
@@ -43,7 +43,7 @@ class DelassusSweep {
 		return residual(system);
 	}
 
-	// The impulses of an iterate, to come back to.
+	// The impulses of an iterate, saved to restore it later.
 	using Iterate = std::vector<ImpulsePairs>;
 	void copyTo(Iterate& p) const { p = packed.impulses; }
 	void copyFrom(const Iterate& p) { packed.impulses = p; }
@@ -53,15 +53,15 @@ class DelassusSweep {
 	struct Packed {
 		RowGrouping grouping;
 		RowGroupBuilder builder;
-		std::vector<int32_t> place; // of each row: its lane among those of all groups
+		std::vector<int32_t> place; // of each row: its lane, counted over all groups
 		std::vector<RowGroup> groups;
 		std::vector<std::size_t> start; // as in RowGroups
 		std::vector<BlockSlice> slices;
 		std::vector<SliceColumns> columns;
-		std::vector<ImpulsePairs> impulses, before; // of each group, now and a sweep ago
+		std::vector<ImpulsePairs> impulses, before; // of each group: now, and one sweep ago
 		RowMomentum momentum;
-		std::vector<GroupStep> steps; // of each group, the last it made
-		std::vector<int32_t> focus; // groups that the next sweep with momentum is spent on; none: all
+		std::vector<GroupStep> steps; // of each group: its last step
+		std::vector<int32_t> focus; // the only groups that the next sweep with momentum solves; empty: all
 	};
 	static std::unique_ptr<Packed>& spare();
 
@@ -77,7 +77,7 @@ class DelassusSweep {
 	DelassusSystem& system;
 	std::unique_ptr<Packed> kept;
 	Packed& packed;
-	bool remembered = false; // whether `before` and `momentum` are filled
+	bool remembered = false; // whether `before` and `momentum` are set
 	RandomOrder order;
 };
 

@@ -16,7 +16,7 @@ namespace {
 		return { { s * c.nx, s * c.ny, s * (onB ? c.bn : c.an) }, { -s * c.ny, s * c.nx, s * (onB ? c.bt : c.at) } };
 	}
 
-	// Products of two arms first, so that W comes out symmetric to the last bit.
+	// Multiplies the two arms first, so that W is symmetric to the last bit.
 	double coupling(const double* a, const double* b, const double* w) { return a[0] * b[0] * w[0] + a[1] * b[1] * w[1] + a[2] * b[2] * w[2]; }
 
 } // namespace
@@ -33,7 +33,7 @@ std::vector<int32_t> solvableRows(const ContactSystem& system)
 DelassusSystem assembleDelassus(const ContactSystem& system)
 {
 	const std::vector<int32_t> rows = solvableRows(system);
-	// Which contacts each body has, ascending. An immobile body couples nothing.
+	// The contacts of each body, ascending. An immobile body couples nothing.
 	std::vector<std::vector<int32_t>> of(system.bodies.size());
 	const auto moves = [&](int32_t body) {
 		const double* w = system.bodies[body].w;

@@ -1,4 +1,4 @@
-// The contact problem given by its Delassus matrix: what other codes exchange (Siconos, FCLIB), for bodies of any kind.
+// The contact problem given by its Delassus matrix, as other codes exchange it (Siconos, FCLIB), for bodies of any kind.
 //
 // Conventions as in contact_system.hpp; the bias is part of q:
 //   u = W p + q,   per contact the normal component, then the tangential one
@@ -9,16 +9,16 @@
 
 namespace cd {
 
-// The 2 x 2 coupling of two contacts [1/kg]. W is symmetric in mechanics but not to the last bit in files, so none is assumed.
+// The 2 x 2 coupling of two contacts [1/kg]. W is symmetric in mechanics, but in files not to the last bit, so symmetry is not assumed.
 struct Block {
 	double nn, nt, tn, tt;
 };
 
 struct DelassusSystem {
 	std::vector<std::size_t> start; // row i holds the blocks start[i] .. start[i + 1] - 1
-	std::vector<int32_t> column; // of each block: the contact it couples to, ascending in a row
+	std::vector<int32_t> column; // of each block: the contact that the row couples to, ascending in a row
 	std::vector<Block> blocks;
-	std::vector<std::size_t> diagonal; // which block of row i is its own; its nn and tt are positive
+	std::vector<std::size_t> diagonal; // of each row: the index of its own block, whose nn and tt are positive
 	std::vector<double> q; // relative velocities without impulses [m/s], 2 a contact
 	std::vector<double> mu; // Coulomb friction coefficients
 	std::vector<double> p; // impulses [N s], 2 a contact: first guess on entry, solution on exit
@@ -26,11 +26,11 @@ struct DelassusSystem {
 	std::size_t contacts() const { return mu.size(); }
 };
 
-// The rows of `system.contacts` that have a place in W, ascending: all but those between two immobile bodies.
+// The rows of `system.contacts` that belong to W, ascending: all but those whose bodies cannot move along the normal.
 std::vector<int32_t> solvableRows(const ContactSystem&);
 
-// W = H^T M^-1 H and q = H^T v + bias of these rows, v the free velocities, with the first guess. Two contacts couple where they share a
-// body that can move; one body with k contacts makes k^2 blocks.
+// W = H^T M^-1 H and q = H^T v + bias of these rows, with v the free velocities, and the first guess. Two contacts couple if they share a movable
+// body, so one body with k contacts makes k^2 blocks.
 DelassusSystem assembleDelassus(const ContactSystem& system);
 
 } // namespace cd

@@ -1,8 +1,8 @@
-// What a sweep reads and writes: contacts eight by eight, and a body in one 32-byte load.
+// The data that a sweep reads and writes: contacts in groups of eight, and bodies of 32 bytes, each read by one load.
 //
-// In a group no two contacts share a body that can move, so its eight are solved at once and their order within it means nothing: every
-// width of vectors gives the same bits. The rotation of a body is counted in k omega [m/s], k its radius of gyration (m k^2 = I), in
-// which its inverse inertia is 1/m, too.
+// No two contacts of a group share a movable body. The eight are therefore solved at once, and their order in the group has no effect: every vector
+// width gives the same bits. The rotation of a body is stored as k omega [m/s], with k its radius of gyration (m k^2 = I). The inverse inertia of
+// this variable is 1/m, too.
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,23 @@ namespace cd {
 
 struct alignas(32) PackedBody {
 	double vx, vy, spin; // [m/s], spin = k omega
-	double w; // 1/m along x and y, and of the spin [1/kg]; 0: immobile
+	double w; // inverse mass of vx, vy and spin [1/kg]; 0: immobile
 };
 static_assert(sizeof(PackedBody) == 32);
 
-// Contacts without coupling of n and t between bodies of equal mass in both directions; lanes not needed are without normal and impulse.
+// Contacts that do not couple n and t, between bodies with equal mass in both directions. Unused lanes have neither normal nor impulse.
 struct alignas(64) Group {
 	static constexpr int lanes = 8;
-	int32_t a[lanes], b[lanes]; // packed bodies
+	int32_t a[lanes], b[lanes]; // numbers of the packed bodies
 	double nx[lanes], ny[lanes];
-	double at[lanes], bt[lanes]; // lever arms of the tangential impulse over k
+	double at[lanes], bt[lanes]; // lever arms of the tangential impulse, divided by k
 	double bias[lanes], mu[lanes];
 	double inverseWnn[lanes], inverseWtt[lanes];
 	double pn[lanes], pt[lanes];
 };
 static_assert(sizeof(Group) == 11 * 64 && offsetof(Group, nx) == 64); // no gaps: each member begins on a boundary of its own size
 
-// What the contacts of a group miss of their law (residual.hpp), squared.
+// How far the contacts of a group miss the contact law (residual.hpp), squared.
 struct alignas(64) GroupMiss {
 	double difference[Group::lanes]; // of the impulse [N^2 s^2]
 	double velocity[Group::lanes]; // [m^2/s^2]

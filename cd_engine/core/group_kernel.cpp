@@ -2,7 +2,7 @@
 
 namespace cd {
 
-// Forced: the vectors of a target must stay in registers, also where the optimizer would call.
+// Inlining is forced: the vectors of a target must stay in registers, also where the optimizer would make a call.
 #define INLINE static inline __attribute__((always_inline))
 
 #define LANES 2

@@ -1,4 +1,4 @@
-// The inner loops of a sweep, once for every kind of processor; all give the same bits.
+// The inner loops of a sweep, compiled once for each kind of processor. All versions give the same bits.
 #pragma once
 
 #include "group.hpp"
@@ -8,13 +8,13 @@
 
 namespace cd {
 
-// What a sweep from an extrapolated point did, summed lane by lane [N^2 s^2]: y the point, p before, p+ after the sweep.
+// Results of a sweep from an extrapolated point y, summed lane by lane [N^2 s^2]. p are the impulses before the sweep, p+ those after it.
 struct alignas(64) LaneSums {
 	double change[Group::lanes]; // |y - p+|^2
 	double against[Group::lanes]; // (y - p+) . (p+ - p)
 };
 
-// What the contacts miss of their law, summed lane by lane: the members of ResidualSum of the same names, `velocity` its `missed`.
+// How far the contacts miss the contact law, summed lane by lane: members of ResidualSum with the same names; `velocity` is its `missed`.
 struct alignas(64) LaneMisses {
 	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
 	double velocity[Group::lanes];
@@ -24,26 +24,26 @@ struct alignas(64) LaneMisses {
 struct GroupKernel {
 	const char* name;
 	int lanes; // contacts solved at once
-	// Solves the contacts of groups[0 .. count) in turn, the others held.
+	// Solves the contacts of groups[0 .. count) in turn, while the others are held.
 	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
-	// The same from y = p + beta (p - before); `before` becomes p. The bodies have been moved to y already. Adds to the sums.
+	// The same from y = p + beta (p - before); `before` becomes p. The bodies must already have the velocities of y. Adds to the sums.
 	void (*sweepAhead)(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums);
-	// v + beta (v - before) for every velocity; `before` becomes v.
+	// Replaces every velocity v by v + beta (v - before); `before` becomes v.
 	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
-	// Adds to every body what its contacts bring: the impulse, its moment over k, and in place of w the sizes |p_n| + (1 + arm^2)|p_t|.
+	// Adds to every body the impulses of its contacts, their moments over k, and, in the member w, the magnitudes |p_n| + (1 + arm^2)|p_t|.
 	void (*press)(const Group* groups, std::size_t count, PackedBody* loads);
-	// What the contacts miss of their law at these velocities, in place of w standing what acts on the body [m/s]: adds to the sums, and writes
-	// that of each, if not null.
+	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
+	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
-	// Sweeps over rows of W. Solves the contacts of the groups from .. to - 1 in turn, the others held.
+	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held.
 	void (*sweepRows)(const RowGroups& rows, std::size_t from, std::size_t to);
-	// The same from y, to which the impulses have been moved already.
+	// The same from y. The impulses must already have the values of y.
 	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
-	// y = p + beta (p - before) for every group, which has a beta of its own; `before` becomes p.
+	// Replaces the impulses p of every group by y = p + beta (p - before), with a beta for each group; `before` becomes p.
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
 };
 
-// Those this processor can run, the fastest first; the list ends with the one for any processor.
+// The kernels that this processor can run, the fastest first. The last one runs on any processor.
 struct GroupKernels {
 	const GroupKernel* first;
 	std::size_t count;
@@ -52,7 +52,7 @@ struct GroupKernels {
 };
 GroupKernels groupKernels();
 
-// The one in use: the fastest unless a test or a benchmark chose another.
+// The kernel in use: the fastest, unless a test or a benchmark has chosen another.
 const GroupKernel& groupKernel();
 void useGroupKernel(const GroupKernel&);
 

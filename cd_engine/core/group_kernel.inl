@@ -1,5 +1,5 @@
-// Included by group_kernel.cpp once for every target, with LANES 2, 4 or 8 and the compiler set to that target. No #include here, and nothing but
-// this file's own functions: one that other files also make could be linked in from here and run where it cannot.
+// group_kernel.cpp includes this file once for every target, with LANES 2, 4 or 8 and the compiler set to that target. No #include here, and no calls
+// but of this file's own functions: the linker could take a function that other files compile, too, from here, and run it on an older processor.
 
 typedef double Vector __attribute__((vector_size(8 * LANES)));
 typedef double Quad __attribute__((vector_size(32), aligned(32), may_alias)); // a body
@@ -113,7 +113,7 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 
 #endif
 
-// Solves LANES contacts, from impulses pn, pt that the velocities of the bodies contain already.
+// Solves LANES contacts. The velocities of the bodies already contain the impulses pn, pt.
 INLINE void solve(Group& g, int lane, PackedBody* bodies, Vector& pn, Vector& pt)
 {
 	Bodies A = gather(bodies, g.a + lane), B = gather(bodies, g.b + lane);
@@ -121,7 +121,7 @@ INLINE void solve(Group& g, int lane, PackedBody* bodies, Vector& pn, Vector& pt
 	const Vector dx = B.vx - A.vx, dy = B.vy - A.vy;
 	const Vector un = nx * dx + ny * dy + load(g.bias + lane);
 	const Vector ut = (nx * dy - ny * dx) + (bt * B.spin - at * A.spin);
-	// Without coupling the normal law decides alone, then the tangential impulse that stops sliding is cut at the cone.
+	// n and t do not couple: first the normal law gives n, then the tangential impulse that stops sliding is cut at the friction cone.
 	const Vector n = larger(pn - un * load(g.inverseWnn + lane), Vector {});
 	const Vector limit = load(g.mu + lane) * n;
 	const Vector t = larger(smaller(pt - ut * load(g.inverseWtt + lane), limit), -limit);
@@ -141,10 +141,10 @@ INLINE void solve(Group& g, int lane, PackedBody* bodies, Vector& pn, Vector& pt
 	scatter(bodies, g.b + lane, B);
 }
 
-// Asks for what will be read so many groups later. The processor itself runs ahead of a stream only to the end of its page: of 1.5 million
-// contacts a sweep takes 4.0 ns a contact instead of 7.4, where what it moves takes 2.9 (104 bytes at the speed of a triad); in cache nothing
-// changes. Beyond the end comes the next block; to ask for what is not there is allowed.
-constexpr std::size_t early = 12; // groups; 4 to 24 do as well
+// Prefetches the item that is read `early` groups later. The processor itself prefetches a stream only to the end of its page. With 1.5 million
+// contacts a sweep takes 4.0 ns a contact instead of 7.4; the memory traffic alone takes 2.9 (104 bytes at the speed of a triad). In cache nothing
+// changes. Beyond the end of the array comes the next block. Prefetching an address that does not exist is allowed.
+constexpr std::size_t early = 12; // groups; 4 to 24 work equally well
 
 template <class T> INLINE void fetch(const T* item)
 {
@@ -195,7 +195,7 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 
 static void extrapolate(PackedBody* bodies, PackedBody* before, std::size_t count, double beta)
 {
-	// The inverse masses among the velocities do not change: w + beta (w - w) = w.
+	// The inverse masses are extrapolated, too, but do not change: w + beta (w - w) = w.
 	for (std::size_t i = 0; i < count; i++) {
 		Quad &v = reinterpret_cast<Quad&>(bodies[i]), &last = reinterpret_cast<Quad&>(before[i]);
 		const Quad now = v;
@@ -228,7 +228,7 @@ static void press(const Group* groups, std::size_t count, PackedBody* loads)
 	}
 }
 
-// What residual.cpp adds of a contact, for LANES of them. `each` may be null.
+// What residual.cpp adds for one contact, here for LANES contacts. `each` may be null.
 static void miss(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each)
 {
 	constexpr double epsilon = 2.220446049250313e-16, roundOff = 4 * epsilon;

@@ -15,7 +15,7 @@ void GroupBuilder::begin(std::size_t bodies, std::size_t contacts, Grouping& res
 	for (OpenGroup& g : group)
 		g.count = 0;
 	oldest = 0;
-	withRoom = ~uint64_t(0) >> 1; // the last place stands for the group before the oldest
+	withRoom = ~uint64_t(0) >> 1; // the last place is reserved for the group before the oldest
 	grouping = &result;
 	result.members.clear();
 	result.members.reserve(contacts + contacts / 8);
@@ -26,7 +26,7 @@ void GroupBuilder::add(int32_t contact, int32_t a, bool movableA, int32_t b, boo
 {
 	const uint64_t taken = has[a] | has[b];
 	const uint64_t allowed = withRoom & ~(taken | rotateLeft(taken, 1) | rotateLeft(taken, -1));
-	if (allowed == 0) { // a body with very many contacts
+	if (allowed == 0) { // one of the bodies has very many contacts
 		grouping->loose.push_back(contact);
 		return;
 	}
@@ -45,7 +45,7 @@ void GroupBuilder::add(int32_t contact, int32_t a, bool movableA, int32_t b, boo
 		retireOldest();
 }
 
-// A group done with stays in its place, closed, until the next one is: its bodies must not be in that one.
+// A closed group stays in its place until the next group is closed, because the next one must not contain its bodies.
 void GroupBuilder::retireOldest()
 {
 	OpenGroup& done = group[oldest];
@@ -65,7 +65,7 @@ void GroupBuilder::retireOldest()
 
 void GroupBuilder::end()
 {
-	for (int i = 0; i < places; i++) // the last time nothing but the group that stays in its place
+	for (int i = 0; i < places; i++) // the last pass only frees the place of the last closed group
 		retireOldest();
 }
 

@@ -1,4 +1,4 @@
-// Which contacts can be solved at once: groups of eight that share no movable body, near each other in the order given.
+// Which contacts can be solved at once: groups of eight contacts that share no movable body and are near each other in the order given.
 #pragma once
 
 #include "group.hpp"
@@ -18,18 +18,18 @@ class GroupBuilder {
     public:
 	// Forgets what was grouped before.
 	void begin(std::size_t bodies, std::size_t contacts, Grouping& result);
-	// Contacts come in an order in which neighbours are near each other.
+	// Contacts must come in an order in which neighbours are near each other.
 	void add(int32_t contact, int32_t a, bool movableA, int32_t b, bool movableB);
-	// Closes all groups; what is added after that shares none with what was before.
+	// Closes all groups. A contact added later is in no group with an earlier one.
 	void end();
 
     private:
 	void retireOldest();
 
-	// So many groups less one are open at a time: a contact goes to the oldest with room that has neither of its bodies, and whose neighbours
-	// in the order of the sweep have neither, so that no group waits for velocities the last one has just written (a third of the time).
+	// At most places - 1 groups are open at a time. A contact goes to the oldest open group that has room, if neither this group nor the groups
+	// next to it in the sweep contain its bodies. So no group waits for velocities that the last one has just written (a third of the time).
 	static constexpr int places = 64;
-	// A group with fewer contacts costs more than to solve them one by one.
+	// A group with fewer contacts costs more than solving them one by one.
 	static constexpr int fewest = 3;
 
 	struct OpenGroup {
@@ -40,7 +40,7 @@ class GroupBuilder {
 	OpenGroup group[places];
 	int oldest = 0;
 	uint64_t withRoom = ~uint64_t(0);
-	std::vector<uint64_t> has; // for every movable body the places of the groups that have it
+	std::vector<uint64_t> has; // of every movable body: the places of the groups that contain it, one bit a place
 	Grouping* grouping = nullptr;
 };
 

@@ -1,4 +1,4 @@
-// Memory that one solve of a thread leaves to the next, so that none is asked for once sizes have settled.
+// Memory that one solve leaves to the next of the same thread, so that none is allocated once the sizes have settled.
 #pragma once
 
 #include <utility>
@@ -6,7 +6,7 @@
 
 namespace cd {
 
-// A vector that starts with what one of the same User in this thread left behind, of unknown size and content.
+// A vector that takes over the memory that an earlier object with the same User left in this thread. Its size and content are arbitrary.
 template <class T, class User> class HandedOn {
     public:
 	HandedOn()

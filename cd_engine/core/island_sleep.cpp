@@ -6,18 +6,18 @@
 namespace cd {
 namespace {
 
-	// An island that needed more in this step is in motion.
+	// An island that needed more sweeps in this step is in motion.
 	constexpr int fewSweeps = 16;
-	constexpr double proof = 1e-3; // error to which rest is proven, over the tolerance
-	constexpr double finest = 1e-14; // error asked for where `proof` does not do; below is round-off
-	constexpr double sleeps = 1e-2; // error with which an island may sleep: bodies move for half a step while they stop
-	// Speeds of bodies, over what errors of the tolerance in the impulses of their own contacts make of them.
-	constexpr double slow = 1000; // at rest they are 0.5 to 100, the most where others carry far more; what is faster is not worth a trial
+	constexpr double proof = 1e-3; // error to which rest is proven, in tolerances
+	constexpr double finest = 1e-14; // smallest error asked for where `proof` does not suffice; below it is round-off
+	constexpr double sleeps = 1e-2; // error with which an island may sleep, in tolerances: bodies move for half a step while they stop
+	// Speeds of bodies, relative to those that errors of the tolerance in the impulses of their own contacts cause.
+	constexpr double slow = 1000; // at rest they are 0.5 to 100, most where others carry far more; a faster body is not worth a trial
 	constexpr double stopped = 1e-2;
 
 } // namespace
 
-// Marks the islands in which nothing moved before the step; says whether there are any.
+// Marks the islands in which nothing moved before the step. Returns whether there are any.
 bool IslandSolver::findStill(const ContactSystem& system, const std::vector<double>& before)
 {
 	const auto moves = [&](std::size_t i) { return before[3 * i] != 0 || before[3 * i + 1] != 0 || before[3 * i + 2] != 0; };
@@ -38,7 +38,7 @@ bool IslandSolver::findStill(const ContactSystem& system, const std::vector<doub
 	return std::any_of(islands.begin(), islands.end(), [](const Island& island) { return island.still; });
 }
 
-// Finds the islands that are asleep: those in which nothing moved before the step and which their impulses keep so. They are solved.
+// Finds the islands that sleep: nothing in them moved before the step, and their impulses keep it so. They count as solved.
 void IslandSolver::recognise(const ContactSystem& system, const Stillness& stillness, double tolerance)
 {
 	if (!findStill(system, stillness.before))
@@ -80,7 +80,7 @@ void IslandSolver::countSleepersOn(Effort& effort, const Sleepers& sleepers)
 	}
 }
 
-// Whether no body of a system is faster than `share` allows, island by island: into `calm`.
+// Clears `calm` of every island that has a body of this system faster than `share` allows.
 void IslandSolver::findCalm(const ContactSystem& system, const std::vector<int32_t>* names, double tolerance, double share)
 {
 	own.assign(system.bodies.size(), 0);
@@ -96,7 +96,7 @@ void IslandSolver::findCalm(const ContactSystem& system, const std::vector<int32
 	}
 }
 
-// Of the islands of the part, whose bodies have the velocities that belong to its impulses: which are at rest to `share` of the tolerance.
+// Finds which islands of the part are at rest to `share` of the tolerance. The bodies must have the velocities of the part's impulses.
 void IslandSolver::judgeRest(double tolerance, double share)
 {
 	trial.assign(islands.size(), {});
@@ -109,7 +109,7 @@ void IslandSolver::judgeRest(double tolerance, double share)
 	}
 }
 
-// Marks as not solved the slow islands under constant loads; how many they are.
+// Marks the slow islands under constant loads as not solved. Returns how many they are.
 int IslandSolver::markSlow(const ContactSystem& system, const Stillness& stillness, double tolerance)
 {
 	if (stillness.loadsBefore.size() != system.bodies.size())
@@ -132,7 +132,7 @@ int IslandSolver::markSlow(const ContactSystem& system, const Stillness& stillne
 	return marked;
 }
 
-// Solves the islands marked as not solved by sweeps, from free velocities, and unmarks those that it does not leave at rest.
+// Solves the islands marked as not solved, by sweeps from the free velocities. Removes the marks of those that it does not leave at rest.
 void IslandSolver::dismissMoving(const ContactSystem& system, const SolverSettings& settings)
 {
 	takePart(system, [](const Island& island) { return !island.solved; });
@@ -141,15 +141,15 @@ void IslandSolver::dismissMoving(const ContactSystem& system, const SolverSettin
 			part.bodies[i].v[k] = partFree[3 * i + k] = freeVelocity[3 * static_cast<std::size_t>(partBodies[i]) + k];
 	SolverSettings finer = settings;
 	for (;;) {
-		// Without Newton's method: a step of it costs as much as an island awake does in a hundred steps.
+		// Newton's method is not used: one step of it costs as much as an awake island in a hundred steps.
 		const SolverReport report = accelerated(part, finer);
-		judgeRest(settings.tolerance / proof, (1 + 1e-9) * proof); // a single island reaches its tolerance to the last digit
+		judgeRest(settings.tolerance / proof, (1 + 1e-9) * proof); // 1e-9: a single island may just reach its tolerance
 		finer.maxIterations -= report.iterations;
 		finer.tolerance *= 0.1;
 		const bool done = std::all_of(partIsland.begin(), partIsland.end(), [&](int32_t k) { return islands[k].atRest; });
 		if (done || report.status != Status::converged || finer.maxIterations <= 0 || finer.tolerance < finest)
 			break;
-		// The error is a norm of the whole: a body that carries little, among others that carry much, may be solved far worse.
+		// The error is a norm of the whole: a body that carries little may be solved far less exactly than others that carry much.
 		for (std::size_t i = 0; i < part.bodies.size(); i++)
 			std::copy_n(&partFree[3 * i], 3, part.bodies[i].v);
 	}
@@ -157,9 +157,9 @@ void IslandSolver::dismissMoving(const ContactSystem& system, const SolverSettin
 		island.solved = island.solved || !island.atRest;
 }
 
-// Stops the slow islands that come to rest of themselves where this step is solved more exactly. They keep the impulses that stop them, so that the
-// forces of the step are those that moved its bodies; only of an island that was at rest before the step these are the impulses of rest, under which
-// it is found asleep in the next. One that moved is tried again in the next step.
+// Stops the slow islands that come to rest by themselves if this step is solved more exactly. They keep the impulses that stop them, so that the
+// forces of the step are those that moved its bodies. Only in an island at rest before the step these are the impulses of rest, with which the next
+// step finds it asleep. An island that moved is tried again in the next step.
 void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	const int slowOnes = markSlow(system, stillness, settings.tolerance);
@@ -174,7 +174,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
 			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
 		}
-	// From v to 0, while the impulses leave the next to nothing u: their work is taken as if they had stopped all, -p (v + 0)/2.
+	// Bodies go from v to 0, though the impulses leave a tiny u. Their work counts as if they had stopped everything, -p (v + 0)/2.
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
 		const int32_t k = partition.ofBody[partBodies[i]];
 		if (k < 0 || islands[k].solved)
@@ -193,7 +193,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 	effort.notAtRest = slowOnes - effort.provenAtRest;
 }
 
-// Velocities of what sleeps, or will from the next step on, are zero.
+// Sets the velocities of all that sleeps, or will sleep from the next step on, to zero.
 void IslandSolver::stop(ContactSystem& system, const Sleepers& sleepers)
 {
 	const bool any = std::any_of(islands.begin(), islands.end(), [](const Island& island) { return island.asleep; });

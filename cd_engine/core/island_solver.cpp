@@ -8,7 +8,7 @@
 namespace cd {
 namespace {
 
-	// Islands at their tolerance to the last digit are above it together by the round-off of their sums.
+	// Islands that reach their tolerance to the last digit may exceed it together by the round-off of their sums.
 	constexpr double onTheEdge = 1e-9;
 
 	void copyVelocities(const ContactSystem& system, std::vector<double>& to, Threads* threads)
@@ -87,7 +87,7 @@ void IslandSolver::countUnknowns(Effort& effort)
 	effort.islands = static_cast<int>(islands.size());
 }
 
-// Only impulses: the bodies keep their free velocities. One rests if its first guess differs from the solution by no more than the tolerance.
+// Computes only impulses: the bodies keep their free velocities. A contact rests if its first guess is within the tolerance of the solution.
 void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
@@ -107,7 +107,7 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 	}
 }
 
-// Whether the error of the whole says that the island beside the lone contacts, which add to |p| and not to the difference, is within its own.
+// Whether the error of the whole proves that the one larger island meets its own tolerance. Lone contacts add to |p|, not to the difference.
 bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, double tolerance) const
 {
 	if (lone.square == 0)
@@ -122,15 +122,15 @@ bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, doubl
 	return error <= tolerance * std::sqrt(1 - share);
 }
 
-// Where an island has nine contacts of ten and most of the bodies, the others being lone contacts, to take it out would cost more than it saves.
+// Whether the only island beside lone contacts has nine tenths of the contacts, and most bodies touch something: taking it out would cost too much.
 bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 {
 	return larger == 1 && 10 * static_cast<std::size_t>(largest) >= 9 * system.contacts.size()
 	    && 2 * static_cast<std::size_t>(touching) > system.bodies.size();
 }
 
-// The system as it is; sweeps do not change the lone contacts, being solved. After a step without sweeps asks first whether the guess is the
-// solution again, without packing anything.
+// Solves the system as it is. Sweeps do not change the lone contacts, since these are solved. After a step without sweeps, first tests whether the
+// guess is the solution again, before anything is packed.
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport report;
@@ -150,7 +150,7 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 	return report;
 }
 
-// Marks the islands that are solved now, by their sums; how many they are.
+// Marks the islands whose sums show that they are solved now. Returns how many.
 int IslandSolver::judge(double tolerance)
 {
 	int solved = 0;
@@ -175,7 +175,7 @@ int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
 	return place[body];
 }
 
-// The islands wanted, their contacts in the order of the system, their bodies with the velocities that those of the system have.
+// Takes the wanted islands: contacts in the order of the system, bodies with the velocities that they have in the system.
 void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Island&))
 {
 	part.bodies.clear();
@@ -198,7 +198,7 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 	copyVelocities(part, partFree, nullptr);
 }
 
-// The errors of the islands of the part, in place of those they had.
+// Replaces the errors of the islands of the part by new ones.
 void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
 {
 	partSums.assign(islands.size(), {});
@@ -206,13 +206,13 @@ void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
 	for (const int32_t k : partIsland)
 		if (partSums[k].contacts > 0) {
 			errors[k] = partSums[k];
-			partSums[k].contacts = 0; // the next contact of this island finds it done
+			partSums[k].contacts = 0; // so that the next contact of this island skips it
 			if (errors[k].leastBody >= 0)
 				errors[k].leastBody = partBodies[errors[k].leastBody];
 		}
 }
 
-// Together until they are solved together, then on with those that are not solved by themselves. The bodies of the system keep their free velocities.
+// Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities.
 Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	factorizations = 0;
@@ -226,11 +226,11 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 		measurePart(sums);
 	}
 	const bool solvable
-	    = surelySolvable(system, settings.threads); // else a small error is not enough, and the method has to say that there is a solution
+	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
 	if (solvable)
 		judge(settings.tolerance);
 	Status status = Status::converged;
-	SolverSettings left = settings; // what all parts together may take
+	SolverSettings left = settings; // iterations that all parts together may still take
 	for (;;) {
 		takePart(system, [](const Island& island) { return !island.solved && !island.unsolvable; });
 		if (part.contacts.empty())
@@ -248,8 +248,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 			if (!islands[k].solved && !islands[k].unsolvable)
 				islands[k].sweeps += report.iterations;
 		measurePart(sums);
-		// One island without a solution, or with doubts that stay, must not keep the others from theirs; nor is it solved where its error is
-		// small.
+		// An island without a solution, or with doubts that remain, must not stop the others. A small error does not make it solved.
 		if (report.status != Status::converged && report.contact >= 0) {
 			islands[partIsland[report.contact]].unsolvable = true;
 			unsolvable = { report.status, partContacts[report.contact] };
@@ -261,7 +260,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 	}
 }
 
-// Velocities and error of the whole.
+// Computes the velocities and the error of the whole system.
 SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance, const Sleepers* sleepers)
 {
 	partSums.clear();
@@ -321,7 +320,7 @@ SolverReport IslandSolver::operator()(
 	effort.sleeping = sleeping;
 	if (stillness) {
 		countSleepersOn(effort, stillness->sleepers);
-		SolverSettings left = settings; // maxIterations bounds all that a step does
+		SolverSettings left = settings; // maxIterations bounds the whole step
 		left.maxIterations -= report.iterations;
 		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0)
 			prove(system, *stillness, left, effort);

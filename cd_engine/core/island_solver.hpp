@@ -1,16 +1,15 @@
-// Solves no more of a step's problem than there is to solve: nothing for bodies that touch nothing, a lone contact in closed form, an
-// island at rest not at all, and every other island of contacts until it has reached the tolerance by itself.
+// Solves only what needs to be solved in a step: nothing for bodies without contacts, a lone contact in closed form, an island at rest not at all,
+// and every other island of contacts until it has reached the tolerance by itself.
 //
-// An island are contacts that feel each other, through bodies that can move: impulses do not pass through a body that nothing can move, so
-// two heaps on one fixed floor are two islands, and a loaded wall joins all that touch it. The error e is a 2-norm over a 2-norm, so if every
-// island has |difference_k| <= tolerance |p_k|,
+// An island is a set of contacts that are connected through movable bodies. No impulse passes through an immobile body, so two heaps on one fixed
+// floor are two islands, while a movable wall joins all that touch it. The error e is a ratio of two 2-norms. If |difference_k| <= tolerance |p_k| in
+// every island, then
 //   sum |difference_k|^2 <= tolerance^2 sum |p_k|^2,
-// and the whole is within the tolerance, too. The reverse is not true: solved at once, sand beside rocks may keep any error that is small
-// beside the impulses of the rocks. Islands are therefore swept together, which fills the groups of eight, but those that miss their own
-// tolerance then go on without the others. A step whose whole error is within the tolerance counts as solved even if some island missed its
-// own: nothing less is promised than for the whole.
+// and the whole is within the tolerance, too. The reverse is not true: solved together with rocks, sand may keep any error that is small beside the
+// impulses of the rocks. Islands are therefore swept together, which fills the groups of eight, but those that miss their own tolerance then continue
+// without the others. A step counts as solved if its whole error is within the tolerance, even if some island missed its own.
 //
-// Islands proven to be at rest sleep until something changes (sleep.hpp).
+// Islands that are proven to be at rest sleep until something changes (sleep.hpp).
 #pragma once
 
 #include "partition.hpp"
@@ -21,36 +20,36 @@
 
 namespace cd {
 
-// What a step's problem amounted to.
+// What a step had to solve.
 struct Effort {
-	int unknowns = 0; // velocities: three for a free disk, none for what cannot move or, in islands, touches nothing
+	int unknowns = 0; // unknown velocities: three for a free disk, none for an immobile body or, with islands, for one without contacts
 	int islands = 0;
-	int resting = 0; // islands whose first guess was within the tolerance already: no sweep was made
-	int sleeping = 0; // of these, islands at rest in which nothing changes
-	int provenAtRest = 0, notAtRest = 0; // islands that were slow when their rest was tried
-	double stopped = 0; // energy of what was stopped then, which the impulses have not taken [J]
-	bool stoppedMoving = false; // any of these moved before the step
+	int resting = 0; // islands whose first guess was already within the tolerance, so that no sweep was made
+	int sleeping = 0; // of these: islands at rest in which nothing changes
+	int provenAtRest = 0, notAtRest = 0; // result of a trial of rest (sleep.hpp): slow islands found at rest, and those found not at rest
+	double stopped = 0; // energy of the motion that a trial stopped and that the impulses have not taken [J]
+	bool stoppedMoving = false; // whether any of the stopped bodies moved before the step
 };
 
-// All the contacts at once.
+// Solves all contacts at once.
 SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
 
-// Island by island. A system of one island gets the bits that solveWhole gives it. Settings that ask for so many sweeps or for a random order
-// mean the whole system; it is not parted. iterations: the most made on any island.
+// Solves island by island. A system of one island gets the same bits as from solveWhole. Settings with fixedIterations or a random order refer to the
+// whole system; it is then solved as a whole. iterations: the most made on any island.
 class IslandSolver {
     public:
 	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
     private:
 	struct Island {
-		int32_t first = 0; // contact
-		int32_t contacts = 0; // how many
+		int32_t first = 0; // index of its first contact
+		int32_t contacts = 0; // number of its contacts
 		int sweeps = 0;
 		bool solved = false;
-		bool unsolvable = false; // as its method has found
-		bool still = false; // nothing of it moved before the step
+		bool unsolvable = false; // according to its method
+		bool still = false; // nothing in it moved before the step
 		bool calm = false; // none of its bodies is fast
-		bool atRest = false; // by the last look at it
+		bool atRest = false; // according to the last test
 		bool asleep = false;
 	};
 
@@ -80,26 +79,26 @@ class IslandSolver {
 	void stop(ContactSystem&, const Sleepers&);
 
 	Partition partition; // of the system
-	std::vector<Island> islands; // of it
-	std::vector<ResidualSum> sums; // of the islands
+	std::vector<Island> islands; // of the system
+	std::vector<ResidualSum> sums; // errors of the islands
 	std::vector<ResidualSum> partSums; // scratch
-	ResidualSum lone; // of the islands of one contact
+	ResidualSum lone; // errors of all islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
-	ContactSystem part; // some of the islands, with bodies of its own numbers
+	ContactSystem part; // some of the islands, with a body numbering of their own
 	std::vector<double> partFree;
-	std::vector<int32_t> place; // of a body in `part`; -1: not in it
-	std::vector<int32_t> partBodies, partContacts, partIsland; // what they are in the system
-	int larger = 0, largest = 0; // islands of more than one contact; contacts of the largest
-	int touching = 0; // bodies that can move and have a contact
-	int factorizations = 0; // made for the parts
+	std::vector<int32_t> place; // of each body: its number in `part`; -1: not in it
+	std::vector<int32_t> partBodies, partContacts, partIsland; // their numbers in the system
+	int larger = 0, largest = 0; // number of islands with more than one contact; contacts of the largest island
+	int touching = 0; // movable bodies with a contact
+	int factorizations = 0; // made by the methods for the parts
 	struct {
 		Status status = Status::converged;
 		int32_t contact = -1; // of the system
-	} unsolvable; // the last island found so
-	int sleeping = 0; // of the islands
-	std::vector<double> own; // W_nn |p|^2 of a body's own contacts [J]
+	} unsolvable; // the last island found without a solution
+	int sleeping = 0; // number of islands asleep
+	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
-	bool rested = false; // whether the last system was solved in place without a sweep: decides on costs, not on results
+	bool rested = false; // whether the last system was solved in place without a sweep; has an effect on costs, not on results
 };
 
 } // namespace cd

@@ -1,4 +1,4 @@
-// The loop around sweeps that every sweeping method shares: when to ask for the error, when to stop, what to report.
+// The loop around the sweeps of every sweeping method: when to compute the error, when to stop, what to report.
 #pragma once
 
 #include "handed_on.hpp"
@@ -11,7 +11,7 @@
 
 namespace cd {
 
-// S: Sweep or DelassusSweep, the two forms a problem can have.
+// S: Sweep or DelassusSweep, for the two forms that a problem can have.
 template <class S> class Iteration {
     public:
 	Iteration(S& s, const SolverSettings& t)
@@ -42,14 +42,14 @@ template <class S> class Iteration {
 		keep();
 	}
 
-	// Goes on until it has ended, or at the first look at the error after `until` sweeps. Never more than `most`. Whether it has ended.
+	// Sweeps until the method ends or the first look at the error after `until` sweeps, but at most to `most`. Returns whether it ended.
 	template <class Improve> bool advance(Improve& improve, int until, int most)
 	{
 		while (error > settings.tolerance) {
 			if (report.iterations >= most)
 				return giveBest(Status::max_iterations);
-			// No gain of a hundredth while the number of sweeps doubled and three thousand more were made, which outlasts most drifts
-			// (see accelerated.cpp): waiting on is in vain.
+			// The error has not fallen by 1 % while the number of sweeps doubled and 3000 more were made. This outlasts most drifts (see
+			// accelerated.cpp), so further sweeps are useless.
 			const int inVain = 3000 + 2 * reachedAt;
 			if (report.iterations >= inVain)
 				return giveBest(Status::stagnated);
@@ -60,7 +60,7 @@ template <class S> class Iteration {
 				improve();
 			report.iterations += more;
 			evaluate();
-			// Where impulses fall to next to nothing, so does what their error is relative to.
+			// If the impulses fall to almost nothing, so does the scale of the relative error: the absolute error decides, too.
 			if (error < best.error || (distance < best.distance && impulse < best.impulse))
 				keep();
 			clearRoundOff();
@@ -79,34 +79,34 @@ template <class S> class Iteration {
 	{
 		sweep.restoreVelocities();
 		sweep.store();
-		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was asked for
+		if (report.status != Status::converged) // else the error is known: no impulse has changed since it was computed
 			evaluate();
-		if (std::isnan(report.error)) // or an impulse that is not a number
+		if (std::isnan(report.error)) // an impulse may be NaN
 			report.status = Status::diverged;
 		return report;
 	}
 
 	int iterations() const { return report.iterations; }
 	bool solved() const { return error <= settings.tolerance; }
-	double least() const { return reached; } // error, to a hundredth
-	int idle() const { return report.iterations - reachedAt; } // sweeps since that fell
+	double least() const { return reached; } // error so far, to within 1 %
+	int idle() const { return report.iterations - reachedAt; } // sweeps since this error fell
 
     private:
-	// Sweeps before the error is asked for again, which costs five: as many as the fall since it was last asked for would need to reach the
-	// tolerance, at least four, at most a quarter of those already made, and of many made the number at which asking costs half of what is made
-	// in vain on average, sqrt(2 x 5 x made): with momentum the error rises and falls on its way.
+	// Returns how many sweeps to make before the error is computed again, which counts as five: as many as the recent convergence needs to reach
+	// the tolerance, at least 4, at most a quarter of those made, and at most sqrt(2 x 5 x made). This last bound minimises the cost of the
+	// errors plus the mean number of superfluous sweeps. It is needed because with momentum the error rises and falls on its way.
 	int untilNext()
 	{
 		const double fall = std::log(lastError / error) / std::max(1, report.iterations - lastIterations);
 		const double needed = fall > 0 ? std::log(error / settings.tolerance) / fall : std::numeric_limits<double>::infinity();
 		lastError = error;
 		lastIterations = report.iterations;
-		// needed last: from an infinite error to a tolerance of 0 it is not a number, and is passed over.
+		// `needed` comes last: for an infinite error and a tolerance of 0 it is NaN, which min then passes over.
 		return 4 + static_cast<int>(std::min({ 0.25 * report.iterations, std::sqrt(10. * report.iterations), needed }));
 	}
 
-	// Bodies that were stopped and have nothing to carry any more: sweeps take the impulses of the step before back from the velocities, and
-	// their round-off may be all that is left to solve.
+	// For bodies that were stopped and carry nothing any more. Sweeps have subtracted the effect of the old impulses from the velocities, and the
+	// round-off of this may be all that is left to solve.
 	void clearRoundOff()
 	{
 		if (impulse < 1e-3 * largest) {
@@ -142,25 +142,24 @@ template <class S> class Iteration {
 	S& sweep;
 	const SolverSettings& settings;
 	SolverReport report;
-	double error = 0; // what is held against the tolerance
-	double distance = 0; // the error of the contacts without being relative [N s]
-	double impulse = 0, largest = 0; // |p| now, and the largest since velocities were last made from impulses [N s]
-	double reached = 0; // the least error met
-	int reachedAt = 0; // sweeps
-	double lastError = 0; // when it was asked for before, after so many sweeps
+	double error = 0; // compared with the tolerance
+	double distance = 0; // absolute error of the contacts [N s]
+	double impulse = 0, largest = 0; // |p| now, and the largest since the velocities were last made from the impulses [N s]
+	double reached = 0; // smallest error so far, to within 1 %
+	int reachedAt = 0; // sweeps made when it was reached
+	double lastError = 0; // at the last look, after lastIterations sweeps
 	int lastIterations = 0;
 	struct {
 		double error, distance, impulse;
-	} best {}; // iterate so far
+	} best {}; // the best iterate so far
 	typename S::Iterate& bestIterate() { return kept.values.front(); }
 	HandedOn<typename S::Iterate, Iteration> kept;
 };
 
-// `method(sweep)` gives an object whose () makes one sweep; after each call the sweep's impulses are the iterate.
-// Stops when the errors of residual.hpp are at most settings.tolerance, at settings.maxIterations sweeps, or when nothing is gained
-// any more; what has not been solved returns the best iterate met. With settings.fixedIterations it makes
-// exactly so many plain sweeps, whatever the method, and asks for the error at the end: what is known of under-converged contact dynamics (Unger &
-// Kertesz 2003) holds for plain Gauss-Seidel.
+// `method(sweep)` returns an object whose operator() makes one sweep; after each call the sweep's impulses are the iterate. Stops when the errors of
+// residual.hpp are at most settings.tolerance, after settings.maxIterations sweeps, or when nothing is gained any more. If the problem is not solved,
+// the best iterate is the result. With settings.fixedIterations it makes exactly so many plain sweeps, whatever the method, and computes the error at
+// the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain Gauss-Seidel.
 template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)
 {
 	S sweep(system, settings.seed, settings.threads);

@@ -1,5 +1,5 @@
-// Solves by a method and judges what it has found (verdict.hpp): whatever the method's own error says, impulses that solve nothing do not count as
-// converged, and what has no solution is called so.
+// Solves by a method and judges the result (verdict.hpp). Whatever the error of the method, impulses that solve nothing do not count as converged,
+// and a problem without a solution is reported as such.
 #pragma once
 
 #include "solver.hpp"
@@ -12,15 +12,15 @@
 namespace cd {
 namespace judging {
 
-	// Of the tolerance, where doubts have to be cleared: the power that a solution still keeps falls with it, of what has none it does not.
+	// Factor on the tolerance to clear doubts. If there is a solution, the power that contacts keep falls with the tolerance; else it stays.
 	constexpr double refinement = 0.1;
-	constexpr double finest = 1e-15; // tolerance, below the round-off of a sum
-	constexpr double stillGrowing = 3; // impulses, by a refinement: those of a press grow tenfold
-	constexpr double nearlySolved = 1e-2; // error up to which impulses found from none serve better than those of a step without a solution
+	constexpr double finest = 1e-15; // smallest tolerance; below is the round-off of a sum
+	constexpr double stillGrowing = 3; // growth of impulses by a refinement that counts as still growing; in a press it is tenfold
+	constexpr double nearlySolved = 1e-2; // error up to which impulses found from zero are kept instead of those found from an unsolved step
 	constexpr int fewSweeps = 64, fewProducts = 16;
-	constexpr int sweepsToTell = 1000; // kept for the question whether there is a solution, as far as a tenth of all
+	constexpr int sweepsToTell = 1000; // reserved for the question whether there is a solution; at most a tenth of all
 
-	// A proof may cost about as much as the sweeps did, or as Newton's method does: a product with W costs about four sweeps.
+	// A proof may cost about as much as the sweeps did, or as Newton's method does. One product with W costs about four sweeps.
 	inline int productsAfter(int sweeps) { return 300 + sweeps / 4; }
 
 	inline Verdict judge(const ContactSystem& s, const Start& start, double guess, double tolerance, int products)
@@ -32,14 +32,14 @@ namespace judging {
 		return judge(s, guess, tolerance, products);
 	}
 
-	// Products for the first look, before anything is doubted: a proof may cost about as much as the sweeps did.
+	// Products with W for the first judgement, before there are doubts. A proof may cost about as much as the sweeps did.
 	inline int productsBeforeDoubts(int sweeps) { return std::clamp(sweeps / 4, fewProducts, 64); }
 
-	// Whether the impulses have more than doubled the kinetic energy, where no boundary and no bias gives any: impulses that hold each other may
-	// be so large that whatever velocities they make are within the tolerance.
+	// Whether the impulses have more than doubled the kinetic energy although no boundary and no bias adds any. Impulses that balance each other
+	// may be so large that all velocities they cause are within the tolerance.
 	inline bool makesEnergy(const ContactSystem& s, const Start& start, double guess, Threads* threads)
 	{
-		if (!(weighted(s, threads) > 10 * guess)) // what was there before holds itself, to the tolerance
+		if (!(weighted(s, threads) > 10 * guess)) // the guess was in balance, to the tolerance
 			return false;
 		double before = 0, after = 0;
 		for (std::size_t i = 0; i < s.bodies.size(); i++)
@@ -51,7 +51,7 @@ namespace judging {
 				}
 		return after > 2 * before;
 	}
-	inline bool makesEnergy(const DelassusSystem&, const Start&, double, Threads*) { return false; } // never surely solvable
+	inline bool makesEnergy(const DelassusSystem&, const Start&, double, Threads*) { return false; } // not called for a matrix
 
 	inline int32_t strongest(const ContactSystem& s)
 	{
@@ -69,7 +69,7 @@ namespace judging {
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
 
-	// Goes on from the impulses in the system with `method`, in what is left of `settings.maxIterations`.
+	// Continues from the impulses in the system with `method`, with the iterations left of `settings.maxIterations`.
 	template <class System>
 	SolverReport goOn(System& system, const Start& start, SolverSettings settings, const SolverReport& before, Method<System> method)
 	{
@@ -81,13 +81,13 @@ namespace judging {
 		return report;
 	}
 
-	// No method ends without a solution where plain sweeps find one, as they do wherever W is positive definite and friction not too large.
+	// No method may fail where plain sweeps succeed. They do wherever W is positive definite and friction is not too large.
 	template <class System>
 	inline void tryPlain(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, Method<System> method)
 	{
 		if (method == static_cast<Method<System>>(nsgs) || report.status != Status::stagnated || report.iterations >= settings.maxIterations)
 			return;
-		static thread_local System other; // its memory serves every step
+		static thread_local System other; // static: its memory serves every step
 		other = system;
 		start.guess(other);
 		SolverReport plain = goOn<System>(other, start, settings, report, nsgs);
@@ -99,7 +99,7 @@ namespace judging {
 		std::swap(system, other);
 	}
 
-	// Plain sweeps from no impulses at all: they make none that hold each other unless something presses.
+	// Plain sweeps from zero impulses. They create no impulses that balance each other unless something presses.
 	template <class System>
 	inline void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, double guess)
 	{
@@ -112,7 +112,7 @@ namespace judging {
 		}
 	}
 
-	// What a step without a solution leaves may hide one that a few sweeps find from no impulses. Else the guess is given back.
+	// A few sweeps from zero impulses may find a solution that the impulses of an unsolvable step hide. If not, restores the guess.
 	template <class System> SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, Method<System> method)
 	{
 		clearImpulses(system);
@@ -129,7 +129,7 @@ namespace judging {
 		return report;
 	}
 
-	// Whether it is proven that there is no solution, or whether what counts as solved is beyond every bound; the report then says so.
+	// Reports that there is no solution, if this is proven or if the impulses that count as solved exceed every bound. Returns whether it did.
 	inline bool named(const Verdict& v, SolverReport& report)
 	{
 		const bool solved = report.status == Status::converged;
@@ -142,7 +142,7 @@ namespace judging {
 		return true;
 	}
 
-	// What was kept are the best impulses, which may be none at all; those of plain sweeps show whether they grow.
+	// The best impulses, which the report keeps, may be zero. Those of plain sweeps show whether the impulses grow.
 	template <class System> void findOut(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		SolverSettings plain = settings;
@@ -156,11 +156,11 @@ namespace judging {
 		clearImpulses(other);
 		report.iterations += nsgs(other, plain).iterations;
 		const Verdict verdict = judge(other, start, 0, settings.tolerance, productsAfter(plain.fixedIterations));
-		if (verdict.finding != Finding::not_finite) // as sweeps may end where others do not
+		if (verdict.finding != Finding::not_finite) // plain sweeps may diverge where other methods do not
 			named(verdict, report);
 	}
 
-	// One problem, solved by a method whose impulses are judged.
+	// Solves one problem by a method and judges its impulses.
 	template <class System> class Judged {
 	    public:
 		Judged(System& problem, const SolverSettings& asked, Method<System> by)
@@ -209,7 +209,7 @@ namespace judging {
 		}
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
 
-		// A guess that solves nothing may be so large that any error is small beside it: what it leads to has to be reached without it, too.
+		// An unsolved guess may be so large that any error is small beside it. The method must reach its result without it, too.
 		void confirm(int most)
 		{
 			static thread_local System found;
@@ -237,7 +237,7 @@ namespace judging {
 			verdict = { Finding::doubtful, strongest(system), verdict.growth };
 		}
 
-		// Solves more exactly as long as there are doubts.
+		// Solves to smaller tolerances as long as there are doubts.
 		void clearDoubts()
 		{
 			while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
@@ -245,7 +245,7 @@ namespace judging {
 				const double growth = verdict.growth;
 				part.tolerance = std::max(finest, refinement * part.tolerance);
 				part.maxIterations = settings.maxIterations;
-				if (first) // most doubts are gone after a few sweeps more, which cost less than a proof among many contacts
+				if (first) // most doubts vanish after a few more sweeps, which cost less than a proof among many contacts
 					part.maxIterations = std::min(part.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
 				report = goOn<System>(system, start, part, report, method);
 				proofTried = true;
@@ -253,7 +253,7 @@ namespace judging {
 				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
 					verdict.finding = Finding::doubtful;
 				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
-				if (report.error <= settings.tolerance && goesOn) // that it was not more exact does not matter
+				if (report.error <= settings.tolerance && goesOn) // the requested tolerance is met, the finer one does not matter
 					report.status = Status::converged;
 			}
 		}
@@ -261,7 +261,7 @@ namespace judging {
 		SolverReport conclude()
 		{
 			const bool doubted = verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful;
-			const bool cutShort = doubted && report.status == Status::max_iterations; // which may be a part of what is asked
+			const bool cutShort = doubted && report.status == Status::max_iterations; // maybe by a smaller limit than asked
 			if (cutShort || doubtful())
 				report.status = report.iterations < settings.maxIterations ? Status::stagnated : Status::max_iterations;
 			if (doubted)
@@ -277,8 +277,8 @@ namespace judging {
 		const Method<System> method;
 		const Start start;
 		const bool fixed, solvable;
-		const double guess; // its weighted norm, where it was solved
-		SolverSettings part; // of what is asked, for the next call of the method
+		const double guess; // its weighted norm if its step was solved, else 0
+		SolverSettings part; // settings of the next call of the method
 		SolverReport report;
 		Verdict verdict;
 		bool proofTried = false;

@@ -1,12 +1,12 @@
-// One contact, the others held: Signorini and Coulomb for a full 2 x 2 block.
+// The local problem of one contact while all others are held: Signorini's condition and Coulomb's law with a full 2 x 2 block.
 #pragma once
 
 #include <cmath>
 
 namespace cd {
 
-// Finds p with u = w p + q, (wnn, wnt; wtn, wtt) being w, by trying in this order: open, sticking, sliding either way.
-// For mu |W_nt| >= W_nn or W_tt (a contact that can wedge) several cases may hold; the first is taken.
+// Finds p such that u = w p + q obeys the contact law, with w = (wnn, wnt; wtn, wtt). Tries in this order: open, sticking, sliding either way.
+// If mu |W_nt| >= W_nn or W_tt (a contact that can wedge), several cases may hold; the first one is taken.
 inline void solveLocal(double wnn, double wnt, double wtn, double wtt, double mu, double qn, double qt, double& pn, double& pt)
 {
 	pn = pt = 0;
@@ -19,7 +19,7 @@ inline void solveLocal(double wnn, double wnt, double wtn, double wtt, double mu
 		if (pn >= 0 && std::abs(pt) <= mu * pn)
 			return;
 	} else if (wtt <= 1e-14 * wnn) {
-		// Nothing can move along t: no tangential impulse is needed, and none can be determined.
+		// Nothing can move along t, so a tangential impulse is neither needed nor determined.
 		pn = -qn / wnn;
 		pt = 0;
 		return;

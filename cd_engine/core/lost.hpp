@@ -8,8 +8,8 @@
 
 namespace cd {
 
-// The first of `some` bodies that has left all others but these behind, further than those are spread, and moves away, where nothing brings it
-// back; -1: none. Costs a look at all bodies if there are any.
+// The first of the bodies `some` that has left all bodies but `some` behind: it is further from them than they are spread, moves away, and no force
+// brings it back. -1: none. Looks at all bodies if `some` is not empty.
 int leftBehind(const World&, const std::vector<std::size_t>& some);
 
 } // namespace cd

@@ -6,10 +6,10 @@
 namespace cd {
 namespace {
 
-	constexpr double mostCells = 64; // covered by a body that is kept in the grid
-	constexpr double widthOfCells = 1.5; // boxes of the median disk
+	constexpr double mostCells = 64; // a body that covers more is not entered in the grid
+	constexpr double widthOfCells = 1.5; // in bounding boxes of the median disk
 
-	// Neighbours along x stay neighbours; rows are scattered (Knuth, vol. 3, section 6.4).
+	// Cells that are neighbours along x get neighbouring slots; the rows are scattered (Knuth, vol. 3, section 6.4).
 	uint32_t placeOf(const int32_t* cell) { return static_cast<uint32_t>(cell[0]) + static_cast<uint32_t>(cell[1]) * 0x9E3779B1u; }
 
 	double median(std::vector<double>& values)
@@ -45,7 +45,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 	entries.clear();
 	if (sides.empty())
 		return;
-	// Medians: neither a giant nor a body far away makes the cells useless.
+	// Medians, so that neither a giant body nor one far away makes the cells useless.
 	width = widthOfCells * median(sides);
 	origin[0] = median(xs);
 	origin[1] = median(ys);
@@ -78,7 +78,7 @@ void NearPairs::enter(int32_t body)
 			entries.push_back({ { x, y }, body });
 }
 
-// A counting sort. What shares a place keeps its order.
+// Counting sort by slot. Entries of one slot keep their order.
 void NearPairs::sortByPlace()
 {
 	std::size_t places = 64;
@@ -91,7 +91,7 @@ void NearPairs::sortByPlace()
 	uint32_t before = 0;
 	for (uint32_t& end : ends) {
 		const uint32_t count = end;
-		end = before; // its begin, until its entries have been moved
+		end = before; // the begin of this slot, until its entries have been moved
 		before += count;
 	}
 	sorted.resize(entries.size());

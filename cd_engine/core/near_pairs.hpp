@@ -1,4 +1,4 @@
-// Finds the pairs of bodies that are near each other, by a grid of square cells.
+// Broad phase of the collision detection: finds the pairs of bodies that are near each other, by a grid of square cells.
 #pragma once
 
 #include "world.hpp"
@@ -9,24 +9,24 @@
 namespace cd {
 
 struct NearPair {
-	uint64_t key = 0; // its place in the order of the sweeps (pair_order.hpp)
-	int32_t a, b; // the boundary first, or the smaller number
-	int32_t from = -1; // place in a list that it is taken from
+	uint64_t key = 0; // position in the order of the sweeps (pair_order.hpp)
+	int32_t a, b; // a: the boundary if there is one, else the body with the smaller number
+	int32_t from = -1; // index of the same pair in another list; -1: none
 };
 
-// Each body lies in a box, wider than itself by its margin, and stands in every cell that its box covers. Two bodies are compared in the first cell
-// that they share. Cells are kept in a table of as many places as there are entries, which far cells share: one body far away costs nothing.
-// Bodies that cover many cells are compared with all others.
+// Each body has a bounding box, enlarged by its margin, and is entered in every cell that this box covers. Two bodies are compared in the first cell
+// that they share. The cells are kept in a hash table with at least one slot an entry. Distant cells may share a slot, so one body far away costs
+// nothing. Bodies that cover many cells are compared with all others.
 class NearPairs {
     public:
-	// All pairs, two boundaries excepted, whose surfaces are at most as far from each other as the sum of their margins [m]; of boxes also some
-	// that are further. Bodies whose masks have no bit in common, or that are of one mask kept apart (World::apart), make no pair.
+	// Finds all pairs whose surfaces are at most the sum of their margins apart [m], except pairs of two boundaries. With boxes it also finds
+	// some that are further apart. Bodies make no pair if their masks share no bit, or if both have one mask that is kept apart (World::apart).
 	void find(const World&, const std::vector<double>& margins, std::vector<NearPair>& found);
 
     private:
 	struct Box {
 		double low[2], high[2];
-		int32_t first[2] = { 0, 0 }; // cell of its low corner
+		int32_t first[2] = { 0, 0 }; // cell of the low corner of the box
 		bool large = false; // not in the grid
 	};
 	struct Entry {
@@ -43,7 +43,7 @@ class NearPairs {
 	std::vector<Box> boxes;
 	std::vector<int32_t> large;
 	std::vector<Entry> entries, sorted;
-	std::vector<uint32_t> ends; // of the entries of each place of the table
+	std::vector<uint32_t> ends; // of each slot of the table: the end of its entries
 };
 
 } // namespace cd

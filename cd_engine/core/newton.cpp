@@ -1,12 +1,12 @@
 // Proximal-point semismooth Newton: a direct method for small problems at which sweeps stagnate.
 //
-// The proximal-point method (Rockafellar 1976, SIAM J. Control Optim. 14, 877) replaces the problem by better posed ones about a centre; what
-// their solution p misses of the contact law is sigma D (p - pk). proximal_problem.hpp solves one of them. From one to the next either
-//   the centre moves to the solution, sigma falls where that was easy and rises where it failed: with much friction this can circle; or
-//   the centre stays and sigma falls by as much as can be solved: this ends where the solutions turn back to larger sigma.
-// Each is the way out where the other gets stuck, and they take turns as long as the error falls.
-//   In a jammed packing a motion of 1e-7 of a free fall decides which contacts stay closed, and forces, which are indeterminate, must follow by
-// as much as a third of their size: this is what sweeps take 1e5 and more for, and what takes hundreds of factorizations here, too.
+// The proximal-point method (Rockafellar 1976, SIAM J. Control Optim. 14, 877) replaces the problem by better conditioned ones about a centre pk.
+// Their solution p misses the contact law by sigma D (p - pk). proximal_problem.hpp solves one of them. There are two ways to the next one:
+//   The centre moves to the solution. sigma falls if that was easy and rises if it failed. With much friction this can cycle.
+//   The centre stays, and sigma falls by as much as can be solved. This ends where the solutions turn back to larger sigma.
+// One way works where the other gets stuck. They take turns as long as the error falls.
+// In a jammed packing a motion of 1e-7 of a free fall decides which contacts stay closed, and the indeterminate forces must then change by up to a
+// third of their size. This is why sweeps need 1e5 iterations and more, and this method needs hundreds of factorizations.
 // A step costs the factorization of a matrix with three rows a body: as much as some 300 sweeps at 400 disks, and 1700 at 3600.
 #include "proximal_problem.hpp"
 #include "solver.hpp"
@@ -14,13 +14,13 @@
 namespace cd {
 namespace {
 
-	// By trial on packings, hyperstatic lattices, and piles with masses over 1e6: 100 to 400 disks each.
+	// Found by trial on packings, hyperstatic lattices, and piles whose masses differ by 1e6, with 100 to 400 disks each.
 	constexpr double sigmaAtStart = 1e-2;
-	constexpr double fall = 0.3, rise = 6; // of sigma, from one proximal problem to the next
-	constexpr double steepest = 0.05, flattest = 0.9; // falls of sigma about a centre that stays
-	constexpr int fewSteps = 6; // of Newton's in one proximal problem that was easy
-	constexpr int patience = 8; // proximal problems in which the error must fall by a tenth
-	constexpr double coarse = 1e-3; // error at which sweeps are no longer the quickest way
+	constexpr double fall = 0.3, rise = 6; // factors on sigma, from one proximal problem to the next
+	constexpr double steepest = 0.05, flattest = 0.9; // factors on sigma while the centre stays
+	constexpr int fewSteps = 6; // Newton steps up to which a proximal problem counts as easy
+	constexpr int patience = 8; // number of proximal problems in which the error must fall by a tenth
+	constexpr double coarse = 1e-3; // error below which sweeps are no longer the fastest method
 	constexpr int sweepsAtStart = 500;
 
 	template <class Form> class Newton {
@@ -61,7 +61,7 @@ namespace {
 				problem.centre(centre);
 				const bool solved = problem.solve(sigma);
 				evaluate(problem.impulses());
-				// The error may rise for a while on the way down. What has not been solved may be anywhere.
+				// The error may rise for a while on the way down. The result of a failed solve may be anywhere, so it is no centre.
 				centre = solved && std::isfinite(error) ? projected : best;
 				if (!solved)
 					sigma *= rise;
@@ -115,7 +115,7 @@ namespace {
 			return r;
 		}
 
-		// The error of an iterate cut to the cone; the best is kept.
+		// Computes the error of an iterate projected on the cone, and keeps the best iterate.
 		void evaluate(const std::vector<double>& p)
 		{
 			projected.resize(p.size());
@@ -140,13 +140,13 @@ namespace {
 		double error = 0, bestError = 0;
 	};
 
-	// Both leave velocities behind that belong to the impulses; the next method expects the free ones again.
+	// The methods leave the velocities of their impulses in the system. The next method needs the free velocities again.
 	std::vector<BodyVelocity> begin(const ContactSystem& s) { return s.bodies; }
 	void beginAgain(ContactSystem& s, const std::vector<BodyVelocity>& bodies) { s.bodies = bodies; }
 	int begin(const DelassusSystem&) { return 0; }
 	void beginAgain(DelassusSystem&, int) { }
 
-	// Sweeps first: in the time of a few factorizations they find which contacts are loaded.
+	// Sweeps come first: in the time of a few factorizations they find which contacts are loaded.
 	template <class Form> SolverReport solve(typename Form::System& system, const SolverSettings& settings)
 	{
 		if (settings.fixedIterations > 0)

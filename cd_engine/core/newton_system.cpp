@@ -6,7 +6,7 @@
 namespace cd {
 namespace {
 
-	// Marks the contacts that are not open; whether one of them had not been marked before.
+	// Marks the contacts that are not open. Returns whether any of them was unmarked before.
 	bool markClosed(const std::vector<ContactState>& states, std::vector<char>& marks)
 	{
 		bool found = false;
@@ -36,7 +36,7 @@ BodiesForm::BodiesForm(ContactSystem& s)
 	for (std::size_t i = 0; i < rows.size(); i++) {
 		const ContactRow& c = s.contacts[rows[i]];
 		d[2 * i] = c.wnn;
-		// Where nothing can move along t any number serves.
+		// If nothing can move along t, any positive number will do.
 		d[2 * i + 1] = c.wtt > 0 ? c.wtt : c.wnn;
 		const double n[6] = { -c.nx, -c.ny, -c.an, c.nx, c.ny, c.bn }, t[6] = { c.ny, -c.nx, -c.at, -c.ny, c.nx, c.bt };
 		for (std::size_t k = 0; k < 6; k++) {
@@ -79,7 +79,7 @@ void BodiesForm::velocities(const std::vector<double>& p, std::vector<double>& u
 	}
 }
 
-// Contacts that have always been open need no place in the matrix; in a packing they can be half of those there are.
+// Contacts that have been open so far need no place in the matrix. In a packing they can be half of all contacts.
 void BodiesForm::plan(const std::vector<ContactState>& states)
 {
 	if (!markClosed(states, planned) && matrix.rows() == system.bodies.size())
@@ -93,9 +93,9 @@ void BodiesForm::plan(const std::vector<ContactState>& states)
 	matrix.plan(system.bodies.size(), pairs);
 }
 
-// With z the change of M^(1/2) v from v(pk), and a_n, a_t the rows of H^T M^(-1/2), eliminating the impulses contact by contact leaves
-//   (sigma + sum a_n a_n'/D_n + sum a_t a_t'/D_t +- sum mu a_t a_n'/D_n) z = what the contacts push with at z = 0,
-// the first sum over those not open, the second over those that stick, the third over those that slide.
+// z is the change of M^(1/2) v from v(pk), and a_n, a_t are the rows of H^T M^(-1/2). Eliminating the impulses contact by contact leaves
+//   (sigma + sum a_n a_n'/D_n + sum a_t a_t'/D_t +- sum mu a_t a_n'/D_n) z = the push of the contacts at z = 0.
+// The first sum is over contacts that are not open, the second over sticking contacts, the third over sliding ones.
 void BodiesForm::assemble(const Proximal& at)
 {
 	matrix.clear();
@@ -118,7 +118,7 @@ void BodiesForm::assemble(const Proximal& at)
 			z[3 * static_cast<std::size_t>(body[k / 3]) + k % 3] += n[k] * pushN + t[k] * pushT;
 		if (open)
 			continue;
-		double left[6], leftT[6]; // the contact's part of the matrix is left n' + leftT t'
+		double left[6], leftT[6]; // the contact adds left n' + leftT t' to the matrix
 		for (std::size_t k = 0; k < 6; k++) {
 			left[k] = (n[k] + slope * t[k]) / d[2 * i];
 			leftT[k] = stick ? t[k] / d[2 * i + 1] : 0;
@@ -200,8 +200,8 @@ void DelassusForm::plan(const std::vector<ContactState>& states)
 	matrix.plan(size(), pairs);
 }
 
-// Unknowns are the changes of p sqrt(D), equations are divided by sqrt(D), which makes all rows and columns of one size. Open contacts have
-// nothing unknown and go to the right-hand side.
+// The unknowns are the changes of p sqrt(D), and the equations are divided by sqrt(D): all rows and columns then have the same scale. Open contacts
+// have no unknowns and go to the right-hand side.
 void DelassusForm::assemble(const Proximal& at, std::vector<double>& p)
 {
 	matrix.clear();
@@ -247,7 +247,7 @@ bool DelassusForm::solve(const Proximal& at, std::vector<double>& p)
 	matrix.solve(p);
 	for (std::size_t k = 0; k < p.size(); k++)
 		p[k] = at.pk[k] + p[k] / root[k];
-	// What a state fixes is fixed to the last bit.
+	// Sets what the states fix exactly, without round-off.
 	for (std::size_t i = 0; i < size(); i++) {
 		if (at.states[i] == ContactState::open)
 			p[2 * i] = p[2 * i + 1] = 0;

@@ -1,5 +1,5 @@
-// Nonlinear (block) Gauss-Seidel: contact by contact, each solved exactly with the others held (Moreau 1988; Jean 1999, section 6).
-// The reference method: linear convergence, about sqrt(N) sweeps and more to carry a force through N disks.
+// Nonlinear (block) Gauss-Seidel: solves contact by contact, each exactly while the others are held (Moreau 1988; Jean 1999, section 6). This is the
+// reference method. It converges linearly and needs about sqrt(N) sweeps or more to carry a force through N disks.
 #include "delassus_sweep.hpp"
 #include "iterate.hpp"
 #include "sweep.hpp"

@@ -5,23 +5,23 @@
 namespace cd {
 namespace {
 
-	constexpr int blockBits = 5; // of 32 disks that follow one another along the curve
-	constexpr int keyBits = 40; // below the number of the block
+	constexpr int blockBits = 5; // a block has 32 disks that follow one another along the curve
+	constexpr int keyBits = 40; // of the key, below the number of the block
 
-	// Pairs of the disks of a block stay together, for locality, and are scattered among themselves. So contacts near each other in the list
-	// mostly have no body in common, and can be solved eight at a time (grouping.hpp).
+	// Pairs of the disks of one block stay together, for locality, and are scattered within the block. Contacts near each other in the list then
+	// mostly share no body and can be solved eight at a time (grouping.hpp).
 	uint64_t keyOf(const NearPair& pair, const std::vector<int>& rank)
 	{
 		const uint64_t low = std::min(pair.a, pair.b), high = std::max(pair.a, pair.b);
 		uint64_t h = (low << 32 | high) * 0x9E3779B97F4A7C15ull; // Fibonacci hashing (Knuth, vol. 3, section 6.4)
 		h ^= h >> 32;
 		h *= 0xD6E8FEB86659FD93ull;
-		// A body has no rank if it was no disk when the ranks were made.
+		// A body has no rank if it was not a disk when the ranks were made.
 		const uint64_t first = rank.empty() ? low : std::min<uint64_t>(std::min(rank[pair.a], rank[pair.b]), rank.size());
 		return first >> blockBits << keyBits | h >> (64 - keyBits);
 	}
 
-	// Different pairs may have one key; their numbers decide then.
+	// Different pairs may have the same key. Then the numbers of their bodies decide.
 	struct ComesFirst {
 		bool operator()(const NearPair& p, const NearPair& q) const
 		{
@@ -32,7 +32,7 @@ namespace {
 
 } // namespace
 
-// By counting into blocks, then within each.
+// Counting sort into blocks, then a sort within each block.
 void PairOrder::sort(std::vector<NearPair>& pairs, const std::vector<int>& rank)
 {
 	std::size_t blocks = 0;

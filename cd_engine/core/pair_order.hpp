@@ -7,19 +7,19 @@
 
 namespace cd {
 
-// The place of a pair is a function of its numbers and ranks alone, so the result of a step does not depend on which other pairs are listed.
+// The position of a pair depends only on its numbers and ranks, so the result of a step does not depend on which other pairs are listed.
 class PairOrder {
     public:
-	// rank: of the bodies along the curve (space_order.hpp); empty: their numbers.
+	// rank: of the bodies along the space-filling curve (space_order.hpp); empty: the numbers of the bodies are their ranks.
 	void sort(std::vector<NearPair>&, const std::vector<int>& rank);
 
     private:
 	std::vector<NearPair> sorted;
-	std::vector<std::size_t> begins, next; // of blocks
+	std::vector<std::size_t> begins, next; // of each block: its first place in `sorted`, and its next free one
 };
 
-// Sets `from` of every pair in `now` to its place in `before`, or to -1. Both are sorted by the same ranks. left: the places of
-// those in `before` that are in `now` no longer.
+// Sets `from` of every pair in `now` to its index in `before`, or to -1. Both lists are sorted by the same ranks. left: the indices of the pairs in
+// `before` that `now` no longer contains.
 void findAgain(std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& left);
 
 } // namespace cd

@@ -9,16 +9,16 @@ namespace cd {
 namespace {
 
 	constexpr std::size_t fewQuick = 8;
-	// Ways of its own in a step that a body may go before the next search; of the few fastest disks.
+	// A margin covers this many ways of its body, each the motion in one step: at least, at most, and for the few fastest disks.
 	constexpr double leastWays = 1.1, mostWays = 4, spareQuick = 50;
-	// Of the radius: mean margin of the disks that is worth a rest, beyond a way of each.
+	// Target for the mean margin of the disks, in radii.
 	constexpr double meanMargin = 0.5;
-	// Of its radius: margin of a slow disk where others are fast.
+	// Largest margin, in its radii, that a slow disk gets because others are fast.
 	constexpr double hitRadius = 0.5;
 
 } // namespace
 
-// The ways of the bodies in this step, and what they need.
+// Computes the ways of the bodies in this step, and how far around them pairs must be listed.
 void PairSearch::measure(const World& world, double dt, const std::vector<double>& outran, Threads* threads)
 {
 	const std::size_t count = world.bodies.size();
@@ -39,8 +39,8 @@ void PairSearch::measure(const World& world, double dt, const std::vector<double
 	fastest = reduceRanges<double>(threads, count, range, [](double a, double b) { return std::max(a, b); });
 }
 
-// Margins that serve for some steps. The few fastest disks, which may be far from all others, get the widest. Where bodies are fast, slow ones get
-// what an impact may ask of them.
+// Chooses margins that last for several steps. The few fastest disks, which may be far from all others, get the widest. If some bodies are fast, slow
+// ones get a margin for the impact that they may suffer.
 void PairSearch::chooseMargins(const World& world)
 {
 	const std::size_t count = world.bodies.size();
@@ -53,7 +53,7 @@ void PairSearch::chooseMargins(const World& world)
 	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
 	quick.resize(many);
 	margins.resize(count);
-	double radii = 0, need = 0, way = 0; // sums over the disks, in which none that is far faster than the others counts for many
+	double radii = 0, need = 0, way = 0; // sums over the disks; a disk far faster than the others counts with its radius at most
 	for (std::size_t i = 0; i < count; i++)
 		if (const double radius = world.bodies[i].radius; radius > 0) {
 			radii += radius;
@@ -69,7 +69,7 @@ void PairSearch::chooseMargins(const World& world)
 		margins[i] = needs[i] + spareQuick * ways[i];
 }
 
-// What of its margin a body has used up by moving [m]; infinite if it is another one now.
+// The part of its margin that a body has used up by moving [m]; infinite if its radius, mask or shape has changed.
 double PairSearch::used(const World& world, std::size_t i) const
 {
 	const Body& b = world.bodies[i];
@@ -87,7 +87,7 @@ double PairSearch::used(const World& world, std::size_t i) const
 	return way;
 }
 
-// Whether what is left of every margin is enough. Fills World::listed.
+// Whether the rest of every margin is enough. Fills World::listed.
 bool PairSearch::stillComplete(World& world, Threads* threads) const
 {
 	world.listed.resize(seen.size());

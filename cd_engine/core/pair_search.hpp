@@ -1,4 +1,4 @@
-// When near pairs have to be searched anew, and how far around each body.
+// When near pairs must be searched anew, and how far around each body.
 #pragma once
 
 #include "near_pairs.hpp"
@@ -6,19 +6,19 @@
 
 namespace cd {
 
-// Each body has a margin of its own, up to which pairs are listed. The list stays complete until the bodies have used their margins up by moving. A
-// fast body has a wide margin and makes nobody else's wider. Which further pairs are listed changes no result (pair_order.hpp).
+// Each body has its own margin, up to which pairs are listed. The list stays complete until the bodies have used up their margins by moving. A fast
+// body has a wide margin, which does not widen those of others. Further pairs in the list do not change the result (pair_order.hpp).
 class PairSearch {
     public:
-	// Whether the list does not hold all pairs that this step may need, with the bodies as they are now; else fills World::listed.
-	// least: the margin of slow bodies as a fraction of the smallest radius. outran: StepReport::outran of a step that is made again; else empty.
+	// Whether the list may lack a pair that this step needs, with the bodies as they are now; else fills World::listed. least: the margin of slow
+	// bodies as a fraction of the smallest radius. outran: StepReport::outran if a step is repeated, else empty.
 	bool needed(World&, double dt, double least, const std::vector<double>& outran, Threads* = nullptr);
-	// The pairs, in no order. Fills World::listed. Call `needed` first.
+	// Finds the pairs, in no particular order, and fills World::listed. Call `needed` first.
 	void find(World&, std::vector<NearPair>&);
 
 	// The body that has left all others behind, -1: none.
 	int lost(const World&) const;
-	// Of the fastest body in this step, in radii of the smallest disk.
+	// The largest way of a body in this step, in radii of the smallest disk.
 	double longestWay() const { return longest; }
 	double marginOf(int32_t body) const { return margins[body]; }
 
@@ -31,12 +31,12 @@ class PairSearch {
 	double used(const World&, std::size_t body) const;
 	bool stillComplete(World&, Threads*) const;
 
-	double least = 0; // margin [m]
-	double fastest = 0, longest = 0; // way of a body in this step [m], and over the smallest radius
-	std::vector<double> ways, needs; // of the bodies in this step, and how far from them pairs have to be listed [m]
+	double least = 0; // margin of slow bodies [m]
+	double fastest = 0, longest = 0; // largest way of a body in this step [m], and the same over the smallest radius
+	std::vector<double> ways, needs; // of the bodies: ways in this step, and distances up to which pairs must be listed [m]
 	std::vector<std::size_t> quick; // the fastest disks
 	std::vector<double> margins; // of the bodies at the last search [m]
-	std::vector<Place> seen; // the bodies then
+	std::vector<Place> seen; // the bodies at that search
 	std::vector<Shape> seenShapes;
 	std::vector<int32_t> seenMasks;
 	int32_t seenApart = 0;

@@ -75,7 +75,7 @@ void Partition::number()
 		ofContact[i] = island;
 		islands[island].contacts++;
 	}
-	// The body that names an island comes before its others, and so has its number and its own name already.
+	// The body that names an island comes first in it, so its entries are final before the other bodies copy them.
 	for (std::size_t i = 0; i < name.size(); i++) {
 		name[i] = name[name[i]];
 		ofBody[i] = ofBody[name[i]];

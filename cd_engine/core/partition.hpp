@@ -1,5 +1,5 @@
-// Which contacts of a system make an island: those that feel each other, through bodies that can move. Impulses do not pass through a body that
-// nothing can move, so two heaps on one fixed floor are two islands, and a loaded wall joins all that touch it.
+// Divides the contacts of a system into islands: sets of contacts that are connected through movable bodies. No impulse passes through an immobile
+// body, so two heaps on one fixed floor are two islands, while a movable wall joins all that touch it.
 #pragma once
 
 #include "contact_system.hpp"
@@ -9,19 +9,19 @@ namespace cd {
 
 class Partition {
     public:
-	// Of this system; false if its contacts and freedoms are those of the last one, whose islands these then are.
+	// Finds the islands of this system. Returns false if its contacts and freedoms, and so its islands, are those of the last system.
 	bool update(const ContactSystem&, Threads* = nullptr);
 
 	struct Island {
-		int32_t first = 0; // contact
-		int32_t contacts = 0; // how many
+		int32_t first = 0; // index of the first contact
+		int32_t contacts = 0; // number of contacts
 	};
 
 	std::vector<Island> islands; // in the order of their first contacts
-	std::vector<int32_t> ofContact; // its island; -1: it has nothing that can move along its normal
-	std::vector<int32_t> ofBody; // -1: it cannot move or touches nothing
-	std::vector<int32_t> name; // of every body: the first of the bodies that can move of its island
-	std::vector<uint8_t> freedom; // of every body: how many of its velocities can change
+	std::vector<int32_t> ofContact; // island of each contact; -1: neither body can move along the normal
+	std::vector<int32_t> ofBody; // island of each body; -1: the body cannot move or touches nothing
+	std::vector<int32_t> name; // of each body: the first movable body of its island
+	std::vector<uint8_t> freedom; // of each body: how many of its velocity components can change
 
 	// The body that gives an island its name.
 	int32_t nameOf(const Island& island) const { return name[mobileOf(links[island.first])]; }
@@ -37,7 +37,7 @@ class Partition {
 	int32_t root(int32_t body);
 	void number();
 
-	std::vector<Link> links; // the contacts
+	std::vector<Link> links; // one a contact, from the last update
 };
 
 int freedoms(const BodyVelocity&);

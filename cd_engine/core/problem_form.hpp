@@ -1,4 +1,4 @@
-// A contact problem read row by row, whatever its form: bodies and contacts, or a matrix.
+// Reads a contact problem row by row, whatever its form: given by bodies and contacts, or by a matrix.
 #pragma once
 
 #include "contact_system.hpp"
@@ -11,14 +11,14 @@
 
 namespace cd {
 
-// A problem in one form: which rows it has, and products with W. `sizes` are the sums of the absolute values of the terms. Memory is kept
-// from one problem of a thread to the next.
+// One form of a problem: its rows, and products with W. `sizes` are the sums of the absolute values of the terms of a product. Memory is kept from
+// one problem of a thread to the next.
 class BodyForm {
     public:
-	// Share of the power of the prescribed motion with which contacts give way in a press at least: other boundaries may move, too.
+	// In a press (verdict.hpp), contacts give way with at least this share of the prescribed motion's power: other boundaries may move, too.
 	static constexpr double ofPrescribed = 0.1;
-	static constexpr double ofProof = std::numeric_limits<double>::infinity(); // what presses is known by its power
-	static constexpr double ofTerms = 1e-8; // share of the terms of its sum that the work against a self-stress has at least
+	static constexpr double ofProof = std::numeric_limits<double>::infinity(); // large impulses alone start no proof, since power reveals a press
+	static constexpr double ofTerms = 1e-8; // the work against a self-stress must exceed this share of the terms of its sum
 
 	const BodyForm& of(const ContactSystem& s, const std::vector<double>& free)
 	{
@@ -79,8 +79,8 @@ class BodyForm {
 	}
 
 	std::vector<double> q;
-	std::vector<double> prescribed; // the part of q that no impulse can change: of the bodies that cannot move, and the biases
-	std::vector<double> data; // size of the terms of q, one a contact
+	std::vector<double> prescribed; // the part of q that no impulse can change: from blocked freedoms and from the biases
+	std::vector<double> data; // magnitude of the terms of q, one number a contact
 
     private:
 	void add(int32_t body, double x, double y, double turn) const
@@ -116,11 +116,11 @@ class BodyForm {
 
 class MatrixForm {
     public:
-	static constexpr double ofPrescribed = 1e-4; // of all of q, since a matrix does not tell what is prescribed
-	// Growth of the impulses from which a self-stress is looked for whatever their powers: what presses may be hidden by the rest of q, gravity
-	// say, which makes no power on a self-stress.
+	static constexpr double ofPrescribed = 1e-4; // relative to all of q, since a matrix does not tell which part is prescribed
+	// From this growth of the impulses on, a self-stress is searched for whatever the powers are: the rest of q may hide a press. Gravity, for
+	// example, has no power on a self-stress.
 	static constexpr double ofProof = 100;
-	static constexpr double ofTerms = 1e-11; // far above round-off; geometry, which is less exact, has no part in it
+	static constexpr double ofTerms = 1e-11; // far above round-off; smaller than for bodies, because no inexact geometry is computed here
 
 	const MatrixForm& of(const DelassusSystem& s)
 	{
@@ -138,7 +138,7 @@ class MatrixForm {
 	double pt(std::size_t i) const { return system->p[2 * i + 1]; }
 	double own(std::size_t i) const { return system->blocks[system->diagonal[i]].nn; }
 	double ownTangential(std::size_t i) const { return system->blocks[system->diagonal[i]].tt; }
-	double massRatio() const { return std::numeric_limits<double>::infinity(); } // a matrix does not tell
+	double massRatio() const { return std::numeric_limits<double>::infinity(); } // a matrix does not contain the masses
 
 	void product(const std::vector<double>& p, std::vector<double>& u, std::vector<double>& sizes) const
 	{
@@ -156,7 +156,7 @@ class MatrixForm {
 	}
 
 	std::vector<double> q;
-	std::vector<double> prescribed; // all of q
+	std::vector<double> prescribed; // all of q, see ofPrescribed
 	std::vector<double> data;
 
     private:

@@ -1,16 +1,16 @@
-// One problem of the proximal-point method: the contact law between p and u + sigma D (p - pk), D the diagonal of W, pk the centre.
+// One subproblem of the proximal-point method: the contact law between p and u + sigma D (p - pk). D is the diagonal of W, pk the centre.
 //
 // Eliminating p leaves one equation for the velocities,
 //   u = W P(z) + q,   z = pk - u/(sigma D),   P(z) = (max(z_n, 0), z_t cut at +-mu max(z_n, 0)),
-// which is piecewise linear; the states of the contacts tell which piece u is on (Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92, 353).
-// Two ways lead to its solution, each step of either is the solution of one piece's linear system:
-//   Newton's steps change all states at once, and cycle among pieces as soon as sigma is small. Without friction the equation is the
-//   stationarity of a convex function: the kinetic energy of v - v_free and that of springs of compliance sigma D. Going along the step only to
-//   where the slope of that function vanishes converges from anywhere. With friction there is no such function, but its slope still serves; a
-//   step that does not descend is replaced by the one with the bounds of friction held, which always does.
-//   The path along which what is missing of the equation shrinks in proportion is followed from piece to piece, one state changing at a time
-//   (Katzenelson 1965, Bell Syst. Tech. J. 44, 1605). Where friction turns the orientation of a piece the path turns back before it goes on
-//   (Chien & Kuh 1977, IEEE Trans. Circuits Syst. 24, 305). It gets through where Newton's steps cycle, but is long from far away.
+// which is piecewise linear: the states of the contacts select the piece (Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92, 353).
+// Two methods solve it. Each of their steps solves the linear system of one piece:
+//   Newton's method changes all states at once. For small sigma it cycles among pieces. Without friction the equation is the stationarity of a convex
+//   function: the kinetic energy of v - v_free plus the energy of springs of compliance sigma D. A line search to where the slope of this function
+//   vanishes converges from any start. With friction no such function exists, but the slope still guides the line search. A step that does not
+//   descend is replaced by the step with fixed friction bounds, which always descends.
+//   Path following reduces the residual of the equation in proportion, from piece to piece, changing one state at a time (Katzenelson 1965, Bell
+//   Syst. Tech. J. 44, 1605). Where friction reverses the orientation of a piece, the path first turns back (Chien & Kuh 1977, IEEE Trans. Circuits
+//   Syst. 24, 305). This method succeeds where Newton's method cycles, but takes many steps from a distant start.
 #pragma once
 
 #include "newton_system.hpp"
@@ -34,7 +34,7 @@ inline Impulse onCone(Impulse z, double mu)
 
 template <class Form> class ProximalProblem {
     public:
-	// most: factorizations in all; work: their floating-point operations
+	// most: limit on the number of factorizations; work: limit on their floating-point operations
 	ProximalProblem(Form& f, int most, double work)
 	    : form(f)
 	    , mostSteps(most)
@@ -43,7 +43,7 @@ template <class Form> class ProximalProblem {
 	{
 	}
 
-	// A new pk: two numbers a contact.
+	// Sets the centre pk: two numbers a contact.
 	void centre(const std::vector<double>& p)
 	{
 		at.pk = p;
@@ -51,7 +51,7 @@ template <class Form> class ProximalProblem {
 		at.bounds.resize(form.size());
 	}
 
-	// Solves from the centre. False if that takes too many steps.
+	// Solves, starting at the centre. Returns false if this takes too many steps.
 	bool solve(double sigma)
 	{
 		at.sigma = sigma;
@@ -61,7 +61,7 @@ template <class Form> class ProximalProblem {
 		return newtonSteps(20, false) && remember();
 	}
 
-	// Solves for a smaller sigma, from the last solution about this centre.
+	// Solves for a smaller sigma, starting at the last solution about this centre.
 	bool resume(double sigma)
 	{
 		at.sigma = sigma;
@@ -78,12 +78,12 @@ template <class Form> class ProximalProblem {
 		return followPath(30) && remember();
 	}
 
-	const std::vector<double>& impulses() const { return x; } // of the last attempt, in the cone only if it was solved
+	const std::vector<double>& impulses() const { return x; } // result of the last attempt; inside the cone only if this attempt succeeded
 	int steps() const { return made; } // factorizations
 	bool exhausted() const { return made >= mostSteps || work >= mostWork; }
 
     private:
-	// Where a contact leaves its state: n z_n + t z_t, positive inside, vanishes.
+	// A border of a contact state: the state holds while n z_n + t z_t is positive. `beyond` is the state on the other side.
 	struct Edge {
 		double n, t;
 		ContactState beyond;
@@ -95,7 +95,7 @@ template <class Form> class ProximalProblem {
 		return true;
 	}
 
-	// z of a contact at the share a of the step.
+	// z of a contact after the share a of the step.
 	Impulse point(std::size_t i, double a) const
 	{
 		const double un = u[2 * i] + a * (uNew[2 * i] - u[2 * i]), ut = u[2 * i + 1] + a * (uNew[2 * i + 1] - u[2 * i + 1]);
@@ -113,7 +113,7 @@ template <class Form> class ProximalProblem {
 
 	double bound(std::size_t i, const Impulse& z) const { return form.friction(i) * std::max(z.n, 0.); }
 
-	// Sets states and bounds to those of u. Whether any state changed.
+	// Updates the states and bounds from u. Returns whether any state changed.
 	bool findStates()
 	{
 		bool changed = false;
@@ -127,7 +127,7 @@ template <class Form> class ProximalProblem {
 		return changed;
 	}
 
-	// Whether a step changes nothing but the last digits: its slope has no sign then.
+	// Whether the step changes only the last digits of x. The sign of its slope then means nothing.
 	bool stepIsRoundOff() const
 	{
 		double change = 0, size = 0;
@@ -138,7 +138,7 @@ template <class Form> class ProximalProblem {
 		return change <= 1e-12 * size;
 	}
 
-	// Whether what a step leads to has the states it was made for: then it is the solution.
+	// Whether the end of the step has the states that the step assumed. The end is then the solution.
 	bool leadsToSolution() const
 	{
 		for (std::size_t i = 0; i < form.size(); i++) {
@@ -149,7 +149,7 @@ template <class Form> class ProximalProblem {
 		return true;
 	}
 
-	// (uNew - u) . (x - P) at the share a of the step: the slope of the convex function where there is no friction.
+	// The slope (uNew - u) . (x - P) at the share a of the step; without friction it is the slope of the convex function.
 	double slope(double a) const
 	{
 		double sum = 0;
@@ -161,7 +161,7 @@ template <class Form> class ProximalProblem {
 		return sum;
 	}
 
-	// The solution of the present piece's system, to xNew and uNew. coupled: see Proximal.
+	// Solves the linear system of the present piece; the result goes to xNew and uNew. coupled: see Proximal.
 	bool propose(bool coupled)
 	{
 		made++;
@@ -182,7 +182,7 @@ template <class Form> class ProximalProblem {
 		}
 	}
 
-	// Share of the step at which the slope, negative at 0, vanishes to a hundredth; 1 if it is not positive there.
+	// The share of the step at which the slope, negative at 0, is below 1 % of its initial size; 1 if the slope at the end is not above that.
 	double share(double atStart) const
 	{
 		const double enough = -0.01 * atStart;
@@ -190,7 +190,7 @@ template <class Form> class ProximalProblem {
 		if (slopeHigh <= enough)
 			return 1;
 		for (int k = 1; k <= 12; k++) {
-			// Regula falsi, which alone can crawl along a kink: every third time the middle.
+			// Regula falsi alone can crawl along a kink, so every third iterate is the midpoint.
 			a = k % 3 == 0 ? 0.5 * (low + high) : low - slopeLow * (high - low) / (slopeHigh - slopeLow);
 			const double s = slope(a);
 			if (std::abs(s) < enough)
@@ -201,7 +201,7 @@ template <class Form> class ProximalProblem {
 		return a;
 	}
 
-	// whole: x and u solve the system of the present states, which are those of the solution if they do not change.
+	// whole: x and u solve the system of the present states. They are the solution if these states do not change.
 	bool newtonSteps(int most, bool whole)
 	{
 		for (int k = 0; k < most && !exhausted(); k++) {
@@ -222,7 +222,7 @@ template <class Form> class ProximalProblem {
 		return !findStates() && whole;
 	}
 
-	// The edges of the state that a contact is in, two at most; how many there are.
+	// Writes the borders of the present state of a contact to e, two at most. Returns how many there are.
 	int edges(std::size_t i, Edge* e) const
 	{
 		const double mu = form.friction(i), s = side(at.states[i]);
@@ -249,7 +249,7 @@ template <class Form> class ProximalProblem {
 		for (int k = 0; k < most && !exhausted(); k++) {
 			if (!propose(true))
 				return false;
-			// Away from the edge just crossed, on its new side. Backwards there is no end but the next edge.
+			// Moves away from the border just crossed, on its new side. A backward move ends only at the next border.
 			const double outward = k > 0 ? rate(crossing, crossed) : 0, direction = outward > 0 ? -1 : 1;
 			double a = direction > 0 ? 1 : std::numeric_limits<double>::infinity();
 			bool found = false;
@@ -268,7 +268,7 @@ template <class Form> class ProximalProblem {
 				}
 			}
 			if (!found && direction < 0)
-				return false; // to infinity
+				return false; // the path goes to infinity
 			advance(direction * a);
 			if (!found)
 				return true;
@@ -277,7 +277,7 @@ template <class Form> class ProximalProblem {
 		return false;
 	}
 
-	// At which n z_n + t z_t of a contact grows along the step.
+	// The change of n z_n + t z_t of a contact over the whole step.
 	double rate(std::size_t i, const Edge& e) const
 	{
 		const Impulse from = point(i, 0), to = point(i, 1);
@@ -291,7 +291,7 @@ template <class Form> class ProximalProblem {
 	int made = 0;
 	double work = 0;
 	Proximal at;
-	std::vector<double> x, u, xNew, uNew; // the iterate, u = W x + q, and where a step leads
+	std::vector<double> x, u, xNew, uNew; // the iterate x, u = W x + q, and the end of the proposed step
 	std::vector<ContactState> solvedStates;
 };
 

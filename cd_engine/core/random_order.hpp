@@ -1,4 +1,4 @@
-// A new random order of the contacts for every sweep, the same for the same seed.
+// A new random order of the contacts for every sweep. The same seed gives the same orders.
 #pragma once
 
 #include "handed_on.hpp"
@@ -13,7 +13,7 @@ namespace cd {
 
 class RandomOrder {
     public:
-	// seed 0: no random order is asked for.
+	// seed 0: no random order.
 	explicit RandomOrder(unsigned seed)
 	    : random(seed)
 	    , asked(seed > 0)
@@ -23,7 +23,7 @@ class RandomOrder {
 
 	explicit operator bool() const { return asked; }
 
-	// The numbers below `count`, which is the same at every call.
+	// A permutation of the numbers below `count`. `count` must be the same at every call.
 	const std::vector<int32_t>& next(std::size_t count)
 	{
 		while (order.size() < count)

@@ -7,10 +7,10 @@
 namespace cd {
 namespace {
 
-	// Shares of e that are tried after each other. Islands that make energy mostly do so near e = 1 only, and a little.
+	// Shares of e that are tried one after the other. Islands that create energy mostly do so only near e = 1, and only a little.
 	constexpr double shares[] = { 15. / 16, 7. / 8, 3. / 4, 1. / 2, 0 };
 
-	constexpr double roundOff = 1e-13; // of energies, which are sums
+	constexpr double roundOff = 1e-13; // relative, of energies, which are sums
 
 	bool isMobile(const BodyVelocity& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
 
@@ -35,7 +35,7 @@ int32_t Rebounds::islandOf(int32_t body)
 	return body;
 }
 
-// Joined by every body that can move.
+// Every movable body joins its contacts into one island.
 void Rebounds::findIslands(const ContactSystem& system)
 {
 	parent.resize(system.bodies.size());
@@ -53,7 +53,7 @@ Rebounds::Account& Rebounds::accountOf(const ContactSystem& system, const Contac
 	return accounts[islandOf(isMobile(system.bodies[c.a]) ? c.a : c.b)];
 }
 
-// Asks the rebounds of islands that have lost a share of theirs for what is left of it; says whether that changes anything.
+// Reduces the rebounds of the islands that have lost a share of theirs. Returns whether this changes any bias.
 bool Rebounds::askAgain(ContactSystem& system)
 {
 	bool changed = false;
@@ -96,7 +96,7 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, c
 			account.energy += 0.5 * body.v[k] * body.v[k] / body.w[k];
 		}
 	}
-	// Without what boundaries give that move.
+	// Subtracts the work of boundaries that move.
 	for (const ContactRow& c : system.contacts) {
 		if (!(c.pn > 0))
 			continue;

@@ -3,12 +3,12 @@
 // Moreau's law (1988, Unilateral contact and dry friction in finite freedom dynamics, section 4): every contact that is closed, or that the
 // velocities before the step would close within it, takes
 //   0 <= u_n' + e u_n  _|_  p_n >= 0,   u_n before the step,
-// also one that parts already: it may be pushed back at up to e u_n by what hits its bodies elsewhere. Without friction the step's energy then
-// changes by -(1 - e)/(1 + e) p.W p/2 <= 0, whatever the contacts have in common; a law that asks u_n' >= 0 of those that part makes energy.
+// also if it separates already: impacts elsewhere on its bodies may push it back at up to e u_n. Without friction the energy of the step then changes
+// by -(1 - e)/(1 + e) p.W p/2 <= 0, however the contacts are coupled. A law that demands u_n' >= 0 of separating contacts creates energy.
 //
-// With friction the same law can make energy where contacts are coupled (Kane and Levinson 1985), at e = 0 it cannot. So e is lowered, in
-// the islands of contacts that would make some, until they do not. A wedged disk may have no velocities that part from both sides as fast as asked:
-// there e = 0 at once.
+// With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
+// islands of contacts that would create energy, until they do not. A wedged disk may have no velocities that separate from both sides as fast as
+// demanded. There e = 0 at once.
 #pragma once
 
 #include "contact_system.hpp"
@@ -21,31 +21,31 @@ namespace cd {
 
 class Rebounds {
     public:
-	// Of m |dv|^2, which a step may add to the energy at a loose tolerance; dv is the velocity that the impulses have changed. What is asked
-	// again is solved to this at least.
+	// Energy that a step may add at a loose tolerance, as a share of the sum of m |dv|^2, with dv the velocity change by the impulses. A step
+	// that is solved again is solved at least to this tolerance.
 	static constexpr double mostGain = 1e-5;
 
-	// The bias of a contact in an impact: e u_n, or what its gap asks for where that pushes harder (plain < 0).
+	// The bias of a contact in an impact: e u_n, or the bias of its gap if this one pushes harder (plain < 0).
 	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
 
 	void clear();
 	void resize(std::size_t contacts) { asked.resize(contacts); }
-	// Of a contact of the system: its bias without restitution, and e u_n [m/s]; a NaN if it has no part in an impact.
+	// For a contact of the system: its bias without restitution, and e u_n [m/s], or NaN if the contact has no part in an impact.
 	void set(std::size_t row, double plain, double rebound) { asked[row] = { plain, rebound }; }
 	// Whether any contact has a part in an impact.
 	bool any() const;
 
-	// Lowers the biases in the islands whose impulses have added energy by more than round-off, `tolerance` and mostGain leave open; says whether
-	// there are such islands. To be asked again after the next solution. `before`: the velocities before the step, `free`: those that the
-	// external forces alone would leave. The energy is that over the step and that over the impulses alone: if only one of them grows, by what
-	// the forces do in a step, that is not the rebounds' doing.
+	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
+	// changed a bias. To be called again after the next solution. `before`: the velocities before the step, `free`: those that the external
+	// forces alone would leave. Islands are lowered only if the energy grows both over the whole step and over the impulses alone. If only one of
+	// the two grows, the work of the forces in the step causes it, not the rebounds.
 	bool lower(ContactSystem&, const std::vector<double>& before, const std::vector<double>& free, double tolerance);
 
-	// Whether the last look has found an island that adds energy without any rebound, by what its solution leaves open.
+	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }
 
-	// Asks no rebound any more in the island of contact `row`, of a step that has no solution with it; in every island where that is negative.
-	// Says whether there was one to be given up.
+	// Gives up all rebounds in the island of contact `row`, in a step that has no solution with them; if `row` is negative, in every island.
+	// Returns whether there was a rebound to give up.
 	bool giveUp(ContactSystem&, int32_t row);
 
     private:
@@ -55,20 +55,20 @@ class Rebounds {
 	struct Asked {
 		double plain, rebound;
 	};
-	// Of an island, kept where the body stands that names it.
+	// Account of an island, stored at the body that names the island.
 	struct Account {
-		double sinceBefore = 0, sinceFree = 0; // work of its impulses [J]
-		double scale = 0; // sum of m |dv|^2, dv being what the impulses have changed the velocities by [J]
-		double energy = 0; // of its bodies after the step [J]
+		double sinceBefore = 0, sinceFree = 0; // work of its impulses, from the velocities before the step and from the free ones on [J]
+		double scale = 0; // sum of m |dv|^2, dv the velocity change by the impulses [J]
+		double energy = 0; // kinetic energy of its bodies after the step [J]
 		bool gains = false;
-		int lowered = 0; // how often
+		int lowered = 0; // how often its rebounds were lowered
 	};
 	Account& accountOf(const ContactSystem&, const ContactRow&);
 	bool askAgain(ContactSystem&);
 
 	bool remains = false;
 	std::vector<Asked> asked; // of the contacts
-	std::vector<int32_t> parent; // of every body, towards the one that names its island; empty: not looked for yet
+	std::vector<int32_t> parent; // of every body: a link towards the body that names its island; empty: no islands found yet
 	std::vector<Account> accounts; // by body
 };
 

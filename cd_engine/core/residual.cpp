@@ -9,10 +9,10 @@ namespace cd {
 namespace {
 
 	constexpr double roundOff = 4 * std::numeric_limits<double>::epsilon();
-	constexpr double manyLoops = 200; // of an island in which the mean over the mass counts in full
-	constexpr double farBelow = 0.1; // of that mean: walls pressed on packings, of masses of 2 sqrt(N) disks, have 0.16 to 0.3 of it
-	constexpr double nothing = 1e-6; // of that mean: a body on which less acts counts as if this did
-	constexpr double single = 10; // by how much more than their root mean square one contact may miss there: in a packing it is 5 to 20 times
+	constexpr double manyLoops = 200; // loops of an island from which the mean over the mass counts in full
+	constexpr double farBelow = 0.1; // of that mean: a heavy body below it has its own term; walls as heavy as 2 sqrt(N) disks have 0.16 to 0.3
+	constexpr double nothing = 1e-6; // of that mean: a smaller s counts as this
+	constexpr double single = 10; // root mean squares that a single contact may miss there; in a packing it misses 5 to 20
 
 	// Euclidean projection of (pn, pt) on the cone |p_t| <= mu p_n.
 	void projectOnCone(double mu, double& pn, double& pt)
@@ -37,10 +37,10 @@ namespace {
 		return (pn - qn) * (pn - qn) + (pt - qt) * (pt - qt);
 	}
 
-	// What is at most `floor` counts as none.
+	// Sets a square to 0 if it is at most floor^2.
 	inline double beyond(double square, double floor) { return square <= floor * floor ? 0 : square; }
 
-	// Written so that a NaN is kept and reported instead of being lost in a comparison.
+	// Written so that a NaN is kept and reported; a plain comparison would lose it.
 	inline void raise(double& largest, double value)
 	{
 		if (!(value <= largest))
@@ -67,12 +67,12 @@ namespace {
 		}
 	}
 
-	// sumOf(i): where contact i adds to, null for one that is left out.
+	// sumOf(i): the sum that contact i adds to, null if the contact is left out.
 	template <class SumOf> void addAll(const ContactSystem& system, const std::vector<double>& freeVelocity, const SumOf& sumOf)
 	{
 		static thread_local std::vector<Moved> moved;
 		static thread_local std::vector<char> met;
-		static thread_local std::vector<double> asked; // by body: smallest s of those that it carries and that are far heavier [m/s]
+		static thread_local std::vector<double> asked; // by body: smallest s of the far heavier bodies that it carries [m/s]
 		moveBodies(system, freeVelocity, moved);
 		met.assign(moved.size(), 0);
 		asked.assign(moved.size(), std::numeric_limits<double>::infinity());
@@ -91,7 +91,7 @@ namespace {
 			const Miss miss = missOf(c, compliance, moved[c.a], moved[c.b]);
 			sum->addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, compliance);
 			sum->addUnderHeavy(miss.velocity, std::min(asked[c.a], asked[c.b]));
-			// As the contacts meet them: sums then do not depend on how bodies are numbered.
+			// Bodies are added as the contacts meet them, so that the sums do not depend on the numbering of the bodies.
 			for (const int32_t body : { c.a, c.b })
 				if (!met[body]) {
 					met[body] = 1;
@@ -117,9 +117,9 @@ Miss missOf(const ContactRow& c, double compliance, const Moved& a, const Moved&
 	const double ut = uy * c.nx - ux * c.ny + b.v[2] * c.bt - a.v[2] * c.at;
 	const double un = ux * c.nx + uy * c.ny + b.v[2] * c.bn - a.v[2] * c.an + c.bias;
 	const double square = squaredDifference(c.pn, c.pt, un, ut, c.mu, compliance);
-	// The relative velocity is known to the round-off of the velocities it is a difference of, and no better: a body gliding along another at 1
-	// m/s cannot be told from one pressed with 1e-16 of its momentum. Velocities are sums of what acts, and known to the round-off of that; which
-	// is no difference from the law, but an error of the bodies.
+	// A relative velocity is known only to the round-off of the velocities that it is the difference of: a body that glides along another at 1
+	// m/s cannot be told from one pressed on it with 1e-16 of its momentum. Velocities are sums of what acts, and known only to the round-off of
+	// these sums. That round-off is no violation of the contact law, but it is an error of the bodies.
 	const double ofVelocities = roundOff
 	    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
 		+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
@@ -179,9 +179,9 @@ double ResidualSum::bodies() const
 		return every;
 	const double loops = std::min(1., static_cast<double>(contacts - touched) / manyLoops);
 	const double typical = std::max(std::sqrt(missed / static_cast<double>(contacts)), std::sqrt(mostMissed) / single) / (mean * loops);
-	const bool unseen = leastHeavy < farBelow * mean; // the mean does not speak for the heavy body
+	const bool unseen = leastHeavy < farBelow * mean; // the mean does not represent the heavy body
 	const double amongMany = unseen ? std::max(typical, std::sqrt(missedUnderHeavy) / (single * leastHeavy)) : typical;
-	return amongMany < every ? amongMany : every; // `every` where the other is not a number
+	return amongMany < every ? amongMany : every; // `every` if the other is NaN
 }
 
 Residual ResidualSum::of() const { return residual(this, 1); }
@@ -217,7 +217,7 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity)
 {
-	static thread_local Partition partition; // of this thread's last system: mostly the same contacts
+	static thread_local Partition partition; // of this thread's last system, which mostly had the same contacts
 	static thread_local std::vector<ResidualSum> sums;
 	partition.update(system);
 	sums.assign(partition.islands.size(), {});
@@ -245,7 +245,7 @@ Residual residual(const DelassusSystem& system)
 			size += std::abs(w.nn * n) + std::abs(w.nt * t) + std::abs(w.tn * n) + std::abs(w.tt * t);
 		}
 		const double pn = system.p[2 * i], pt = system.p[2 * i + 1], compliance = system.blocks[system.diagonal[i]].nn;
-		// u is a sum, known to the round-off of its terms.
+		// u is a sum and is known only to the round-off of its terms.
 		const double d = beyond(squaredDifference(pn, pt, un, ut, system.mu[i], compliance), roundOff * size / compliance);
 		sum.addContact(d, d * compliance * compliance, pn * pn + pt * pt, compliance);
 	}

@@ -1,9 +1,9 @@
-// What a sweep over W reads and writes: rows eight by eight, their blocks in slices of eight.
+// The data of a sweep over W: rows in groups of eight, their blocks in slices of eight.
 //
-// In a group no two rows couple, so its eight contacts are solved at once and their order within it means nothing: every width of vectors
-// gives the same bits. A row that finds no such company, or has very many blocks, is spread: a group of its own whose slices hold eight of
-// its blocks each. Memory: 56 bytes a contact, 36 a block beside the own one (W has as many) with about a tenth of them empty, 16 of impulses and
-// 16 more with momentum.
+// No two rows of a group couple. The eight contacts are therefore solved at once, and their order in the group has no effect: every vector width
+// gives the same bits. A row that fits into no group, or has very many blocks, is spread: it makes a group of its own, and each of its slices holds
+// eight of its blocks. Memory: 56 bytes a contact, 36 a block beside the own one (as in W) with about a tenth of them empty, 16 of impulses and 16
+// more with momentum.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@ struct alignas(64) RowGroup {
 	static constexpr int lanes = 8;
 	double qn[lanes], qt[lanes]; // relative velocities without impulses [m/s]
 	double mu[lanes];
-	double nn[lanes], nt[lanes], tn[lanes], tt[lanes]; // the contacts' own blocks [1/kg]; lanes not needed: nn = tt = 1
+	double nn[lanes], nt[lanes], tn[lanes], tt[lanes]; // the contacts' own blocks [1/kg]; unused lanes: nn = tt = 1
 };
 static_assert(sizeof(RowGroup) == 7 * 64);
 
-// Lane l: a block of row l of the group, or any of the row that is spread; zero where there are no more.
+// Lane l holds a block of row l of the group, or any block of a spread row; zero if there are no more.
 struct alignas(64) BlockSlice {
 	double nn[RowGroup::lanes], nt[RowGroup::lanes], tn[RowGroup::lanes], tt[RowGroup::lanes];
 };
@@ -29,13 +29,13 @@ struct alignas(32) SliceColumns {
 };
 static_assert(sizeof(SliceColumns) == 32);
 
-// Impulses (p_n, p_t) of eight places, one group's [N s].
+// Impulses (p_n, p_t) of the eight places of one group [N s].
 struct alignas(64) ImpulsePairs {
 	double p[2 * RowGroup::lanes];
 };
 static_assert(sizeof(ImpulsePairs) == 2 * 64);
 
-// What a sweep from an extrapolated point did to a group [N^2 s^2]: y the point, p before, p+ after the sweep.
+// Result of a sweep from an extrapolated point y for one group [N^2 s^2]. p are the impulses before the sweep, p+ those after it.
 struct GroupStep {
 	double change; // |y - p+|^2
 	double against; // (y - p+) . (p+ - p)
@@ -46,8 +46,8 @@ struct RowGroups {
 	const std::size_t* start; // group g has the slices start[g] .. start[g + 1] - 1
 	const BlockSlice* slices;
 	const SliceColumns* columns;
-	std::size_t firstSpread; // the groups from here on have one row each
-	ImpulsePairs* impulses; // of each group, and behind them one without, for empty lanes
+	std::size_t firstSpread; // from this group on, each group has one row
+	ImpulsePairs* impulses; // of each group, then one more that is zero, for empty lanes
 };
 
 } // namespace cd

@@ -20,7 +20,7 @@ void RowGroupBuilder::build(const DelassusSystem& s, RowGrouping& result)
 	for (OpenGroup& g : group)
 		g.count = 0;
 	oldest = 0;
-	withRoom = ~uint64_t(0) >> 1; // the last place stands for the group before the oldest
+	withRoom = ~uint64_t(0) >> 1; // the last place is reserved for the group before the oldest
 	for (std::size_t from = 0; from < s.contacts(); from += window) {
 		sortWindow(from, std::min(from + window, s.contacts()), from / window % 2 != 0);
 		for (const int32_t row : sorted)
@@ -35,7 +35,7 @@ void RowGroupBuilder::build(const DelassusSystem& s, RowGrouping& result)
 	}
 }
 
-// By counting; rows of the same length stay in order.
+// Counting sort; rows of the same length keep their order.
 void RowGroupBuilder::sortWindow(std::size_t from, std::size_t to, bool descending)
 {
 	std::size_t first[longest + 2] = {};
@@ -54,7 +54,7 @@ void RowGroupBuilder::sortWindow(std::size_t from, std::size_t to, bool descendi
 
 void RowGroupBuilder::add(int32_t row)
 {
-	// Both ways, as W need not be symmetric.
+	// Tests both directions, as W need not be symmetric.
 	uint64_t taken = coupled[row];
 	forEachCoupled(row, [&](int32_t other) { taken |= has[other]; });
 	const uint64_t allowed = withRoom & ~(taken | rotateLeft(taken, 1) | rotateLeft(taken, -1));
@@ -75,7 +75,7 @@ void RowGroupBuilder::add(int32_t row)
 		retireOldest();
 }
 
-// A group done with stays in its place, closed, until the next one is: what it couples to must not be in that one.
+// A closed group stays in its place until the next group is closed, because the next one must not contain rows coupled to it.
 void RowGroupBuilder::retireOldest()
 {
 	OpenGroup& done = group[oldest];

@@ -1,4 +1,4 @@
-// Included by group_kernel.cpp after group_kernel.inl, whose vectors it uses and whose rules hold here, too.
+// group_kernel.cpp includes this file after group_kernel.inl, whose vector types it uses. The same rules hold here.
 
 typedef double Pair __attribute__((vector_size(16), aligned(16), may_alias)); // one contact's impulses
 
@@ -69,7 +69,7 @@ INLINE void loadPairs(const double* p, Vector& n, Vector& t)
 
 #endif
 
-// solveLocal of local_problem.hpp for LANES contacts: the cases are told apart by products instead of quotients, which leaves one division.
+// solveLocal of local_problem.hpp for LANES contacts. Products instead of quotients distinguish the cases, which leaves one division.
 INLINE void solveRows(const RowGroup& g, int lane, const Vector& qn, const Vector& qt, Vector& pn, Vector& pt)
 {
 	const Vector none = {};
@@ -89,10 +89,10 @@ INLINE void solveRows(const RowGroup& g, int lane, const Vector& qn, const Vecto
 	pt = qn < none ? t : none;
 }
 
-// A fixed order of additions, the same for every width.
+// Adds in a fixed order, the same for every vector width.
 INLINE double sumOf(const double* x) { return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7])); }
 
-// New impulses of LANES rows of group k: what the others make of the velocity, then the contacts' own problems.
+// Finds new impulses of LANES rows of group k from the velocities that the other contacts cause. For a spread row, returns these velocities.
 INLINE void solveGroup(const RowGroups& rows, std::size_t k, int lane, Vector& pn, Vector& pt)
 {
 	const RowGroup& g = rows.groups[k];
@@ -114,7 +114,7 @@ INLINE void solveGroup(const RowGroups& rows, std::size_t k, int lane, Vector& p
 	pt = qt;
 }
 
-// The row that is spread is solved in the first lane, from the sums of all.
+// Solves a spread row in the first lane, from the sums over all lanes.
 INLINE void solveSpread(const RowGroup& g, Vector* pn, Vector* pt)
 {
 	alignas(64) double sum[RowGroup::lanes], total[2][LANES] = {};

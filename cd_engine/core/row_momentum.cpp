@@ -6,9 +6,9 @@
 namespace cd {
 namespace {
 
-	constexpr double largest = 0.995; // beta
-	// Windows grow with the sweeps made: slow convergence, which goes as a power of the sweeps, decreases from each to the next, swinging does
-	// not.
+	constexpr double largest = 0.995; // largest beta
+	// Windows grow with the sweeps made. Slow convergence, by a power of the number of sweeps, then still shows from one window to the next;
+	// oscillations show no decrease.
 	int window(int made) { return std::max(20, made / 4); }
 
 } // namespace

@@ -9,7 +9,7 @@ int fingerprint(const double gained[3])
 {
 	uint64_t hash = 0;
 	for (int k = 0; k < 3; k++) {
-		const double positive = gained[k] + 0.; // -0 is 0
+		const double positive = gained[k] + 0.; // turns -0 into +0
 		uint64_t bits;
 		std::memcpy(&bits, &positive, sizeof bits);
 		hash = (hash ^ bits) * 0x9e3779b97f4a7c15;

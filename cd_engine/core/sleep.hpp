@@ -1,15 +1,14 @@
-// Which islands of contacts sleep: those proven to be at rest, for which nothing has changed since.
+// Which islands of contacts sleep: those that are proven to be at rest and in which nothing has changed since.
 //
-// A first guess within the tolerance is no rest. It leaves velocities of the tolerance's size, and impulses held fast are dead loads, under which
-// a packing is unstable: in one of 400 disks the error grows by a factor of 1.15 a step, from 1e-11 to 1e-6 in 80 steps, and some sweeps have to
-// bring it down again and again. Therefore islands that are slow under constant loads have to prove their rest now and then: a step is solved by
-// sweeps to a thousandth of the tolerance, and to less where that does not do, since the error is a norm of the whole. Where every body comes to rest
-// in it, slower than a hundredth of what an error of the tolerance in its own contacts' impulses would leave, the velocities become zero. What rolls
-// or drifts goes on in such a step, and so is not stopped. What moved before that step is tried again in the next, in which nothing has to be
-// stopped, so that the impulses are those of rest. An island in which
-// nothing moves before a step, and whose impulses are found to keep it so, to a hundredth of the tolerance, sleeps: it is not solved again. Forces
-// smaller than that may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene goes on
-// alike. Those in which nothing changes at all are then not even looked at (sleepers.hpp).
+// A first guess within the tolerance is not rest. It leaves velocities of the size of the tolerance. Impulses that never change are dead loads, under
+// which a packing is unstable: in one of 400 disks the error grows by a factor of 1.15 a step, from 1e-11 to 1e-6 in 80 steps, and then some sweeps
+// must reduce it. Islands that are slow under constant loads must therefore prove their rest now and then: sweeps solve one step to a thousandth of
+// the tolerance, or less if that does not suffice, since the error is a norm of the whole. An island is at rest if each body is then slower than a
+// hundredth of what an error of the tolerance in the impulses of its own contacts would cause. Its velocities are set to zero. Bodies that roll or
+// drift keep moving in such a step, so they are not stopped. An island that moved before this step is tried again in the next one, in which nothing
+// must be stopped, so that its impulses are those of rest. An island sleeps if nothing in it moves before a step and its impulses keep it so, to a
+// hundredth of the tolerance. It is not solved again, and smaller forces may be lost. Which islands sleep follows from velocities, impulses and what
+// the engine saves, so that a saved scene continues identically. Islands in which nothing changes at all are not even looked at (sleepers.hpp).
 #pragma once
 
 #include "contact_system.hpp"
@@ -21,19 +20,19 @@ namespace cd {
 
 class Sleepers;
 
-// Of what forces add to a body's velocity in a step.
+// A hash of the velocity that forces add to a body in a step: equal loads have equal hashes.
 int fingerprint(const double gained[3]);
 
-// What a step has to say of rest; without it nothing sleeps.
+// What a step needs to know about rest; without it nothing sleeps.
 struct Stillness {
-	Sleepers& sleepers; // those that the system is without, and those found asleep in it
+	Sleepers& sleepers; // islands left out of the system, and islands found asleep in it
 	const std::vector<double>& before; // the bodies' velocities before the step, three a body
-	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: they are not asked
-	// Fingerprints of the bodies' loads in this step and the one before, looked at in a trial only; where none are known, nothing is tried.
+	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: no trial
+	// Hashes of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is no trial.
 	const std::vector<int>&loads, &loadsBefore;
 };
 
-// Twice the kinetic energy [J]; infinite where a body that nothing can stop moves.
+// Twice the kinetic energy [J]; infinite if a blocked freedom moves.
 double motion(const BodyVelocity&);
 
 } // namespace cd

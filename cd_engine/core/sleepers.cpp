@@ -10,7 +10,7 @@ namespace {
 
 	bool isStill(const Body& b) { return b.v[0] == 0 && b.v[1] == 0 && b.v[2] == 0; }
 
-	// In all that a step reads; forces where they can do something.
+	// Compares all that a step reads; forces only where they have an effect.
 	bool isSame(const Body& b, const Body& c)
 	{
 		bool same = b.x == c.x && b.y == c.y && b.radius == c.radius && b.friction == c.friction;
@@ -31,7 +31,7 @@ namespace {
 void Sleepers::resize(std::size_t count)
 {
 	if (count < nameOf.size())
-		list.clear(); // bodies are gone
+		list.clear(); // bodies were removed
 	if (list.empty())
 		nameOf.assign(count, -1);
 	nameOf.resize(count, -1);
@@ -41,7 +41,7 @@ void Sleepers::resize(std::size_t count)
 	shapes.resize(count);
 }
 
-// An island that is looked at now and then, and found to sleep on, asks for no memory.
+// Keeps the memory of an island. An island that is looked at now and then, and sleeps on, then allocates nothing.
 void Sleepers::recycle(SleepingIsland& island)
 {
 	if (island.onImmobile.capacity() == 0)
@@ -81,7 +81,7 @@ void Sleepers::look(World& world)
 		listAwake(world);
 }
 
-// Which bodies are quiet, and which islands disturbed; whether others are quiet than before.
+// Finds which bodies are quiet and which islands disturbed. Returns whether the set of quiet bodies has changed.
 bool Sleepers::compareBodies(const World& world)
 {
 	bool changes = false;
@@ -102,7 +102,7 @@ bool Sleepers::compareBodies(const World& world)
 	return changes;
 }
 
-// Whether there were any.
+// Removes the islands that meet the condition. Returns whether there were any.
 template <class Condition> bool Sleepers::remove(Condition condition)
 {
 	if (std::none_of(list.begin(), list.end(), condition))
@@ -126,7 +126,7 @@ void Sleepers::number()
 		indexOf[list[k].name] = static_cast<int32_t>(k);
 }
 
-// A pair between what is quiet stays as it is.
+// A pair of quiet bodies, of which at least one sleeps, stays as it is; all other pairs are listed.
 void Sleepers::listAwake(World& world) const
 {
 	world.awake.clear();

@@ -1,10 +1,10 @@
-// Islands that sleep on: a step looks at nothing of theirs but whether their bodies are as they were.
+// Islands that stay asleep: a step only checks whether their bodies are unchanged.
 //
-// A step that finds an island asleep (sleep.hpp) and writes none of its forces anew leaves everything as it was, and so would every step after
-// it. Such an island and its contacts are left out of the steps that follow, and what they add to counts, error and forces is added from memory,
-// until a body of the island changes in any bit, or one that cannot move and touches it, or a body that does not sleep comes to touch it. Then it is
-// looked at again. Nothing of this shows in motion, forces and counts: sums that round-off makes depend on their order are made of the islands in
-// the order of their names, whether they were looked at or not.
+// If a step finds an island asleep (sleep.hpp) and writes none of its forces anew, it leaves everything in the island as it was, and so would every
+// later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error and the forces. This ends
+// when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body comes to touch it. Then the island is
+// looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on their order are made over the islands in the
+// order of their names, whether a step looked at them or not.
 #pragma once
 
 #include "residual.hpp"
@@ -12,51 +12,51 @@
 
 namespace cd {
 
-// Impulse on a body.
+// An impulse on a body.
 struct Push {
 	int32_t body;
 	double impulse[3]; // [N s], [N s], angular momentum about the body's centre [N m s]
 };
 
 struct SleepingIsland {
-	int32_t name = 0; // the first of its bodies that can move
+	int32_t name = 0; // the first of its movable bodies
 	int unknowns = 0;
 	ResidualSum error;
-	// Filled in when the step in which it was found ends.
+	// Set at the end of the step that found the island asleep.
 	int contacts = 0, loaded = 0, sliding = 0;
 	double deepest = 0; // overlap beyond the reference one [m]
-	std::vector<Push> onImmobile; // one for every contact with a body that cannot move
-	bool found = true; // by the step that is being made or was the last, which looks at it
-	bool disturbed = false; // not as it was
+	std::vector<Push> onImmobile; // one for every contact with an immobile body
+	bool found = true; // whether the present or last step looked at the island and found it asleep
+	bool disturbed = false; // something in it has changed
 };
 
-// In the order in which a step uses it: look (or wakeAll), wake, startSearch, add, finishSearch, join, remember, disturb.
+// To be called in a step in this order: look (or wakeAll), wake, startSearch, add, finishSearch, join, remember, disturb.
 class Sleepers {
     public:
-	// Before the pairs of a step are read, its bodies being there already: lists in world.awake the pairs to be looked at.
+	// After the bodies of a step are read, but before its pairs. Lists in world.awake the pairs that the step must look at.
 	void look(World&);
 	void wakeAll(World&);
 
 	bool none() const { return list.empty(); }
-	// In the order of their names.
+	// Sorted by name.
 	const std::vector<SleepingIsland>& islands() const { return list; }
-	// Whether a body sleeps, and whether it sleeps on: in an island that this step does not look at.
+	// sleeps: whether a body is in a sleeping island. sleepsOn: whether this step also does not look at that island.
 	bool sleeps(int32_t body) const { return !none() && nameOf[body] >= 0; }
 	bool sleepsOn(int32_t body) const { return sleeps(body) && !list[indexOf[nameOf[body]]].found; }
 	SleepingIsland& islandOf(int32_t body) { return list[indexOf[nameOf[body]]]; }
 
-	// Wakes those of these bodies that sleep on; whether there were any.
+	// Wakes the islands that sleep on and have a body in one of these contacts. Returns whether there were any.
 	bool wake(const std::vector<ContactRow>&, World&);
 
-	// What a step finds, in place of what it or the last one found before: first all islands, then their bodies.
+	// Record what a step finds, in place of what this step or the last one found before: first all islands, then their bodies.
 	void startSearch(std::size_t bodies);
 	void add(int32_t name, const ResidualSum& error);
 	void finishSearch();
 	void join(int32_t body, int32_t name, int unknowns);
 
-	// At the end of a step: how everything is, and islands of which something has been written.
+	// At the end of a step: stores the state of the bodies; marks the island of a pair whose force has been written.
 	void remember(const World&);
-	void disturb(const Pair&); // not for several threads at once
+	void disturb(const Pair&); // not thread-safe
 
     private:
 	void resize(std::size_t bodies);
@@ -68,11 +68,11 @@ class Sleepers {
 	void recycle(SleepingIsland&);
 
 	std::vector<SleepingIsland> list;
-	std::vector<std::vector<Push>> memory; // of islands that are no more
+	std::vector<std::vector<Push>> memory; // of islands that no longer exist, for reuse
 	std::vector<int32_t> nameOf; // by body: the name of its island, -1: it is awake
-	std::vector<int32_t> indexOf; // by name: of the island in the list
-	std::vector<char> quiet; // by body: sleeps on, or cannot move and has not changed
-	std::vector<Body> bodies; // as they were, where they sleep or cannot move
+	std::vector<int32_t> indexOf; // by name: the index of the island in the list
+	std::vector<char> quiet; // by body: it sleeps on, or is immobile and unchanged
+	std::vector<Body> bodies; // stored state of the bodies that sleep or cannot move
 	std::vector<Shape> shapes;
 };
 

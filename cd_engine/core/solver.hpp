@@ -1,4 +1,4 @@
-// What a contact solver takes and returns, and the list of those there are. To add one: write its file, add its line to solver.cpp.
+// The input and output of a contact solver, and the list of solvers. To add one, write its file and add its line to solver.cpp.
 #pragma once
 
 #include "contact_system.hpp"
@@ -18,34 +18,34 @@ class Threads;
 struct SolverSettings {
 	double tolerance = 1e-6; // on the errors of residual.hpp
 	int maxIterations = 10000; // sweeps and factorizations
-	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, no test on the way
+	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, without a look at the error in between
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
-	bool guessSolved = true; // whether the first guess is of a step that was solved; else its size excuses no growth (verdict.hpp)
-	bool guessPressed = false; // whether it is of a step without a solution, or in doubt: what it leads to is confirmed from none
-	const Start* start = nullptr; // what the system holds, if somebody keeps it already (start.hpp)
-	Threads* threads = nullptr; // that share the work of a problem given by its bodies; the bits are the same with any, and without
+	bool guessSolved = true; // whether the first guess is from a solved step; if not, its size does not excuse growth (verdict.hpp)
+	bool guessPressed = false; // whether the guess is from an unsolvable or doubtful step; its result is then confirmed from zero impulses
+	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
+	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
 };
 
-// no_solution: none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
+// no_solution: there is none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
-// Whether it is what the problem is, and not what has been made of it.
+// Whether the status is a property of the problem, not of the solver's effort.
 inline bool hasNoSolution(Status s) { return s == Status::no_solution || s == Status::indefinite || s == Status::diverged; }
 
 struct SolverReport {
-	int iterations = 0; // sweeps made, and factorizations
-	int factorizations = 0; // of these; any: it was Newton's method that ended the search
+	int iterations = 0; // sweeps and factorizations made
+	int factorizations = 0; // how many of these are factorizations; if any, Newton's method ended the search
 	double residual = 0; // e of the impulses returned
 	double residualMax = 0; // its maximum over the contacts
 	double bodyError = 0; // the error of the bodies (residual.hpp)
-	int body = -1; // whose velocity may be the most wrong, where the error of the bodies is the largest; -1: none
-	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies: what the tolerance is held against
-	bool plain = false; // plain Gauss-Seidel sweeps ended the search of a method that has better ones
+	int body = -1; // the body whose velocity may be the most wrong, in the island with the largest error of the bodies; -1: none
+	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies; compared with the tolerance
+	bool plain = false; // plain Gauss-Seidel sweeps ended the search, although the method has better ones
 	bool doubtful
-	    = false; // under fixedIterations: whether, however small the errors, the impulses are none that verdict.hpp takes for a solution
+	    = false; // under fixedIterations: whether verdict.hpp does not accept the impulses as a solution, however small their errors may be
 	Status status = Status::converged;
-	int32_t contact = -1; // row of the contact that speaks most against the impulses, where one does: for no_solution, indefinite, diverged
+	int32_t contact = -1; // row of the contact that speaks most against the impulses, if one does: for no_solution, indefinite, diverged
 
 	void measure(const Residual& e)
 	{
@@ -57,7 +57,7 @@ struct SolverReport {
 	}
 };
 
-// Improves the impulses in `system.contacts` and leaves the velocities that belong to them in `system.bodies`.
+// Improves the impulses in `system.contacts` and leaves the velocities of these impulses in `system.bodies`.
 using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
 // The same method for a problem given by its matrix; improves the impulses in `system.p`.
 using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
@@ -65,9 +65,9 @@ using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 // Which method brought a problem given to `method` to its tolerance; "none" if none did.
 std::string solvedBy(const std::string& method, const SolverReport&);
 
-// Null if there is no such method. What they return is judged: whatever the method's own error says, impulses that verdict.hpp finds to solve nothing
-// do not count as converged, and what has no solution is called so. At most a tenth of maxIterations is kept for finding that out where the bodies
-// do not tell beforehand.
+// Null if there is no such method. What they return is judged: whatever the method's own error, impulses that solve nothing by verdict.hpp do not
+// count as converged, and a problem without a solution is reported as such. At most a tenth of maxIterations is reserved for this, if the bodies do
+// not show beforehand that there is a solution.
 Solver findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
 std::vector<std::string> solverNames();

@@ -9,10 +9,10 @@ namespace {
 
 	constexpr int none = std::numeric_limits<int>::max();
 
-	// All that a sweep reads of so many disks fits the second-level cache, in whatever order.
+	// All that a sweep reads of so many disks fits into the second-level cache, whatever the order.
 	constexpr int fewDisks = 2048;
 
-	// Where the cell (x, y) of 2^16 x 2^16 comes on Hilbert's curve (Hilbert 1891): quadrant by quadrant, the axes turned as the curve turns.
+	// The place of cell (x, y) of 2^16 x 2^16 on Hilbert's curve (Hilbert 1891): quadrant by quadrant, with axes that turn as the curve turns.
 	uint32_t alongCurve(uint32_t x, uint32_t y)
 	{
 		uint32_t along = 0;
@@ -75,11 +75,11 @@ namespace {
 		return length;
 	}
 
-	// Length of the way through the disks in the order of their ranks; those that have become boundaries or were erased are left out. Infinite
-	// where a rank is none, as in a damaged file.
+	// Length of the path through the disks in the order of their ranks. Disks that have become boundaries or were erased are left out. Infinite
+	// if a rank is invalid, as in a damaged file.
 	double lengthByRank(const std::vector<Body>& bodies, const std::vector<int>& rank)
 	{
-		static thread_local std::vector<int> disks; // kept: a step asks for no memory
+		static thread_local std::vector<int> disks; // static: a step allocates no memory
 		disks.assign(bodies.size(), none);
 		for (std::size_t i = 0; i < bodies.size(); i++) {
 			if (!(bodies[i].radius > 0) || rank[i] == none)

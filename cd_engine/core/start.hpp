@@ -1,4 +1,4 @@
-// What every method begins with and changes: the free velocities and the first guess. Kept, so that another can begin there, too.
+// The initial state that every method changes: free velocities and first guess. It is stored so that another method can start there, too.
 #pragma once
 
 #include "contact_system.hpp"
@@ -36,7 +36,7 @@ class Start {
 		impulses.values = s.p;
 	}
 
-	// A method leaves the velocities that belong to its impulses; the next begins with the free ones again.
+	// Restores the free velocities. A method leaves the velocities of its impulses, but the next one needs the free ones.
 	void free(ContactSystem& s) const
 	{
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
@@ -44,7 +44,7 @@ class Start {
 				std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
 		});
 	}
-	void free(DelassusSystem&) const { } // has none
+	void free(DelassusSystem&) const { } // it has no velocities
 
 	void guess(ContactSystem& s) const
 	{
@@ -55,7 +55,7 @@ class Start {
 	}
 	void guess(DelassusSystem& s) const { s.p = impulses.values; }
 
-	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none of a matrix
+	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none for a matrix
 
     private:
 	Threads* const threads;
@@ -63,7 +63,7 @@ class Start {
 	HandedOn<double, const Start> impulses;
 };
 
-// What the caller keeps already, or else a copy of one's own.
+// Refers to the Start that the caller keeps, or else makes its own.
 class Kept {
     public:
 	template <class System>

@@ -1,4 +1,4 @@
-// What the impulses of a step did: to the pairs, to the bodies, to the energy.
+// Applies the impulses of a step to the pairs, the bodies and the energy.
 #include "time_step.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 	// to round-off, and a sticking one lies this close by chance with negligible probability.
 	constexpr double onCone = 1e-9;
 
-	constexpr size_t ahead = 12; // contacts whose bodies are asked for before they are wanted
+	constexpr size_t ahead = 12; // number of contacts ahead whose bodies are prefetched
 
 	void add(std::array<double, 3>& on, double x, double y, double turn)
 	{
@@ -24,13 +24,13 @@ namespace {
 
 } // namespace
 
-// What a contact's impulse does to both of its bodies.
+// The effect of a contact's impulse on both of its bodies.
 inline TimeStep::Share TimeStep::share(size_t row, const Pair& pair) const
 {
 	const Touch& touch = touches[rowPair[row]];
 	const Place &a = places[pair.a], &b = places[pair.b];
 	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
-	// A disk takes it on its rim, so only the tangential part turns it; a boundary's arm starts at its centre.
+	// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
 	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
 	return { pair.a, pair.b, x, y, -turnA, -(b.radius - 0.5 * touch.overlap) * pair.pt };
 }
@@ -44,14 +44,15 @@ SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
 	return nullptr;
 }
 
+// Gives the impulse of a contact to both of its bodies.
 inline void TimeStep::give(const Share& of)
 {
 	add(impulses[of.a], -of.x, -of.y, of.turnA);
 	add(impulses[of.b], of.x, of.y, of.turnB);
 }
 
-// Each body takes them in the order of the contacts, which the last digits of its sum depend on. So several threads share the bodies, not the
-// contacts; more than a few would only look more often at what is not theirs.
+// Adds the impulses to each body in the order of the contacts, which decides the last digits. So several threads share the bodies, not the contacts.
+// Each thread reads all contacts; more than a few threads would gain nothing.
 void TimeStep::pushAll()
 {
 	const std::size_t ranges = shares.size() < Cut::few ? 1 : std::min(threads.count(), 4), count = impulses.size();
@@ -66,7 +67,7 @@ void TimeStep::pushAll()
 	});
 }
 
-// Adds it to the bodies of a sleeping island, and to what that remembers of those that cannot move.
+// Adds a share to the bodies of a sleeping island, and to the island's list of impulses on immobile bodies.
 void TimeStep::push(const Share& of, SleepingIsland& island)
 {
 	const auto addTo = [&](int32_t body, double x, double y, double turn) {
@@ -79,7 +80,7 @@ void TimeStep::push(const Share& of, SleepingIsland& island)
 	addTo(of.b, of.x, of.y, of.turnB);
 }
 
-// What the contacts of a range have done, their bodies' shares aside.
+// Sums over the contacts of a range, without the shares of their bodies.
 struct TimeStep::Account {
 	int loaded = 0, sliding = 0;
 	double dissipated = 0; // [J]
@@ -108,7 +109,7 @@ TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from
 		const bool asleep = !sleepers.none() && asleepAt(c);
 		sum.loaded += !asleep;
 		sum.sliding += !asleep && slides(c);
-		// Work of the impulse on the mean of the relative velocities before and after: exact for kinetic energy, M being constant.
+		// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
 		const double *a = means[c.a].v, *b = means[c.b].v;
 		const double dx = b[0] - a[0], dy = b[1] - a[1];
 		const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
@@ -126,7 +127,7 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 			if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
 				impulses[i] = { 0, 0, 0 };
 	});
-	// One thread gives the bodies their shares at once.
+	// A single thread adds the shares to the bodies at once, without storing them.
 	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());
 	const Account all = reduceRanges<Account>(
 	    &threads, system.contacts.size(), [&](size_t from, size_t to) { return account(world, from > 0 ? 0 : report.dissipated, from, to); },
@@ -144,7 +145,7 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 		if (SleepingIsland* const asleep = asleepAt(c)) {
 			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
-			asleep->disturbed = asleep->disturbed || i >= assembled; // one that was taken back is none in the next step
+			asleep->disturbed = asleep->disturbed || i >= assembled; // a contact that was added later is none in the next step
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c);
 			push(of, *asleep);
@@ -153,7 +154,7 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 	}
 }
 
-// What sleeping islands add, those that this step has looked at and the others.
+// Adds what sleeping islands contribute, those that this step has looked at and the others.
 void TimeStep::finishSleepers(StepReport& report)
 {
 	for (const SleepingIsland& island : sleepers.islands()) {

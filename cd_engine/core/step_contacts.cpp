@@ -1,4 +1,4 @@
-// Which pairs are contacts of a step, and their equations.
+// Selects the pairs that are contacts in a step, and sets up their equations.
 #include "time_step.hpp"
 
 #include <algorithm>
@@ -8,17 +8,17 @@
 namespace cd {
 namespace {
 
-	constexpr double nearby = 1e-3; // of a disk's radius: gaps as wide as this are contacts however slow the bodies are
+	constexpr double nearby = 1e-3; // of a disk's radius: gaps up to this are contacts, however slow the bodies are
 
-	// A pair is a contact if its gap is at most `soon` times the relative way of its bodies in the step and `pushed` of the smaller radius, since
-	// impulses of other contacts may change both velocities; but not if it is more than `mostWays` times the ways that both go.
+	// A pair is a contact if its gap is at most `soon` times the relative motion of its bodies in the step plus `pushed` of the smaller radius,
+	// as other contacts may change both velocities. It is none if the gap is more than `mostWays` times the sum of both ways.
 	constexpr double soon = 1.2, pushed = 0.5, mostWays = 2;
 
-	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off, and are left
+	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off and stay
 
-	constexpr double quick = 1 + 1e-3; // times what a speed needs to close a gap, above what round-off can hide
+	constexpr double quick = 1 + 1e-3; // factor on the speed that closes a gap, larger than round-off
 
-	constexpr size_t ahead = 12; // pairs whose bodies are asked for before they are wanted
+	constexpr size_t ahead = 12; // number of pairs ahead whose bodies are prefetched
 
 } // namespace
 
@@ -30,8 +30,8 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-// As in mayClose, for any other body: each of its two limits is at most the sum of what both bodies have here. And the half way that each goes until
-// contact is looked at.
+// Follows mayClose, for an unknown partner: each of the two limits there is at most the sum of these values of both bodies. Adds the half way that
+// each body moves before contact is looked at.
 double reachOf(const Body& b, double way)
 {
 	const double most = mostWays * way;
@@ -66,7 +66,7 @@ void TimeStep::locateBodies(const World& world, double dt)
 	forRanges(&threads, places.size(), [&](size_t from, size_t to) {
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
-			const double* v = system.bodies[i].v; // free
+			const double* v = system.bodies[i].v; // free velocity
 			places[i] = placeAhead(b, 0.5 * dt);
 			system.places[i] = { places[i].x, places[i].y };
 			ways[i] = dt * std::max(outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
@@ -74,9 +74,9 @@ void TimeStep::locateBodies(const World& world, double dt)
 	});
 }
 
-// The face by which the centre of a disk has come into a boundary in the half step, if it has. The end of a step before is no place at which contact
-// was required, nor is the place half a step before it where the velocities are new: both have to tell the same. A disk that cannot move along the
-// normal goes on as prescribed.
+// The face through which the centre of a disk has entered a boundary in the first half of the step, if it has. Two earlier positions must give the
+// same face: at the end of the last step contact was not required, and half a step before it the disk may not have been, if its velocity is new. A
+// disk that cannot move along the normal goes on as prescribed.
 bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touch, double dt, Foot& face) const
 {
 	const Place &a = places[pair.a], &b = places[pair.b];
@@ -92,8 +92,8 @@ bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touc
 	return !ContactRow::held(w[0] * face.nx * face.nx + w[1] * face.ny * face.ny, w[0] + w[1]);
 }
 
-// Takes such disks back to the face, the way that an impulse would push them; again as long as one comes into another boundary by that. Two faces
-// that pass each other would send it to and fro for ever.
+// Moves such disks back to the face, in the direction in which an impulse would push them. Repeats this as long as a disk enters another boundary.
+// The number of rounds is bounded, because two faces that pass each other would send a disk to and fro for ever.
 void TimeStep::stopAtFaces(const World& world, double dt)
 {
 	std::size_t stopped;
@@ -115,7 +115,7 @@ void TimeStep::stopAtFaces(const World& world, double dt)
 	} while (shifts.size() > stopped && stopped <= world.bodies.size());
 }
 
-// What the turning of a pair's boundary adds to its gap within the step.
+// The change of a pair's gap within the step by the rotation of its boundary.
 inline double TimeStep::turning(const Pair& pair, const World& world, const Touch& touch, double gap, double dt) const
 {
 	const Shape& shape = world.shapes[pair.a];
@@ -127,7 +127,7 @@ inline double TimeStep::turning(const Pair& pair, const World& world, const Touc
 	return gapByTurning(shape, a, b, touch, distance - std::max(gap, 0.), va, vb, dt);
 }
 
-// How fast two bodies move against each other, at most, at any point of their outlines [m/s].
+// An upper bound for the relative speed of two bodies, at any point of their outlines [m/s].
 inline double TimeStep::relativeSpeed(const Pair& pair, const World& world, const double* a, const double* b) const
 {
 	const Shape& shape = world.shapes[pair.a];
@@ -136,7 +136,7 @@ inline double TimeStep::relativeSpeed(const Pair& pair, const World& world, cons
 	return std::sqrt(x * x + y * y) + turns;
 }
 
-// Whether a pair is a contact by its gap and by the velocities of its two bodies alone, so that a fast body makes no contacts elsewhere.
+// Whether a pair is a contact. This depends only on its gap and its two bodies' velocities, so a fast body makes no contacts elsewhere.
 inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap, double dt) const
 {
 	const double a = places[pair.a].radius, b = places[pair.b].radius, radius = a > 0 ? std::min(a, b) : b;
@@ -165,7 +165,7 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 	c.an = 0;
 	c.at = place.radius - 0.5 * touch.overlap;
 	c.bn = 0;
-	c.bt = -(places[pair.b].radius - 0.5 * touch.overlap); // the disk b: from its centre against the normal
+	c.bt = -(places[pair.b].radius - 0.5 * touch.overlap); // disk b: from its centre, against the normal
 	c.mu = pair.mu;
 	c.pn = pair.pn;
 	c.pt = pair.pt;
@@ -188,10 +188,10 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
-		c.pn = c.pt = 0; // two immobile bodies: whatever springs left between them means nothing here
+		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
 }
 
-// Those of the last step need no new construction.
+// Keeps the rows of the last step, so that they are not constructed again.
 void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 {
 	rows = count;
@@ -200,7 +200,7 @@ void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 	rebounds.resize(settings.restitution > 0 ? count : 0);
 }
 
-// Whether a pair is closed, or is closed within the step by the velocities before it or by the external forces.
+// Whether a pair is closed, or would be closed within the step by its velocities before the step or by its free velocities.
 bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, double gap, double dt) const
 {
 	if (gap <= 0)
@@ -213,7 +213,7 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 	return gap + turning(pair, world, touch, gap, dt) + dt * std::min(before, after) <= 0;
 }
 
-// In a large scene the bodies of a pair are seldom in the nearest cache.
+// Prefetches them: in a large scene the bodies of a pair are seldom in the first-level cache.
 inline void TimeStep::prefetchBodies(const Pair& pair) const
 {
 	__builtin_prefetch(&places[pair.a]);
@@ -222,7 +222,7 @@ inline void TimeStep::prefetchBodies(const Pair& pair) const
 	__builtin_prefetch(&ways[pair.b]);
 }
 
-// Where the pairs of each part touch, their gaps, and which are contacts.
+// Finds where the pairs of each part touch, their gaps, and which of them are contacts.
 TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, Seen* parts)
 {
 	const Cut cut(world.awake.size());
@@ -239,7 +239,7 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 			const Touch touch = touches[i] = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 			Foot face;
 			of.through = of.through || isThrough(pair, world, touch, settings.dt, face);
-			const bool apart = pair.reference > 0 && touch.overlap <= 0; // truly
+			const bool apart = pair.reference > 0 && touch.overlap <= 0; // their surfaces are apart
 			of.apart = of.apart || apart;
 			const double gap = gaps[i] = apart ? -touch.overlap : pair.reference - touch.overlap;
 			if (mayClose(pair, world, gap, settings.dt) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt))) {
@@ -306,7 +306,7 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 	return system;
 }
 
-// Whether a body has become so fast that it may reach, within the step, another that is not listed with it.
+// Whether a body has become so fast that it may reach, within the step, another body that is not listed with it.
 bool TimeStep::outruns(const World& world, double dt, StepReport& report)
 {
 	report.outran.clear();
@@ -322,7 +322,7 @@ bool TimeStep::outruns(const World& world, double dt, StepReport& report)
 bool TimeStep::within(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
-	if (gaps[index] > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // most
+	if (gaps[index] > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
 		return false;
 	return gaps[index] <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
 }
@@ -331,7 +331,7 @@ bool TimeStep::within(size_t index, const World& world, double dt) const
 bool TimeStep::crosses(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
-	if (!within(index, world, dt)) // most are too slow for that
+	if (!within(index, world, dt)) // most pairs are too slow
 		return false;
 	const Place& a = places[pair.a];
 	const Touch& touch = touches[index];
@@ -346,8 +346,8 @@ bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
 	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
 }
 
-// If there are such pairs, adds them and all others that their bodies are fast enough to close, since an impact may go on from body to body. Says
-// whether there were any.
+// If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.
+// Returns whether there were such pairs.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!anyViolated(world, settings))
@@ -358,7 +358,7 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 			fillRow(rows - 1, world, i, settings);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gaps[i]);
-			// What it needs by itself: among many contacts the error alone would not ask for it.
+			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
 			ContactRow& c = system.contacts[rows - 1];
 			double un, ut;
 			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);

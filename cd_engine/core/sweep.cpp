@@ -59,14 +59,14 @@ Sweep::~Sweep() { spare() = std::move(kept); }
 void Sweep::restoreVelocities()
 {
 	moveBodies();
-	// + 0: a body at rest keeps +0, whatever it adds 0 times; -0 would not, and its lanes would differ in sign.
+	// + 0 turns -0 into +0. A body at rest must stay at +0 whatever is added to it 0 times, or its lanes would differ in sign.
 	inEveryBlock([&](std::size_t block) {
 		for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
 			const PackedBody& m = packed.moved[i];
 			packed.bodies[i] = { m.vx + 0., m.vy + 0., m.spin + 0., packed.bodies[i].w };
 		}
 	});
-	remembered = false; // what was before has the round-off that is gone now
+	remembered = false; // the arrays named `before` still contain the round-off
 }
 
 void Sweep::store()
@@ -86,12 +86,12 @@ void Sweep::store()
 			store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
 		for (std::size_t i = begin.body; i < end.body; i++) {
 			if (packed.partition.freedom[packed.bodyAt[i]] == 0)
-				continue; // keeps its velocity
+				continue; // immobile: keeps its velocity
 			BodyVelocity& b = system.bodies[packed.bodyAt[i]];
 			const PackedBody& v = packed.bodies[i];
 			b.v[0] = v.vx;
 			b.v[1] = v.vy;
-			// So that a spin that nothing changes stays the same to the last bit.
+			// Adds only the change, so that a spin that nothing changes stays the same to the last bit.
 			b.v[2] = packed.freeSpins[i] + (v.spin - packed.freeBodies[i].spin) * packed.kinds[packed.bodyAt[i]].inverseRadius;
 		}
 	});
@@ -169,7 +169,7 @@ inline void Sweep::solveAhead(Loose& l, PackedBody* bodies, double beta, AheadRe
 	report.against += dn * (c.pn - n) + dt * (c.pt - t);
 }
 
-// Velocities are linear in the impulses and are moved as those are.
+// Velocities are linear in the impulses, so they are extrapolated in the same way.
 AheadReport Sweep::ahead(double beta)
 {
 	if (!remembered)

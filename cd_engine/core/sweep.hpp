@@ -15,39 +15,39 @@
 
 namespace cd {
 
-// What a sweep from an extrapolated point did: y the point, p before, p+ after the sweep.
+// Result of a sweep from an extrapolated point y; p are the impulses before the sweep, p+ those after it.
 struct AheadReport {
 	double change = 0; // |y - p+|^2 [N^2 s^2]
-	double against = 0; // (y - p+) . (p+ - p) [N^2 s^2], positive: the sweep turned back
+	double against = 0; // (y - p+) . (p+ - p) [N^2 s^2]; positive if the sweep turned back against the momentum
 };
 
-// What a method needs of the form a problem is given in; DelassusSweep has the same functions for the other form.
+// What a method needs, for a problem given by its bodies. DelassusSweep has the same functions for a problem given by its matrix.
 class Sweep {
     public:
 	using System = ContactSystem;
 
-	// Packs the contacts and puts their first-guess impulses on the bodies. The groups are those of this thread's last problem where that had
+	// Packs the contacts and applies the impulses of the first guess to the bodies. Reuses the groups of this thread's last problem if that had
 	// the same contacts in the same order, as in most steps of a packing at rest.
 	// seed > 0: each sweep visits the groups of contacts in a new random order.
-	// threads: that share the work; the bits are the same with any, and without.
+	// threads: share the work; the bits do not depend on them.
 	Sweep(ContactSystem& system, unsigned seed, Threads* threads = nullptr);
 	~Sweep();
 	Sweep(const Sweep&) = delete;
 	Sweep& operator=(const Sweep&) = delete;
 
-	// Solves every contact once, exactly, the others held. About 104 bytes and 45 operations a contact.
+	// Solves every contact once, exactly, while the others are held. About 104 bytes and 45 operations a contact.
 	void operator()();
-	// The same from y = p + beta (p - q), q being the impulses before the last such sweep (p itself at the first).
+	// The same from y = p + beta (p - q), with q the impulses before the last such sweep (at the first one q = p).
 	AheadReport ahead(double beta);
 
-	// Recomputes the velocities from the impulses, which clears the round-off that updates in place leave behind.
+	// Recomputes the velocities from the impulses. This removes the round-off that updates in place leave behind.
 	void restoreVelocities();
 	// Copies impulses and velocities back to the system.
 	void store();
-	// The error of the packed impulses: that of residual(), but for the order of its sums. Costs two to three sweeps.
+	// The error of the packed impulses: that of residual(), except for the order of its sums. Costs two to three sweeps.
 	Residual error();
 
-	// The impulses of an iterate, to come back to.
+	// The impulses of an iterate, saved to restore it later.
 	struct Iterate {
 		std::vector<GroupBefore> groups;
 		std::vector<double> loose; // two a contact
@@ -58,43 +58,43 @@ class Sweep {
 	const Blocks& blocks() const { return packed.blocks; }
 
     private:
-	// A contact that is solved alone: it couples n and t, or has a body that is no disk.
+	// A contact that is solved alone: it couples n and t, or one of its bodies has no uniform inverse mass (BodyKind).
 	struct Loose {
-		ContactRow row; // packed bodies, arms over k
+		ContactRow row; // a, b: packed bodies; arms divided by k
 		double wa[3], wb[3]; // inverse masses of x, y and spin
 		double beforePn, beforePt;
 	};
 	struct BodyKind {
-		double w[3]; // what the rest was made from
+		double w[3]; // inverse masses that the members below are made from
 		double radius, inverseRadius; // k [m] and 1/k; 1 where the body does not turn
-		bool uniform; // one inverse mass for x, y and spin: may be in a group
+		bool uniform; // x, y and spin have one inverse mass: its contacts may be in a group
 		bool turns, movable;
 	};
-	// Where a block begins among the groups, the loose contacts and the bodies; it ends where the next begins. Bodies belong to the block that
-	// meets them first, those that cannot move are in every block anew: it writes to them, too.
+	// Where a block begins among the groups, loose contacts, bodies and sums; it ends where the next begins. A movable body belongs to the first
+	// block that meets it. An immobile body has a copy in every block, because sweeps write to it, too.
 	struct Begin {
 		std::size_t group, loose, body, sum;
 	};
-	// Of a contact: its packed bodies, and the sum for the error that it adds to: that of its island in its block.
+	// Of a contact: its packed bodies, and the sum for the error that it adds to, which is the sum of its island in its block.
 	struct Ends {
 		int32_t a, b, sum;
 	};
-	// What a sweep with momentum did in a block.
+	// Results of a sweep with momentum in one block.
 	struct alignas(128) BlockSums {
 		LaneSums ahead;
 		AheadReport aheadLoose;
 	};
 	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
 	struct Packed {
-		std::vector<int32_t> place; // of each body of the system: its number among the packed, -1: not in any contact
-		std::vector<int32_t> metIn; // the block in which it was; 0 of those that can move
-		std::vector<int32_t> bodyAt; // the other way round
+		std::vector<int32_t> place; // of each body of the system: its packed number; -1: it has no contact
+		std::vector<int32_t> metIn; // the last block that gave it a packed number; 0 for movable bodies
+		std::vector<int32_t> bodyAt; // of each packed body: its number in the system
 		std::vector<BodyKind> kinds; // of each body of the system
 		std::vector<Link> links; // of each contact of the system
 		std::vector<Ends> ends;
-		std::vector<PackedBody> bodies, bodiesBefore; // the last are immobile, for the empty lanes of each block
-		std::vector<PackedBody> freeBodies; // their free velocities; w: what external forces make of them, BodyVelocity::pushed [m/s]
-		std::vector<double> masses; // of the same [kg]; 0: it cannot move along
+		std::vector<PackedBody> bodies, bodiesBefore; // the last ones are immobile, for the empty lanes of each block
+		std::vector<PackedBody> freeBodies; // their free velocities; w: the velocity by external forces, BodyVelocity::pushed [m/s]
+		std::vector<double> masses; // of the same [kg]; 0: it cannot move along x or y
 		std::vector<double> freeSpins; // of the same [rad/s]
 		std::vector<Group> groups;
 		std::vector<GroupBefore> groupsBefore;
@@ -105,25 +105,25 @@ class Sweep {
 		std::vector<Begin> begin; // of each block, and the end of all
 		std::vector<BlockSums> blockSums;
 		Partition partition; // of the system
-		std::vector<std::pair<int32_t, int32_t>> carried; // packed bodies that touch, the second ten times heavier
-		// Of the error.
-		std::vector<PackedBody> moved; // w: what acts on the body [m/s]
+		std::vector<std::pair<int32_t, int32_t>> carried; // packed bodies that touch; the second is ten times heavier
+		// For the error.
+		std::vector<PackedBody> moved; // w: magnitude of what acts on the body [m/s]
 		std::vector<GroupMiss> misses;
 		std::vector<ResidualSum> sums; // of the islands
 		std::vector<ResidualSum> partSums; // of the islands in each block
-		std::vector<int32_t> islandAt; // of these
-		std::vector<int32_t> sumOfBody; // that it adds to; -1: it cannot move
-		std::vector<std::pair<int32_t, int32_t>> sumOfIsland; // block in which it was last met, and its sum there
-		std::vector<double> asked; // by packed body: least that acts on those that it carries and that are far heavier [m/s]
+		std::vector<int32_t> islandAt; // the island of each of these sums
+		std::vector<int32_t> sumOfBody; // the sum that each packed body adds to; -1: the body cannot move
+		std::vector<std::pair<int32_t, int32_t>> sumOfIsland; // of each island: block in which it was last met, and its sum there
+		std::vector<double> asked; // of each packed body: smallest s of the far heavier bodies that it carries [m/s]
 	};
 	static std::unique_ptr<Packed>& spare();
 
-	bool classifyBodies(bool& sameMasses); // whether they are of the same kinds as in the last problem
+	bool classifyBodies(bool& sameMasses); // returns whether they are of the same kinds as in the last problem
 	Link link(const ContactRow&) const;
 	bool sameLinks() const;
 	void groupContacts();
 	void numberBodies();
-	// A body for the empty lanes of a block, in lines of memory of its own.
+	// An immobile body for the empty lanes of a block, in memory lines that no other block uses.
 	int32_t nobody(std::size_t block) const { return static_cast<int32_t>(packed.bodyAt.size() + 4 * block); }
 	void fillGroups(std::size_t block);
 	void fillLoose(std::size_t block);
@@ -148,7 +148,7 @@ class Sweep {
 	ContactSystem& system;
 	std::unique_ptr<Packed> kept;
 	Packed& packed;
-	bool remembered = false; // whether the arrays named `before` are filled
+	bool remembered = false; // whether the arrays named `before` are set
 	bool twisted = false; // whether external forces turn any body
 	RandomOrder order;
 	Threads* const threads;
@@ -164,7 +164,7 @@ template <class Work> void Sweep::inEveryBlock(const Work& work) const
 			work(block);
 }
 
-// The same in the order of the sweep: no two blocks at once that have a body that can move in common.
+// The same in the order of the sweep: blocks that share a movable body never run at the same time.
 template <class Work> void Sweep::colourByColour(const Work& work) const
 {
 	if (!threads)

@@ -1,5 +1,5 @@
-// The error of residual.hpp from packed contacts, in the order of the sweep: it costs two to three sweeps, and not thirty. residual.cpp has the
-// formulas.
+// Computes the error of residual.hpp from the packed contacts, in the order of the sweep. This costs two to three sweeps instead of thirty.
+// residual.cpp contains the formulas.
 #include "sweep.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 
 } // namespace
 
-// Velocities anew from all impulses, and in place of w what acts on the body [m/s].
+// Recomputes the velocities from all impulses; the member w gets what acts on the body [m/s].
 void Sweep::moveBodies()
 {
 	std::vector<PackedBody>& moved = packed.moved;
@@ -42,7 +42,7 @@ void Sweep::moveBodies()
 	inEveryBlock([&](std::size_t block) {
 		for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
 			const PackedBody& free = packed.freeBodies[i];
-			const double w = packed.bodies[i].w; // of what is not uniform nothing has been pressed
+			const double w = packed.bodies[i].w; // a body without a uniform inverse mass has no group, so m is 0
 			PackedBody& m = moved[i];
 			m = { free.vx + w * m.vx, free.vy + w * m.vy, free.spin + w * m.spin, free.w + w * m.w };
 		}
@@ -67,7 +67,7 @@ void Sweep::moveBodies()
 	});
 }
 
-// What acts on bodies that external forces turn, by every contact's arm.
+// Adds what external torques do at the contacts: the torque's velocity change times the arm of every contact.
 void Sweep::twistBodies()
 {
 	const auto twist = [&](int32_t at, double arm) {
@@ -97,7 +97,7 @@ Miss Sweep::missOf(const Loose& l) const
 	return cd::missOf(l.row, l.row.wnn, at(l.row.a), at(l.row.b));
 }
 
-// The sums that make the error: one for every island in every block, in the order of the sweep.
+// Numbers the sums that make the error: one for every island in every block, in the order of the sweep.
 void Sweep::numberSums()
 {
 	packed.islandAt.clear();
@@ -127,7 +127,7 @@ Residual Sweep::error()
 	moveBodies();
 	if (twisted)
 		twistBodies();
-	const bool apart = packed.partition.islands.size() > 1 || !packed.carried.empty(); // else all that is asked of the groups are their sums
+	const bool apart = packed.partition.islands.size() > 1 || !packed.carried.empty(); // else only the sums over the groups are needed
 	packed.misses.resize(apart ? packed.groups.size() : 0);
 	packed.partSums.resize(packed.islandAt.size());
 	if (!packed.carried.empty())
@@ -139,7 +139,7 @@ Residual Sweep::error()
 	return residual(packed.sums.data(), packed.sums.size());
 }
 
-// What acts on the lightest of those that a body carries and that are far heavier.
+// For each body, the smallest s of the far heavier bodies that it carries.
 void Sweep::findAsked()
 {
 	packed.asked.assign(packed.moved.size(), std::numeric_limits<double>::infinity());
@@ -169,7 +169,7 @@ void Sweep::missInBlock(std::size_t block, bool apart)
 			sum.addUnderHeavy(miss.velocity, std::min(packed.asked[c.a], packed.asked[c.b]));
 	}
 	if (end.sum - begin.sum == 1) {
-		ResidualSum sum = *first; // of its own, so that it stays in registers
+		ResidualSum sum = *first; // a local copy, which stays in registers
 		for (std::size_t i = begin.body; i < end.body; i++)
 			if (packed.sumOfBody[i] >= 0)
 				sum.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
@@ -180,7 +180,7 @@ void Sweep::missInBlock(std::size_t block, bool apart)
 				packed.partSums[packed.sumOfBody[i]].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
 }
 
-// What the groups of a block miss, contact by contact.
+// Adds what the contacts in the groups of a block miss, contact by contact.
 void Sweep::addApart(std::size_t block)
 {
 	for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++)

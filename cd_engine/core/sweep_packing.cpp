@@ -1,4 +1,4 @@
-// What a sweep works on: contacts in blocks and groups of eight, bodies in the order in which the contacts meet them.
+// Packs the data of a sweep: contacts in blocks and groups of eight, bodies in the order in which the contacts meet them.
 #include "sweep.hpp"
 
 #include <algorithm>
@@ -78,7 +78,7 @@ void Sweep::groupContacts()
 	numberSums();
 }
 
-// As the contacts first meet them: what is near in the order of the contacts is near in memory.
+// Numbers the bodies in the order in which the contacts meet them, so that bodies of near contacts are near in memory.
 void Sweep::numberBodies()
 {
 	const Blocks& blocks = packed.blocks;
@@ -89,7 +89,7 @@ void Sweep::numberBodies()
 	int32_t met = 0;
 	for (std::size_t block = 0; block < blocks.count(); block++) {
 		packed.begin[block].body = met;
-		packed.bodyAt.resize(met + system.bodies.size() + 1); // the last is written to where none is fresh
+		packed.bodyAt.resize(met + system.bodies.size() + 1); // one more, which is written to when no body is fresh
 		const auto number = [&](int32_t body) {
 			const int32_t in = packed.partition.freedom[body] > 0 ? 0 : static_cast<int32_t>(block);
 			const bool fresh = packed.metIn[body] != in;

@@ -12,8 +12,8 @@
 namespace cd {
 namespace {
 
-	constexpr unsigned patience = 4000; // looks, of about 25 ns, for work before a helper sleeps: to wake it costs as much
-	constexpr unsigned alone = 400; // looks before who waits lets others run on its processor: the one that is waited for may be among them
+	constexpr unsigned patience = 4000; // looks for work, of about 25 ns each, before a helper sleeps; waking it costs as much
+	constexpr unsigned alone = 400; // looks before a waiting thread yields its processor, which the awaited thread may need
 
 	void wait(unsigned looks)
 	{
@@ -36,11 +36,11 @@ class Threads::Pool {
 		try {
 			for (int i = 0; i < helpers; i++)
 				threads.emplace_back([this, i] { help(i + 1); });
-		} catch (const std::system_error&) { // no more are to be had: those there are do
+		} catch (const std::system_error&) { // no more are available: the existing ones must do
 		}
 	}
 
-	// A process that has forked off has no helpers: nothing of the pool may be touched there, and it is left as it is.
+	// A forked process has no helpers. It must not touch the pool and leaves it as it is.
 	bool isOurs() const { return process == getpid(); }
 
 	~Pool()
@@ -68,7 +68,7 @@ class Threads::Pool {
 	}
 
     private:
-	// Where the share of a thread begins in a row.
+	// Where the share of thread `who` begins in a row.
 	int32_t begin(std::size_t row, std::size_t who) const
 	{
 		return job.bounds[row] + static_cast<int32_t>((job.bounds[row + 1] - job.bounds[row]) * who / open.size());
@@ -81,7 +81,7 @@ class Threads::Pool {
 		return size;
 	}
 
-	// The part of a share that so many parts of it, itself included, are left with.
+	// The next part of a share of which `left` parts, this one included, have not been begun.
 	int32_t part(std::size_t who, uint32_t left) const
 	{
 		auto at = static_cast<int32_t>(sizeOfShare(who) - left);
@@ -93,8 +93,8 @@ class Threads::Pool {
 		}
 	}
 
-	// What nobody has begun yet, of one's own share and then of those of the others. What a job is is read only by who has one of its parts: it
-	// stays until all are done.
+	// Takes parts that nobody has begun, first of its own share and then of those of the others. Only a thread that holds a part reads `job`,
+	// which does not change until all parts are done.
 	void take(uint32_t number, std::size_t self)
 	{
 		for (std::size_t i = 0; i < open.size(); i++) {
@@ -133,7 +133,7 @@ class Threads::Pool {
 		}
 	}
 
-	// Whoever has counted itself asleep has looked for work after that, or waits: it holds the mutex in between.
+	// The lock ensures that a helper counted as asleep already waits, or looks for work after this: it holds the mutex in between.
 	void wake()
 	{
 		{
@@ -149,8 +149,8 @@ class Threads::Pool {
 		}
 	};
 	std::vector<Open> open; // by thread, the caller first
-	alignas(64) std::atomic<uint32_t> current { 0 }; // number of the job
-	alignas(64) std::atomic<int32_t> unfinished { 0 }; // its parts
+	alignas(64) std::atomic<uint32_t> current { 0 }; // number of the present job
+	alignas(64) std::atomic<int32_t> unfinished { 0 }; // parts of the job
 	alignas(64) Job job {};
 	const unsigned looksBeforeSleep;
 	std::atomic<bool> ends { false };

@@ -1,5 +1,5 @@
-// Threads that share the work of one caller, and how work is cut for them: by its amount alone, never by their number, so that every number of
-// threads gives the same bits.
+// Threads that share the work of one caller. The work is divided by its amount alone, never by the number of threads, so that every number of threads
+// gives the same bits.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace cd {
 
-// The caller and count() - 1 helpers. These are started by the first work of several parts, wait without using the processor where none comes
-// for some tenths of a millisecond, and end with this object. A process that is forked off starts its own. One caller at a time.
+// The caller and count() - 1 helpers. The first work of several parts starts the helpers. A helper without work soon sleeps, without using the
+// processor. The helpers end with this object. A forked process starts its own helpers. Only one caller at a time.
 class Threads {
     public:
 	Threads();
@@ -18,14 +18,14 @@ class Threads {
 	Threads& operator=(Threads&&) noexcept;
 	~Threads();
 
-	// At least one.
+	// Sets the number of threads, at least 1.
 	void use(int count);
 	int count() const { return wanted; }
 	bool started() const { return pool != nullptr; } // whether there are helpers
 
-	// Calls work(part) for every part from `bounds[0]` on and below `bounds[rows]`, each once; returns when all are done. Work does not throw.
-	// Of each row of parts, bounds[r] to bounds[r + 1], every thread takes its share first, the same one in every run, so that what it works on
-	// is near it still; who has done with that takes what others have not begun.
+	// Calls work(part) once for every part from bounds[0] to bounds[rows] - 1; returns when all are done. Work must not throw. In each row of
+	// parts, bounds[r] to bounds[r + 1], every thread takes its share first. The share is the same in every run, so its data may still be in the
+	// thread's cache. A thread that has finished its share takes parts of others that nobody has begun.
 	template <class Work> void run(const int32_t* bounds, std::size_t rows, const Work& work)
 	{
 		if (bounds[rows] - bounds[0] < 2 || wanted < 2)
@@ -52,8 +52,8 @@ class Threads {
 
 // Cuts a row of items into parts of equal size.
 struct Cut {
-	static constexpr std::size_t few = 8192; // fewer items than these are one part: one thread has done them before another has woken
-	static constexpr std::size_t most = 64; // parts, of any larger number of items
+	static constexpr std::size_t few = 8192; // fewer items are one part: one thread would finish before another has woken
+	static constexpr std::size_t most = 64; // number of parts for all larger numbers of items
 
 	explicit Cut(std::size_t n)
 	    : items(n)
@@ -94,7 +94,7 @@ template <class Result, class Work, class Add> Result reduceRanges(Threads* thre
 	return of[0];
 }
 
-// Whether `holds` is true of any item; of each range no more are looked at than needed.
+// Whether `holds` is true for any item. In each range the search ends at the first one.
 template <class Condition> bool anyOf(Threads* threads, std::size_t items, const Condition& holds)
 {
 	const auto look = [&](std::size_t from, std::size_t to) {

@@ -20,7 +20,7 @@ void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 	}
 }
 
-// Velocities that are no solution may be of any size: those count up to four ways of the fastest body before the step and two radii.
+// Velocities that are no solution may have any size. Their speeds are limited to four times the longest way plus two smallest radii, a step.
 void TimeStep::meanVelocities(const World& world, double dt, bool solved)
 {
 	means.resize(world.bodies.size());
@@ -42,7 +42,7 @@ void TimeStep::meanVelocities(const World& world, double dt, bool solved)
 	fastest = reduceRanges<double>(&threads, means.size(), mean, [](double a, double b) { return std::max(a, b); });
 }
 
-// Another solution is needed and nothing is left for it.
+// Ends a step that needs another solution when no iterations are left for it.
 bool TimeStep::end(StepReport& report)
 {
 	if (report.solver.status == Status::converged)
@@ -58,7 +58,7 @@ void TimeStep::firstGuess(const World& world)
 	}
 }
 
-// Whether the step has to be solved again because its rebounds ask for more than the energy allows, or for what nothing solves.
+// Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable.
 bool TimeStep::lowerRebounds(const StepSettings& settings, const StepReport& report)
 {
 	const Status status = report.solver.status;
@@ -66,11 +66,11 @@ bool TimeStep::lowerRebounds(const StepSettings& settings, const StepReport& rep
 		return false;
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
-	// A gap correction adds energy by itself.
+	// A gap correction adds energy by itself, so this test does not apply to it.
 	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, before, free, settings.solver.tolerance);
 }
 
-// False if it would touch what sleeps on, which has been woken: then it has to be made anew.
+// Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
 bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& report)
 {
 	assemble(world, settings);
@@ -88,7 +88,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		left.maxIterations = most - previous;
 		left.tolerance = tolerance;
 		left.threads = &threads;
-		// An exactness that is not asked for gets as many sweeps as it may need, so that some are left to lower rebounds further.
+		// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
 		if (tolerance < settings.solver.tolerance)
 			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
 		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
@@ -97,7 +97,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			first = report.solver.iterations;
 		report.solver.iterations += previous;
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		// What is solved more exactly than asked for, so that no energy is made, need not be.
+		// A smaller tolerance serves only to add no energy. If it is missed, the requested one suffices.
 		const Status exactly = report.solver.status;
 		const bool less = tolerance < settings.solver.tolerance && (exactly == Status::stagnated || exactly == Status::max_iterations)
 		    && report.solver.contact < 0 && report.solver.error <= settings.solver.tolerance;
@@ -107,7 +107,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
 		if (settings.restitution > 0) {
-			// A contact closed by other contacts' impulses waits for the next step, when its own velocity tells its rebound.
+			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
 			if (!lowerRebounds(settings, report)) {
 				if (less && rebounds.energyRemains())
 					report.solver.status = exactly;
@@ -115,7 +115,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			}
 			if (spent)
 				return end(report);
-			firstGuess(world); // the impulses that had to be judged may be large enough for any error to be small beside them
+			firstGuess(world); // the judged impulses may be so large that any error is small beside them
 			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeVelocities(world, settings.dt);
 			continue;
@@ -127,7 +127,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			return end(report);
 		if (!addViolated(world, settings))
 			return !late || end(report);
-		if (spent) // without an impulse they would pass through each other
+		if (spent) // without an impulse the bodies would pass through each other
 			most += 1 + settings.solver.maxIterations / 10;
 		if (sleepers.wake(system.contacts, world))
 			return false;
@@ -149,7 +149,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	while (!attempt(world, settings, report))
 		wokeSome = true;
 	if (report.solver.status == Status::diverged || !report.outran.empty())
-		return report; // the world is as it was
+		return report; // the world has not been changed
 	report.dissipated += report.effort.stopped;
 	if (const int32_t i = report.solver.contact; i >= 0)
 		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
@@ -161,7 +161,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	return report;
 }
 
-// Whether any body moves.
+// Moves the bodies. Returns whether any body moves.
 bool TimeStep::finishBodies(World& world, double h)
 {
 	const auto move = [&](size_t from, size_t to) {

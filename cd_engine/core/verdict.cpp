@@ -12,19 +12,19 @@ namespace cd {
 namespace {
 
 	constexpr double epsilon = std::numeric_limits<double>::epsilon();
-	// Share of the power that contacts keep at all that giving way has in a press, where it is 1 but for friction and other contacts; in flows,
-	// where as many loaded contacts part as close, it is 0.1 in the mean.
+	// In a press the power of closing contacts is at least this share of the power of all misses: 1, less the effect of friction and other
+	// contacts. In flows, where as many loaded contacts part as close, it is 0.1 on average.
 	constexpr double ofKept = 0.4;
-	constexpr double drowned = 1; // growth times tolerance: where the tolerance leaves as much of the velocities as there is to be stopped
-	constexpr double least = 1; // growth of impulses that are to be looked at
-	constexpr double dragged = 30; // growth above which friction that gives power may be what presses: in flows it often gives some
-	constexpr double onCone = 1e-6; // of friction: an impulse this close to it slides
-	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them has at least
-	// A self-stress makes no velocity but the round-off of its sums.
+	constexpr double drowned = 1; // growth times tolerance from which the tolerance allows errors as large as the velocities to be stopped
+	constexpr double least = 1; // growth from which impulses are looked at
+	constexpr double dragged = 30; // growth above which sliding friction that gives power may be the press; in flows it often gives some
+	constexpr double onCone = 1e-6; // relative to the friction cone: an impulse this close to it slides
+	constexpr double kernel = 1e-3; // share of the impulses that a self-stress along them must have
+	// The velocities of a self-stress are only the round-off of their sums.
 	constexpr double selfStress = 256 * epsilon;
-	constexpr double mayHide = 10; // growth above which impulses within the tolerance may miss ten tolerances of what presses
-	constexpr int few = 256; // contacts, up to which the proof by velocities may take more products than the sweeps did
-	constexpr int rounds = 20; // in which contacts are left out of a self-stress or begin to slide in it
+	constexpr double mayHide = 10; // growth above which impulses within the tolerance may hide a press of ten tolerances
+	constexpr int few = 256; // contacts up to which the proof by velocities may take more products than the sweeps did
+	constexpr int rounds = 20; // at most; in each, contacts leave the self-stress or begin to slide in it
 
 	double dot(const std::vector<double>& a, const std::vector<double>& b)
 	{
@@ -34,7 +34,7 @@ namespace {
 		return sum;
 	}
 
-	// Of impulses p from those that Coulomb's cone leaves of p - u: what the error of residual.hpp is made of.
+	// Distance of the impulses p from the projection of p - u on Coulomb's cone. The error of residual.hpp consists of such distances.
 	double distance(double pn, double pt, double un, double ut, double mu)
 	{
 		double n = pn - un, t = pt - ut;
@@ -84,7 +84,7 @@ namespace {
 			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed(v.growth));
 			if (!doubted && !(more && v.growth > Form::ofProof))
 				return v;
-			// Files that print six digits miss a positive semidefinite W by less than this.
+			// In files with six digits, rounding gives a positive semidefinite W negative energies smaller than this.
 			if (doubted && energy < -1e-5 * terms)
 				v.finding = Finding::indefinite;
 			else if (proven(doubted ? Form::ofTerms : std::max(Form::ofTerms, tolerance)))
@@ -97,7 +97,7 @@ namespace {
 		}
 
 	    private:
-		// The powers of the impulses; returns the row at which a number is not finite, or -1.
+		// Sums the powers of the impulses. Returns the row at which a number is not finite, or -1.
 		int32_t addUp()
 		{
 			form->product(p, u, sizes);
@@ -113,7 +113,7 @@ namespace {
 				square += strength;
 				energy += pn * u[2 * i] + pt * u[2 * i + 1];
 				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
-				// Where a contact slides, friction takes the tangential part.
+				// At a sliding contact, the tangential power is friction's and does not count.
 				const bool sticks = std::abs(pt) < (1 - onCone) * form->mu(i) * pn;
 				const double moved = pn * form->prescribed[2 * i] + (sticks ? pt * form->prescribed[2 * i + 1] : 0);
 				given -= moved;
@@ -134,9 +134,9 @@ namespace {
 			return -1;
 		}
 
-		// Whether loaded contacts give way with what the prescribed motion gives. A press keeps all of it, however exactly it is solved. In a
-		// flow as many loaded contacts part as close, and what they keep falls with the error. A boundary that slides may give by friction,
-		// too.
+		// Whether loaded contacts give way with the power of the prescribed motion. A press keeps all of this power, however exactly it is
+		// solved. In a flow as many loaded contacts part as close, and the power that they keep falls with the error. A sliding boundary may
+		// also give power by friction.
 		bool looksPressed(double growth) const
 		{
 			const bool together = closing > ofKept * kept && closing > Form::ofPrescribed * pushing && closing < 2 * pushing;
@@ -147,8 +147,8 @@ namespace {
 
 		enum class State : int8_t { open, stick, slidePlus, slideMinus };
 
-		// Whether there is a self-stress along the impulses against which the prescribed motion works, by this share of all terms of its
-		// work.
+		// Whether there is a self-stress along the impulses against which the prescribed motion works, by at least `share` of the terms of
+		// this work.
 		bool proven(double share)
 		{
 			root.resize(2 * n);
@@ -182,7 +182,7 @@ namespace {
 			return false;
 		}
 
-		// Impulses of the unknowns x: normal and tangential where a contact sticks, normal where it slides, times the roots of W_nn and W_tt.
+		// The impulses d of the unknowns x: x is d_n times the root of W_nn and, where a contact sticks, d_t times that of W_tt.
 		void impulses(const std::vector<double>& from, std::vector<double>& d) const
 		{
 			d.assign(2 * n, 0);
@@ -195,7 +195,7 @@ namespace {
 		}
 		double slope(std::size_t i) const { return state[i] == State::slidePlus ? form->mu(i) : -form->mu(i); }
 
-		// What the impulses of `from` make of the unknowns' velocities.
+		// The velocities that the impulses of `from` cause, at the unknowns.
 		void answer(const std::vector<double>& from, std::vector<double>& to)
 		{
 			impulses(from, d);
@@ -210,7 +210,7 @@ namespace {
 			}
 		}
 
-		// Conjugate gradients for W d = 0 from x, which keep what W does not see. Begun anew from exact remainders until these are round-off.
+		// Conjugate gradients for W d = 0 from x keep what W maps to 0. They restart from exact residuals until these are round-off.
 		bool removeWhatMoves()
 		{
 			for (int again = 0; again < 6; again++) {
@@ -245,7 +245,7 @@ namespace {
 			return true;
 		}
 
-		// Opens contacts that now pull and lets those slide that are beyond friction; whether there were any.
+		// Opens contacts that now pull, and lets contacts beyond the friction cone slide. Returns whether there were any.
 		bool leaveTheCone()
 		{
 			double largest = 0;
@@ -255,7 +255,7 @@ namespace {
 			for (std::size_t i = 0; i < n; i++) {
 				if (state[i] == State::open)
 					continue;
-				// What is round-off beside the others is no part of the self-stress.
+				// A value that is round-off beside the others is no part of the self-stress.
 				if (x[2 * i] < 1e-11 * largest) {
 					changed = changed || x[2 * i] != 0 || x[2 * i + 1] != 0;
 					state[i] = State::open;
@@ -269,8 +269,8 @@ namespace {
 			return changed;
 		}
 
-		// Whether the prescribed motion works against the self-stress x but for sliding, which a solution may do, too, and its contacts give
-		// way to it.
+		// Whether the prescribed motion works against the self-stress x, and the contacts of x give way to it. Sliding does not count,
+		// because a solution may slide, too.
 		bool worksAgainst(double share)
 		{
 			impulses(x, d);
@@ -291,16 +291,16 @@ namespace {
 		const Form* form = nullptr;
 		std::size_t n = 0;
 		double square = 0; // weighted |p|^2 [J]
-		double kept = 0; // power of what the contacts miss of their law; all of them but for constant factors [J]
-		double closing = 0; // net power with which loaded contacts close, and those that should stick slide [J]
+		double kept = 0; // power of what the contacts miss of their law; like all powers here, impulse times velocity [J]
+		double closing = 0; // net power of loaded contacts that close, and of sticking ones that slide [J]
 		double given = 0,
-		       pushing = 0; // power of the prescribed motion: net, and of the contacts alone at which it is against the impulses [J]
-		double coming = 0; // power against the impulses of boundaries and biases that come nearer, along the normals [J]
-		double dragging = 0; // power of friction where contacts slide, on what the bodies move there [J]
+		       pushing = 0; // power of the prescribed motion: net, and only of the contacts at which it opposes the impulses [J]
+		double coming = 0; // power of approaching boundaries and biases against the normal impulses [J]
+		double dragging = 0; // friction power of sliding contacts, by the motion of the bodies there [J]
 		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
-		std::size_t worst = 0; // contact with the most power amiss, or with the largest impulse
+		std::size_t worst = 0; // contact with the largest missed power, or with the largest impulse
 		std::vector<double> p, u, sizes;
-		std::vector<double> velocity; // of the contacts by the impulses judged, with the biases [m/s]
+		std::vector<double> velocity; // of the contacts, from the judged impulses, with the biases [m/s]
 		std::vector<State> state;
 		std::vector<double> root; // of W_nn and W_tt
 		std::vector<double> x, r, along, w, d;

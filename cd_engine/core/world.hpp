@@ -1,4 +1,4 @@
-// The bodies of a plane scene and the pairs that may touch: what a time step reads and moves. Knows neither YADE nor Python.
+// The bodies of a plane scene and the pairs of bodies that may touch. A time step reads and moves them. Nothing here depends on YADE or Python.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace cd {
 
 enum class ShapeKind : uint8_t { disk, box, wall };
 
-// Of a boundary; a disk has its radius and no more.
+// The shape of a boundary. The radius in Body describes a disk completely.
 struct Shape {
 	ShapeKind kind = ShapeKind::disk;
 	double ex = 0, ey = 0; // box: half lengths along its own axes [m]
@@ -24,21 +24,21 @@ struct Shape {
 struct Body {
 	double x = 0, y = 0, turn = 0; // position [m]; rotation made in this step [rad]
 	double v[3] = { 0, 0, 0 }; // v_x, v_y [m/s], angular velocity [rad/s]
-	double inverseMass[3] = { 0, 0, 0 }; // along x, y [1/kg] and about z [1/(kg m^2)]; 0: that freedom is blocked, its velocity prescribed
+	double inverseMass[3] = { 0, 0, 0 }; // along x, y [1/kg] and about z [1/(kg m^2)]; 0: this freedom is blocked and its velocity is prescribed
 	double force[3] = { 0, 0, 0 }; // external force [N] and torque [N m], gravity included
-	double radius = 0; // of a disk [m]; 0: a boundary
-	double friction = 0; // coefficient of its surface; a pair takes the smaller of two
+	double radius = 0; // of a disk [m]; 0: the body is a boundary
+	double friction = 0; // coefficient of friction of the surface; a pair uses the smaller of its two
 };
 
-// Two bodies near each other. `a` is the boundary where one is a boundary; two boundaries never touch.
+// Two bodies near each other. If one of them is a boundary, it is `a`. Two boundaries never touch.
 struct Pair {
 	int32_t a, b;
 	double mu = 0; // friction coefficient
-	double reference = 0; // overlap [m] that counts as touching (left behind by springs); forgotten once the bodies are apart
+	double reference = 0; // overlap that counts as zero gap [m], left behind by springs; reset to 0 once the bodies separate
 	double pn = 0, pt = 0; // impulse on b [N s]: first guess before the step, solution after it
 };
 
-// Where a pair is, or would be, in contact.
+// The contact geometry of a pair; if the bodies are apart, where they would touch.
 struct Touch {
 	double nx, ny; // unit normal a -> b
 	double cx, cy; // contact point, midway between the surfaces [m]
@@ -47,19 +47,18 @@ struct Touch {
 
 struct World {
 	std::vector<Body> bodies;
-	std::vector<Shape> shapes; // of the bodies; apart from them, since those of disks are never read
-	// Of each body: two make a pair only if their masks have a bit in common; 0: in no contact. Bodies of one mask that has a bit of `apart` make
-	// none.
+	std::vector<Shape> shapes; // one a body; stored separately from the bodies, because the shapes of disks are never read
+	// Of each body: two bodies make a pair only if their masks share a bit, but not if both have one mask and it has a bit of `apart`. 0: the
+	// body has no contacts.
 	std::vector<int32_t> masks;
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
-	// Of each body [m]: two bodies are in the list of pairs if the gap between them is at most the sum of their two values. Empty: all pairs are
-	// listed.
+	// Of each body [m]: the list of pairs holds every two bodies whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
-	std::vector<int32_t> awake; // the pairs that a step looks at, in order, no others: Sleepers::look lists them before every step
+	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
 };
 
-// Where a body is for the purpose of contacts: small, so that the places of many bodies stay in the nearest cache.
+// The position of a body as the contact geometry needs it. It is small, so that those of many bodies stay in the first-level cache.
 struct Place {
 	double x, y; // [m]
 	double turned; // rotation beyond the orientation stored in its shape [rad]
@@ -69,15 +68,15 @@ struct Place {
 // The place of a body after `ahead` [s] at its present velocities.
 inline Place placeAhead(const Body& b, double ahead) { return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.radius }; }
 
-// The largest speed of any point of a body's outline that moves the outline there [m/s]: a disk's does not when it spins. v: of the body.
+// The largest speed at which a point of a body moves its outline [m/s]. The spin of a disk does not move its outline. v: velocity of the body.
 inline double outlineSpeed(const double* v, const Body& b, const Shape& shape)
 {
 	const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
 	return b.radius > 0 || shape.kind != ShapeKind::box ? speed : speed + std::abs(v[2]) * std::hypot(shape.ex, shape.ey);
 }
 
-// The way a body goes in a step of dt, at its velocity before it or at the one that its external forces alone would leave, the longer one; of a
-// boundary that turns, its farthest point [m].
+// The distance that a body may move in a step of dt [m]; if it turns, that of its farthest point. Uses the velocity before the step or the one that
+// the external forces alone would leave, whichever gives more.
 inline double wayOf(const Body& b, const Shape& shape, double dt)
 {
 	double free[3];
@@ -88,36 +87,36 @@ inline double wayOf(const Body& b, const Shape& shape, double dt)
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 
-// Half the sides of the box, parallel to the axes, around a body [m]; a Wall is endless along itself.
+// Half the sides of the axis-parallel bounding box of a body [m]. A Wall is endless along itself.
 struct Half {
 	double x, y;
 };
 Half halfSides(const Body&, const Shape&);
 
-// Surface point of a boundary nearest to a disk: its outward normal, and the signed distance of the disk's centre from it [m].
+// The point of a boundary's surface nearest to a disk: its outward normal, and the signed distance of the disk's centre from the surface [m].
 struct Foot {
 	double nx, ny, distance;
 };
 
-// (dx, dy): the disk's centre from the boundary's [m].
+// (dx, dy): centre of the disk minus centre of the boundary [m].
 Foot footOnBoundary(const Shape&, double turned, double dx, double dy);
-// Whether the centre of a disk came into a boundary, or right through it, on its way from a place before to one now; if so, by which face.
+// Whether the centre of a disk entered a boundary, or went right through it, between the places before and now; if so, through which face.
 bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face);
 
-// What the turning of a box changes in the gap to a disk within a step h [s], beyond gap + h u_n [m]: exact for a given way along its face.
-// touching: the distance of the disk's centre from that of the box, along the normal, that is to be kept [m].
+// The change of the gap between a box and a disk by the rotation of the box in a step h [s], beyond gap + h u_n [m]. It is exact if the motion of the
+// disk along the face is given. touching: the distance along the normal from the box's centre to the disk's that is to be kept [m].
 double gapByTurning(
     const Shape&, const Place& box, const Place& disk, const Touch&, double touching, const double* vBox, const double* vDisk, double h);
 
 inline Touch touchAt(const Foot& foot, const Place& disk)
 {
 	const double gap = foot.distance - disk.radius;
-	// Both bodies take the impulse at one point, or angular momentum would be lost with the gap.
+	// Both bodies take the impulse at the same point. At two points, a gap apart, it would not conserve angular momentum.
 	const double arm = disk.radius + 0.5 * gap;
 	return { foot.nx, foot.ny, disk.x - arm * foot.nx, disk.y - arm * foot.ny, -gap };
 }
 
-// `shape` is that of `a`, read if it is a boundary.
+// `shape` is the shape of `a`. It is read only if `a` is a boundary.
 inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
 {
 	const double dx = b.x - a.x, dy = b.y - a.y;

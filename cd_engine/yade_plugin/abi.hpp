@@ -1,7 +1,7 @@
-// YADE's classes as far as the plug-in touches them, declared from the binary's own evidence (see layout.hpp).
+// YADE's classes as far as the plug-in uses them. The declarations are derived from the binary itself (see layout.hpp).
 //
-// Nothing here is defined: every function and vtable is YADE's own, found in the running process. Virtual functions stand in the
-// order of the vtable relocations of libyade.so; the order is checked when the module loads and again by tests/plugin.
+// Nothing here is defined: every function and vtable is YADE's own, found in the running process. Virtual functions are declared in the order of the
+// vtable relocations of libyade.so. The order is checked when the module loads, and again by tests/plugin.
 #pragma once
 
 #include <boost/enable_shared_from_this.hpp>
@@ -21,7 +21,7 @@ namespace yade {
 using Real = double;
 using Vector3r = Eigen::Matrix<Real, 3, 1>;
 
-// Never seen from inside: their members are reached through layout.hpp.
+// Opaque classes: their members are reached through layout.hpp.
 class Body;
 class State;
 class Shape;
@@ -84,7 +84,7 @@ class GlobalEngine : public Engine {
 	void callPostLoad() override;
 	void pyRegisterClass(boost::python::object scope) override;
 
-	// Never run: Boost.Serialization's unique instance for this class is YADE's, whose own code is called through its vtable.
+	// Never called: Boost.Serialization's only instance for this class is YADE's, and its vtable leads to YADE's own code.
 	template <class Archive> void serialize(Archive&, unsigned) { throw std::logic_error("YADE's serializer of GlobalEngine was not found"); }
 };
 
@@ -99,7 +99,7 @@ class InteractionContainer {
     public:
 	bool insert(int id1, int id2);
 	const boost::shared_ptr<Interaction>& find(int id1, int id2);
-	bool erase(int id1, int id2, int place); // which it has in the list, where the last one then stands
+	bool erase(int id1, int id2, int place); // place: its index in the list; the last interaction then moves there
 };
 
 class ForceContainer {

@@ -1,4 +1,4 @@
-// Lets YADE's collider rest during a run. This engine finds its pairs itself (core/pair_search.hpp) and does not need it.
+// Switches YADE's collider off during a run. This engine finds its pairs itself (core/pair_search.hpp) and does not need the collider.
 #pragma once
 
 #include "layout.hpp"
@@ -7,22 +7,22 @@
 
 namespace cd_engine {
 
-// The collider is dead to YADE's loop within O.run(n). It is given back at the last step or by a refusal, so that whoever uses it next, perhaps with
-// springs, finds it awake. (Not after O.pause() in mid-run, while the engine lives.)
+// The collider is dead to YADE's loop during O.run(n). It is switched on again at the last step or after a refusal, so that the next user, perhaps
+// with springs, finds it awake. (Exception: after O.pause() in mid-run, as long as the engine exists.)
 class ColliderRest {
     public:
 	~ColliderRest() { wake(); }
 
 	void attach(boost::shared_ptr<yade::Engine> collider);
-	// Lets it rest until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
+	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void rest(yade::Scene*);
 	const yade::Engine* engine() const { return collider.get(); }
-	// Its avoidSelfInteractionMask (cd::World::apart).
+	// The collider's avoidSelfInteractionMask (cd::World::apart).
 	int32_t maskApart() const;
-	// Gives the collider back to YADE's loop.
+	// Switches the collider on again.
 	void wake();
-	// The same after a refusal: what was refused may have given the collider bounds that are no numbers. These spoil the order of its lists, by
-	// which it then misses pairs for ever; so it sorts them anew.
+	// The same after a refusal. The refused scene may have given the collider NaN bounds. They spoil the order of its sorted lists, so that it
+	// misses pairs for ever; therefore it sorts them anew.
 	void wakeUnsorted();
 
     private:

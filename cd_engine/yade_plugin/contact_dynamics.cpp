@@ -7,21 +7,21 @@
 #include <iostream>
 #include <sstream>
 
-extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the library that YADE's own loops use; there where it was built with that
+extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the OpenMP library that YADE's own loops use; null if YADE was built without it
 
 namespace cd_engine {
 namespace {
 
-	// Of the smallest radius: an overlap beyond it is no error of a time step any more.
+	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
 	constexpr double deep = 0.01;
-	constexpr double bouncy = 0.5; // restitution above which an overlap that is pushed out has been seen to make energy
-	constexpr double far = 4; // radii that a disk may go in a step without a word
+	constexpr double bouncy = 0.5; // restitution above which pushing overlaps out has been seen to create energy
+	constexpr double far = 4; // radii that a disk may move in a step without a warning
 
-	// Steps between two trials of rest, and sweeps in one: about one for each step since the last, less than an island at rest costs while it is
-	// awake. Those that come to rest in a thousand sweeps mostly do so in a hundred, and others by chance in the next trial.
+	// Steps between two trials of rest, and sweeps in one trial: about one sweep a step since the last trial. This costs less than an island at
+	// rest that stays awake. Islands that come to rest in a thousand sweeps mostly do so in a hundred, the others by chance in a later trial.
 	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
 
-	// Another random order in every step, the same in every repeat of a run.
+	// A different random order in every step, but the same in every repetition of a run.
 	unsigned stepSeed(int seed, long iteration)
 	{
 		return seed > 0 ? static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(iteration) + 1 : 0;
@@ -39,8 +39,8 @@ ContactDynamics::~ContactDynamics()
 	latest.compare_exchange_strong(self, nullptr);
 }
 
-// YADE never destroys an engine that was in O.engines: its setter takes a reference to each that it does not give back. With every O.reset() and new
-// list of engines the memory of a scene would be lost, so an engine gives it back when the next one begins to work.
+// YADE never destroys an engine that was in O.engines: the setter takes a reference to each and never releases it. Every O.reset() with a new list of
+// engines would leak the memory of a scene. Therefore an engine releases its memory when the next engine begins to work.
 void ContactDynamics::takeOver()
 {
 	ContactDynamics* const before = latest.exchange(this);
@@ -50,7 +50,7 @@ void ContactDynamics::takeOver()
 
 void ContactDynamics::forget()
 {
-	const PyGILState_STATE gil = PyGILState_Ensure(); // the last to hold an object made in Python gives that back, too
+	const PyGILState_STATE gil = PyGILState_Ensure(); // needed to release objects made in Python, if these references are the last
 	link = SceneLink();
 	rest.emplace();
 	step = cd::TimeStep();
@@ -60,10 +60,10 @@ void ContactDynamics::forget()
 	PyGILState_Release(gil);
 }
 
-// Brings the scene up to date when whoever waited for a run goes on.
+// Updates the scene when the code that waited for a run continues.
 void ContactDynamics::settle()
 {
-	PyThreadState* const gil = PyEval_SaveThread(); // which the last step may ask for
+	PyThreadState* const gil = PyEval_SaveThread(); // the last step of the run may need the Python lock
 	{
 		const std::lock_guard<std::mutex> lock(stepping);
 		if (link.ahead())
@@ -87,7 +87,7 @@ void ContactDynamics::action()
 		advance();
 	} catch (...) {
 		link.catchUp(scene);
-		rest->wakeUnsorted(); // whoever goes on from here must not find a sleeping collider
+		rest->wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 		last = {};
 		throw;
 	}
@@ -161,7 +161,7 @@ void ContactDynamics::advance()
 	const bool tracks = tracksEnergy(scene);
 	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
 	cd::StepReport made = step(link.world, settings);
-	for (std::vector<double> needed; !made.outran.empty();) { // a later solution of the step may ask for more
+	for (std::vector<double> needed; !made.outran.empty();) { // a repeated step may need more
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
 		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, searchMargin, step, needed);
@@ -185,7 +185,7 @@ void ContactDynamics::advance()
 		watchPenetration(before);
 }
 
-// Into the attributes.
+// Copies the report into the attributes.
 void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings& settings)
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
@@ -226,7 +226,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 		unconvergedSteps++;
 }
 
-// Whether this step is like the last one, so that what left everything as it was then does so again.
+// Whether this step has the settings of the last one, so that what left everything as it was then does so again.
 bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
@@ -234,7 +234,7 @@ bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 	    && !handover;
 }
 
-// A trial that fails is repeated later; what has been woken may soon be at rest again.
+// After a failed trial, the next one comes later. After islands have been woken, it comes soon, because they may soon be at rest again.
 void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 {
 	const bool woken = effort.sleeping < sleeping;
@@ -247,7 +247,7 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 	restTrialAt = steps + (effort.stoppedMoving ? 1 : restTrialPause);
 }
 
-// What is wrong with a step that is not solved, and what to do.
+// Describes why a step is not solved, and what to do.
 std::string ContactDynamics::unsolved() const
 {
 	std::ostringstream s;
@@ -268,7 +268,7 @@ std::string ContactDynamics::unsolved() const
 	return s.str();
 }
 
-// One line a run; the count goes on in unconvergedSteps and is shown once more when YADE ends (cd_engine/__init__.py).
+// Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).
 void ContactDynamics::warn()
 {
 	if (stopUnsolved) {
@@ -283,7 +283,7 @@ void ContactDynamics::warn()
 	std::cerr << unsolved() << " Further such steps are counted in unconvergedSteps.\n";
 }
 
-// One line a run, of the first body that leaves the scene.
+// Prints one line a run, for the first body that leaves the scene.
 void ContactDynamics::tellOfLost()
 {
 	const int id = toldOfLost ? -1 : link.pairSearch().lost(link.world);
@@ -296,7 +296,7 @@ void ContactDynamics::tellOfLost()
 		  << " m/s. Erase it (O.bodies.erase(" << id << ")) or give the scene a boundary that holds it. Others that do so are not named.\n";
 }
 
-// One line a run where a disk that others are near goes so far in a step that it may jump over what it would have met.
+// Prints one line a run if a disk with neighbours moves so far in a step that it may jump over a body that it would have met.
 void ContactDynamics::tellOfSpeed(double dt)
 {
 	if (toldOfSpeed || !(link.pairSearch().longestWay() > far))
@@ -314,13 +314,13 @@ void ContactDynamics::tellOfSpeed(double dt)
 		  << " s; cd_engine.timeStep() proposes one. Others that do so are not named.\n";
 }
 
-// One line a run where disks sink into each other: e, relative to all impulses, is small long before a heavy body on a light one is carried,
-// fixedIterations ask for no error, small errors add up, and a step may be too long for the ways that bodies go or turn in it.
+// Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
+// carried; fixedIterations demand no error; small errors add up; and a step may be too long for the speed or rotation of the bodies.
 void ContactDynamics::watchPenetration(double before) const
 {
 	const double smallest = cd::smallestRadius(link.world);
 	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
-		return; // what a step without a solution leaves, or a boundary that is moved by its position, has its own warning
+		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
 	if (atOnce && restitution > 0)
@@ -349,7 +349,7 @@ void ContactDynamics::watchPenetration(double before) const
 		  << ". deepestPenetration tells how far it goes.\n";
 }
 
-// What steps look up without asking again; bodyOrder is only a hint, and made anew where it is none.
+// Checks loaded lists that steps use unchecked. bodyOrder is not checked: it is only a hint, and is made anew if it is invalid.
 void ContactDynamics::checkLoaded() const
 {
 	const std::string damaged = "ContactDynamics: the file is damaged: ";

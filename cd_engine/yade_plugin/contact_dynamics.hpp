@@ -1,4 +1,4 @@
-// The engine YADE sees.
+// The engine that YADE sees.
 #pragma once
 
 #include "other_engines.hpp"
@@ -35,7 +35,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool stopUnsolved = false;
 	int threads = 0;
 
-	// Left by the last step.
+	// Results of the last step.
 	int iterations = 0;
 	double residual = 0;
 	double residualMax = 0;
@@ -58,7 +58,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	// Over all steps.
 	double deepestPenetration = 0;
 
-	// The step of the next look for islands at rest, and the loads in the step before it; saved, since what is found then is stopped.
+	// The step of the next trial of rest, and the loads in the step before it. Saved, because a trial stops what it finds at rest.
 	std::vector<int> loadsBeforeTrial;
 	long restTrialAt = 0;
 	int restTrialPause = 16;
@@ -75,7 +75,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::vector<int> referenceIds;
 	std::vector<double> referenceOverlaps;
 
-	// The order of the contacts, saved since it decides the last digits of a step.
+	// The order of the contacts. Saved, because it decides the last digits of a step.
 	std::vector<int> bodyOrder;
 	double bodyOrderLength = 0;
 
@@ -85,7 +85,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkLoaded() const;
 
 	void action() override;
-	// Of the engine that has made the last step: brings the scene up to date.
+	// Brings the scene up to date, by the engine that has made the last step.
 	static void settleLatest();
 	void exportProblem(const std::string& path, bool bodies);
 	static void summary(const boost::python::object& self);
@@ -109,16 +109,16 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void tellOfSpeed(double dt);
 	void watchPenetration(double before) const;
 
-	// Of the scene, from step to step; all of it can be found again. Kept by the engine that has made the last step, no other.
+	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
 	SceneLink link;
 	std::optional<ColliderRest> rest { std::in_place };
 	cd::TimeStep step;
-	static std::atomic<ContactDynamics*> latest; // that engine
-	std::mutex stepping; // held through a step: O.pause() returns while the last one may still go on
+	static std::atomic<ContactDynamics*> latest; // the engine that has made the last step
+	std::mutex stepping; // held during a step: O.pause() may return while the last step still runs
 	OtherEngines others;
 	bool warned = false, toldOfLost = false, toldOfSpeed = false, toldOfUnsolvable = false;
-	cd::StepSettings last; // of the last step
-	bool idle = false; // it left everything as it was, and so will the next unless somebody changes something
+	cd::StepSettings last; // settings of the last step
+	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 };
 
 inline const char* const ContactDynamics::documentation

@@ -1,4 +1,4 @@
-// Energies for O.energy, where O.trackEnergy asks for them.
+// Energies for O.energy, if O.trackEnergy is set.
 #pragma once
 
 #include "../core/world.hpp"
@@ -10,12 +10,12 @@ using yade::Vector3r;
 
 inline bool tracksEnergy(yade::Scene* scene) { return at<bool>(scene, layout.scene_trackEnergy); }
 
-// Of all free motions [J].
+// Kinetic energy of all free motions [J].
 double kineticEnergy(const cd::World&);
-// Of all free bodies in this gravity [J], from the origin.
+// Potential energy of all free bodies in this gravity [J], relative to the origin.
 double weightEnergy(const cd::World&, const Vector3r& gravity);
 
-// Into O.energy, under YADE's names: kinetic as it is, gravWork and plastDissip added to what is there, so that total() stays the same where
+// Writes O.energy, under YADE's names. kinetic replaces the value there; gravWork and plastDissip are added to it. total() then stays the same if
 // neither boundaries nor other forces do work.
 void track(double kinetic, double gravWork, double plastDissip);
 

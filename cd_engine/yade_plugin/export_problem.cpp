@@ -1,4 +1,4 @@
-// The problem of the next step as a file: assembled here, written by cd_engine/core.
+// Exports the problem of the next step to a file: it is assembled here and written by cd_engine/core.
 #include "../core/delassus_system.hpp"
 #include "contact_dynamics.hpp"
 
@@ -7,15 +7,15 @@ namespace {
 
 	namespace py = boost::python;
 
-	// An array as Python's bytes, which NumPy takes without this file knowing NumPy.
+	// An array as Python's bytes. NumPy reads these, so that this file does not need NumPy.
 	template <class T> py::object bytes(const std::vector<T>& v)
 	{
 		return py::object(
 		    py::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(v.data()), static_cast<Py_ssize_t>(v.size() * sizeof(T)))));
 	}
 
-	// Whether a run goes on in the background, changing the scene meanwhile. What an engine of it calls (PyRunner) holds the run up: its thread
-	// is YADE's own, of which Python's threading knows no more than that it is there.
+	// Whether a run in the background changes the scene meanwhile. Code that an engine of the run calls (PyRunner) blocks the run, so it is safe.
+	// It runs in a thread of YADE's own, which Python's threading module knows only as a dummy.
 	bool runsBesides()
 	{
 		if (!py::extract<bool>(py::import("yade").attr("O").attr("running")))
@@ -25,7 +25,7 @@ namespace {
 		return PyObject_IsInstance(here.ptr(), py::object(threading.attr("_DummyThread")).ptr()) != 1;
 	}
 
-	// The system as it stands, short of contacts between two immobile bodies.
+	// Writes the system as it is, without contacts whose bodies cannot move along the normal.
 	void writeBodies(const std::string& path, const cd::ContactSystem& system)
 	{
 		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
@@ -56,11 +56,11 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 		throw SceneError(
 		    "ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
 		    "engine of the run (PyRunner)");
-	PyThreadState* const gil = PyEval_SaveThread(); // which that step may ask for
+	PyThreadState* const gil = PyEval_SaveThread(); // the step that runs now may need the Python lock
 	const std::lock_guard<std::mutex> betweenSteps(stepping);
 	PyEval_RestoreThread(gil);
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
-	// Everything that remembers is a copy: this engine and the scene stay as they are.
+	// Whatever has a memory is a copy here: this engine and the scene do not change.
 	const cd::StepSettings settings = this->settings(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds;

@@ -1,4 +1,4 @@
-// A step's reading of the scene: bodies, the search for pairs, the pairs.
+// How a step reads the scene: the bodies, the search for pairs, the pairs.
 #include "scene_link.hpp"
 
 #include <cmath>
@@ -39,7 +39,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	}
 	gone.clear();
 	if (behind && reordered)
-		publishScene(scene); // from which pairs are taken in their new order
+		publishScene(scene); // the pairs are then read from it in their new order
 	const bool searched = search.needed(world, dt, margin, outran, &step.threads);
 	if (searched)
 		findPairs();
@@ -59,7 +59,7 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 	inspecting = true;
 	checkScene(scene, dt);
 	gatherBodies(scene, g);
-	// O.forces holds what the last step left there, its contact forces among them; a ForceResetter comes before the next one.
+	// O.forces still holds what the last step left, its contact forces included. A ForceResetter clears it before the next step.
 	const py::object lasting = py::import("yade").attr("O").attr("forces");
 	const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
 	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
@@ -67,7 +67,7 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 		if (!bodies[id].exists || !(body.inverseMass[0] > 0 || body.inverseMass[1] > 0 || body.inverseMass[2] > 0))
 			continue;
 		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
-		if (any) { // YADE reads past the end of its list where there are none
+		if (any) { // without permanent forces YADE reads past the end of its list
 			force = py::extract<Vector3r>(lasting.attr("permF")(id));
 			torque = py::extract<Vector3r>(lasting.attr("permT")(id));
 		}

@@ -1,10 +1,10 @@
-// Whether the plug-in and YADE share the libraries through which they meet.
+// Checks that the plug-in and YADE use the same copies of their common libraries.
 #pragma once
 
 namespace cd_engine {
 
-// Boost.Python and Boost.Serialization keep what is registered with them in the library itself: a plug-in linked to another version of them than
-// YADE would register its engines where YADE never looks. Throws LayoutError if the process holds two of either.
+// Boost.Python and Boost.Serialization keep what is registered with them inside the library. A plug-in linked to another version than YADE would
+// register its engines where YADE never looks. Throws LayoutError if the process has not loaded exactly one version of each.
 void mustBeLoadedOnce();
 
 } // namespace cd_engine

@@ -12,7 +12,7 @@ namespace {
 		return name == base || Singleton<yade::Omega>::instance().isInheritingFrom_recursive(name, base);
 	}
 
-	// Why an engine does not go with Contact Dynamics, and what to do; empty if it does. before: it stands before ContactDynamics.
+	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics.
 	std::string refusal(const std::string& name, bool before)
 	{
 		const std::string remove = " Remove it or set its dead=True";
@@ -36,18 +36,18 @@ namespace {
 		return "";
 	}
 
-	// Whether an engine runs in the step `iteration`, or may.
+	// Whether an engine runs, or may run, in the step `iteration`.
 	bool isDue(yade::Engine* engine, long iteration)
 	{
 		if (!inherits(engine, Base::PeriodicEngine))
 			return true;
 		const long period = at<long>(engine, layout.periodic_iterPeriod), last = at<long>(engine, layout.periodic_iterLast);
-		// Before its first call it counts from that one.
+		// Before its first call the period has not begun to count, so the engine counts as due.
 		return at<double>(engine, layout.periodic_virtPeriod) > 0 || at<double>(engine, layout.periodic_realPeriod) > 0
 		    || at<long>(engine, layout.periodic_nDone) == 0 || (period > 0 && iteration - last >= period) || iteration < last;
 	}
 
-	// Whether a periodic engine has run in the step `iteration`; it may have died in it.
+	// Whether a periodic engine has run in the step `iteration`; it may have set itself dead in that step.
 	bool hasRun(yade::Engine* engine, long iteration)
 	{
 		return inherits(engine, Base::PeriodicEngine) && at<long>(engine, layout.periodic_iterLast) == iteration;
@@ -55,7 +55,7 @@ namespace {
 
 } // namespace
 
-// The collider's own rest is no change.
+// If the collider has been switched on or off by ColliderRest, the list has not changed.
 bool OtherEngines::changed(const std::vector<boost::shared_ptr<yade::Engine>>& engines, const yade::Engine* collider) const
 {
 	if (engines.size() != others.size())
@@ -95,7 +95,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderR
 	if (!resets)
 		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
 	if (!problem.empty()) {
-		others.clear(); // asked again at the next step
+		others.clear(); // so that the next step checks again
 		throw SceneError("ContactDynamics: " + problem);
 	}
 	rest.attach(collider);

@@ -30,7 +30,7 @@ long publishedOffset(const char* className, const char* member, const std::strin
 	if (std::string(Py_TYPE(getter.ptr())->tp_name) != "Boost.Python.function")
 		refuse(name, "a getter of Boost.Python", Py_TYPE(getter.ptr())->tp_name);
 
-	// boost::python::objects::function: a Python object header, then its py_function, whose only datum points to the implementation.
+	// boost::python::objects::function is a Python object header and its py_function, whose only member points to the implementation.
 	py::objects::py_function_impl_base* implementation = nullptr;
 	if (!readMemory(reinterpret_cast<char*>(getter.ptr()) + sizeof(PyObject), implementation) || !implementation)
 		refuse(name, "a getter of Boost.Python", "an empty one");
@@ -45,7 +45,7 @@ long publishedOffset(const char* className, const char* member, const std::strin
 	if (signature[1].basename != owner)
 		refuse(name, "a member of " + owner, std::string("a member of ") + signature[1].basename);
 
-	// caller_py_function_impl: its vtable pointer, then the pointer-to-member, which in this ABI is the offset.
+	// caller_py_function_impl is its vtable pointer and the pointer-to-member, which in this ABI is the offset.
 	long offset = -1;
 	if (!readMemory(reinterpret_cast<char*>(implementation) + sizeof(void*), offset) || offset < 0 || offset > 65536)
 		refuse(name, "an offset within the object", std::to_string(offset));

@@ -36,7 +36,7 @@ inline std::string number(double x)
 	return s.str();
 }
 
-// The range in words, empty where there is none.
+// The range in words; empty if there is no range.
 inline std::string allowed(const Range& range)
 {
 	if (!std::isfinite(range.low))
@@ -176,7 +176,7 @@ template <class E> py::dict RegisteredEngine<E>::pyDict() const
 	return all;
 }
 
-// Of the class: what it is, then the names of its settings and of its results, which help() lists by the alphabet.
+// Documentation of a class: what it is, then the names of its settings and of its results. help() itself lists them alphabetically.
 template <class E> std::string documentation()
 {
 	std::string settings, results;
@@ -202,7 +202,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	E::methods(cls);
 }
 
-// Makes E known to YADE's class factory and to Python; Boost.Serialization knows it by BOOST_CLASS_EXPORT.
+// Registers E with YADE's class factory and with Python. BOOST_CLASS_EXPORT registers it with Boost.Serialization.
 template <class E> void registerEngine()
 {
 	Singleton<yade::ClassFactory>::instance().registerFactorable(

@@ -1,4 +1,4 @@
-// What the bodies are and how they move now, read from the scene; what the engine cannot do is refused here.
+// Reads from the scene what the bodies are and how they move now. Refuses what the engine cannot do.
 #include "inheritance.hpp"
 #include "scene_link.hpp"
 
@@ -8,14 +8,14 @@
 namespace cd_engine {
 namespace {
 
-	// Whether both are of one body. The count of its owners outlives it while it is remembered here, so, unlike its address, it cannot be another
-	// one's.
+	// Whether both refer to the same body. A new body may get the address of an old one, but not its reference count, which exists as long as the
+	// old body is remembered here.
 	bool isSame(const boost::weak_ptr<yade::Body>& known, const boost::shared_ptr<yade::Body>& now)
 	{
 		return !known.owner_before(now) && !now.owner_before(known);
 	}
 
-	// One test for several vectors, since nearly always all are well: a product with 0 is 0 unless there is an infinity or a NaN.
+	// One test for several vectors, since nearly always all are finite: a product with 0 is 0 unless a factor is infinite or NaN.
 	template <class... V> bool allFinite(const V&... v) { return ((v[0] * 0 + v[1] * 0 + v[2] * 0) + ...) == 0; }
 
 	void mustBeFinite(int id, const char* what, const Vector3r& v)
@@ -27,7 +27,7 @@ namespace {
 
 } // namespace
 
-// The plane of the disks is that of the first one, in which it stays: boxes that reach that plane would not reach another.
+// The plane of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
 {
 	const int before = layerId;
@@ -53,7 +53,7 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 		    "O.engines=cd_engine.engines()");
 }
 
-// Whether the freedoms and velocities the body has now are those of a plane motion.
+// Checks that the present freedoms and velocities of the body are those of a plane motion.
 void SceneLink::checkMotion(int id) const
 {
 	char* const state = bodies[id].state;
@@ -144,7 +144,7 @@ void SceneLink::tellOfMaterial(int id, const void* material)
 		    "(Body #" + std::to_string(id) + " has one.) Use a FrictMat to say so, and `restitution` for bouncing.");
 }
 
-// A boundary whose position somebody sets step by step: no disk sees it come. Once or twice may be a new beginning.
+// Warns if somebody sets the position of a boundary step by step, since no disk sees it come. Once or twice may be a new beginning.
 void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
 {
 	constexpr int often = 3;
@@ -159,7 +159,7 @@ void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
 		+ ".state.vel instead, in an engine before ContactDynamics.");
 }
 
-// All that a step asks of a body. Whatever it asks is looked at in every step, since anybody may have changed it since the last one.
+// Reads all that a step needs to know of a body. Every step looks at all of it, since anybody may have changed it.
 void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yade::ForceContainer& forces, const Vector3r& g)
 {
 	KnownBody& known = bodies[id];
@@ -188,7 +188,7 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	surfaces[id] = { known.friction, world.bodies[id].radius };
 }
 
-// The lines of memory that a step reads of a body's objects, asked for before they are wanted.
+// Prefetches the memory lines of a body's objects that a step reads.
 void SceneLink::prefetchBody(const KnownBody& known) const
 {
 	if (!known.exists)
@@ -209,7 +209,7 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	findLayer(container);
 	const int count = static_cast<int>(container.size());
 	bool changed = outdated || bodies.size() != container.size();
-	outdated = true; // if a body is refused
+	outdated = true; // stays true if a body is refused
 	for (std::size_t id = container.size(); id < bodies.size(); id++)
 		gone.push_back(static_cast<int>(id));
 	bodies.resize(count);

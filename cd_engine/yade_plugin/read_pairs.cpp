@@ -1,4 +1,4 @@
-// The near pairs, their friction, reference overlaps and the forces they carry now.
+// Reads the near pairs, their friction, their reference overlaps and the forces that they carry now.
 #include "inheritance.hpp"
 #include "scene_link.hpp"
 
@@ -10,20 +10,20 @@
 namespace cd_engine {
 namespace {
 
-	// Of a disk's radius: overlaps above this are no springs' but a mistake in the scene (the paper's are 1e-3).
+	// Share of a disk's radius: a larger overlap is not left by springs but is a mistake in the scene (the paper's are 1e-3).
 	constexpr double mostOverlap = 0.2;
-	// Of a disk's radius: smaller ones are left without a word.
+	// Share of a disk's radius: smaller overlaps give no warning.
 	constexpr double visible = 0.01;
 
-	// What friction of now can carry of a first guess made with that of before; a guess within the tolerance becomes the step's solution.
-	// Impulses on the cone, which lie beside it by the round-off of dt times force and back, stay as they are: cut, they would be written anew
-	// step by step.
+	// Cuts the tangential part of a first guess to the present friction cone, because a guess within the tolerance becomes the step's solution.
+	// An impulse that is beyond the cone only by the round-off of dt times force and back is kept: if it were cut, it would be written anew step
+	// by step.
 	double withinCone(double tangential, double most)
 	{
 		return std::abs(tangential) > most * (1 + 1e-9) ? std::copysign(most, tangential) : tangential;
 	}
 
-	// In order, each once, of so many.
+	// Whether the indices are strictly ascending and below `of`.
 	[[maybe_unused]] bool isSelection(const std::vector<int32_t>& chosen, std::size_t of)
 	{
 		return std::adjacent_find(chosen.begin(), chosen.end(), std::greater_equal<int32_t>()) == chosen.end()
@@ -32,14 +32,14 @@ namespace {
 
 } // namespace
 
-// Whether the pairs are still those of the scene's list. Its interactions are held on to, so that none can be another one at the same address.
+// Whether the pairs still match the scene's list. `listed` holds on to its interactions, so that a new one cannot get an old one's address.
 bool SceneLink::listUnchanged(yade::InteractionContainer* container) const
 {
 	return !outdated && at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear) == listed;
 }
 
-// A boundary that gravity moves comes down on another, and nothing will hold it there. One that slides along a side wall overlaps least across
-// gravity.
+// Warns if gravity moves a boundary down onto another one, since nothing will hold it there. The axis with the smaller overlap decides: a boundary
+// that slides along a side wall overlaps it least across gravity.
 void SceneLink::tellOfFall(int upper, int lower)
 {
 	const cd::Body &a = world.bodies[upper], &b = world.bodies[lower];
@@ -51,7 +51,7 @@ void SceneLink::tellOfFall(int upper, int lower)
 		    "It will fall through body #" + std::to_string(lower) + ". Block its freedoms if it is not to fall.");
 }
 
-// Asked where pairs have been searched: two boundaries make none.
+// Called after a search, because two boundaries make no pair.
 void SceneLink::tellOfFalls()
 {
 	for (int i = 0; i < static_cast<int>(bodies.size()); i++) {
@@ -80,7 +80,7 @@ void SceneLink::forget(yade::Interaction* interaction) const
 	at<long>(interaction, layout.interaction_iterMadeReal) = -1;
 }
 
-// The bodies of an interaction stand in the order of its pair; YADE's own functors, too, want the boundary first.
+// Puts the bodies of an interaction in the order of its pair. YADE's own functors, too, want the boundary first.
 void SceneLink::turn(std::size_t index) const
 {
 	yade::Interaction* const interaction = interactions[index];
@@ -90,7 +90,7 @@ void SceneLink::turn(std::size_t index) const
 	interaction->swapOrder();
 }
 
-// Pairs that were listed before keep what is known of them.
+// Pairs that were listed before keep their data.
 void SceneLink::keepPairs()
 {
 	const auto rearrange = [this](auto& of, auto& next) {
@@ -110,10 +110,10 @@ void SceneLink::keepPairs()
 	rearrange(forces, scratch.forces);
 	rearrange(held, scratch.held);
 	rearrange(spare, scratch.spare);
-	recycle(scratch.spare); // of pairs that are no more
+	recycle(scratch.spare); // of pairs that no longer exist
 }
 
-// Pairs get the interactions that the scene has for them. What others carry is carried no more.
+// Gives the pairs the interactions that the scene has for them. Interactions without a pair lose their forces.
 void SceneLink::takePairs(yade::InteractionContainer* container, const std::vector<int>& rank)
 {
 	listed = at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear);
@@ -146,7 +146,7 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 	held.assign(pairs.size(), {});
 }
 
-// Into the core's world.
+// Copies the pairs into the core's world.
 void SceneLink::listPairs(const Memory& memory)
 {
 	world.pairs.clear();
@@ -160,10 +160,10 @@ void SceneLink::listPairs(const Memory& memory)
 	if (inspecting || touching == memory.overlaps.overlaps.size())
 		return;
 	const std::lock_guard<std::mutex> lock(memory.lock);
-	collectOverlaps(memory.overlaps); // without those of bodies that somebody has moved apart
+	collectOverlaps(memory.overlaps); // leaves out those of bodies that somebody has moved apart
 }
 
-// read: whether the scene has been read; searched: whether `pairs` are others than before; reordered: or in another order.
+// read: whether the scene has been read; searched: whether the list of pairs is new; reordered: whether its order is new.
 void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, cd::Sleepers& sleepers)
 {
 	auto* const container = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
@@ -188,7 +188,7 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 		sleepers.look(world);
 }
 
-// Asks for the memory of the objects that hold a contact's force.
+// Finds the objects that hold a contact's force, and prefetches them.
 void SceneLink::findForces(std::size_t index)
 {
 	if (!interactions[index]) {
@@ -227,7 +227,7 @@ SceneLink::Held SceneLink::heldIn(const Forces& f) const
 	return h;
 }
 
-// The force present on the contact, along its own normal, times dt.
+// The present force of the contact, along its own normal, times dt.
 std::array<double, 2> SceneLink::impulseIn(const Held& h, double dt)
 {
 	if (!h.any)
@@ -235,12 +235,12 @@ std::array<double, 2> SceneLink::impulseIn(const Held& h, double dt)
 	const double normal = h.nx * h.fn[0] + h.ny * h.fn[1], tangential = h.nx * h.ft[1] - h.ny * h.ft[0];
 	if (!(normal > 0) || !std::isfinite(tangential))
 		return { 0, 0 }; // springs may pull; a rigid contact does not
-	// n is a unit vector to its last digit only: without its length forces that are held and taken up again would grow by it, step by step.
+	// n is a unit vector only to its last digit. Without this division, forces that are stored and read again would grow by that step by step.
 	const double square = h.nx * h.nx + h.ny * h.ny;
 	return { dt * normal / square, dt * tangential / square };
 }
 
-// Leaves of them what a step can read and write; false if the bodies of the interaction have been exchanged, which the step itself would not notice.
+// Discards objects that a step cannot read or write. Returns false if the interaction's bodies were swapped, which the step itself would not notice.
 bool SceneLink::checkForces(std::size_t index)
 {
 	if (!interactions[index])
@@ -252,8 +252,8 @@ bool SceneLink::checkForces(std::size_t index)
 	return !turned;
 }
 
-// What every contact of the scene carries now: three dependent look-ups in different lines of memory, each asked for ahead of the next. What somebody
-// has changed wakes its island. False if the bodies of an interaction have been exchanged since the pairs were made.
+// Reads the present force of every contact: three dependent look-ups in different memory lines, each prefetched before the next. A force that
+// somebody has changed wakes its island. Returns false if the bodies of an interaction were swapped since the pairs were made.
 bool SceneLink::readForces(cd::Sleepers* sleepers)
 {
 	constexpr std::size_t early = 12;
@@ -282,7 +282,7 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 	return true;
 }
 
-// Friction and first guess of every pair that is awake.
+// Sets the friction and the first guess of every pair that is awake.
 void SceneLink::guess(double dt, bool impulses, cd::Threads* threads)
 {
 	assert(isSelection(world.awake, world.pairs.size()));

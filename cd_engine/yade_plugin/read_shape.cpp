@@ -1,4 +1,4 @@
-// The class, the size and the orientation of a body's shape; what the engine does not know is refused.
+// Reads the class, the size and the orientation of a body's shape. Refuses what the engine does not know.
 #include "scene_link.hpp"
 
 #include <cmath>
@@ -6,7 +6,7 @@
 namespace cd_engine {
 namespace {
 
-	// A clump is a body itself and comes behind its members, which need not be looked at for that.
+	// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
 	[[noreturn]] void refuseShape(int id, const std::string& name)
 	{
 		if (name == "Clump")
@@ -16,8 +16,8 @@ namespace {
 
 } // namespace
 
-// Which of cd::ShapeKind a shape is, -1: none of them. Its class is told by its vtable, whose name is asked for once: the address of a shape tells
-// nothing, since another one may come to lie where the last one was.
+// Which of cd::ShapeKind a shape is, -1: none of them. The vtable identifies the class; the name of the class is asked for only once. The address of
+// a shape identifies nothing, because a new shape may get the address of an old one.
 int SceneLink::kindOf(const void* shape)
 {
 	static const char* const names[] = { "Sphere", "Box", "Wall" };
@@ -34,7 +34,7 @@ int SceneLink::kindOf(const void* shape)
 	return -1;
 }
 
-// Class, size and orientation of the shape, any of which may change at any time.
+// Reads class, size and orientation of the shape, any of which may change at any time.
 void SceneLink::readShape(int id, cd::Body& body)
 {
 	KnownBody& known = bodies[id];
@@ -90,7 +90,7 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 	orient(id);
 }
 
-// The orientation of a box in the plane.
+// Computes the orientation of a box in the plane.
 void SceneLink::orient(int id)
 {
 	const double* const q = bodies[id].orientation;
@@ -99,7 +99,7 @@ void SceneLink::orient(int id)
 	world.shapes[id].sine = 2 * q[2] * q[3] / norm;
 }
 
-// A wall is as wide as the plane: it has no point to turn about.
+// A wall is as wide as the plane, so it has no point to turn about.
 void SceneLink::readWall(int id, cd::Shape& shape)
 {
 	KnownBody& known = bodies[id];

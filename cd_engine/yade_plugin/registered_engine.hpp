@@ -1,4 +1,4 @@
-// What a C++ class needs to be an engine of YADE's like its own: a base that makes all of it from one list of attributes.
+// What makes a C++ class an engine like YADE's own: a base class that derives everything from one list of attributes.
 #pragma once
 
 #include "abi.hpp"
@@ -18,8 +18,8 @@ namespace cd_engine {
 
 using yade::Vector3r;
 
-// What an attribute is to a user: a setting, a result, or what an engine remembers from step to step. The last is saved like the others, but neither
-// shown by help() and the inspector nor in .dict(); Python reads it with an underscore before its name.
+// What an attribute is to a user: a setting, a result, or what an engine remembers from step to step. The last kind (internal) is saved like the
+// others, but help(), the inspector and .dict() do not show it. Python reads it with an underscore before its name.
 enum class Access { set, read, internal };
 
 struct Range {
@@ -30,12 +30,12 @@ struct Range {
 // An engine E : RegisteredEngine<E> has
 //   name            of the class in YADE
 //   documentation   of the class
-//   attributes(v)   calls v(name, member, Access, Range, documentation) for every attribute, in the order a user reads them: the one
-//                   list from which keyword arguments, .dict(), saving, properties and documentation are made
+//   attributes(v)   calls v(name, member, Access, Range, documentation) for every attribute, in the order in which a user reads them. Keyword
+//                   arguments, .dict(), saving, properties and documentation are all made from this list
 //   checkText(attribute, value)   only if it has attributes of type string that can be set
-//   checkLoaded()   only if there is something to refuse: throws SceneError where a file has left in the attributes what cannot be
+//   checkLoaded()   only if there is something to refuse: throws SceneError if a file has left invalid values in the attributes
 //   methods(c)      only if it has functions for Python: defines them on its class c
-// and a line in module.cpp. The members are defined in python_registration.hpp.
+// and a line in module.cpp. python_registration.hpp defines the members.
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
     public:
 	std::string getClassName() const override { return E::name; }
@@ -53,7 +53,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		if (version == 0)
 			throw SceneError(std::string(E::name)
 			    + ": the scene was saved by a version of this engine that did not yet name its attributes. Build it anew.");
-		// Of E itself: Boost.Serialization learns here how E and its registered base are cast into one another.
+		// Of E itself: Boost.Serialization learns here how to cast between E and its registered base.
 		E& self = static_cast<E&>(*this);
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self));
@@ -65,8 +65,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			self.checkLoaded();
 	}
 
-	// Python reads attributes while a run goes on in the background: whoever reads or writes one holds this. Nobody who holds it asks for
-	// Python's own lock, which a reader has.
+	// Python may read attributes while a run continues in the background, so every read or write of one holds this lock. A thread that holds it
+	// must not ask for Python's own lock, which a reader already has.
 	mutable std::mutex attributesLock;
 	template <class T> T read(T E::*member) const
 	{
@@ -75,7 +75,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	}
 
     private:
-	// A scene holds its values one after the other; read into other attributes they would be nonsense, or ask for endless memory.
+	// A scene holds the values one after the other. Read into other attributes, they would be nonsense or ask for endless memory.
 	template <class Archive> static void checkAttributes(Archive& archive)
 	{
 		std::string names;

@@ -7,7 +7,7 @@ namespace cd_engine {
 
 bool readMemory(const void* from, void* to, std::size_t bytes)
 {
-	// The kernel copies through a pipe and says EFAULT where a plain read would end the process.
+	// The kernel copies through a pipe. For an invalid address it returns EFAULT, where a plain read would end the process.
 	int ends[2];
 	if (pipe(ends) != 0)
 		return false;

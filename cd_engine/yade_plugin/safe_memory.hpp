@@ -1,4 +1,4 @@
-// Reading memory of this process that may not be there: false instead of a crash.
+// Reads memory of this process that may not exist: returns false instead of crashing.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The one kind of exception by which an engine refuses a scene; it ends the run and reaches the user.
+// The only exception by which an engine refuses a scene. It ends the run and reaches the user.
 #pragma once
 
 #include <sstream>
@@ -7,7 +7,7 @@
 
 namespace cd_engine {
 
-// What a scene asks that the engine cannot do, or a quantity that is no number; the text names the body and the remedy.
+// The scene asks for something that the engine cannot do, or a quantity is not a number. The text names the body and the remedy.
 class SceneError : public std::runtime_error {
 	using std::runtime_error::runtime_error;
 };

@@ -1,4 +1,4 @@
-// Between YADE's scene graph and the core's world: reads bodies, forces and near pairs, writes motion and contact forces back.
+// Connects YADE's scene graph with the core's world: reads bodies, forces and near pairs, and writes motion and contact forces back.
 #pragma once
 
 #include "../core/pair_order.hpp"
@@ -41,38 +41,38 @@ struct ReferenceOverlaps {
 	void dropZeros() const;
 };
 
-// What the engine keeps of the pairs from step to step, saved with it.
+// What the engine keeps about the pairs from step to step, and saves.
 struct Memory {
 	ReferenceOverlaps overlaps;
 	cd::SpaceOrder order;
-	std::mutex& lock; // held while they change, since others may read them
+	std::mutex& lock; // held while they change, since other threads may read them
 };
 
 class SceneLink {
     public:
-	cd::World world; // bodies: at their ids (erased ids stand as immobile bodies without pairs)
+	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
-	// Reads the scene, unless it is behind what is known here. `impulses`: whether contact forces present become the first guess (times dt).
-	// `look`: whether to look at this step if the order of the bodies still serves. `margin`: the searchMargin. `outran`: StepReport::outran of a
-	// step that is made again; else empty.
+	// Reads the scene, unless the scene is out of date. `impulses`: whether the present contact forces, times dt, become the first guess. `look`:
+	// whether this step checks that the order of the bodies is still good. `margin`: the searchMargin. `outran`: StepReport::outran if a step is
+	// repeated, else empty.
 	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, double margin, cd::TimeStep&,
 	    const std::vector<double>& outran);
-	// The same without a trace in the scene, and with only the lasting external forces. For a link of its own.
+	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
-	// Takes in what a step of dt has left. The scene is behind from then on, until it is published.
+	// Stores the result of a step of dt. From then on the scene is out of date, until it is published.
 	void hold(cd::TimeStep&, double dt, long iteration);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
 	void publish(yade::Scene*, const cd::TimeStep&);
-	// The same without O.forces, if the scene is behind: what a step has to leave that is given up.
+	// The same without O.forces, if the scene is out of date. For a step that is given up.
 	void catchUp(yade::Scene*);
 	// Tells how fast bodies are and which is lost.
 	const cd::PairSearch& pairSearch() const { return search; }
-	// Whether steps have been made that are not published.
+	// Whether the scene is out of date: steps have been made that are not published.
 	bool ahead() const { return behind; }
-	// Whether all that these hold are numbers; what is not is refused when the next step reads it.
+	// Whether all positions and velocities after the last step are finite. If not, the next step refuses them when it reads them.
 	bool finite() const { return numbers; }
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
@@ -81,23 +81,23 @@ class SceneLink {
 	// The two bodies that overlapped most in a step, beyond their reference overlaps.
 	std::array<int, 2> deepest(const cd::TimeStep&) const;
 
-	// A warning that comes once.
+	// Prints a warning once.
 	void tell(const std::string& what, const std::string& remedy);
 
     private:
-	// A body of this step. Its addresses hold for the step only; the next one, before it looks, does no more than ask for their memory ahead.
+	// A body of this step. Its addresses are valid in this step only. Before the next step reads them again, it only prefetches from them.
 	struct KnownBody {
 		boost::weak_ptr<yade::Body> identity;
 		void *body = nullptr, *shape = nullptr;
 		char* state = nullptr;
 		double orientation[4] = { 0, 0, 0, 1 }; // quaternion x, y, z, w
 		bool exists = false;
-		bool inPlane = false; // takes part in contacts
+		bool inPlane = false; // in the plane of the disks: takes part in contacts
 		bool boundary = false;
-		int placed = 0; // steps in a row before which somebody has set its position
+		int placed = 0; // number of steps in a row before which somebody has set its position
 		double frictionAngle = 0, friction = 0; // [rad] and its tangent
 	};
-	// What every pair asks of its bodies, together in little memory.
+	// What every pair needs to know of its bodies, together in little memory.
 	struct Surface {
 		double friction; // coefficient
 		double radius; // of a disk [m]; 0: a boundary
@@ -108,12 +108,12 @@ class SceneLink {
 		boost::shared_ptr<yade::IPhys> phys;
 	};
 	struct Forces {
-		void *geom, *phys; // null: none, or not of a class that can hold a contact's force
+		void *geom, *phys; // null: none, or of a class that cannot hold a contact's force
 		bool any; // whether there is any object at all
 	};
-	// A contact's force as YADE keeps it, in components along x and y. All that a warm start needs.
+	// A contact's force as YADE keeps it, in components along x and y. A warm start needs nothing else.
 	struct Held {
-		bool any = false; // else it carries nothing, and what follows means nothing
+		bool any = false; // false: the contact carries nothing, and the other members have no meaning
 		double nx, ny, fn[2], ft[2]; // normal; normal and tangential force [N]
 		cd::Touch touch; // with the step's own normal
 		long since = -1; // iteration in which it became loaded
@@ -171,28 +171,28 @@ class SceneLink {
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
 
-	std::array<const void*, 3> vtables {}; // of the classes of shapes, once met
-	const void* frictMat = nullptr; // vtable of this class, once met
+	std::array<const void*, 3> vtables {}; // of the classes of shapes that have been met
+	const void* frictMat = nullptr; // vtable of this class, if it has been met
 	std::vector<KnownBody> bodies;
 	std::vector<Surface> surfaces; // of the bodies
-	std::vector<int> gone; // ids whose body of the last step is no more, or is another one now
+	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearch search;
 	cd::PairOrder order;
-	std::vector<cd::NearPair> pairs, before; // those of world.pairs; scratch
+	std::vector<cd::NearPair> pairs, before; // pairs: those of world.pairs; before: scratch
 	std::vector<int32_t> left; // scratch
-	std::vector<yade::Interaction*> interactions; // of world.pairs; null: none, since the pair has carried nothing
-	std::vector<yade::Interaction*> parted; // of pairs that are no more, until the scene is published
+	std::vector<yade::Interaction*> interactions; // of world.pairs; null: the pair has carried nothing yet
+	std::vector<yade::Interaction*> parted; // of pairs that no longer exist, until the scene is published
 	bool inspecting = false; // the scene is only looked at
-	std::set<std::string> told; // what has been warned of
+	std::set<std::string> told; // warnings that have been printed
 	bool placesBoundaries = false;
-	std::vector<Forces> forces; // of world.pairs, as they were when they were read or published last
+	std::vector<Forces> forces; // of world.pairs, as last read or published
 	std::vector<Held> held; // of world.pairs
-	bool behind = false; // the scene
-	bool numbers = true; // whether the motion after the last step is made of these
+	bool behind = false; // whether the scene is out of date
+	bool numbers = true; // whether the motion after the last step is finite
 	double heldStep = 0; // length of the last step held [s]
-	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new ones costs more than all else
-	std::vector<Spare> pool; // of pairs that are no more, for others
+	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new objects costs more than all else
+	std::vector<Spare> pool; // of pairs that no longer exist, for reuse
 	struct {
 		std::vector<yade::Interaction*> interactions;
 		std::vector<Forces> forces;
@@ -200,9 +200,9 @@ class SceneLink {
 		std::vector<Spare> spare;
 	} scratch;
 	Vector3r gravity = Vector3r::Zero();
-	double layer = 0; // z of the disks
-	int layerId = -1; // the disk it was taken from
-	bool outdated = true; // the pairs have to be listed anew though the scene's list may be the same
+	double layer = 0; // z of the disks [m]
+	int layerId = -1; // the disk from which z was taken
+	bool outdated = true; // whether the pairs must be listed anew even if the scene's list is the same
 };
 
 } // namespace cd_engine

@@ -7,7 +7,7 @@
 namespace cd_engine {
 namespace {
 
-	constexpr std::size_t early = 10; // contacts or bodies whose memory is asked for before it is written
+	constexpr std::size_t early = 10; // number of contacts or bodies ahead whose memory is prefetched
 
 	template <class T> boost::shared_ptr<T> create(const char* name)
 	{
@@ -19,8 +19,8 @@ namespace {
 
 } // namespace
 
-// Keeps the objects of pairs that are forgotten, so that contacts that come and go do not ask for memory. Not those that somebody else holds or
-// that springs have made: stiffnesses stay with their pair.
+// Keeps the objects of forgotten pairs, so that contacts that come and go allocate no memory. Objects that somebody else holds, or that springs have
+// made, are not kept, because stiffnesses stay with their pair.
 void SceneLink::recycle(std::vector<Spare>& of)
 {
 	for (Spare& s : of)
@@ -44,7 +44,7 @@ SceneLink::Spare SceneLink::takeSpare()
 	return taken;
 }
 
-// Gives a pair that carries something for the first time its interaction.
+// Gives an interaction to a pair that carries something for the first time.
 void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
 {
 	const int a = pairs[index].a, b = pairs[index].b;
@@ -54,15 +54,15 @@ void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
 	turn(index);
 }
 
-// Empties and erases the interactions of pairs that are no more. Those that the collider would keep, by the bounds that it knows, stay in the list:
-// it notices only what changes.
+// Empties and erases the interactions of pairs that no longer exist. Those that the collider would keep, by the bounds that it knows, stay in the
+// list, because the collider notices only changes.
 void SceneLink::eraseParted(yade::Scene* scene)
 {
 	auto& container = *at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions);
 	auto& all = *at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies);
 	const auto& list = at<std::vector<boost::shared_ptr<yade::Interaction>>>(&container, layout.interactions_linear);
 	std::sort(parted.begin(), parted.end());
-	for (std::size_t i = parted.empty() ? 0 : list.size(); i-- > 0;) { // the last one takes the place of one that is erased
+	for (std::size_t i = parted.empty() ? 0 : list.size(); i-- > 0;) { // backwards: the last one takes the place of an erased one
 		yade::Interaction* const interaction = list[i].get();
 		if (!std::binary_search(parted.begin(), parted.end(), interaction))
 			continue;
@@ -86,7 +86,7 @@ void SceneLink::eraseParted(yade::Scene* scene)
 	parted.clear();
 }
 
-// Gives the interaction objects to hold its force: those it had when it was last loaded, or others, of which every member is set anew.
+// Gives an interaction the objects that hold its force: those from when it was last loaded, or others, in which every member is set anew.
 void SceneLink::makeReal(std::size_t index)
 {
 	auto& geom = at<boost::shared_ptr<yade::IGeom>>(interactions[index], layout.interaction_geom);
@@ -101,7 +101,7 @@ void SceneLink::makeReal(std::size_t index)
 	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : surfaces[pair.a].radius;
 	at<double>(geom.get(), layout.geom_refR2) = radiusB;
 	at<Vector3r>(geom.get(), layout.geom_shearInc) = Vector3r::Zero();
-	at<Vector3r>(geom.get(), layout.geom_normal) = Vector3r::Zero(); // YADE leaves it as the memory was; no contact has it
+	at<Vector3r>(geom.get(), layout.geom_normal) = Vector3r::Zero(); // YADE does not initialise it; no contact has a zero normal
 }
 
 void SceneLink::makeUnreal(std::size_t index)
@@ -132,7 +132,7 @@ void SceneLink::writeContact(std::size_t index)
 	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(h.ft[0], h.ft[1], 0);
 }
 
-// The lines of memory that writeContact writes.
+// Prefetches the memory lines that writeContact writes.
 void SceneLink::prefetchContact(const Forces& f) const
 {
 	if (!f.geom)
@@ -157,7 +157,7 @@ void SceneLink::writeMotion(std::size_t id)
 	std::copy_n(bodies[id].orientation, 4, &at<double>(state, layout.state_orientation));
 }
 
-// The turn of a step about z, applied from the left. Quasi-static turns are tiny, where two terms of the series are exact to round-off.
+// Applies the rotation of a step about z from the left. For the tiny rotations of quasi-static motion the first terms of the series are exact.
 void SceneLink::turnBodies(cd::Threads* threads)
 {
 	cd::forRanges(threads, bodies.size(), [&](std::size_t from, std::size_t to) {
@@ -170,7 +170,7 @@ void SceneLink::turnBodies(cd::Threads* threads)
 			const double s = tiny ? half * (1 - square / 6) : std::sin(half),
 				     c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
 			const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
-			// Renormalised, since round-off would grow over 1e6 steps.
+			// Renormalised, because round-off would grow over 1e6 steps.
 			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
 			q[0] = x * inverse;
 			q[1] = y * inverse;
@@ -182,14 +182,14 @@ void SceneLink::turnBodies(cd::Threads* threads)
 	});
 }
 
-// Forces that say already what they are to say stay as they are, since taken up again they would differ in the last digit. Where one changes, its
+// Forces that already have the right value are not written, because they would differ in the last digit when read again. If a force changes, its
 // island does not sleep.
 void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 {
 	const std::vector<int32_t>& solved = step.pairs();
 	assert(held.size() == world.pairs.size());
 	const double rate = 1 / dt;
-	cd::Threads* const threads = step.sleepers.none() ? &step.threads : nullptr; // one alone tells of what it wakes
+	cd::Threads* const threads = step.sleepers.none() ? &step.threads : nullptr; // only one thread may report what it wakes
 	cd::forRanges(threads, solved.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t i = from; i < to; i++) {
 			const cd::Pair& pair = world.pairs[solved[i]];
@@ -270,7 +270,7 @@ void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step)
 		container.addForce(static_cast<int>(id), Vector3r(p[0] * rate + weight * gravity[0], p[1] * rate + weight * gravity[1], 0));
 		container.addTorque(static_cast<int>(id), Vector3r(0, 0, p[2] * rate));
 	}
-	// ForceResetter clears the sums only; what threads have added since the last sync would return in the next step.
+	// ForceResetter clears only the sums. What threads have added since the last sync would return in the next step.
 	container.sync();
 }
 
