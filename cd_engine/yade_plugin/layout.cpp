@@ -130,8 +130,8 @@ namespace {
 	// The plug-in takes a pointer to an object for one to its Factorable and back: that base must come first.
 	void surveyBases(Survey& s)
 	{
-		for (const char* const name : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictViscoPhys", "FrictMat", "Sphere", "Box", "Wall",
-			 "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
+		for (const char* const name : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictViscoPhys", "FrictMat", "Sphere", "Box",
+			 "Wall", "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
 			const Shared<yade::Factorable> object = make(name);
 			const long offset = reinterpret_cast<char*>(object.get()) - static_cast<char*>(dynamic_cast<void*>(object.get()));
 			const long expected = s.declared(std::string(name) + ".Factorable", 0);

@@ -74,7 +74,8 @@ template <class Visitor> void PathIndependentShear::attributes(Visitor&& visit)
 	visit("contacts", &C::contacts, Access::read, any, "Contacts between two disks that the last step has dealt with [1].");
 	visit(
 	    "slidingContacts", &C::slidingContacts, Access::read, any, "Of these, the ones that slipped at the Coulomb limit in the last step [1].");
-	visit("frictionDissipation", &C::frictionDissipation, Access::set, any, "Energy dissipated by the slips of these contacts since the start [J].");
+	visit("frictionDissipation", &C::frictionDissipation, Access::set, any,
+	    "Energy dissipated by the slips of these contacts since the start [J].");
 	visit("pairIds", &C::pairIds, Access::internal, any, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
 	visit(
 	    "pairNormals", &C::pairNormals, Access::internal, any, "Their normals in the last step, from the first body to the second: x and y [1].");
