@@ -5,10 +5,7 @@ Equations are HTML; numbers in brackets are those of the paper's equations.
 
 from dataclasses import dataclass
 
-from analysis import cycles
 from yade_scripts.results import schema
-
-_MIN, _MAX = cycles.FEWEST_FOR_DECAY, cycles.RULE.practical
 
 
 @dataclass(frozen=True)
@@ -36,25 +33,20 @@ DEFINITIONS = (
                "At the end of cycle n, where the load is back at P<sub>0</sub>. The remanent strain of one cycle is γ<sub>1</sub> − γ<sub>0</sub>.",
                "analysis/cycles.py, observables.permanent_strain"),
     Definition("Strain rate per cycle", "Δγ<sub>n</sub> = γ<sub>n</sub> − γ<sub>n−1</sub>", "Curves show means over windows of cycles.", "analysis/cycles.py"),
-    Definition("Sliding contact", f"|T| ≥ μR(1 − {schema.SLIDING_MARGIN:g}), R &gt; 0, μ &gt; 0",
-               "At the Coulomb limit (section 2.2); the margin is above rounding. Walls without friction never count.", "yade_scripts/results/schema.py, is_sliding"),
+    Definition("Contact at Coulomb's limit", f"|T| ≥ μR(1 − {schema.SLIDING_MARGIN:g}), R &gt; 0, μ &gt; 0",
+               "Section 2.2; the margin is above rounding. Such a contact need not slip. Walls without friction never count.", "yade_scripts/results/schema.py, is_sliding"),
     Definition("Bound on sliding contacts", "2M − 3N − 2",
                "Unknown forces less equations: M contacts (one unknown where there is no friction), N disks without rattlers, two free walls "
                "(McNamara and Herrmann 2004). At more, the sample moves.", "yade_scripts/theory/statics.py, degrees_of_freedom"),
     Definition("Coordination number", "Z = (2M<sub>disks</sub> + M<sub>walls</sub>)/N", "Loaded contacts on disks that are no rattlers. Curves through "
                "the cycles show 2M/N with all disks and contacts instead.", "observables.coordination"),
-    Definition("Dissipated energy", "D = W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> in MD; Σ over contacts and steps in CD",
-               "W: work of the walls. In units of P<sub>0</sub>V<sub>0</sub>, V<sub>0</sub> the sample's volume at the start.", "yade_scripts/running/recorder.py"),
-    Definition("Error of the energy balance", "(W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> − D')/max|W|",
-               "D' is summed where it happens: in CD the engine's dissipation, in MD the law functor's over all slips. Left as error in MD are "
-               "the dashpots' work, which is positive, and the error of the time step, of either sign, which adds up from cycle to cycle. YADE's sum "
-               "does not exist for the path-independent law.", "observables.balance_error"),
+    Definition("Dissipated energy", "D = Σ over contacts and steps",
+               "By friction, dashpots (MD) and impacts (CD). In units of P<sub>0</sub>V<sub>0</sub>, V<sub>0</sub> the sample's volume at the start.", "yade_scripts/running/recorder.py"),
+    Definition("Error of the energy balance", "(W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> − D)/max|W|",
+               "W: work of the walls. D is summed where it happens, contact by contact and step by step: by the engine in CD, friction and dashpots in MD.", "observables.balance_error"),
     Definition("Critical load", "σ<sub>2</sub>/P<sub>0</sub> at which |γ| passes a threshold", "Always given with the threshold.",
                "observables.critical_load"),
-    Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",
-               f"Collapse: the sample gave way, or would within as many cycles again. Shakedown: the late change is noise or turns back, or p &gt; 1, "
-               f"or {_MAX:g} cycles at the late rate would add neither the strain so far nor P<sub>0</sub>/k<sub>n</sub>. Ratcheting: the rest. "
-               f"Too short to tell: what would need the decay p in under {_MIN} cycles. Other verdicts: those with one limit moved (1000 to 300 or 3000 "
-               "cycles, P<sub>0</sub>/k<sub>n</sub> by 0.3 or 3, p to 0.7 or 1.3, significance 3 to 2 or 5).",
-               "cycles.regime"),
+    Definition("Slip", "s = Δu<sub>t</sub> − Δδ<sub>t</sub>", "What the surfaces of two disks move past each other from snapshot to snapshot, less what "
+               "the springs stretch. Added up over a cycle, times μR, it is the work of friction.", "analysis/slip.py"),
+    Definition("Late rate", "(γ<sub>n</sub> − γ<sub>n/2</sub>)/(n/2)", "Mean change of γ a cycle over the last half of the cycles.", "cycles.late_rate"),
 )

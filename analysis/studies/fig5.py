@@ -4,8 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from analysis import observables, style
-from analysis import summary
+from analysis import limits, observables, style, summary
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
@@ -13,12 +12,14 @@ TITLE = "Fig. 5: the ramp, up to collapse"
 QUESTION = ("Under sigma2 = P0 (1 + alpha t), does MD drift and break down while CD rests up to a critical load and then gives way smoothly? "
             "At which load, how much does it differ between packings, and do the sliding contacts reach the bound 2M - 3N when it breaks?")
 ORDER = 3  # in the report
-# Up to 2.5 P0 or collapse. CD's walls are light, so that their inertia does not pass for a collapse.
-RAMP = dict(loading="ramp", period=1.0, records_per_cycle=50)
-METHODS = (dict(method="MD", md_dt_factor=0.3), dict(method="CD", cd_dt=2e-3, tolerance=1e-7, wall_mass_ratio=1.0))
+# Up to 2.5 P0 or collapse; with the mean stress held, where sigma1 falls as sigma2 rises, to 1.9 P0. Both methods have the same walls, pushed by
+# forces and light, so that their inertia does not pass for a collapse.
+RAMP = dict(loading="ramp", period=1.0, records_per_cycle=50, wall_mass_ratio=1.0)
+METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force"), dict(method="CD", cd_dt=2e-3, tolerance=1e-7))
 ROWS = {"quick": [row for method in METHODS for row in product(ramp_rate=0.5, cycles=3, **RAMP, **method)],
         "full": [row for method in METHODS for row in product(ramp_rate=0.1, cycles=15, preparation_friction=(0.0, 0.1), seed=range(1, 6), **RAMP, **method)
-                 + product(ramp_rate=0.2, cycles=8, **RAMP, **method)]}
+                 + product(ramp_rate=0.1, cycles=9, stress_path="mean", preparation_friction=(0.0, 0.1), seed=range(1, 6), **RAMP, **method)
+                 + product(ramp_rate=0.2, cycles=8, seed=range(1, 6), **RAMP, **method)]}
 # |gamma| that defines a critical load. Elastic strain of MD reaches 1e-3 below yield, so only the largest compares the methods.
 THRESHOLDS = (1e-4, 1e-3, 1e-2)
 
@@ -30,7 +31,7 @@ def summarize(runs):
 
 def _order(run):
     row = run.parameters
-    return row["preparation_friction"], row["ramp_rate"], run.method != "MD", row["seed"]
+    return row["stress_path"], row["preparation_friction"], row["ramp_rate"], run.method != "MD", row["seed"]
 
 
 def _row(run):
@@ -41,8 +42,8 @@ def _row(run):
     until = yielded[0] if len(yielded) else len(gamma) - 1
     contacts, disks, bound = statics.degrees_of_freedom(first, first["force_normal"] > 0)
     return {
-        "method": run.method, "preparation friction": run.parameters["preparation_friction"], "ramp rate": run.parameters["ramp_rate"],
-        "seed": run.parameters["seed"],
+        "method": run.method, "stress path": run.parameters["stress_path"], "preparation friction": run.parameters["preparation_friction"], "ramp rate": run.parameters["ramp_rate"],
+        "seed": run.parameters["seed"], "static limit": limits.static_limit(run),
         **{f"load at |gamma| = {threshold:g}": observables.critical_load(run, threshold) for threshold in THRESHOLDS},
         "largest load": float(load.max()), "gamma at the end": float(gamma[-1]),
         "largest jump of gamma before yield": float(np.abs(np.diff(gamma[:until + 1])).max()) if until else 0.0,
@@ -73,20 +74,22 @@ def _at(run, values, threshold):
 
 
 def draw(runs, rows, path):
-    """Draw a column for each preparation: gamma over the load with CD enlarged in the inset, and the critical loads."""
+    """Draw a row of panels for each preparation: gamma over the load, a panel a stress path with CD enlarged in the inset, and the critical loads."""
     groups = summary.groups(runs, lambda run: run.parameters["preparation_friction"])
-    fig, axes = plt.subplots(2, len(groups), figsize=(1 + 3.7 * len(groups), 6.8), squeeze=False)
-    for column, (friction, own) in enumerate(groups.items()):
-        _strain(axes[0, column], own)
-        _loads(axes[1, column], [row for row in rows if row["preparation friction"] == friction])
-        axes[0, column].set_title(f"prepared with $\\mu$ = {friction:g}")
+    paths = sorted({run.parameters["stress_path"] for run in runs})
+    fig, axes = plt.subplots(len(groups), len(paths) + 1, figsize=(1 + 3.6 * (len(paths) + 1), 0.6 + 3.3 * len(groups)), squeeze=False)
+    for line, (friction, own) in zip(axes, groups.items()):
+        for axis, stress_path in zip(line, paths):
+            _strain(axis, [run for run in own if run.parameters["stress_path"] == stress_path])
+            axis.set_title({"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
+        _loads(line[-1], [row for row in rows if row["preparation friction"] == friction])
     handles = [Line2D([], [], color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
     if len({run.parameters["ramp_rate"] for run in runs}) > 1:
         handles.append(Line2D([], [], color="#444444", linestyle=":", label="twice as fast"))
     if any(run.collapsed for run in runs):
         handles.append(Line2D([], [], color="#444444", marker="x", linestyle="none", label="collapsed"))
-    axes[1, -1].legend(handles=handles, loc="lower right")
-    style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Below: grey lines join MD and CD on one packing.", runs)
+    axes[0, -1].legend(handles=handles, loc="lower right", fontsize=7)
+    style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; open: the mean stress held.", runs)
 
 
 def _line(run, slowest):
@@ -94,7 +97,7 @@ def _line(run, slowest):
 
 
 def _strain(axis, runs):
-    slowest = min(run.parameters["ramp_rate"] for run in runs)
+    slowest = min((run.parameters["ramp_rate"] for run in runs), default=0)
     inset = axis.inset_axes([0.14, 0.12, 0.4, 0.45])
     for run in runs:
         load, gamma = run.values("sigma2_goal") / run.pressure, run.values("gamma")
@@ -106,23 +109,26 @@ def _strain(axis, runs):
     yields = [load for load in (observables.critical_load(run, THRESHOLDS[0]) for run in runs if run.method == "CD") if np.isfinite(load)]
     if yields:
         inset.set(xlim=(1, max(yields) + 0.02), ylim=(-3 * THRESHOLDS[0], THRESHOLDS[0]))
-    inset.tick_params(labelsize=7)
-    inset.set_title("CD", fontsize=8, pad=2)
+    inset.tick_params(labelsize=6)
+    inset.set_title("CD", fontsize=7, pad=2)
     axis.set(xlabel=r"$\sigma_2/P_0 = 1 + \alpha t$", ylabel=r"$\gamma$   (< 0: shortens along axis 2)")
     axis.grid(color="#DDDDDD", linewidth=0.5)
 
 
 def _loads(axis, rows):
-    """Draw the critical loads by threshold: a point a packing, MD and CD of one packing joined by a line."""
+    """Draw the critical loads over the static limit by threshold: a point a packing, MD and CD of one packing joined by a line."""
+    slowest = min((row["ramp rate"] for row in rows), default=0)
     for place, threshold in enumerate(THRESHOLDS):
         name = f"load at |gamma| = {threshold:g}"
-        for seed, pair in summary.groups(rows, lambda row: (row["ramp rate"], row["seed"])).items():
-            points = [(place + (0.15 if row["method"] == "CD" else -0.15), row[name], row["method"]) for row in pair]
+        for (stress_path, _), pair in summary.groups((row for row in rows if row["ramp rate"] == slowest), lambda row: (row["stress path"], row["seed"])).items():
+            shift = place + (0.2 if stress_path == "mean" else -0.2)
+            points = [(shift + (0.08 if row["method"] == "CD" else -0.08), row[name] / row["static limit"], row["method"]) for row in pair]
             axis.plot(*zip(*[point[:2] for point in points]), color="#AAAAAA", linewidth=0.6, zorder=1)
             for x, y, method in points:
-                axis.plot(x, y, style.MARKER[method], color=style.COLOUR[method], markersize=5)
+                axis.plot(x, y, style.MARKER[method], color=style.COLOUR[method], markersize=4, mfc="none" if stress_path == "mean" else None)
+    axis.axhline(1, color="k", lw=0.7, ls=":")
     axis.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
-    axis.set(xlabel=r"$|\gamma|$ that defines the critical load", ylabel=r"critical $\sigma_2/P_0$", xlim=(-0.5, len(THRESHOLDS) - 0.5))
+    axis.set(xlabel=r"$|\gamma|$ that defines the critical load", ylabel="critical load over static limit", xlim=(-0.5, len(THRESHOLDS) - 0.5))
     axis.grid(color="#DDDDDD", linewidth=0.5, axis="y")
 
 
