@@ -150,6 +150,12 @@ def regime(run):
     return Regime(name, rate, decay, noise)
 
 
+def late_rate(found):
+    """Return the mean change of gamma a cycle over the last half of the cycles; NaN where there are fewer than two, or none (None)."""
+    count = len(found.number) if found else 0
+    return float(found.rates([(count // 2 + 1, count)])[0]) if count > 1 else np.nan
+
+
 def last_quarter(run):
     """Return the strain rate of the last quarter of the cycles over that of the quarter before; NaN where there is none. 1: a constant rate."""
     try:

@@ -36,19 +36,17 @@ DEFINITIONS = (
                "At the end of cycle n, where the load is back at P<sub>0</sub>. The remanent strain of one cycle is γ<sub>1</sub> − γ<sub>0</sub>.",
                "analysis/cycles.py, observables.permanent_strain"),
     Definition("Strain rate per cycle", "Δγ<sub>n</sub> = γ<sub>n</sub> − γ<sub>n−1</sub>", "Curves show means over windows of cycles.", "analysis/cycles.py"),
-    Definition("Sliding contact", f"|T| ≥ μR(1 − {schema.SLIDING_MARGIN:g}), R &gt; 0, μ &gt; 0",
-               "At the Coulomb limit (section 2.2); the margin is above rounding. Walls without friction never count.", "yade_scripts/results/schema.py, is_sliding"),
+    Definition("Contact at Coulomb's limit", f"|T| ≥ μR(1 − {schema.SLIDING_MARGIN:g}), R &gt; 0, μ &gt; 0",
+               "Section 2.2; the margin is above rounding. Such a contact need not slip. Walls without friction never count.", "yade_scripts/results/schema.py, is_sliding"),
     Definition("Bound on sliding contacts", "2M − 3N − 2",
                "Unknown forces less equations: M contacts (one unknown where there is no friction), N disks without rattlers, two free walls "
                "(McNamara and Herrmann 2004). At more, the sample moves.", "yade_scripts/theory/statics.py, degrees_of_freedom"),
     Definition("Coordination number", "Z = (2M<sub>disks</sub> + M<sub>walls</sub>)/N", "Loaded contacts on disks that are no rattlers. Curves through "
                "the cycles show 2M/N with all disks and contacts instead.", "observables.coordination"),
-    Definition("Dissipated energy", "D = W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> in MD; Σ over contacts and steps in CD",
-               "W: work of the walls. In units of P<sub>0</sub>V<sub>0</sub>, V<sub>0</sub> the sample's volume at the start.", "yade_scripts/running/recorder.py"),
-    Definition("Error of the energy balance", "(W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> − D')/max|W|",
-               "D' is summed where it happens: in CD the engine's dissipation, in MD the law functor's over all slips. Left as error in MD are "
-               "the dashpots' work, which is positive, and the error of the time step, of either sign, which adds up from cycle to cycle. YADE's sum "
-               "does not exist for the path-independent law.", "observables.balance_error"),
+    Definition("Dissipated energy", "D = Σ over contacts and steps",
+               "By friction, dashpots (MD) and impacts (CD). In units of P<sub>0</sub>V<sub>0</sub>, V<sub>0</sub> the sample's volume at the start.", "yade_scripts/running/recorder.py"),
+    Definition("Error of the energy balance", "(W − ΔE<sub>stored</sub> − ΔE<sub>kinetic</sub> − D)/max|W|",
+               "W: work of the walls. D is summed where it happens, contact by contact and step by step: by the engine in CD, friction and dashpots in MD.", "observables.balance_error"),
     Definition("Critical load", "σ<sub>2</sub>/P<sub>0</sub> at which |γ| passes a threshold", "Always given with the threshold.",
                "observables.critical_load"),
     Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",

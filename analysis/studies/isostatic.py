@@ -1,0 +1,92 @@
+"""Rigid grains whose contact forces have no freedom: do they strain as stiff springs do?"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis import limits, observables, style, summary
+from yade_scripts.tables import product
+from yade_scripts.theory import statics
+
+TITLE = "The isostatic control: rigid grains with one force network only"
+QUESTION = ("Rigid grains rest under a changed load because many force networks balance it. As P0/k_n goes to zero, a packing without friction loses "
+            "all networks but one. Do rigid grains then strain as far as springs of the same stiffness, and not so with friction?")
+ORDER = 8  # in the report
+LOADING = dict(loading="triangle", delta_sigma=0.02, period=1.0, wall_mass_ratio=1.0)
+METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, **LOADING))
+SEEDS = range(1, 6)
+ROWS = {"quick": [row for method in METHODS for row in product(stiffening=(1, 100), friction=0.0, **method)],
+        "full": [row for method in METHODS for mu in (0.0, 0.1) for row in product(stiffening=(1, 10, 100, 600), friction=mu, seed=SEEDS, **method)]}
+
+
+def summarize(runs):
+    """Return one row a packing: the freedom of its forces, its limit, and the strain of both methods.
+
+    freedom: dimension of the set of force networks that balance the walls, over the number of disks that carry.
+    """
+    pairs = summary.groups(runs, lambda run: (run.parameters["friction"], run.parameters["stiffening"], run.parameters["seed"]))
+    return [_row(key, {run.method: run for run in pair}) for key, pair in pairs.items()]
+
+
+def _row(key, pair):
+    one = pair.get("CD", next(iter(pair.values())))
+    first = one.snapshots[0]
+    loaded = first["force_normal"] > 0
+    contacts, disks, _ = statics.degrees_of_freedom(first, loaded)
+    row = {"friction": key[0], "P0/k_n": one.parameters["pressure_ratio"] / key[1], "seed": key[2], "contacts": contacts, "disks": disks,
+           "freedom": statics.dimension(first, loaded) / disks, "static limit": limits.static_limit(one)}
+    for method in METHODS:
+        run = pair.get(method["method"])
+        gamma = run.values("gamma") if run else np.array([np.nan])
+        row |= {f"largest |gamma|, {method['method']}": float(np.abs(gamma).max()), f"remaining |gamma|, {method['method']}": float(abs(gamma[-1])),
+                f"outcome, {method['method']}": run.outcome if run else ""}
+    return row | {"unsolved steps": observables.unconverged_steps(pair["CD"]) if "CD" in pair else ""}
+
+
+def draw(runs, rows, path):
+    """Draw against P0/k_n, packing by packing: the largest strain of both methods without friction and with it, and the freedom of the forces."""
+    fig, axes = plt.subplots(1, 3, figsize=(11, 3.9))
+    for axis, (friction, own) in zip(axes, summary.groups(rows, lambda row: row["friction"]).items()):
+        for method in ("MD", "CD"):
+            axis.plot([row["P0/k_n"] for row in own], [row[f"largest |gamma|, {method}"] for row in own], ls="", marker=style.MARKER[method], ms=4.5,
+                      mfc="none" if method == "CD" else None, color=style.COLOUR[method], label={"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[method])
+        axis.set(xscale="log", yscale="log", xlabel="$P_0/k_n$", title="without friction" if not friction else rf"with friction, $\mu$ = {friction:g}")
+    for axis in axes[1:-1]:
+        axis.sharey(axes[0])
+    axes[0].set_ylabel(r"largest $|\gamma|$ in the cycle")
+    axes[0].legend()
+    for friction, own in summary.groups(rows, lambda row: row["friction"]).items():
+        axes[-1].plot([row["P0/k_n"] for row in own], [row["freedom"] for row in own], ls="", marker="o" if friction else "D", ms=4.5,
+                      color="k", mfc="k" if friction else "none", label=rf"$\mu$ = {friction:g}")
+    axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="free directions of the contact forces a disk", ylim=(0, None))
+    axes[-1].legend()
+    style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; a point a packing.", runs)
+
+
+ANSWER = """
+Where the contact forces have no freedom, rigid grains strain as springs do. Without friction a packing loses its free force networks as P0/k_n falls:
+from 0.037 to 0.069 free directions a disk at 6e-4 to at most 0.0027, which is one for the whole packing, at 1e-6. Its static limit falls with them,
+from 1.06 to 1.14 P0 down to 1.01 to 1.04 P0. CD rests on 12 of 12 packings whose limit is above the load of 1.02 P0 (|gamma| of 7.9e-9 at most). On 8
+of 8 whose limit is below it CD strains, by 6.6e-6 to 5.1e-4, which is 0.92 times the strain of MD (median; 0.67 to 0.98), and MD's strain does not
+fall with its springs any more. With friction 0.81 to 0.98 free directions a disk are left at all pressures, the limit stays at 1.40 to 1.60 P0, CD
+rests on 20 of 20 packings (1.3e-9 at most), and MD's strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). So rigid grains rest because their
+contacts can carry the changed load as they stand; how large such a load may be is a matter of how much freedom friction leaves to the forces.
+"""
+GIVEN = ("1.02", "6e-4", "1e-6")
+POINTS = ()
+
+
+def numbers(table):
+    """Return the numbers of the text, from the summary table."""
+    smooth, rough = table[table.friction == 0], table[table.friction > 0]
+    soft, hard = (smooth[smooth["P0/k_n"] == end] for end in (smooth["P0/k_n"].max(), smooth["P0/k_n"].min()))
+    carried = smooth["static limit"] > 1 + LOADING["delta_sigma"]
+    rests, strains = smooth[carried], smooth[~carried]
+    cd, md = "largest |gamma|, CD", "largest |gamma|, MD"
+    ratio = strains[cd] / strains[md]
+    power = [np.polyfit(np.log(part["P0/k_n"]), np.log(part[md]), 1)[0] for _, part in rough.groupby("seed")]
+    return {"0.037": soft.freedom.min(), "0.069": soft.freedom.max(), "0.0027": hard.freedom.max(), "1.06": soft["static limit"].min(),
+            "1.14": soft["static limit"].max(), "1.01": [hard["static limit"].min(), max(power)], "1.04": hard["static limit"].max(),
+            "12": [len(rests), (rests[cd] < 1e-8).sum()], "7.9e-9": rests[cd].max(), "8": [len(strains), (strains[cd] > 1e-6).sum()], "6.6e-6": strains[cd].min(),
+            "5.1e-4": strains[cd].max(), "0.92": ratio.median(), "0.67": ratio.min(), "0.98": [ratio.max(), rough.freedom.max()], "0.81": rough.freedom.min(),
+            "1.40": rough["static limit"].min(), "1.60": rough["static limit"].max(), "20": len(rough), "1.3e-9": rough[cd].max(),
+            "0.99": np.median(power), "0.97": min(power)}
