@@ -12,8 +12,7 @@ SECONDS, PER_MEGABYTE = 2, 1  # s of processor time, which a busy machine does n
 
 
 def call(function, path):
-    """Return function(path), computed in a process of its own. Raise its ValueError here, and a ValueError if the process crashes or takes too
-    long."""
+    """Return function(path), computed in a process of its own. Raise its ValueError here, and one if the process crashes or takes too long."""
     allowed = SECONDS + PER_MEGABYTE * (os.path.getsize(path) >> 20)
     out, into = os.pipe()
     child = os.fork()

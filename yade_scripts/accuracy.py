@@ -68,8 +68,7 @@ def estimate(coarse, fine):
 
 
 def search(row, accuracy, run):
-    """Run levels by run(row) -> Level up to the first within `accuracy`. Return [(Level, estimated error)] from coarse to fine, or raise
-    AccuracyError."""
+    """Run levels by run(row) -> Level up to the first within `accuracy`. Return [(Level, estimated error)]; raise AccuracyError if none is."""
     found = []
     for level in range(LEVELS):
         found.append((fine := run(refined(row, accuracy, level)), estimate(found[-1][0] if found else None, fine)))

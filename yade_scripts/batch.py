@@ -54,8 +54,7 @@ def jobs_of(rows, folder):
 
 
 def work_off(jobs, at_once, ended=lambda path: None):
-    """Run the jobs that have not finished and return the paths of those that failed. Call ended(path) for every result file that will not change any
-    more."""
+    """Run the jobs that have not finished; return the paths of failed ones. Call ended(path) for each result file that will not change any more."""
     endings, now = {job: results.ending(job.path) for job in jobs}, provenance.git_commit()
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
     others = sorted({provenance.short(commit) for commit in finished.values() if commit != now or commit.endswith("-dirty")})

@@ -214,8 +214,7 @@ def _check_together(full):
 
 
 def from_text(name, text):
-    """Return the value of name=text from a command line or a table, converted to the type of the parameter; the text itself where it does not
-    convert."""
+    """Return the value of name=text of a command line or a table in the type of the parameter, or the text itself if it does not convert."""
     text = text.strip()
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
         return text[1:-1]
@@ -245,8 +244,7 @@ def from_arguments(arguments):
 
 
 def preparation(full):
-    """Return {name: value} of the parameters that shape the prepared packing and are not the registry's defaults. Scenes with equal values share a
-    packing."""
+    """Return {name: value} of the parameters of the prepared packing that are not defaults. Scenes with equal values share a packing."""
     return {name: full[name] for name, parameter in REGISTRY.items() if parameter.prepare and full[name] != parameter.default}
 
 
@@ -279,8 +277,7 @@ def pressure(full):
 
 
 def restitution(full):
-    """Return the coefficient of normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 -
-    beta^2))."""
+    """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2))."""
     if full["method"] == "CD":
         return full["restitution"]
     beta = full["beta_n"]

@@ -59,8 +59,7 @@ SLURM_SAYS = re.compile(r"(slurmstepd\S*:|\[[-\dT:.]+\]) error: ")
 
 
 def _packings_first(jobs):
-    """Sort the rows: one of each packing first, then a second one of each, and so on. Rows that start together then wait less for the same
-    packing."""
+    """Sort the rows: one of each packing first, then a second one of each, and so on, so that rows that start together share few packings."""
     seen, turn = collections.Counter(), {}
     for job in jobs:
         packing = parameters.digest(parameters.preparation(job.full))

@@ -32,8 +32,7 @@ class Measurements(queue.Job):
         self.failures, self.trouble = 0, ""
 
     def again(self):
-        """Tell whether to start the worker again: yes after a measurement ended it, which is then stored as failed; no if all is measured or if it
-        cannot begin."""
+        """Tell whether to start the worker again: only if a measurement ended it, which is then stored as failed, and it can begin at all."""
         code = self.process.returncode
         if code == 0:
             return False

@@ -68,8 +68,7 @@ class Walk:
         self.normal, self.tangential, self.converged = [], [], []
 
     def surround(self):
-        """Add to O.engines a runner that perturbs before the forces are reset, and one at the end of a step that reads the forces and restores the
-        motion."""
+        """Add to O.engines a runner that perturbs before forces are reset, and one at the end that reads the forces and restores the motion."""
         self.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
         engines = O.engines
         reset = next(k for k, engine in enumerate(engines) if type(engine).__name__ == "ForceResetter")
@@ -94,8 +93,7 @@ class Walk:
 
 
 def replace(seed, amplitude):
-    """Give the sample in O another network; its engines must be set for Contact Dynamics. They make one step and are removed. Raise NetworkError on
-    failure."""
+    """Give the sample in O, whose engines are set for CD, another network by one step; then no engines are set. NetworkError if it fails."""
     walk = Walk(seed, amplitude)
     walk.surround()
     hooks.simulate(1)

@@ -99,8 +99,7 @@ def _save(full, path):
 
 
 def _forget_speed(scene):
-    """Return a saved scene with its computing speed [steps/s] set to zero, for which YADE has no setter. The value is the first match of its
-    bytes."""
+    """Return a saved scene with zero computing speed [steps/s], for which YADE has no setter; the value is the first match of its bytes."""
     return scene.replace(struct.pack("<d", O.speed), bytes(8), 1)
 
 

@@ -27,8 +27,7 @@ def check(full):
 
 
 def build(full, folder):
-    """Load the packing (made if it is missing) under P0; the run is one step from zero forces, then records_per_cycle times cycles steps of a
-    walk."""
+    """Load the packing (made if missing) under P0; make one step from zero forces, then a walk of records_per_cycle times cycles steps."""
     from yade import O
 
     from yade_scripts import parameters

@@ -67,8 +67,7 @@ def build(full, folder):
     length = 5 * radius + radius * spinning * time**2
 
     def turning(x, share):
-        """Append a groove at x and its disk under `share` of the critical torque. Return a function for its mean angular acceleration since time
-        0."""
+        """Append a groove at x and its disk under `share` of the critical torque. Return a function for its mean angular acceleration."""
         for side in (-1, 1):
             bodies.append_box((x + side * 2 * radius * math.sin(t), -2 * radius * math.cos(t)), (length, radius), full, angle=side * t)
         sag = bodies.sag(mass * full["gravity"] / (2 * math.cos(t)), full) / math.cos(t)

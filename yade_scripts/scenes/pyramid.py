@@ -36,8 +36,7 @@ def build(full, folder):
     weight = mass * full["gravity"]
 
     def across(row):
-        """Return the force on `row` from the row below, (horizontal, vertical) over a disk's weight, and its moment about x = 0 over weight and
-        radius."""
+        """Return force (horizontal, vertical) and moment about x = 0 on `row` from the row below, over a disk's weight (and radius)."""
         horizontal = vertical = moment = 0.0
         for contact in O.interactions:
             if contact.isReal and {row_of[contact.id1], row_of[contact.id2]} == {row - 1, row}:

@@ -70,8 +70,7 @@ def degrees_of_freedom(snapshot, loaded):
 
 
 def dimension(snapshot, loaded):
-    """Return the dimension of degrees_of_freedom with the rank of the equations, which may be dependent. It is exact and takes a second for 400
-    disks."""
+    """Return the dimension of degrees_of_freedom by the rank of the equations, which may be dependent: exact, a second for 400 disks."""
     unknowns = np.flatnonzero(np.concatenate([loaded, loaded & (snapshot["contact_friction"] > 0)]))
     return len(unknowns) - int(np.linalg.matrix_rank(balance_matrix(snapshot)[:, unknowns].toarray()))
 

@@ -90,8 +90,7 @@ class Peer:
 
 
 def reached(points, target):
-    """Return (sweeps, seconds, e, e_max) at which a history first meets a target: at least one sweep, sweeps and seconds interpolated in log e. None
-    if it does not."""
+    """Return (sweeps, seconds, e, e_max) at which a history first meets a target, interpolated in log e, at least one sweep. None if it does not."""
     if points[0][2] <= target:
         return points[0]
     for before, after in zip(points, points[1:]):

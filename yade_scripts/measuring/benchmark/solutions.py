@@ -96,8 +96,7 @@ def _row(case, method, target, found):
 
 
 def oracle(case):
-    """Return the row of a case of at most 50 contacts: the error e of Siconos's pivoting solver, and how far its relative velocities are from
-    ours."""
+    """Return the row of a case of at most 50 contacts: the error e of Siconos's pivoting solver, and its relative velocities against ours."""
     ours = core.solve(case.problem, tolerance=1e-12, max_iterations=MOST_SWEEPS)
     p, claim = siconos.Peer(case.problem).lemke()
     e = core.residual(case.problem, p)

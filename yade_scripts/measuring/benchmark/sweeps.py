@@ -58,8 +58,7 @@ def of_a_sweep(solution, problem, sweeps, first):
 
 
 def setup(problem, other):
-    """Return the seconds of a solution of one sweep, set-up and error included: (with the contacts as before, with new contacts). `other`: other
-    contacts."""
+    """Return the seconds (contacts as before, new contacts) of a solution of one sweep with set-up and error; `other` has other contacts."""
     plain(problem, 1)
     same = plain(problem, 1)[0]
     plain(other, 1)

@@ -53,8 +53,7 @@ def probe(case):
 
 
 def throw(case, angle, aside, spin):
-    """Return the largest relative gain of kinetic energy, and the dissipated energy [J] that the engine reports. aside: speed along x; aside and spin
-    in units of SPEED."""
+    """Return the largest relative gain of kinetic energy, and dissipatedEnergy [J]; aside (velocity along x) and spin in units of SPEED."""
     from yade import O, Quaternion, utils
 
     from yade_scripts.measuring import rigid
