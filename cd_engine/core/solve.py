@@ -95,9 +95,8 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
 
     A problem that is not solved raises no exception: the report's `status` says so, and it holds the best impulses found. Input of a wrong kind or
     out of range raises ValueError. `no_solution`: the impulses grow for ever along a self-stress against which the free velocities work, as between
-    two
-    walls that close in on a body, or a solution would need impulses some 1e12 times larger than what would stop each closing contact alone. Without
-    friction that is a proof; with friction another motion may exist that the method has not found. `indefinite`: p^T W p is negative for some
+    two walls that close in on a body, or a solution would need impulses some 1e12 times larger than what would stop each closing contact alone.
+    Without friction that is a proof; with friction another motion may exist that the method has not found. `indefinite`: p^T W p is negative for some
     impulses, which no mechanics allows. A sweep reads about 7 n blocks of W for disks in a dense packing, for a `BodyProblem` only the n contacts.
     The arrays are copied once.
     """

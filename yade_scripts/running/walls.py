@@ -1,7 +1,7 @@
 """The box of the biaxial test: six walls around the sample, moved by a servo or pushed by forces (Hambly's principle, the paper's Fig. 2).
 
 Direction 1 is x, 2 is y (paper, section 2.1). Walls have thickness 0, so that a wall's position is its inner face. Stresses [Pa]
-are positive in compression: a wall force over the wall's area (side times depth).
+are positive in compression: a wall force over the wall's area (other side times depth).
 """
 from yade import O, utils
 from yade.wrapper import TriaxialStressController
@@ -62,9 +62,8 @@ def servo(goal, damping_ratio, mass, kn, max_velocity):
     """Return YADE's TriaxialStressController in 2D, which holds (sigma1, sigma2) = goal [Pa].
 
     Each step it moves a wall by the stress error over the wall's stiffness. Dashpots of ratio beta act as a further stiffness of 2 beta tau/dt
-    (tau = sqrt(m/k_n)), which it does not know; this raises its gain. Measured: at a gain of 2.1 the walls reverse for ever at their largest
-    velocity,
-    without visible strain; up to 1.4 they are stable. stressDamping limits the gain to 1 here.
+    (tau = sqrt(m/k_n)), which it does not know; this raises its gain. At a gain of 2.1 the walls reverse for ever at their largest velocity, without
+    visible strain; up to 1.4 they are stable (both measured). stressDamping limits the gain to 1 here.
     """
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
     length_x, length_y = sides()
