@@ -75,9 +75,9 @@ def test_scatter_about_rest_is_shakedown(tmp_path):
     noise = np.random.default_rng(1).normal(0, 1e-4, 65)
     noise[-1] += 2e-4
     regime = cycles.regime(run_of(tmp_path, np.diff(noise)))
-    # Two standard deviations up in the last reading: not small, but not above the noise.
+    # The last reading is two standard deviations up: not small, but within the noise.
     assert abs(regime.late_rate) * cycles.RULE.practical > 6e-4 and regime.name == cycles.SHAKEDOWN
-    # The difference of two readings scatters by sqrt(2) sigma; 32 of them tell it within a third.
+    # The difference of two readings scatters by sqrt(2) sigma; 32 of them determine it within a third.
     assert regime.noise == pytest.approx(np.sqrt(2) * 1e-4, rel=0.35)
 
 

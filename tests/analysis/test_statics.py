@@ -79,7 +79,7 @@ def test_force_range_of_a_determinate_sample_is_a_point():
 
 
 def test_sample_that_nothing_bounds_is_refused():
-    """One disk between rough walls: each pair of walls carries whatever it is given."""
+    """One disk between rough walls: each pair of walls carries any load on it, so no load is the largest."""
     snapshot = diagonal_pair(math.pi / 4, 0.3, 0.0)
     single = {"position": snapshot["position"][:1], "radius": np.full(1, RADIUS), "body_ids": np.array([6]),
               "contact_ids": np.array([[0, 6], [2, 6], [1, 6], [3, 6]]), "contact_normal": snapshot["contact_normal"][:4],

@@ -1,4 +1,4 @@
-"""Problems read and written: each kind of file, what other codes make of ours, and what becomes of damaged ones."""
+"""Problems are read and written: each kind of file, how other codes read ours, and what happens with damaged ones."""
 import ctypes
 
 import h5py

@@ -1,4 +1,4 @@
-"""Values in other units are doubted; what the project's own tables ask for is not."""
+"""Values in wrong units give a warning; the project's own tables give none."""
 import pytest
 
 from analysis import studies

@@ -1,4 +1,4 @@
-"""What a scene shows at one instant: the numbers of a history sample and the arrays of a snapshot."""
+"""The state of a scene at one instant: the numbers of a history sample and the arrays of a snapshot."""
 import math
 
 import numpy as np
@@ -23,7 +23,7 @@ class Contacts:
         return len(self._loaded)
 
     def stored_energy(self):
-        """Return the elastic energy [J] of the springs of eqs. 5 and 6; dashpots store none, hence the overlap and not the normal force."""
+        """Return the elastic energy [J] of the springs of eqs. 5 and 6, from the overlap: the normal force also contains the dashpot's."""
         stiffness = np.array([(i.phys.kn, i.phys.ks) for i in self._loaded]).reshape(-1, 2)
         return float(np.sum(stiffness[:, 0] * self.overlap**2 + self.tangential**2 / stiffness[:, 1]) / 2)
 

@@ -6,7 +6,7 @@ import math
 
 from yade_scripts import parameters
 
-# Name: (least, most, what one may have meant). Grains from dust to boulders, of solids and of foams; gravity from asteroids to centrifuges.
+# Name: (least, most, hint). The ranges cover grains from dust to boulders, solids and foams, and gravity from asteroids to centrifuges.
 USUAL = {
     "radius_mean": (1e-5, 5.0, "is it in mm? It is wanted in m"),
     "density": (50.0, 25000.0, "is it in g/cm^3? It is wanted in kg/m^3"),
@@ -15,12 +15,12 @@ USUAL = {
     "cd_dt": (1e-9, 0.1, "is it in ms? It is wanted in s"),
     "kn": (1e1, 1e12, "is it in MPa? It is wanted in N/m, the paper's 2 MPa at a depth of 1 m being 2e6"),
 }
-RADIANS = 1.6  # a slope below this, but not 0, may be in radians
-BLOW = 3.0  # a period below this many times in which P0 moves a grain by its size: inertia carries the load. The tables have 17 and more
+RADIANS = 1.6  # a slope below this value, but not 0, may be in radians
+BLOW = 3.0  # least period, in times in which P0 moves a grain by its size; below it inertia carries the load. The tables have 17 and more
 
 
 def doubts(full):
-    """Return what of a full row is probably not meant: sentences, each with name, value and remedy."""
+    """Return warnings about a full row: sentences, each with name, value and remedy."""
     found = []
     for name, (least, most, remedy) in USUAL.items():
         value = full[name]

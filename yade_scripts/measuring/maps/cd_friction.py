@@ -1,6 +1,6 @@
-"""CD: the tolerance against the distance from the angle of friction.
+"""Map of CD: tolerance against the distance of the slope from the angle of friction.
 
-The probe: five touching disks that cannot turn, on a slope that changes from half the angle of friction to just off it.
+The probe: five touching disks that cannot turn stand on a slope, whose tangent changes from mu/2 to just above or below mu.
 """
 import math
 
@@ -21,7 +21,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches of how near the angle of friction the answer is right, for each tolerance."""
+    """Return for each tolerance a search of the smallest distance from the angle of friction at which the answer is right."""
     return [Search(at, "distance", 0.3, 1e-9, 1.05 if full else 1.5)
             for at in product(side=SIDES, tolerance=logarithmic(1e-8, 1e-1, 8) if full else [1e-6, 1e-3])]
 
@@ -42,7 +42,7 @@ MAP = Map(
 
 
 def weight(tangent):
-    """Return the acceleration of free fall seen from a slope of that tangent."""
+    """Return gravity [m/s^2] in axes along and normal to a slope of this tangent."""
     from yade_scripts.measuring import rigid
     angle = math.atan(tangent)
     return rigid.GRAVITY * math.sin(angle), -rigid.GRAVITY * math.cos(angle), 0
