@@ -25,7 +25,7 @@ def call(function, path):
     finally:
         ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if ended == -signal.SIGXCPU:
-        raise ValueError(f"{path}: damaged, libhdf5 does not come to an end with it")
+        raise ValueError(f"{path}: damaged, libhdf5 did not finish reading it")
     if ended != 0:
         raise ValueError(f"{path}: damaged, libhdf5 fails on it (status {ended})")
     value, error = pickle.loads(message)

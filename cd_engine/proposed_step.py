@@ -40,7 +40,7 @@ def timeStep(gravity=None, speed=None, share=SHARE):
         speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
     times = ([radius / speed] if speed else []) + ([math.sqrt(radius / g)] if g else [])
     if not times:
-        raise ValueError("timeStep: nothing moves and there is no gravity, so nothing tells a speed. Give one: timeStep(speed=0.1), in m/s")
+        raise ValueError("timeStep: nothing moves and there is no gravity, so no speed can be estimated. Give one: timeStep(speed=0.1), in m/s")
     return share * min(times)
 
 

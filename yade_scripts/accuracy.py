@@ -79,7 +79,7 @@ def search(row, accuracy, run):
     last, error = found[-1]
     why = _untold(last) or f"its error is about {error:.2g}"
     raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: {why}; ask for less, or "
-                        "for a number that does not hang on every detail of the motion")
+                        "for a quantity that is less sensitive to details of the motion")
 
 
 def _untold(level):
@@ -111,7 +111,7 @@ def run_in_yade(folder):
         scene = scenes.build(full, folder)
         sides = walls.sides() if scene.load else None
         if not scene.known and not scene.load:
-            raise parameters.ParameterError(f"scene = {full['scene']}: measures nothing whose accuracy could be asked for")
+            raise parameters.ParameterError(f"scene = {full['scene']}: measures no quantity, so no accuracy can be asked for")
         disks = bodies.disks()
 
         def look():

@@ -98,8 +98,8 @@ REGISTRY = {p.name: p for p in (
               "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
     Parameter("kn", 2e6, "N/m",
               "normal stiffness k_n of a contact, eq. 5; the paper's 2 MPa at 1 m of depth", **_positive(1e15), prepare=True),
-    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not in the paper, nor found for its authors' "
-              "other work: 0.5 is a customary choice and not theirs. It shifts gamma, so vary it", **_positive(1), prepare=True),
+    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not given in the paper or in "
+              "other work of its authors; 0.5 is a common choice. It shifts gamma, so vary it", **_positive(1), prepare=True),
     Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", **_positive(0.01), prepare=True),
     Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks", low=0, high=2, prepare=True),
     Parameter("preparation_friction", 0.0, "1",
@@ -113,7 +113,7 @@ REGISTRY = {p.name: p for p in (
               choices=("triangle", "cosine", "ramp")),
     Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(10)),
     Parameter("stress_path", "constant", "1", "sigma1 while sigma2 changes: constant (sigma1 = P0, eq. 1) or mean (sigma1 = 2 P0 - sigma2, so that "
-              "(sigma1 + sigma2)/2 stays P0); the paper does not say which its Fig. 3 has", choices=("constant", "mean")),
+              "(sigma1 + sigma2)/2 stays P0); the paper does not say which one its Fig. 3 uses", choices=("constant", "mean")),
     Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", **_positive(1e3)),
     Parameter("period", 1.0, "s",
               "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % under a triangle",
@@ -146,8 +146,8 @@ REGISTRY = {p.name: p for p in (
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
     Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an elastic "
               "medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
-    Parameter("reference_overlaps", True, "1", "True: gaps count from the overlaps that the springs left, so that rigid contacts open at once when unloaded; "
-              "False: from touching, so that they open where the springs would", method="CD"),
+    Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon as they are unloaded; "
+              "False: from geometric contact, so that they open where the springs would", method="CD"),
     Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, which is found by perturbing the contact forces at random",
               low=0, high=2**31 - 1, method="CD"),
     Parameter("network_perturbation", 1.0, "1", "size of that perturbation: uniform within this times the mean normal force",
@@ -200,12 +200,12 @@ def _check_together(full):
     largest = full["radius_mean"] * (1 + full["radius_spread"])
     if full["depth"] <= 2 * largest:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
-                             "or spheres touch the walls in front and behind")
+                             "otherwise the spheres touch the front and back walls")
     if full["gravity"] and full["scene"] in ("biaxial", "loaded_box", "frozen_packing"):
         raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
     highest = full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"]
     if full["stress_path"] == "mean" and highest >= 1:
-        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 is no pressure any more; take "
+        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; take "
                              + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")

@@ -127,26 +127,26 @@ def _loads(axis, rows):
 
 
 ANSWER = """
-MD strains from the start of the ramp, CD rests up to a critical load; where the packings break the methods nearly agree. Prepared without
+MD strains from the start of the ramp, CD rests up to a critical load; at the end of the ramp the methods nearly agree. Prepared without
 friction, CD passes |gamma| = 1e-4 at 1.48 P0 (median; 1.40 to 1.61), MD at 1.07 P0; at |gamma| = 1e-2 it is 1.57 P0 for CD and 1.49 P0 for MD. On
 the same packing CD carries 1.04 times the load of MD at |gamma| = 1e-2 (0.97 to 1.07, both preparations), and 0.98 times before it collapses
-(0.90 to 1.04). All 22 runs collapse. A ramp twice as fast changes the load at |gamma| = 1e-2 by less than 4 %.
+(0.90 to 1.04; MD's walls are a servo here, CD's are pushed). All 22 runs collapse. A ramp twice as fast changes the load at |gamma| = 1e-2 by less than 4 %.
 """
 GIVEN = ("1e-4", "1e-2")
 POINTS = (
     (7, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part",
      "MD strains from the start: it passes |gamma| = 1e-4 at 1.07 P0 and 1e-2 at 1.47 P0 (medians). But the area first shrinks, in 11 of 11 runs."),
     (8, "A sudden compression is perceived [...], after which the deformation rate seems to grow [...]. In the CD simulation, the response is smoother "
-     "than in the MD case.", "section 3, Fig. 5", "disagrees", "Before it yields, gamma jumps further in MD than in CD on 1 of 11 packings only."),
+     "than in the MD case.", "section 3, Fig. 5", "disagrees", "Before it yields, gamma jumps further in MD than in CD on 1 of 11 pairs of runs only."),
     (9, "This leads to a collapse of the sample at the end of the simulation. In this range of values, however, the CD simulated sample seems to remain "
-     "unaltered.", "section 3, Fig. 5", "disagrees", "When MD collapses, at 1.86 P0 (median), CD has passed |gamma| = 1e-2 on 11 of 11 packings."),
+     "unaltered.", "section 3, Fig. 5", "disagrees", "When MD collapses, at 1.86 P0 (median), CD has passed |gamma| = 1e-2 on 11 of 11 pairs of runs."),
     (10, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
      "expands.", "section 3, Fig. 5", "agrees", "CD stays below |gamma| = 1e-4 up to 1.40 P0 (median). In the end the area has grown in 11 of 11 runs."),
     (11, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
      "agrees in part", "After |gamma| = 1e-4 CD carries another 24 % of load (median); in the end 11 of 11 runs collapse. The paper does not say how far "
      "its ramp went."),
     (12, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4", "disagrees",
-     "CD's largest load is 0.97 times MD's (median); it exceeds it by more than a tenth on none of 11 packings. What differs is the strain on the way."),
+     "CD's largest load is 0.97 times MD's (median); it exceeds it by more than a tenth on none of 11 pairs. What differs is the strain on the way."),
 )
 
 

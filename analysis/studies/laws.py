@@ -111,10 +111,12 @@ def _curves(axes, found, standard, colour, marker):
 
 
 ANSWER = """
-Ratcheting does not come from the tangential spring alone. Of 4 samples that ratchet at a constant rate under the standard law, 4 do so under YADE's
-avoidGranularRatcheting and 2 under the law whose closed paths leave neither force nor energy; there the late rate is 0.3 to 2.0 times the standard
-one. In all 18 comparisons the strain agrees within a factor of 1.5. A strain that remains under the path-independent law is no artefact of the
-spring; differences between single runs may be chance, since small changes grow in such packings.
+Ratcheting does not come from the tangential spring alone. Of 4 samples that ratchet at a constant rate under the standard law, 3 keep a constant rate
+under YADE's avoidGranularRatcheting. Under the law whose closed paths leave neither force nor energy their late rates are 0.31 to 2.00 times the
+standard ones, without a trend: 4 samples do not separate the laws. In all 18 comparisons the strain agrees within a factor of 1.5. A strain that
+remains under the path-independent law is no artefact of the spring; differences between single runs may be chance, since small changes grow in such
+packings. These runs are older than the repair of a fault: in their first cycles, as many steps as the preparation of the packing had taken, contacts
+of the prepared packing followed the standard law.
 """
 GIVEN = ()
 POINTS = ()
@@ -126,6 +128,6 @@ def numbers(table):
     standard = table[(table.law == STANDARD) & (table.regime == "ratcheting") & table["last quarter's rate over the one before"].between(0.5, 2)]
     same = {law: table[table.law == law].merge(standard[keys], on=keys) for law in ("avoid_ratcheting", "path_independent")}
     free, strain = same["path_independent"], table[table.law != STANDARD]["strain over standard"].dropna()
-    return {"4": [len(standard), (same["avoid_ratcheting"].regime == "ratcheting").sum()], "2": (free.regime == "ratcheting").sum(),
-            "0.3": free["late rate over standard"].min(), "2.0": free["late rate over standard"].max(),
+    steady = same["avoid_ratcheting"]["last quarter's rate over the one before"].between(0.5, 2)
+    return {"4": len(standard), "3": steady.sum(), "0.31": free["late rate over standard"].min(), "2.00": free["late rate over standard"].max(),
             "18": len(strain), "1.5": 1.5 if strain.between(1 / 1.5, 1.5).all() else 0}

@@ -126,7 +126,8 @@ def _draw_loops(axes, runs):
 
 
 ANSWER = """
-The size of MD's loop is stiffness: its largest |gamma| goes as k_n to the power -0.95, from 4.2e-4 to 5.2e-6 over two decades. CD with so few
+The size of MD's loop is stiffness: its largest |gamma| goes as k_n to the power -0.95, from 4.2e-4 to 5.2e-6 over two decades, and the strain that
+remains as k_n to the power -0.88. CD with so few
 sweeps that its contacts are as stiff strains 0.96 to 1.07 times as far as MD and keeps 0.92 to 1.00 times the remanent strain, if its contacts part
 where the springs would. If they part as rigid ones do, at once, it strains 0.68 to 0.80 times as far and keeps only 0.11 to 0.26 times the remanent
 strain. This was measured on 2 packings under one load, over one cycle.
@@ -146,6 +147,6 @@ def numbers(table):
         return [row[name] / md.loc[row.springs_over_kn][name] for _, row in rows.iterrows()]
 
     springs, rigid = ({name: ratio(medium, f"scaled_{name}") for name in ("largest", "remanent")} for medium in (AS_SPRINGS, AS_RIGID))
-    return {"-0.95": slope, "4.2e-4": md.largest.iloc[0], "5.2e-6": md.largest.iloc[-1], "0.96": min(springs["largest"]), "1.07": max(springs["largest"]),
+    return {"-0.95": slope, "-0.88": np.polyfit(np.log(md.index.astype(float)), np.log(md.remanent), 1)[0], "4.2e-4": md.largest.iloc[0], "5.2e-6": md.largest.iloc[-1], "0.96": min(springs["largest"]), "1.07": max(springs["largest"]),
             "0.92": min(springs["remanent"]), "1.00": max(springs["remanent"]), "0.68": min(rigid["largest"]), "0.80": max(rigid["largest"]),
             "0.11": min(rigid["remanent"]), "0.26": max(rigid["remanent"]), "2": md.packings.max()}

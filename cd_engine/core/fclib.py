@@ -132,7 +132,7 @@ def _matrix(reader):
         raise reader.error("W/m", f"is {size}; a contact has two rows, so their number must be even")
     count = nz if nz >= 0 else kept
     if nz < ROWS or count < 0:
-        raise reader.error("W/nz", f"is {nz} with nzmax {kept}, which is no way to store a matrix")
+        raise reader.error("W/nz", f"is {nz} with nzmax {kept}, which is not a valid matrix storage")
     # Checked before arrays of the claimed size are made.
     if count < size:
         raise reader.error("W", f"has {count} numbers, fewer than its {size} rows; its diagonal must be positive")

@@ -89,7 +89,7 @@ def read(path):
     if rows != 2 * contacts or columns != 2 * contacts:
         raise text.error(f"the matrix is {rows} x {columns}, which does not fit {contacts} contacts with two rows each")
     if storage not in (DENSE, BLOCKS, SPARSE):
-        raise text.error(f"there is no storage {storage} of a matrix")
+        raise text.error(f"unknown matrix storage {storage}: it must be 0 (dense), 1 (blocks) or 2 (sparse)")
     row, column, value = {DENSE: _dense, BLOCKS: _blocks, SPARSE: _sparse}[storage](text, rows)
     # Checked before arrays of the claimed size are made: a matrix that can be solved has its whole diagonal.
     if len(value) < rows:

@@ -42,7 +42,7 @@ def test_error_is_the_largest_over_its_scale_and_a_lost_number_is_no_solution():
     assert math.isnan(charts.error([known("a", 3.0), known("b", None)]))
     assert charts.status([known("a", 3.0), known("b", None)]) == "failed: b is not a number"
     assert charts.status([known("a", 1e9)]) == "failed: wrong by more than 100 times its scale"
-    assert charts.status([]) == "failed: nothing is known of the scene"
+    assert charts.status([]) == "failed: the scene has no quantity with a known value"
 
 
 def test_measurements_are_kept_to_the_bit_and_damaged_ones_measured_again(tmp_path, capsys):
@@ -114,7 +114,7 @@ print(json.dumps([good, known, bad]))
     assert good["status"] == "finished" and len(good["seconds"]) >= 3 and good["git_commit"]
     with yade60.run(disks=400, scene="incline", method="MD", slope=16.0) as file:
         assert known[0]["measured"] == file["known/acceleration"][()]
-    assert bad["status"] == "failed: nothing is known of the scene with these parameters"
+    assert bad["status"] == "failed: the scene has no quantity with a known value with these parameters"
 
 
 def test_what_is_too_slow_ends_its_worker_which_says_where(yade60):

@@ -100,7 +100,7 @@ def test_unknown_name_is_refused_with_the_near_ones():
 
 @pytest.mark.parametrize("row", [dict(delta_sigma=1.0), dict(loading="ramp", ramp_rate=0.2, period=5.0)])
 def test_a_lateral_stress_below_zero_is_refused(row):
-    with pytest.raises(ParameterError, match="sigma1 = 2 P0 - sigma2 is no pressure"):
+    with pytest.raises(ParameterError, match="sigma1 = 2 P0 - sigma2 would be zero or negative"):
         complete({"stress_path": "mean"} | row)
     complete({"stress_path": "constant"} | row)
 

@@ -45,7 +45,7 @@ def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, m
     path, folder = table("seed\n1\n"), tmp_path / "file"
     folder.touch()
     assert batch.main([path, "--results", str(folder)]) == 2
-    assert f"{folder} cannot be a folder of results" in capsys.readouterr().err
+    assert f"{folder} cannot be used as the folder for results" in capsys.readouterr().err
 
     def full(job, mode="w"):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.log))

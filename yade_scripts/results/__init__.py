@@ -21,7 +21,7 @@ def make(folder):
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError("nothing can be written there")
     except OSError as error:
-        raise parameters.ParameterError(f"{folder} cannot be a folder of results: {error}") from None
+        raise parameters.ParameterError(f"{folder} cannot be used as the folder for results: {error}") from None
 
 
 def path_of(full, folder=FOLDER):

@@ -118,7 +118,7 @@ def load(path, finished=True):
     except (KeyError, TypeError, ValueError) as error:
         raise ResultError(path, f"is no result file of this project ({type(error).__name__}: {error})", AGAIN) from None
     if finished and not run.finished:
-        raise ResultError(path, f"the run did not finish: {run.attributes['status']}", "mend the cause and run it again")
+        raise ResultError(path, f"the run did not finish: {run.attributes['status']}", "correct the cause and run it again")
     return run
 
 

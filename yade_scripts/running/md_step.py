@@ -24,7 +24,7 @@ def check(full):
     largest = spring_limits.largest_eigenvalue(mass, O.dt**2 * stiffness + 2 * O.dt * damping)
     if largest >= 4:
         most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
-        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the springs swing up by themselves from {most:.3g} on "
+        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the time integration of the springs is unstable from {most:.3g} on "
                         f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n']}); take at most half of that, better the default")
 
 

@@ -50,7 +50,7 @@ def build(full, folder):
     places = [(pitch * i, pitch * j) for j in range(-full["disks"], full["disks"]) for i in range(-full["disks"], full["disks"])
               if abs(j) * pitch < inner and abs(i) * pitch < inner and math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
-        raise parameters.ParameterError(f"disks = {full['disks']}: loose rows of them do not fit into their own drum; take more disks, or radius_spread below 0.3")
+        raise parameters.ParameterError(f"disks = {full['disks']}: so many disks, in loose rows, do not fit into a drum of their size; take more disks, or radius_spread below 0.3")
     ids = []
     for x, y in places[:full["disks"]]:  # from the lowest row upwards
         r = radius * (1 + full["radius_spread"] * draw.uniform(-1, 1))

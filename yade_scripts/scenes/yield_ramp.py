@@ -14,7 +14,7 @@ KIND = "dense packings under load"
 METHODS = ("MD", "CD")
 HORIZON = ("Until the packing gives way: what it carries afterwards belongs to new contacts. Springs of P0/k_n = 6e-4 strain past yield_strain "
            "before they yield, so that MD's error is elastic strain unless k_n is far larger.")
-LEFT_OUT = "the way on after yield; how the walls' inertia delays it, some dt and the ramp's rate"
+LEFT_OUT = "the motion after yield, and its delay by the inertia of the walls"
 DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
                 collapse_strain=1e-3)
 PARAMETERS = (Parameter("yield_strain", 2e-5, "1", "|gamma| that counts as yield", low=1e-8, high=1),)

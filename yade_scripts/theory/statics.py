@@ -111,6 +111,6 @@ def _extremes(snapshot, goal, load, rising):
     for sign in (1, -1):
         result = optimize.linprog(sign * goal, cone, np.zeros(2 * count), balance, -load / unit, bounds, "highs")
         if not result.success:
-            raise ResultError("a snapshot", f"its contacts set no bound ({result.message})", "look whether its disks hold the walls at all")
+            raise ResultError("a snapshot", f"its contacts do not bound the load ({result.message})", "check that its disks touch the walls")
         found.append(sign * float(result.fun))
     return tuple(found)

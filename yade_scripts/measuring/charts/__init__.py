@@ -123,7 +123,7 @@ def error(known):
 def status(known):
     """Return 'finished', or why the measured values are not a solution."""
     if not known:
-        return f"{STATUS_FAILED}nothing is known of the scene"
+        return f"{STATUS_FAILED}the scene has no quantity with a known value"
     lost = [one["name"] for one in known if one["measured"] is None]
     if lost:
         return f"{STATUS_FAILED}{lost[0]} is not a number"

@@ -52,7 +52,7 @@ def run(row, asked, folder, limit, known, allow):
     full = parameters.complete(row)
     scene = scenes.build(full, folder)
     if not scene.known:
-        raise parameters.ParameterError("nothing is known of the scene with these parameters")
+        raise parameters.ParameterError("the scene has no quantity with a known value with these parameters")
     measures = timing.measures()
     allow(limit * (MEASURING if measures else 1))
     if measures and known and not asked:

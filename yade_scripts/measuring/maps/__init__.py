@@ -27,14 +27,14 @@ STABLE, INACCURATE, UNSTABLE, NOT_SOLVED = VERDICTS = ("stable", "inaccurate", "
 
 # Why a case is not stable.
 REASONS = {
-    "energy growth": "energy appears that nothing has put in",
+    "energy growth": "the energy grows without any work done",
     "penetration": "bodies overlap by more than the map allows",
     "wrong motion": "a motion that is known is off by more than the map allows",
-    "false motion": "what must rest moves",
-    "false rest": "what must move rests, or moves too little",
+    "false motion": "a body moves that must stay at rest",
+    "false rest": "a body that must move stays at rest or moves too little",
     "wrong forces": "the forces of a body at rest do not carry its load",
-    "tunnelled": "a body is through a wall that must stop it",
-    "locked walls": "walls flip to and fro instead of carrying their load",
+    "tunnelled": "a body passed through a wall that must stop it",
+    "locked walls": "walls reverse their motion at most steps and do not carry their load",
     "load missed": "walls follow their load too late",
     "non-convergence": "the solver did not reach its tolerance",
     "refused": "the program ended the run by an error",

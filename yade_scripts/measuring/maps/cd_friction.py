@@ -30,7 +30,7 @@ MAP = Map(
     group="Where rigid contacts fail", order=6,
     title="Rigid contacts: rest or slide near the angle of friction",
     question="How close to the angle of friction does the engine still decide correctly whether a body rests?",
-    criterion="Five touching disks that cannot turn (mu = 0.5) rest on a slope of half the angle of friction. The slope then changes to "
+    criterion="Five touching disks that cannot turn (mu = 0.5) rest on a slope of tangent mu/2. The slope then changes to "
               "tan(slope) = mu (1 + d) or mu (1 - d) for 200 steps of 1 ms. Inaccurate: the mean speed is off by more than a tenth of mu d g "
               "cos(slope) t. Unstable: by more than all of it. Too slow on the steeper slope is called false rest, anything else false "
               "motion.",
