@@ -26,7 +26,7 @@ FINDINGS = (
                   "where it cannot carry the load, rigid grains strain as springs do, 0.92 times as far (8 packings)."),
     ("fig3", "Under cycles the stress path decides: springs collapse at the paper's loads if the mean stress is held, none of 25 does if sigma1 is. Below the static limit "
              "of a packing rigid grains rest while springs strain; above it 49 of 82 runs of springs collapse and 33 of 55 of rigid grains."),
-    ("collapse", "There rigid grains stand 1.46 times as many cycles as springs of k_n, but 1.06 times as many as springs of 10 k_n (medians of 12 cases): that CD "
+    ("collapse", "Where both collapse, rigid grains stand 1.46 times as many cycles as springs of k_n, but 1.06 times as many as springs of 10 k_n (medians of 12 cases): that CD "
                  "resists longer is mostly the softness of the springs."),
     ("critical_load", "Where a packing yields it does not matter from which force network it starts: from 11 of them CD yields at 1.598 to 1.600 P0, the static limit of its "
                       "geometry and friction."))
