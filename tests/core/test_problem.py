@@ -304,8 +304,8 @@ def heap(seed):
 
 def test_all_contacts_coupled_alike():
     """With momentum for each contact separately the sweeps would oscillate for ever here; plain sweeps need some 250."""
-    n = 1000
-    W = np.eye(2 * n) + 0.02
+    n = 500
+    W = np.eye(2 * n) + 0.04
     for q in (-np.ones(2 * n), np.tile([-1.0, 0.0], n)):
         problem = core.Problem(W, q, np.full(n, 0.3))
         plain = core.solve(problem, method="nsgs")
