@@ -160,7 +160,7 @@ def test_a_long_run_has_checkpoints():
     from yade_scripts.running import checkpoint
     full = parameters.complete({"disks": 10000})
     scene = scenes.Scene(every=100, samples=100000, kept={})
-    assert checkpoint.samples_between(full, scene) == 1000
+    assert checkpoint.samples_between(full, scene) == 2000
     assert checkpoint.samples_between(full, scenes.Scene(every=100, samples=1000, kept={})) == 0
     assert checkpoint.samples_between(full, scenes.Scene(every=100, samples=100000)) == 0
 

@@ -35,6 +35,9 @@ def test_pushed_walls_of_a_sample_that_has_given_way_cannot_lock(row):
     stops = MOVING + [(-0.045, 0.3)] * 10 + [(-0.21, 0.3)]
     assert ends(stops, full=parameters.complete(row)) == (22, Collapse)
     assert ends(MOVING + [(-0.015, 0.3)] * 10, full=parameters.complete(row)) is None  # it swings back
+    assert ends(MOVING + [(-0.015, 1.0)] * 89, full=parameters.complete(row)) == (100, StressError)  # it hangs loose to the end
+    flies = [(-0.021, -5.5), (0.0, -5.5), (-0.3, 0.0)]
+    assert ends(flies, full=parameters.complete(row)) == (2, StressError)  # blows above 5 P0 are no collapse, nor is the run complete
     assert ends(stops) == (16, StressError)
     assert ends([(-0.015, 0.3)] * 10, full=parameters.complete(row))[1] is StressError
 

@@ -95,9 +95,11 @@ class Load:
         self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
 
     def apply(self):
-        """Add the work since the last call, then apply the load of now."""
-        self._sum, self._positions, self.goal = self.work(), faces(), self.goals(O.time + self.lead)
+        """Apply the load of now, and add the work since the last call."""
+        moved, before = self._moved(), self._forces
+        self.goal = self.goals(O.time + self.lead)
         self._forces = self._push()
+        self._sum, self._positions = self._sum + self._work(before, self._forces, moved), faces()
 
     def _moved(self):
         """Return the displacements [m] of x-, x+, y-, y+ since the last update."""
@@ -120,13 +122,24 @@ class ServoLoad(Load):
         self.controller.goal1, self.controller.goal2 = -self.goal[0], -self.goal[1]
         return self._contact_forces()
 
+    def _work(self, before, after, moved):
+        """Return the work on the sample [J]: trapezoidal rule on the contact forces on the four walls."""
+        return -total((f + g) / 2 * x for f, g, x in zip(before, after, moved))
+
     def work(self):
-        """Return the work on the sample so far [J]: trapezoidal rule on the contact forces on the four walls."""
-        return self._sum - total((f + g) / 2 * x for f, g, x in zip(self._forces, self._contact_forces(), self._moved()))
+        """Return the work on the sample so far [J]."""
+        return self._sum + self._work(self._forces, self._contact_forces(), self._moved())
 
 
 class ForceLoad(Load):
-    """Pushes the free walls x+ and y+ by stress times area. Its runner stands before the integrator and acts at every step."""
+    """Pushes the free walls x+ and y+ by stress times area. Its runner stands before the integrator and acts at every step.
+
+    implicit: of Contact Dynamics, where a push holds throughout its step. In leapfrog it acts from half a step before to half a step after.
+    """
+
+    def __init__(self, goals, lead=0.0, implicit=False):
+        super().__init__(goals, lead)
+        self.implicit = implicit
 
     def _push(self):
         push = [-stress * area for stress, area in zip(self.goal, areas())]
@@ -134,6 +147,10 @@ class ForceLoad(Load):
         O.forces.addF(Y_HIGH, (0, push[1], 0))
         return [0.0, push[0], 0.0, push[1]]
 
+    def _work(self, before, after, moved):
+        """Return the work on the sample and the mass of the walls [J]."""
+        return total((f if self.implicit else (f + g) / 2) * x for f, g, x in zip(before, after, moved))
+
     def work(self):
-        """Return the work on the sample and the walls' mass so far [J]: force of the last step times the displacement it made."""
-        return self._sum + total(f * x for f, x in zip(self._forces, self._moved()))
+        """Return the work on the sample and the mass of the walls so far [J]."""
+        return self._sum + self._work(self._forces, self._forces, self._moved())
