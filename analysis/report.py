@@ -22,8 +22,8 @@ FINDINGS = (
     ("fig4", "Load a dense packing by 0.2 P0 and unload it: springs strain by 4.3e-4 and keep 1.1e-4, rigid contacts strain by 3.4e-8 (medians of 5 packings)."),
     ("stiffness", "The strain of MD comes from its springs: over such a cycle the largest strain goes as k_n to the power -0.95, what remains as k_n to the power -0.88 (2 packings)."),
     ("tolerance", "Rigid grains far below yield do not move. The strain of CD is solver error: it falls from 1.1e-3 to 2.4e-10 as the tolerance falls from 1e-2 to 1e-10."),
-    ("isostatic", "They rest because their contact forces can change so as to carry the load. Without friction and near the rigid limit about one force network is left; "
-                  "where it cannot carry the load, rigid grains strain as springs do, 0.92 times as far (8 packings)."),
+    ("isostatic", "They rest as long as their contacts can carry the load as they stand. Without friction and near the rigid limit that ends at 1.01 to 1.04 P0, and beyond "
+                  "it rigid grains strain as springs do, 0.92 times as far (8 packings); with friction it ends at 1.40 to 1.60 P0."),
     ("fig3", "Under cycles the stress path decides: springs collapse at the paper's loads if the mean stress is held, none of 25 does if sigma1 is. Below the static limit "
              "of a packing rigid grains rest while springs strain; above it 49 of 82 runs of springs collapse and 33 of 55 of rigid grains."),
     ("collapse", "Where both collapse, rigid grains stand 1.46 times as many cycles as springs of k_n, but 1.06 times as many as springs of 10 k_n (medians of 12 cases): that CD "
