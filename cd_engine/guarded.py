@@ -1,6 +1,6 @@
-"""Calls a function on a file that may be damaged, out of reach of what that does to the library underneath.
+"""Calls a function on a file that may be damaged, in a process of its own, so that a crash there does not end this one.
 
-libhdf5 trusts what it reads: on some damaged files it loops for ever or crashes, and neither can be caught where it happens.
+libhdf5 trusts what it reads: on some damaged files it loops for ever or crashes, and neither can be caught in the same process.
 """
 import faulthandler
 import os
@@ -8,11 +8,11 @@ import pickle
 import resource
 import signal
 
-SECONDS, PER_MEGABYTE = 2, 1  # of processor time, not of the clock: a busy machine is no damaged file. A sound one takes 1 ms
+SECONDS, PER_MEGABYTE = 2, 1  # s of processor time, which a busy machine does not prolong. A sound file takes 1 ms
 
 
 def call(function, path):
-    """function(path) in a process of its own; a ValueError is passed on, and what ends or holds up the process becomes one."""
+    """Return function(path), computed in a process of its own. Raise its ValueError here, and one if the process crashes or takes too long."""
     allowed = SECONDS + PER_MEGABYTE * (os.path.getsize(path) >> 20)
     out, into = os.pipe()
     child = os.fork()
@@ -25,7 +25,7 @@ def call(function, path):
     finally:
         ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if ended == -signal.SIGXCPU:
-        raise ValueError(f"{path}: damaged, libhdf5 does not come to an end with it")
+        raise ValueError(f"{path}: damaged, libhdf5 did not finish reading it")
     if ended != 0:
         raise ValueError(f"{path}: damaged, libhdf5 fails on it (status {ended})")
     value, error = pickle.loads(message)
@@ -35,11 +35,11 @@ def call(function, path):
 
 
 def _answer(function, path, into, seconds):
-    """Never returns."""
+    """Compute the answer in the child process, send it through the pipe `into`, and exit."""
     status = 1
     try:
         faulthandler.disable()
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # what libraries say of their end; the caller says it in a sentence
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # hides the libraries' own messages; the caller reports in one sentence
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
         signal.signal(signal.SIGXCPU, signal.SIG_DFL)

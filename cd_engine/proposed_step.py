@@ -1,4 +1,4 @@
-"""A time step from what is in the scene."""
+"""Proposes a time step from the bodies in the scene."""
 import math
 
 SHARE = 0.25
@@ -11,16 +11,16 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one
     v [m/s]    fastest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h), with v0 the fastest motion present (of a boundary that
                turns: of its farthest point) and h [m] the way down from the highest disk to the lowest body
-    share      of its radius that a disk may go in one step at that speed [1]. What left a hopper of 600 disks in 0.6 s (means of four seeds):
-               155 disks at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1
+    share      distance that a disk may move in one step at that speed, over its radius [1]. From a hopper of 600 disks left in 0.6 s (means of
+               four seeds): 155 disks at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1
 
-    Reason: a rigid contact has no stiffness that would limit the step. What limits it is geometry: the normals of a step are those at its
-    middle, so a disk has to move by less than its radius meanwhile. sqrt(R / g) is the time in which a disk falls from rest by half its radius.
-    Forces other than gravity are not known here: give the `speed` that they lead to. Call it again when the scene has changed.
+    Reason: a rigid contact has no stiffness that would limit the step. Geometry limits it: a step uses the normals at its middle, so a disk
+    must move by less than its radius in a step. sqrt(R / g) is the time in which a disk falls from rest by half its radius.
+    Forces other than gravity are not known here: give the `speed` that they cause. Call this function again when the scene has changed.
 
         O.dt = cd_engine.timeStep()
 
-    ValueError: no disk may move, nothing tells a speed, or an argument is out of range. At h = 0.5 m and R = 5 mm it gives 0.4 ms.
+    Raises ValueError if no disk may move, if no speed is known, or if an argument is out of range. At h = 0.5 m and R = 5 mm it gives 0.4 ms.
     """
     from yade import O
     if not (math.isfinite(share) and share > 0):
@@ -40,7 +40,7 @@ def timeStep(gravity=None, speed=None, share=SHARE):
         speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
     times = ([radius / speed] if speed else []) + ([math.sqrt(radius / g)] if g else [])
     if not times:
-        raise ValueError("timeStep: nothing moves and there is no gravity, so nothing tells a speed. Give one: timeStep(speed=0.1), in m/s")
+        raise ValueError("timeStep: nothing moves and there is no gravity, so no speed can be estimated. Give one: timeStep(speed=0.1), in m/s")
     return share * min(times)
 
 
@@ -49,16 +49,16 @@ def _gravity(engines):
 
 
 def _speed(body):
-    """Of the fastest point of a body; of a disk its centre, since spin brings it nowhere."""
+    """Return the speed [m/s] of the fastest point of a body; for a disk that of its centre, since spin does not displace it."""
     turning = body.state.angVel.norm() * body.shape.extents.norm() if type(body.shape).__name__ == "Box" else 0
     return body.state.vel.norm() + turning
 
 
 def _fall(bodies, movable, down):
-    """The way [m] along the unit vector `down` from the highest of `movable` to the lowest body."""
+    """Return the distance [m] along the unit vector `down` from the highest of `movable` to the lowest body."""
     def depth(body):
         return sum(x * d for x, d in zip(body.state.pos, down))
 
-    across = max(range(3), key=lambda axis: abs(down[axis]))  # a Wall along gravity has no height
+    across = max(range(3), key=lambda axis: abs(down[axis]))  # only a Wall across gravity has a height
     below = [depth(body) for body in bodies if type(body.shape).__name__ != "Wall" or body.shape.axis == across]
     return max(below) - min(map(depth, movable))

@@ -1,6 +1,6 @@
-"""What not every Debian packages: a test that needs it skips where the package is not installed, and names the package.
+"""Packages that not every release of Debian has: a test that needs one skips if it is not installed, and names it.
 
-A package that is installed and does not load is a failure.
+A package that is installed but does not load is a failure.
 """
 import ctypes
 import importlib

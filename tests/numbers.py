@@ -1,11 +1,11 @@
-"""Numbers in a text against values: every number that a text writes must be known, and be the value rounded to the digits written."""
+"""Compares the numbers in a text with known values: every number in the text must be known, and be its value rounded to the digits written."""
 import re
 from decimal import Decimal
 
 import numpy as np
 
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w])")
-# Numbers that count nothing: of figures, equations, sections; names such as k_n x 10.
+# Numbers that are no values: of figures, equations and sections, or in names such as k_n x 10.
 NAMES = re.compile(r"(?:Figs?\.|eqs?\.|section|sigma\d|h/2R)\s*[\d.]*|\(\d{4}\)")
 
 

@@ -1,6 +1,6 @@
-"""Every reader of files fed with damaged ones: each is read, or refused in one sentence that names it; no other end.
+"""Feeds every reader of files with damaged ones: each file is read, or refused in one sentence that names it; nothing else may happen.
 
-`make test` draws hundreds for each reader, `make soak` thousands; the draws are seeded by the reader's name.
+`make test` draws hundreds for each reader, `make soak` thousands; the name of the reader seeds the draws.
 """
 import contextlib
 import io
@@ -17,7 +17,7 @@ PIECES = [b"nan", b"inf", b"-1", b"1e999", b"=", b"#", b"\xff", b"\0", b'"', b"'
 
 
 def mutations(good, count, draw):
-    """Copies cut, with parts lost, repeated, or replaced: by bytes, by what numbers are made of, by words that mean something somewhere."""
+    """Damaged copies: cut, or with parts lost, repeated or replaced by bytes, by characters of numbers, or by words with a meaning in some format."""
     for _ in range(count):
         bad = bytearray(good)
         kind, place = draw.random(), draw.randrange(len(bad))
@@ -38,14 +38,14 @@ def mutations(good, count, draw):
 
 @dataclass
 class Reader:
-    """read(): read all of it as the program does; refusals: the exceptions whose text is the message to the user; path: the file that is damaged."""
+    """read(): reads all of the file as the program does; refusals: exceptions whose text is the message to the user; path: the file to damage."""
     path: pathlib.Path
     read: Callable
     refusals: tuple
 
 
 def survive(reader, count, draw):
-    """Feed the reader; how many of the files it refused."""
+    """Feed the reader with `count` damaged files. Return how many of them it refused."""
     good, refused = reader.path.read_bytes(), 0
     reader.read()
     for bad in mutations(good, count, draw):
@@ -74,7 +74,7 @@ def table(folder):
 
 
 def result(folder):
-    """Result files, whole."""
+    """Result files, read as a whole."""
     from yade_scripts.results import reader
     from tests.analysis.conftest import lattice, write
     path = write(folder / "run.h5", snapshots={0.0: lattice(4, "MD")})
@@ -82,7 +82,7 @@ def result(folder):
 
 
 def ending(folder):
-    """How the run of a result file ended, which decides whether it is run again: an answer, whatever the file."""
+    """How the run of a result file ended, which decides whether it is run again. Every file must give an answer."""
     from yade_scripts import results
     one = result(folder)
 
@@ -124,12 +124,12 @@ def problem_bodies(folder):
 
 
 def state(folder):
-    """Prepared packings: what is damaged is prepared again, so that nothing is refused, and nothing damaged taken."""
+    """Prepared packings: a damaged one is prepared again, so none is refused, and no damaged one is used."""
     return _state(folder, "a.yade.gz")
 
 
 def state_record(folder):
-    """Their records."""
+    """The records of prepared packings."""
     return _state(folder, "a.json")
 
 
@@ -150,7 +150,7 @@ def _state(folder, damaged):
 
 
 def measurements(folder):
-    """What was measured: a damaged file is measured again, so that nothing is refused, and nothing damaged taken."""
+    """Measurements: a damaged file is measured again, so none is refused, and no damaged one is used."""
     from yade_scripts.measuring import store
     store.add(folder, "a", {"status": "finished", "seconds": [1.5]}, [{"name": "x", "measured": 0.1}])
     whole = store.get(folder, "a")
@@ -163,7 +163,7 @@ def measurements(folder):
 
 
 def published_table(folder):
-    """The table that `recommend` answers from."""
+    """The table from which `recommend` answers."""
     from yade_scripts.results import reader
     from analysis.charts import table as rows
     from tests.analysis.test_charts import rows as made_up
@@ -174,7 +174,7 @@ def published_table(folder):
 
 
 def study_of_the_page(folder):
-    """What the page is made of: a study's findings. """
+    """A study's findings, from which the page is made."""
     from analysis import report
     from yade_scripts.results import reader
     published = pathlib.Path(report.__file__).parent / "published"
@@ -185,7 +185,7 @@ def study_of_the_page(folder):
 
 
 def benchmark_table(folder):
-    """Tables of the benchmark, of which its figures are drawn."""
+    """Tables of the benchmark, from which its figures are drawn."""
     from analysis import report
     from analysis import benchmark
     from yade_scripts.results import reader
@@ -201,7 +201,7 @@ READERS = {function.__name__: function for function in (
 
 
 def feed(name, folder, count):
-    """Feed the reader of this name with so many damaged files; how many it refused."""
+    """Feed the reader of this name with `count` damaged files. Return how many it refused."""
     reader = READERS[name](folder)
     refused = survive(reader, count, random.Random(name))
     assert not reader.refusals or 0 < refused < count, f"{refused} of {count}: nothing is looked at, or everything refused"

@@ -1,4 +1,4 @@
-"""One direction of imports: yade_scripts knows nothing of analysis, a run of YADE imports nothing that draws, and results lie at the bottom."""
+"""Imports go one way: yade_scripts imports nothing of analysis, a run of YADE no plotting, and results nothing that runs."""
 import ast
 import subprocess
 
@@ -6,7 +6,7 @@ import pytest
 
 
 def imported(path):
-    """The modules that a file imports, wherever in the file."""
+    """The modules that a file imports, at any place in it."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
@@ -37,7 +37,7 @@ def test_the_check_sees_what_is_imported_inside_a_function(root, tmp_path):
 
 
 def test_a_timed_run_has_no_plotting_in_memory(tmp_path, root):
-    """In the process itself, after a run and a measurement; YADE's own start brings matplotlib along on some releases, so only what is new counts."""
+    """Checked in the process after a run and a measurement. Some releases of YADE import matplotlib at the start, so only new modules count."""
     script = tmp_path / "run.py"
     script.write_text(f"""
 import sys
@@ -54,7 +54,7 @@ print("new:", sorted({{name for name in sys.modules if name.split(".")[0] in ("m
 
 
 def test_folders_and_names(root):
-    """What happens has a folder; a user's commands stand beside them."""
+    """Each activity has a folder; commands for users stand beside the folders."""
     there = {path.name for path in (root / "yade_scripts").iterdir() if not path.name.startswith("__")}
     assert {"preparing", "running", "scenes", "tables", "measuring", "cluster", "results", "theory"} <= there
     files = {name for name in there if name.endswith(".py")}

@@ -108,7 +108,7 @@ def test_programs_come_from_these_packages():
         for name in set(executed(ast.parse((ROOT / file).read_text()))):
             uses.append((file, name, shutil.which(name, path="/usr/sbin:/usr/bin")))
     assert len({name for _, name, _ in uses}) > 5
-    assert missing([use for use in uses if use[2] is not None]) == []  # what is not here cannot be asked for its package
+    assert missing([use for use in uses if use[2] is not None]) == []  # a file that is not installed has no known package
 
 
 # What the programs say that .ci/install-packages asks: nothing is installed, apt offers all but {lacking}.
@@ -147,7 +147,7 @@ def test_the_engine_is_linked_to_the_boost_of_yade_and_of_this_python():
 
 
 def test_objects_made_with_other_tools_are_made_anew(tmp_path):
-    """After an upgrade of Debian a build starts over: files alone do not tell, since the system's are no older than ours."""
+    """After an upgrade of Debian a build starts over. File times cannot decide this, since the system's files may be older than ours."""
     def up_to_date():
         return subprocess.run(["make", "-q", "-C", tmp_path / "cd_engine", f"PYTHON={sys.executable}"], capture_output=True).returncode == 0
     # Times of change are copied, too; not what another test may be building now.

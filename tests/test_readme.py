@@ -1,4 +1,4 @@
-"""README: short, its script runs as it stands, and what it names is there."""
+"""README: it is short, its script runs as printed, and the files that it names exist."""
 import re
 import subprocess
 

@@ -2,8 +2,8 @@
 
     yade -n -x yade_scripts/accuracy.py accuracy=1e-3 scene=slide_to_roll [name=value ...]
 
-The row is run at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8, then with half of both, and so on. The
-error of a level is estimated by the largest of
+The first level runs the row at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8. Each further level halves both.
+The error of a level is estimated by the largest of
     the change of what the scene measures since the level before, over its scale (for loaded walls without such numbers: of the strains); the
     scheme is of first order, so the remaining error is about as large as the last change;
     the largest overlap that rigid disks should not have, over the mean radius.
@@ -11,7 +11,7 @@ A level does not count if steps miss their tolerance, or if disks move by more t
 both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy: a single
 agreement can be luck. It is run once more to write its result file. All levels together cost about twice as much as the last.
 
-For springs there is no such estimate, since a smaller step does not show the error of their stiffness. `analysis recommend` tells what they reach.
+MD has no such estimate, since a smaller step does not show the error of the springs' stiffness. `analysis recommend` states what MD reaches.
 """
 import math
 import pathlib
@@ -23,26 +23,26 @@ if __name__ == "__main__":
 
 from yade_scripts import commands, parameters, results
 
-STEP = 0.5               # from level to level, cd_dt and tolerance alike
-SHARE = 0.01             # of the accuracy: tolerance of the first level
-# Its largest: a packing under a looser one creeps, and gives way far below its strength at 1e-3 and 1e-5 alike, which agrees and is wrong.
+STEP = 0.5               # factor on cd_dt and on the tolerance from one level to the next
+SHARE = 0.01             # tolerance of the first level, over the accuracy
+# Largest tolerance of the first level. With a looser one a packing creeps and yields too early; levels at 1e-3 and 1e-5 agree and are both wrong.
 LOOSEST = 1e-8
-SMALLEST = 1e-10         # tolerance; some steps stagnate near 1e-9 to 1e-12
+SMALLEST = 1e-10         # smallest tolerance: some steps stagnate near 1e-9 to 1e-12
 LEVELS = 12
-TRIES = 3                # levels in a row with missed steps after which shorter steps are not seen to help
-MOTION = 1.0             # radii a step
-BEFORE = 4               # accuracies that the level before may be wrong by
+TRIES = 3                # levels in a row with missed steps after which the search gives up: shorter steps do not help
+MOTION = 1.0             # largest displacement of a disk in a step of a level that counts [radii]
+BEFORE = 4               # largest error of the level before the accepted one, over the accuracy
 LOW = 1e-8
 
 
 class AccuracyError(RuntimeError):
-    """No level reaches the accuracy; the message says how far the last one came."""
+    """No level reaches the accuracy. The message gives the error of the last level."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """One run. values: what was measured, {name: number over its scale}; penetration [mean radii], motion: largest way of a disk in a step [radii];
-    scene: as it stands in O, until the next one is built."""
+    """One run of the search. row: its parameters. values: {name: measured number over its scale}. penetration: largest overlap [mean radii]. motion:
+    largest displacement of a disk in a step [radii]. seconds: time of its steps. scene: the Scene, valid until the next one is built in O."""
     row: dict
     values: dict
     penetration: float
@@ -53,13 +53,13 @@ class Level:
 
 
 def refined(row, accuracy, level):
-    """Return the row of a level, 0 the coarsest."""
+    """Return the row of a level; level 0 is the coarsest."""
     tolerance = max(min(SHARE * accuracy, LOOSEST) * STEP**level, SMALLEST)
     return row | {"cd_dt": parameters.complete(row)["cd_dt"] * STEP**level, "tolerance": tolerance}
 
 
 def estimate(coarse, fine):
-    """Return the estimated error of `fine`, inf where it cannot be told."""
+    """Return the estimated error of the level `fine`, inf where it cannot be estimated. coarse: the level before it, or None."""
     if coarse is None or _untold(coarse) or _untold(fine):
         return math.inf
     changes = [abs(value - coarse.values[name]) for name, value in fine.values.items()]
@@ -68,7 +68,7 @@ def estimate(coarse, fine):
 
 
 def search(row, accuracy, run):
-    """Return [(Level, estimated error)] from coarse to the first that is within `accuracy`; run(row) -> Level. AccuracyError if none is."""
+    """Run levels by run(row) -> Level up to the first within `accuracy`. Return [(Level, estimated error)]; raise AccuracyError if none is."""
     found = []
     for level in range(LEVELS):
         found.append((fine := run(refined(row, accuracy, level)), estimate(found[-1][0] if found else None, fine)))
@@ -79,18 +79,18 @@ def search(row, accuracy, run):
     last, error = found[-1]
     why = _untold(last) or f"its error is about {error:.2g}"
     raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: {why}; ask for less, or "
-                        "for a number that does not hang on every detail of the motion")
+                        "for a quantity that is less sensitive to details of the motion")
 
 
 def _untold(level):
-    """Return why the error of a level cannot be told, '' if it can."""
+    """Return why the error of a level cannot be estimated, '' if it can."""
     if level.missed_steps:
         return f"{level.missed_steps} steps miss their tolerance"
     return f"disks move {level.motion:.2g} radii a step" if level.motion > MOTION else ""
 
 
 def check(row, accuracy):
-    """Raise ParameterError where the accuracy cannot be asked for."""
+    """Raise ParameterError if this accuracy cannot be asked for in this row."""
     full = parameters.complete(row)
     if full["method"] != "CD" or full["fixed_iterations"]:
         raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; the error of springs is in their stiffness, which a smaller step does not show")
@@ -111,7 +111,7 @@ def run_in_yade(folder):
         scene = scenes.build(full, folder)
         sides = walls.sides() if scene.load else None
         if not scene.known and not scene.load:
-            raise parameters.ParameterError(f"scene = {full['scene']}: measures nothing whose accuracy could be asked for")
+            raise parameters.ParameterError(f"scene = {full['scene']}: measures no quantity, so no accuracy can be asked for")
         disks = bodies.disks()
 
         def look():
@@ -128,7 +128,7 @@ def run_in_yade(folder):
 
 @commands.command("accuracy")
 def main(arguments=None):
-    """Command line: accuracy=..., then name=value as for run.py."""
+    """Run the command line: accuracy=..., then name=value as for run.py. Return the exit status."""
     from yade_scripts import run
     parser = commands.parser(__doc__)
     commands.add_row(parser)

@@ -2,8 +2,8 @@
 
     /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2]
 
-A row counts as done by the content of its result file alone. Rows that need the same packing prepare it once. Two calls at once share the
-rows. However a call ends, kill -9 included, its runs end with it; the same command goes on with those that have not finished.
+Only the content of its result file decides whether a row is done. Rows that need the same packing prepare it once. Two calls at the same time
+share the rows between them. However a call ends, kill -9 included, its runs end with it; the same command runs the rows that have not finished.
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 128 + n ended by signal n.
 """
 import pathlib
@@ -26,7 +26,7 @@ class Row(queue.Job):
         super().__init__("run.py", [f"--results={folder}"] + [f"{name}={value}" for name, value in row.items()], self.path.with_suffix(".log"))
 
     def start(self, mode="w"):
-        """Start it; a row that another process runs keeps its log."""
+        """Start the run. If another process runs the row now, its log is kept and this run appends to it."""
         super().start("a" if self.elsewhere() else mode)
 
     def elsewhere(self):
@@ -39,12 +39,12 @@ class Row(queue.Job):
         return lines[-1] if lines else f"{self.path.stem}: preparing"
 
     def outcome(self):
-        """Return how it ended, by the result file; without one, the end of the log."""
+        """Return how the run ended according to its result file; without a result file, a message with the end of the log."""
         return results.status(self.path) or f"failed: it left no result file; the end of its log:\n{self.said()}"
 
 
 def jobs_of(rows, folder):
-    """Return the jobs of rows, each once; says what in them is probably not meant."""
+    """Return one job for each different row. Print a warning for each setting that is probably not meant."""
     jobs = {job.path: job for job in (Row(row, folder) for row in rows)}
     for job in jobs.values():
         for doubt in plausible.doubts(job.full):
@@ -54,7 +54,7 @@ def jobs_of(rows, folder):
 
 
 def work_off(jobs, at_once, ended=lambda path: None):
-    """Run what has not finished; calls ended(path) for every result file that will not change any more. The paths of the rows that failed."""
+    """Run the jobs that have not finished; return the paths of failed ones. Call ended(path) for each result file that will not change any more."""
     endings, now = {job: results.ending(job.path) for job in jobs}, provenance.git_commit()
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
     others = sorted({provenance.short(commit) for commit in finished.values() if commit != now or commit.endswith("-dirty")})

@@ -1,4 +1,4 @@
-"""What all commands share: options with the same meaning everywhere, and mistakes reported in one sentence instead of a traceback."""
+"""What all commands share: options with the same meaning everywhere, and the report of a user's mistake in one sentence instead of a traceback."""
 import argparse
 import functools
 import math
@@ -39,7 +39,7 @@ def add_extent(options):
 
 
 def whole(least):
-    """Return a type of argument: integers from `least` on."""
+    """Return a converter of arguments for argparse, which accepts integers from `least` on."""
     def convert(text):
         if not text.isascii() or not text.isdecimal() or len(text) > 9 or int(text) < least:
             raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from {least} on")
@@ -48,7 +48,7 @@ def whole(least):
 
 
 def positive(text):
-    """Return a type of argument: numbers above 0."""
+    """Convert an argument to a number above 0; raise argparse.ArgumentTypeError for anything else."""
     try:
         value = float(text)
     except ValueError:
@@ -59,13 +59,13 @@ def positive(text):
 
 
 def command(name):
-    """Turns a function main(arguments) that gives an exit status into one that reports mistakes in one sentence with the status 2."""
+    """Return a decorator for a function main(arguments) -> exit status: it reports mistakes in one sentence and returns the status 2 for them."""
     def decorate(main):
         @functools.wraps(main)
         def call(arguments=None):
             for stream in (sys.stdout, sys.stderr):
                 if hasattr(stream, "reconfigure"):
-                    stream.reconfigure(errors="backslashreplace")  # what the locale cannot write
+                    stream.reconfigure(errors="backslashreplace")  # for characters that the locale cannot write
             try:
                 status = main(arguments)
                 sys.stdout.flush()

@@ -11,12 +11,12 @@ import cd_engine
 from yade import plot
 from yade_scripts import parameters, run
 
-__all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # what whoever types finds
+__all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # names for the user of the console
 row = {"method": "CD"}
 
 
 def start(**changes):
-    """Start again with other parameters; what was given before, the method among it, stays. The scene.Scene."""
+    """Start again with `changes` to the current row; other parameters, such as the method, keep their values. Return the scenes.Scene."""
     global row
     scene = run.start(**row | changes)
     row = row | changes

@@ -1,11 +1,11 @@
 """Every parameter of every run: name, default, unit, allowed values, meaning. Needs no YADE.
 
-A row (of a table, or of name=value arguments) overrides defaults; `complete` checks it and fills in the rest. SI units throughout;
-the sample is `depth` deep, so a 2D stress [N/m] is a stress [Pa] times `depth`. The paper leaves many of these open
-(see each `doc`); whatever was used is stored with the result.
+A row (of a table, or of name=value arguments) overrides defaults; `complete` checks it and fills in the rest. SI units throughout; the sample is
+`depth` deep, so a 2D stress [N/m] is a stress [Pa] times `depth`. Equations, figures and "the paper" refer to Garcia-Rojo, McNamara and
+Herrmann (ECCOMAS 2004). It does not give many of these values (see each `doc`); the values used are stored with the result.
 
-Here are the parameters that every scene has. Those that only one scene has, and its own defaults, stand in the scene's file; they
-are legal in rows of that scene alone, and only there part of a row's name.
+This file has the parameters of all scenes. Parameters of one scene, and its own defaults, stand in the scene's file. They are legal only in
+rows of that scene, and only there do they enter the name of the result file.
 
 `/usr/bin/python3 -m yade_scripts.parameters` prints the list.
 """
@@ -50,7 +50,7 @@ class Parameter:
         return f"{kind} in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}]"
 
     def check(self, value):
-        """Return the value in the parameter's own type, or ParameterError."""
+        """Return the value in the parameter's own type. Raise ParameterError if it is not allowed."""
         converted = self._converted(value)
         if converted is None or not self._in_range(converted):
             raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()} [{self.unit}] ({self.doc})")
@@ -98,8 +98,8 @@ REGISTRY = {p.name: p for p in (
               "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
     Parameter("kn", 2e6, "N/m",
               "normal stiffness k_n of a contact, eq. 5; the paper's 2 MPa at 1 m of depth", **_positive(1e15), prepare=True),
-    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not in the paper, nor found for its authors' "
-              "other work: 0.5 is a customary choice and not theirs. It shifts gamma, so vary it", **_positive(1), prepare=True),
+    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not given in the paper or in "
+              "other work of its authors; 0.5 is a common choice. It shifts gamma, so vary it", **_positive(1), prepare=True),
     Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", **_positive(0.01), prepare=True),
     Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks", low=0, high=2, prepare=True),
     Parameter("preparation_friction", 0.0, "1",
@@ -113,7 +113,7 @@ REGISTRY = {p.name: p for p in (
               choices=("triangle", "cosine", "ramp")),
     Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(10)),
     Parameter("stress_path", "constant", "1", "sigma1 while sigma2 changes: constant (sigma1 = P0, eq. 1) or mean (sigma1 = 2 P0 - sigma2, so that "
-              "(sigma1 + sigma2)/2 stays P0); the paper does not say which its Fig. 3 has", choices=("constant", "mean")),
+              "(sigma1 + sigma2)/2 stays P0); the paper does not say which one its Fig. 3 uses", choices=("constant", "mean")),
     Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", **_positive(1e3)),
     Parameter("period", 1.0, "s",
               "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % under a triangle",
@@ -146,8 +146,8 @@ REGISTRY = {p.name: p for p in (
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
     Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an elastic "
               "medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
-    Parameter("reference_overlaps", True, "1", "True: gaps count from the overlaps that the springs left, so that rigid contacts open at once when unloaded; "
-              "False: from touching, so that they open where the springs would", method="CD"),
+    Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon as they are unloaded; "
+              "False: from geometric contact, so that they open where the springs would", method="CD"),
     Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, which is found by perturbing the contact forces at random",
               low=0, high=2**31 - 1, method="CD"),
     Parameter("network_perturbation", 1.0, "1", "size of that perturbation: uniform within this times the mean normal force",
@@ -167,12 +167,12 @@ def registry(scene):
 
 
 def defaults(scene):
-    """Return the row of a scene in which nothing is asked for: the scene's own defaults over the registry's."""
+    """Return the row of a scene for which the user sets nothing: the scene's own defaults over the registry's."""
     return {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene} | scenes.module(scene).DEFAULTS
 
 
 def complete(row):
-    """Return the full row: `row` checked, over the scene's defaults, over the registry's. ParameterError if it cannot be run."""
+    """Return the full row: `row`, checked, over the defaults of the scene and of the registry. Raise ParameterError if it cannot be run."""
     scene = REGISTRY["scene"].check(row.get("scene", REGISTRY["scene"].default))
     legal = registry(scene)
     for name in row:
@@ -184,7 +184,7 @@ def complete(row):
 
 
 def _hint(name, legal, scene):
-    """Return what a name that is not legal in a scene may have meant."""
+    """Return a hint for a name that is not legal in a scene: the scenes that have it, or names that look like it."""
     others = [other for other in scenes.names() if name in registry(other)]
     if others:
         return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
@@ -200,12 +200,12 @@ def _check_together(full):
     largest = full["radius_mean"] * (1 + full["radius_spread"])
     if full["depth"] <= 2 * largest:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
-                             "or spheres touch the walls in front and behind")
+                             "otherwise the spheres touch the front and back walls")
     if full["gravity"] and full["scene"] in ("biaxial", "loaded_box", "frozen_packing"):
         raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
     highest = full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"]
     if full["stress_path"] == "mean" and highest >= 1:
-        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 is no pressure any more; take "
+        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; take "
                              + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
@@ -214,11 +214,11 @@ def _check_together(full):
 
 
 def from_text(name, text):
-    """Return the value of name=text as typed at a prompt or in a table: a Python literal where it is one, else the text itself."""
+    """Return the value of name=text of a command line or a table in the type of the parameter, or the text itself if it does not convert."""
     text = text.strip()
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
         return text[1:-1]
-    # A name has one kind of value, whatever scenes declare it.
+    # A name has the same type of value in every scene that declares it.
     parameter = REGISTRY.get(name) or next((own[name] for own in map(registry, scenes.names()) if name in own), None)
     if parameter is None or isinstance(parameter.default, str):
         return text
@@ -244,7 +244,7 @@ def from_arguments(arguments):
 
 
 def preparation(full):
-    """Return what shapes the prepared packing and differs from the registry's defaults: scenes with the same values share a packing."""
+    """Return {name: value} of the parameters of the prepared packing that are not defaults. Scenes with equal values share a packing."""
     return {name: full[name] for name, parameter in REGISTRY.items() if parameter.prepare and full[name] != parameter.default}
 
 
@@ -277,7 +277,7 @@ def pressure(full):
 
 
 def restitution(full):
-    """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5's oscillator over half its period, exp(-pi beta/sqrt(1 - beta^2))."""
+    """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2))."""
     if full["method"] == "CD":
         return full["restitution"]
     beta = full["beta_n"]
@@ -289,7 +289,7 @@ def _lines(parameter):
 
 
 def listing():
-    """Return all parameters in words, those of one scene under its name with the defaults that it changes."""
+    """Return a text with all parameters: the general ones, then for each scene its own and the defaults that it changes."""
     lines = [_lines(parameter) for parameter in REGISTRY.values()]
     for name in scenes.names():
         scene = scenes.module(name)

@@ -5,8 +5,8 @@
     from yade_scripts import run; run.start(method="CD")     at YADE's console: set up, ready for O.run()
 
 Results go to results/<scene>-<method>-<hash of the row>.h5; a finished run is not run again. `--results=FOLDER` puts them elsewhere.
-Long runs have checkpoints (checkpoint.py) and go on from the last one; `--checkpoints=N` sets them every N samples, 0 none, which is part of
-how a run came about: its result file says so. A run that another process has begun is waited for.
+Long runs have checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` sets one every N samples, 0 none; the result
+file records N. If another process runs the row, this one waits for it.
 Exit status: 0 done, 1 the run failed (its file says why) or could not be written, 2 the row cannot be run.
 """
 import os
@@ -22,13 +22,13 @@ from yade_scripts.running import locks, plausible
 
 
 def start(folder=results.FOLDER, **row):
-    """Build the scene of a row, ready for O.run(); nothing is recorded. The scene.Scene."""
+    """Build the scene of a row, ready for O.run(), without recording. Return the scenes.Scene."""
     from yade_scripts import scenes
     return scenes.build(parameters.complete(row), folder)
 
 
 def execute(row, folder=results.FOLDER, checkpoint_samples=None):
-    """Run a row to its end and write its file; the exit status. checkpoint_samples: None for the default of checkpoint.py."""
+    """Run a row to its end and write its file. Return the exit status. checkpoint_samples: None for the default of checkpoint.py."""
     full = parameters.complete(row)
     for doubt in plausible.doubts(full):
         print(f"run: {doubt}.", file=sys.stderr)
@@ -47,13 +47,13 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
         print(f"{path}: finished")
         return 0
     print(f"{path}: failed: {failure}", file=sys.stderr)
-    if not isinstance(failure, RuntimeError):  # which is what engines, preparation and checks raise; all else is a bug
+    if not isinstance(failure, RuntimeError):  # engines, preparation and checks raise RuntimeError; anything else is a bug
         traceback.print_exception(failure)
     return 1
 
 
 def _run(path, full, folder, checkpoint_samples):
-    """Build, run, record; None or the exception that ended the run, which the file names too."""
+    """Build the scene, run it and record it. Return None or the exception that ended the run; the file names it, too."""
     from yade_scripts import scenes
     from yade_scripts.running import checkpoint, progress, recorder, wall_check
     scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.Progress(path.stem)
@@ -83,14 +83,14 @@ def _run(path, full, folder, checkpoint_samples):
     if isinstance(failure, OSError):
         raise failure
     recorder.close(failure, collapse)
-    if failure is None or isinstance(failure, RuntimeError):  # it would fail again; of anything else a new attempt may go on
+    if failure is None or isinstance(failure, RuntimeError):  # a RuntimeError would come again; after anything else a new attempt can resume
         checkpoints.remove()
     return failure
 
 
 @commands.command("run")
 def main(arguments=None):
-    """Run the command line or a line of yade-batch."""
+    """Run the command line or a row of yade-batch. Return the exit status."""
     parser = commands.parser(__doc__)
     commands.add_row(parser)
     commands.add_results(parser)

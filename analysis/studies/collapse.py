@@ -2,6 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy import stats
 
 from analysis import limits, observables, style, summary
 from yade_scripts.tables import product
@@ -15,10 +16,10 @@ SLOW = dict(period=2.0, records_per_cycle=40, cycles=10)
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
 RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-8, method_cd="auto", **LOADING)
 # What is changed of springs and of rigid contacts; the packings of 10 k_n are the same ones, stiffened.
-SPRING_CASES = {"springs": {}, "10 k_n": dict(stiffening=10.0), "step / 3": dict(md_dt_factor=0.1), "path-independent law": dict(tangential_law="path_independent"),
-                "servo for walls": dict(md_walls="servo"), "springs, 2 s": SLOW}
-RIGID_CASES = {"rigid": {}, "packing of 10 k_n": dict(stiffening=10.0), "tolerance 1e-6": dict(tolerance=1e-6), "step / 5": dict(cd_dt=5e-4),
-               "other forces": dict(network_seed=1), "rigid, 2 s": SLOW}
+SPRING_CASES = {"springs": {}, "springs, 10 k_n": dict(stiffening=10.0), "springs, step / 3": dict(md_dt_factor=0.1), "springs, path-independent law": dict(tangential_law="path_independent"),
+                "springs, servo for walls": dict(md_walls="servo"), "springs, 2 s": SLOW}
+RIGID_CASES = {"rigid": {}, "rigid, packing of 10 k_n": dict(stiffening=10.0), "rigid, tolerance 1e-6": dict(tolerance=1e-6), "rigid, step / 5": dict(cd_dt=5e-4),
+               "rigid, other forces": dict(network_seed=1), "rigid, 2 s": SLOW}
 LOADS, SEEDS = (0.3, 0.4), range(1, 7)
 ROWS = {"quick": product(delta_sigma=0.4, **SPRINGS) + product(delta_sigma=0.4, **RIGID),
         "full": [row for base, cases in ((SPRINGS, SPRING_CASES), (RIGID, RIGID_CASES)) for change in cases.values()
@@ -60,18 +61,50 @@ def draw(runs, rows, path):
                       color=style.COLOUR[row["method"]], mfc="none" if stands else None)
         axis.set(xscale="log", xlabel="cycles until collapse", title=rf"$\Delta\sigma$ = {load:g}")
         axis.grid(color="#DDDDDD", linewidth=0.5)
-    axes[0, 0].set_yticks(range(len(names)), names)
+    axes[0, 0].set_yticks(range(len(names)), [name.replace("10 k_n", "$10\\,k_n$") for name in names])
     axes[0, 0].invert_yaxis()
     style.finish(fig, path, "A point a packing. Open: it still stands after so many cycles.", runs)
 
 
 ANSWER = """
-Not run yet.
+Most of the difference is the softness of the springs. In 12 cases (6 packings, dSigma of 0.3 and 0.4, on all of which springs of k_n collapse) rigid contacts stand 1.46
+times as many cycles as springs of k_n: median; quartiles 1.32 and 1.94; more in 12 of 12 cases, and in 2 of them to the end of the 40 cycles. On the same
+packings stiffened they stand 1.06 times as many as springs of 10 k_n: quartiles 1.00 and 1.37; more in 8 of 12 cases. The ratio is the smaller one with
+the stiffer springs in 9 of 12 cases, which chance alone would bring in 7 of 100 such samples.
+
+Nothing else that was varied shifts the median: of rigid contacts a tolerance of 1e-6 (0.99 times), steps a fifth as long (0.98 times) and another force
+network to start from (1.01 times); of springs steps a third as long (0.99 times) and the path-independent tangential law (1.00 times). But a single life
+is a matter of chance at 0.3, where packings stand 5 to 40 cycles: such changes alter it by factors of 0.37 to 2.41. At 0.4, where they stand 2 to 4
+cycles, by 0.79 to 1.26. A servo for walls, whose speed is bounded, lets springs stand 1.30 times as long, 3 of 12 to the end.
+
+The number of cycles belongs to its period. With 2 s instead of 0.5 s all packings collapse within two cycles, springs after 0.60 cycles and rigid
+contacts after 1.05 times as many (medians): the longer load leaves a packing above its limit more time to fall.
 """
-GIVEN = ()
-POINTS = ()
+GIVEN = ("0.3", "0.4", "10", "40", "1e-6", "0.5", "2", "5", "4", "100")
+POINTS = (
+    (13, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
+     "With springs of k_n rigid grains stand 1.46 times as many cycles, with springs of 10 k_n 1.06 times (medians of 12 cases): mostly it is the softness "
+     "of the springs."),
+)
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
-    return {}
+    """Return the numbers of the text, from the summary table. A case in which both still stand counts as equal."""
+    lives = table.assign(life=table["collapses after"].fillna(np.inf)).pivot(index=["dSigma", "seed"], columns="case", values="life")
+
+    def times(case, base):
+        both = lives[[case, base]]
+        return (both[case] / both[base]).where(np.isfinite(both).any(axis=1), 1.0)
+
+    soft, hard, slow, servo = times("rigid", "springs"), times("rigid, packing of 10 k_n", "springs, 10 k_n"), times("rigid, 2 s", "springs, 2 s"), times("springs, servo for walls", "springs")
+    finer = [times(*pair) for pair in (("rigid, tolerance 1e-6", "rigid"), ("rigid, step / 5", "rigid"), ("rigid, other forces", "rigid"),
+                                       ("springs, step / 3", "springs"), ("springs, path-independent law", "springs"))]
+    changes = {load: np.concatenate([change.loc[load].replace([np.inf, 0], np.nan).dropna() for change in finer]) for load in LOADS}
+    assert np.isfinite(lives["springs"]).all() and (lives[["springs, 2 s", "rigid, 2 s"]] < 2).all().all()
+    quartiles = {name: ratio.replace(np.inf, 1e9).quantile([0.25, 0.75]).to_numpy() for name, ratio in (("soft", soft), ("hard", hard))}
+    return {"12": [len(soft), (soft > 1).sum(), len(servo)], "6": table.seed.nunique(), "1.46": soft.median(), "1.32": quartiles["soft"][0],
+            "1.94": quartiles["soft"][1], "1.06": hard.median(), "1.00": [quartiles["hard"][0], finer[4].median()], "1.37": quartiles["hard"][1], "8": (hard > 1).sum(), "9": (soft > hard).sum(),
+            "7": 100 * stats.binomtest(int((soft > hard).sum()), len(soft), alternative="greater").pvalue,
+            "0.99": [finer[0].median(), finer[3].median()], "0.98": finer[1].median(), "1.01": finer[2].median(), "0.37": changes[0.3].min(), "2.41": changes[0.3].max(),
+            "0.79": changes[0.4].min(), "1.26": changes[0.4].max(), "1.30": servo.median(), "3": np.isinf(servo).sum(), "0.60": lives["springs, 2 s"].median(),
+            "1.05": slow.median()}

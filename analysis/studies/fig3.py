@@ -59,7 +59,7 @@ def _row(run):
            "seed": full["seed"], "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run), "cycles": len(found.number) if found else 0,
            "collapses after": float(run.values("cycle")[-1]) if run.collapsed else np.nan, "gamma at the end": float(run.values("gamma")[-1]),
            f"gamma after {COMPARED}": float(found.permanent[COMPARED - 1]) if found and len(found.number) >= COMPARED else np.nan,
-           "late rate": cycles.late_rate(found), "last quarter's rate over the one before": cycles.last_quarter(found),
+           "late rate": np.nan if run.collapsed else cycles.late_rate(found), "last quarter's rate over the one before": cycles.last_quarter(found),
            f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}": float(found.rates([(COMPARED // 2 + 1, COMPARED)])[0])
            if found and len(found.number) >= COMPARED else np.nan,
            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}

@@ -12,10 +12,10 @@ TITLE = "What the paper leaves open"
 QUESTION = ("How much do k_t/k_n, damping, size distribution, preparation, wall friction and mass, period and time step - none given in the paper - "
             "change MD's strain under cycles, compared with what the choice of the packing does?")
 ORDER = 4  # in the report
-BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, cycles=10, md_dt_factor=0.3, delta_sigma=0.4)
+BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, cycles=10, md_dt_factor=0.3, delta_sigma=0.4, md_walls="force", wall_mass_ratio=1.0)
 PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4), dict(radius_spread=0.1),
             dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02), dict(preparation_friction=0.1),
-            *(dict(md_walls="force", wall_mass_ratio=mass) for mass in (1.0, 20.0, 200.0)))
+            dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))
 SEEDS = range(1, 7)
 ROWS = {"quick": [BASE | change for change in ({}, dict(kt_over_kn=0.1), dict(preparation_friction=0.1))],
@@ -41,7 +41,7 @@ def _strains(runs, change):
 
 def _row(change, strains, base):
     ratios = np.array([strain / base[seed] for seed, strain in strains.items() if seed in base and base[seed]])
-    found = {"change": ", ".join(f"{name} = {value}" for name, value in change.items() if name != "md_walls") or "none", "packings": len(strains),
+    found = {"change": ", ".join(f"{name} = {value}" for name, value in change.items()) or "none", "packings": len(strains),
              "|gamma|": float(np.median(list(strains.values()))), "least |gamma|": min(strains.values()), "most |gamma|": max(strains.values())}
     return found | ({"ratio": float(np.median(ratios)), "least ratio": ratios.min(), "largest ratio": ratios.max()} if len(ratios) else {})
 

@@ -36,7 +36,7 @@ def _row(run, standard):
     pressure, _, load, seed = _case(run)
     found, gamma = cycles.of(run), float(run.values("gamma")[-1])
     row = {"law": run.parameters["tangential_law"], "P0/k_n": pressure, "dSigma": load, "seed": seed, "cycles": len(found.number) if found else 0,
-           "gamma at the end": gamma, "first cycle": float(found.rate[0]) if found else np.nan, "late rate": cycles.late_rate(found),
+           "gamma at the end": gamma, "first cycle": float(found.rate[0]) if found else np.nan, "late rate": np.nan if run.collapsed else cycles.late_rate(found), "asked": run.parameters["cycles"],
            "last quarter's rate over the one before": cycles.last_quarter(found), "balance error": float(observables.balance_error(run)), "outcome": run.outcome}
     if standard is not None:
         other = cycles.of(standard)
@@ -55,7 +55,7 @@ LOOK = dict(zip(LAWS, (("#1A1A1A", "o"), ("#009E73", "s"), ("#CC79A7", "D"))))
 def draw(runs, rows, path):
     """Draw strain and late rate over those of the standard law, packing by packing; beside them the longest runs, cycle by cycle."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2))
-    groups = summary.groups((row for row in rows if row["law"] != LAWS[0] and row["cycles"] < 1000), lambda row: (row["P0/k_n"], row["dSigma"]))
+    groups = summary.groups((row for row in rows if row["law"] != LAWS[0] and row["asked"] < 1000), lambda row: (row["P0/k_n"], row["dSigma"]))
     labels = []
     for pressure, load in groups:
         for name in ("first cycle over standard", "strain over standard", "late rate over standard"):

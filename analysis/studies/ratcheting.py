@@ -41,7 +41,7 @@ def _row(run):
     full, found = run.parameters, cycles.of(run)
     return {"method": run.method, "dSigma": full["delta_sigma"], "stiffening": full["stiffening"], "seed": full["seed"],
             "tolerance": full["tolerance"] if run.method == "CD" else "", "limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
-            "cycles": len(found.number) if found else 0, "first cycle": float(found.rate[0]) if found else np.nan, "rate": cycles.late_rate(found),
+            "cycles": len(found.number) if found else 0, "first cycle": float(found.rate[0]) if found else np.nan, "rate": np.nan if run.collapsed else cycles.late_rate(found),
             "last quarter over the one before": cycles.last_quarter(found), "kept": _kept(run),
             "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "", "balance error": float(observables.balance_error(run)),
             "outcome": run.outcome}
@@ -59,6 +59,7 @@ def draw(runs, rows, path):
     """Draw the strain a cycle against the load over the limit, and against the stiffness, packing by packing."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.2), sharey=True)
     look = style.shades(row["stiffening"] for row in rows)
+    rows = [row for row in rows if row["tolerance"] in ("", RIGID["tolerance"]) and np.isfinite(row["rate"])]
     for (method, stiffening), part in summary.groups(rows, lambda row: (row["method"], row["stiffening"])).items():
         kept = [row["kept"] >= KEPT for row in part]
         for whole, face in ((True, look[stiffening]), (False, "none")):

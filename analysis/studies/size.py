@@ -39,7 +39,7 @@ def _row(disks, seed, several):
             found[f"yields at, {run.method}"] = observables.critical_load(run, YIELD)
         else:
             made = cycles.of(run)
-            found |= {f"first cycle, {run.method}": float(made.rate[0]) if made else np.nan, f"rate, {run.method}": cycles.late_rate(made)}
+            found |= {f"first cycle, {run.method}": float(made.rate[0]) if made else np.nan, f"rate, {run.method}": np.nan if run.collapsed else cycles.late_rate(made)}
         if run.method == "CD":
             found["unsolved steps"] = max(found.get("unsolved steps", 0), observables.unconverged_steps(run))
     return found

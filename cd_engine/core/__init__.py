@@ -5,8 +5,8 @@
     report = core.solve(problem, tolerance=1e-8)
     report.status, report.iterations, core.residual(problem, report.impulses)
 
-`Problem` has W, q and mu. `BodyProblem` has bodies and contacts, which is faster to sweep, and gives the other by its delassus().
-A problem is the one of Signorini's contact with Coulomb's friction in the plane, for n contacts of a time step: find impulses p with
+A `Problem` has W, q and mu. A `BodyProblem` has bodies and contacts; it is faster to sweep, and its delassus() returns the `Problem`.
+The problem is Signorini's contact with Coulomb's friction in the plane, for the n contacts of a time step: find impulses p with
 
     u = W p + q,    0 <= u_n _|_ p_n >= 0,    |p_t| <= mu p_n,    p_t = -mu p_n u_t/|u_t| where a contact slides.
 """

@@ -1,7 +1,7 @@
 """Reads and writes a `BodyProblem` as NumPy's .npz: one array for each of its fields, under the field's name.
 
-FCLIB's global form (M, H, f, w, mu) knows degrees of freedom but not which belong to one body, nor bodies of prescribed velocity; what cannot
-come back from it as it went is not kept in it. For other codes write the local form, `problem.delassus()`.
+FCLIB's global form (M, H, f, w, mu) does not serve: it stores neither which degrees of freedom belong to one body nor bodies of prescribed
+velocity, so a problem could not be read back unchanged. For other codes write the local form, `problem.delassus()`.
 """
 import os
 from dataclasses import fields
@@ -10,12 +10,12 @@ import numpy as np
 
 from .body_problem import BodyProblem
 
-SIGNATURE = b"PK\x03\x04"  # how a .npz begins, which is a zip archive
+SIGNATURE = b"PK\x03\x04"  # start of a .npz file, which is a zip archive
 NAMES = tuple(field.name for field in fields(BodyProblem))
 
 
 def write(path, problem):
-    """Write `problem`; a file of that name is replaced only once the new one is complete."""
+    """Write `problem`. An existing file of that name is replaced only once the new one is complete."""
     path = os.fspath(path)
     problem = BodyProblem(**{name: getattr(problem, name) for name in NAMES})
     aside = f"{path}.{os.getpid()}.part"
@@ -29,7 +29,7 @@ def write(path, problem):
 
 
 def read(path):
-    """The `BodyProblem` in the file; ValueError with the array where it is damaged (zip's checksums tell) or of another kind."""
+    """Return the `BodyProblem` in the file. Raise ValueError with the array's name if the file is damaged (zip's checksums) or of another kind."""
     try:
         archive = np.load(path, allow_pickle=False)
     except Exception as error:  # many types, of zipfile and of NumPy

@@ -1,4 +1,4 @@
-"""A contact problem given by its bodies: the form the sweeps are made for, without a matrix."""
+"""A contact problem given by its bodies: sweeps use this form, which has no matrix."""
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -6,13 +6,13 @@ from scipy import sparse
 
 from .problem import Problem, array, place, refuse_negative
 
-HELD = 1e-29  # as in contact_system.hpp: of what two bodies can move by, a share along the normal that is round-off of the normal, such as cos(pi/2)
-UNIT = 1e-9  # by how much the length of a normal may miss 1: far above round-off, far below what changes a problem
+HELD = 1e-29  # as in contact_system.hpp: mobility along the normal over the whole one; less is round-off of the normal, such as cos(pi/2)
+UNIT = 1e-9  # largest error of the length of a normal: far above round-off, far below what changes a problem
 
 
 @dataclass
 class BodyProblem:
-    """Contacts of one time step between N plane bodies, n contacts; impulses and velocities two numbers a contact, normal then tangential.
+    """n contacts of one time step between N plane bodies. Impulses and velocities have two numbers a contact, normal then tangential.
 
     inverse_masses   (N, 3): 1/m along x and along y [1/kg], 1/I [1/(kg m^2)]; 0 where that freedom is blocked
     free_velocities  (N, 3): v_x, v_y [m/s] and omega [rad/s] after the step's external forces and before any contact impulse
@@ -23,8 +23,8 @@ class BodyProblem:
     mu               (n,): Coulomb's friction coefficient, at least 0
     impulses         (2n,): a first guess [N s], such as the solution of the step before; default: zero. `solve` starts from it only if told to
 
-    The sweeps go through the contacts in the order given: what is near in the list should be near in space. Anything that cannot be taken as
-    these is a ValueError that says where. A contact between two bodies that cannot move along its normal is refused.
+    Sweeps visit the contacts in the order given, so contacts near in space should be near in the list. ValueError, with the place, is raised for
+    any other input, and for a contact of two bodies that cannot move along its normal.
     """
 
     inverse_masses: np.ndarray
@@ -59,35 +59,35 @@ class BodyProblem:
 
     @property
     def contacts(self):
-        """How many there are."""
+        """Number of contacts."""
         return len(self.mu)
 
     def body_velocities(self, impulses):
-        """(N, 3) velocities of the bodies [m/s, rad/s] after the impulses [N s]."""
+        """Return the (N, 3) velocities of the bodies [m/s, rad/s] after the impulses [N s]."""
         p = array("impulses", impulses, (2 * self.contacts,))
         push = self._normals() @ p[::2] + self._tangents() @ p[1::2]
         return self.free_velocities + self.inverse_masses * push.reshape(-1, 3)
 
     def velocities(self, impulses):
-        """Relative velocities u [m/s] that belong to impulses p [N s], the bias included, 2n each."""
+        """Return the relative velocities u [m/s] for impulses p [N s], 2n each; the bias is included."""
         v = self.body_velocities(impulses).ravel()
         return np.stack([self._normals().T @ v + self.bias, self._tangents().T @ v], axis=1).ravel()
 
     def delassus(self):
-        """The same as a `Problem`: W = H^T M^-1 H, q = H^T v + bias. In a dense packing W takes four times the memory of the bodies' form."""
+        """Return the problem as a `Problem`: W = H^T M^-1 H, q = H^T v + bias. In a dense packing W takes four times the memory of this form."""
         H = sparse.hstack([self._normals(), self._tangents()]).tocsc()[:, np.arange(2 * self.contacts).reshape(2, -1).T.ravel()]
-        # Half of each mass on either side, so that W is symmetric to the last bit.
+        # sqrt(M^-1) on either side, so that W is symmetric to the last bit.
         H = sparse.diags(np.sqrt(self.inverse_masses.ravel())) @ H
         H.eliminate_zeros()  # a body that does not move couples none of its contacts
         return Problem(H.T @ H, self.velocities(np.zeros(2 * self.contacts)), self.mu)
 
     def _normals(self):
-        """(3N, n): in column i the forces and torques on all bodies of a unit impulse along the normal of contact i."""
+        """Return a (3N, n) matrix: column i holds the forces and torques on all bodies of a unit impulse along the normal of contact i."""
         (nx, ny), (an, _, bn, _) = self.normals.T, self.arms.T
         return self._columns(-nx, -ny, -an, nx, ny, bn)
 
     def _tangents(self):
-        """The same along t = (-n_y, n_x)."""
+        """Return the same matrix for unit impulses along t = (-n_y, n_x)."""
         (nx, ny), (_, at, _, bt) = self.normals.T, self.arms.T
         return self._columns(ny, -nx, -at, -ny, nx, bt)
 
@@ -108,7 +108,7 @@ def _length(name, values):
 
 
 def _pairs(values, n, bodies):
-    """The pairs as 32-bit integers, each of two different bodies that are there."""
+    """Return the pairs as 32-bit integers. Raise ValueError unless each has two different bodies of the problem."""
     if np.ma.is_masked(values):
         raise ValueError("pairs is not an array of whole numbers: some of them are masked")
     pairs = np.asarray(values)

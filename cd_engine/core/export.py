@@ -8,7 +8,7 @@ from .problem import Problem
 
 
 def write_step(path, start, column, blocks, q, mu, ids):
-    """W in rows of 2 x 2 blocks, q and mu, all as bytes; ids: the two bodies of each contact, the normal pointing to the second."""
+    """Write W in rows of 2 x 2 blocks, q and mu, all given as bytes; ids: the two bodies of each contact, the normal pointing to the second."""
     q = np.frombuffer(q)
     blocks = np.frombuffer(blocks).reshape(-1, 2, 2)
     start, column = np.frombuffer(start, np.int64), np.frombuffer(column, np.int32)
@@ -18,7 +18,7 @@ def write_step(path, start, column, blocks, q, mu, ids):
 
 
 def write_bodies(path, inverse_masses, free_velocities, pairs, normals, arms, bias, mu, impulses):
-    """The fields of a `BodyProblem`, all as bytes."""
+    """Write a `BodyProblem` whose fields are given as bytes."""
     pairs = np.frombuffer(pairs, np.int32).reshape(-1, 2)
     inverse_masses, free_velocities, normals, arms = (
         np.frombuffer(numbers).reshape(-1, width) for numbers, width in ((inverse_masses, 3), (free_velocities, 3), (normals, 2), (arms, 4)))

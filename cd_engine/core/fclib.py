@@ -12,14 +12,14 @@ from scipy import sparse
 from .. import guarded
 from .problem import Problem
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"  # how an HDF5 file begins
+SIGNATURE = b"\x89HDF\r\n\x1a\n"  # start of an HDF5 file
 COLUMNS, ROWS = -1, -2            # FCLIB's `nz` of a matrix compressed by columns, by rows; >= 0: so many triplets
 
 
 def write_problem(path, problem, title="", description="", contact_ids=None):
-    """Write `problem` as an FCLIB file, which takes the place of one of that name only once it is complete.
+    """Write `problem` as an FCLIB file. An existing file of that name is replaced only once the new one is complete.
 
-    contact_ids: the two bodies of each contact, kept in a data set of that name beside FCLIB's own, which other readers pass over.
+    contact_ids: the two bodies of each contact, stored in a data set of that name beside FCLIB's own, which other readers ignore.
     """
     path = os.fspath(path)
     problem = Problem(problem.W, problem.q, problem.mu)
@@ -52,7 +52,7 @@ def _integers(file, name, value):
 
 
 def read(path):
-    """The `Problem` in the file; ValueError with the data set where it is damaged or of another kind."""
+    """Return the `Problem` in the file. Raise ValueError with the data set's name if the file is damaged or of another kind."""
     W, q, mu = guarded.call(_arrays, path)
     try:
         return Problem(W, q, mu)
@@ -61,7 +61,7 @@ def read(path):
 
 
 def _arrays(path):
-    """W, q, mu as they stand in the file."""
+    """Return W, q, mu as they stand in the file."""
     with _Reader(path) as reader:
         if not reader.has(""):
             raise ValueError(f"{path}: there is no /fclib_local in it; only FCLIB's local problems are read")
@@ -105,13 +105,13 @@ class _Reader:
             raise self.error(name, f"cannot be read ({error})") from None
 
     def array(self, name, kind, length):
-        """A data set of so many numbers; `kind` int or float."""
+        """Return a data set of `length` numbers; `kind`: int or float."""
         if not self.has(name):
             raise self.error(name, "is missing")
         try:
             data = self.file[f"fclib_local/{name}"]
             shape, dtype = data.shape, data.dtype
-            # Before the numbers are read: a damaged size may claim any amount of memory.
+            # Checked before the numbers are read: a damaged size may ask for any amount of memory.
             if shape == (length,) and dtype.kind in ("iu" if kind is int else "iuf"):
                 return np.asarray(data[()], dtype=np.int64 if kind is int else float)
         except Exception as error:
@@ -132,8 +132,8 @@ def _matrix(reader):
         raise reader.error("W/m", f"is {size}; a contact has two rows, so their number must be even")
     count = nz if nz >= 0 else kept
     if nz < ROWS or count < 0:
-        raise reader.error("W/nz", f"is {nz} with nzmax {kept}, which is no way to store a matrix")
-    # Also before anything of the size claimed is made.
+        raise reader.error("W/nz", f"is {nz} with nzmax {kept}, which is not a valid matrix storage")
+    # Checked before arrays of the claimed size are made.
     if count < size:
         raise reader.error("W", f"has {count} numbers, fewer than its {size} rows; its diagonal must be positive")
     index = reader.array("W/i", int, count)

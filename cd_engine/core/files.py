@@ -1,4 +1,4 @@
-"""Reads a contact problem from a file of any kind, and writes one."""
+"""Reads a contact problem from a file of any supported format, and writes one."""
 import os
 
 from . import body_file, fclib, siconos_text
@@ -6,10 +6,10 @@ from .body_problem import BodyProblem
 
 
 def read_problem(path):
-    """The `Problem` in a file: FCLIB (HDF5, a local problem of two dimensions) or Siconos's FrictionContactProblem as text; or the
+    """Return the `Problem` in a file of FCLIB (HDF5, a local problem of two dimensions) or in Siconos's text of a FrictionContactProblem, or the
     `BodyProblem` that `write_problem` wrote.
 
-    A file that is none of them, damaged or cut short is a ValueError that names the file and the line or data set.
+    Raise ValueError with the file and the line or data set if it is none of them, damaged or cut short.
     """
     path = os.fspath(path)
     with open(path, "rb") as file:
@@ -20,9 +20,9 @@ def read_problem(path):
 
 
 def write_problem(path, problem, title="", description="", contact_ids=None):
-    """Write a `Problem` as an FCLIB file, a `BodyProblem` as NumPy's .npz; it takes the place of one of that name only once it is complete.
+    """Write a `Problem` as an FCLIB file, a `BodyProblem` as NumPy's .npz. An existing file is replaced only once the new one is complete.
 
-    title, description and contact_ids, the two bodies of each contact, are for FCLIB alone; a `BodyProblem` knows its bodies.
+    title, description and contact_ids (the two bodies of each contact) are for FCLIB alone: ValueError if they come with a `BodyProblem`.
     """
     if not isinstance(problem, BodyProblem):
         fclib.write_problem(path, problem, title, description, contact_ids)

@@ -1,21 +1,21 @@
-"""A contact problem given by its Delassus matrix, and what makes one well posed enough to be solved."""
+"""A contact problem given by its Delassus matrix, and the checks of its input."""
 from numbers import Real
 
 import numpy as np
 from scipy import sparse
 
-LARGEST = 1e140  # numbers whose sums of squares are finite
+LARGEST = 1e140  # the squares of numbers up to this have finite sums
 
 
 class Problem:
-    """Contacts of one time step in the plane; two rows a contact, normal then tangential.
+    """n contacts of one time step in the plane, with two rows each: normal, then tangential.
 
     W   Delassus matrix [1/kg], a SciPy sparse matrix of 2n x 2n with a positive diagonal. It is symmetric and positive semidefinite in
-        mechanics; neither is demanded, since files that print few digits miss both by a little
+        mechanics; neither is checked, since files with few digits satisfy both only approximately
     q   relative velocities without contact impulses [m/s], 2n; the gap or the restitution of a contact is part of its normal component
     mu  Coulomb's friction coefficient of each contact, n, at least 0
 
-    Anything that cannot be taken as these is a ValueError that says where.
+    Any other input raises ValueError with the place of the error.
     """
 
     def __init__(self, W, q, mu):
@@ -29,11 +29,11 @@ class Problem:
 
     @property
     def contacts(self):
-        """How many there are."""
+        """Number of contacts."""
         return len(self.mu)
 
     def velocities(self, impulses):
-        """Relative velocities u = W p + q [m/s] that belong to impulses p [N s], 2n each."""
+        """Return the relative velocities u = W p + q [m/s] for impulses p [N s], 2n each."""
         return self.W @ vector("impulses", impulses, len(self.q)) + self.q
 
     def __repr__(self):
@@ -41,7 +41,7 @@ class Problem:
 
 
 def _matrix(W):
-    """W in SciPy's row format with sorted columns and no entry twice; the one given is left as it is."""
+    """Return W in SciPy's row format with sorted columns and no entry twice. The given matrix is not changed."""
     try:
         if sparse.issparse(W):
             if hasattr(W, "check_format"):
@@ -75,7 +75,7 @@ def _matrix(W):
 
 
 def real(values):
-    """`values` as a NumPy array if they are real numbers, none of them masked; else a ValueError with what they are."""
+    """Return `values` as a NumPy array. Raise ValueError, with what they are, unless they are real numbers and none is masked."""
     if np.ma.is_masked(values):
         raise ValueError("some of its numbers are masked")
     numbers = np.asarray(values)
@@ -89,7 +89,7 @@ def real(values):
 
 
 def array(name, values, shape, expected=None):
-    """`values` as an array of finite numbers of that shape; `expected`: what to say of another shape."""
+    """Return `values` as an array of finite numbers of this shape, or raise ValueError; `expected`: text for a wrong shape."""
     try:
         numbers = np.ascontiguousarray(real(values), dtype=float).reshape(np.shape(values))
     except (TypeError, ValueError, OverflowError) as error:
@@ -103,17 +103,17 @@ def array(name, values, shape, expected=None):
 
 
 def vector(name, values, length):
-    """`values` as an array of so many finite numbers."""
+    """Return `values` as an array of `length` finite numbers, or raise ValueError."""
     return array(name, values, (length,), f"a W of this size asks for {length} numbers in one row")
 
 
 def refuse_negative(name, numbers):
-    """ValueError with the first number below 0."""
+    """Raise ValueError with the first number below 0, if there is one."""
     wrong = np.argwhere(numbers < 0)
     if wrong.size:
         raise ValueError(f"{place(name, wrong[0])} = {numbers[tuple(wrong[0])]:g} is negative")
 
 
 def place(name, index):
-    """mu[3], normals[3, 1]"""
+    """Return the name of an entry for a message, such as mu[3] or normals[3, 1]."""
     return f"{name}[{', '.join(map(str, index))}]"

@@ -3,7 +3,7 @@
     dimension, contacts, storage of the matrix (0 dense, 1 blocks, 2 sparse), rows, columns, the matrix, q, mu
 
 The three storages are those of Siconos's NM_write_in_file: dense by columns; blocks by rows with each block by columns; sparse as CSparse
-prints a matrix, by columns, rows or triplets. What follows mu is passed over, as Siconos does: old files end with a flag.
+prints a matrix, by columns, rows or triplets. Text after mu is ignored, as in Siconos: old files end with a flag.
 """
 import re
 
@@ -21,7 +21,7 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
 class _Text:
-    """The words of a file one after the other, with the line each stands in for messages."""
+    """Gives the words of a file one after the other, and for messages the line in which each stands."""
 
     def __init__(self, path):
         self.path = path
@@ -40,7 +40,7 @@ class _Text:
         return ValueError(f"{self.path}, line {self.line}: {what}")
 
     def next_line(self):
-        """The next line that is not blank, without the space around it; what is left of the present one is passed over."""
+        """Return the next line that is not blank, stripped of surrounding blanks. The rest of the present line is skipped."""
         self.words = iter(())
         while self.line < len(self.lines):
             self.line += 1
@@ -72,12 +72,12 @@ class _Text:
         return number
 
     def numbers(self, count, what):
-        # One at a time, so that a count far beyond the end of the file is noticed there and not by memory.
+        # One at a time, so that a count far too large fails at the end of the file and does not exhaust the memory.
         return np.array([self.to_number(self.word(), f"{what}[{i}]") for i in range(count)])
 
 
 def read(path):
-    """The `Problem` in the file; ValueError with the line where it is damaged."""
+    """Return the `Problem` in the file. Raise ValueError with the line if the file is damaged."""
     text = _Text(path)
     dimension = text.integer("the dimension")
     if dimension != 2:
@@ -89,9 +89,9 @@ def read(path):
     if rows != 2 * contacts or columns != 2 * contacts:
         raise text.error(f"the matrix is {rows} x {columns}, which does not fit {contacts} contacts with two rows each")
     if storage not in (DENSE, BLOCKS, SPARSE):
-        raise text.error(f"there is no storage {storage} of a matrix")
+        raise text.error(f"unknown matrix storage {storage}: it must be 0 (dense), 1 (blocks) or 2 (sparse)")
     row, column, value = {DENSE: _dense, BLOCKS: _blocks, SPARSE: _sparse}[storage](text, rows)
-    # Before any array of the size the file claims is made: a matrix that can be solved has its whole diagonal.
+    # Checked before arrays of the claimed size are made: a matrix that can be solved has its whole diagonal.
     if len(value) < rows:
         raise text.error(f"W has {len(value)} numbers, fewer than its {rows} rows; its diagonal must be positive")
     W = sparse.coo_matrix((value, (row, column)), shape=(rows, rows))
@@ -113,7 +113,7 @@ def _dense(text, size):
 
 
 def _blocks(text, size):
-    """Siconos's SparseBlockStructuredMatrix: where the rows and columns of blocks end, the blocks of each row, their numbers."""
+    """Read Siconos's SparseBlockStructuredMatrix: the ends of the block rows and columns, the blocks of each row, their numbers."""
     count = text.integer("the number of blocks")
     of_rows = text.integer("the number of block rows", 0, size)
     of_columns = text.integer("the number of block columns", 0, size)
@@ -147,7 +147,7 @@ def _ends(text, number, size, what):
 
 
 def _sparse(text, size):
-    """A matrix as CSparse's cs_print shows it, six digits a number."""
+    """Read a matrix as CSparse's cs_print prints it, with six digits a number."""
     text.integer("the origin of the sparse matrix")
     if not text.next_line().startswith("CSparse Version"):
         raise text.error("a sparse matrix should begin with 'CSparse Version'")

@@ -1,4 +1,4 @@
-"""Solves a problem, and tells how well one is solved."""
+"""Solves contact problems, and computes the error of a solution."""
 import numbers
 import operator
 import sys
@@ -12,16 +12,16 @@ from .problem import Problem, vector
 
 @dataclass(frozen=True)
 class Report:
-    """What came of a solution."""
-    impulses: np.ndarray      # [N s], 2n, normal then tangential: the best that were met if it did not converge
+    """The result of `solve`."""
+    impulses: np.ndarray      # [N s], 2n, normal then tangential: the best ones found if it did not converge
     iterations: int           # sweeps and factorizations
-    factorizations: int       # of these; any: Newton's method ended the search
+    factorizations: int       # of these iterations; above 0: Newton's method was used
     residual: float           # the error e of `residual`
-    residual_max: float       # that of the worst contact over the root mean square of the impulses
+    residual_max: float       # error of the worst contact over the root mean square of the impulses
     converged: bool
     status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite
-    contact: object           # where there is no solution, the contact that closes or grows most (diverged: one that is no number); else None
-    bodies: object            # of a BodyProblem, the two bodies of that contact; else None
+    contact: object           # no_solution: the contact that closes or grows most; diverged: one with NaN or infinity; else None
+    bodies: object            # for a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of the calling thread's processor time, spent in the solver
 
@@ -35,28 +35,28 @@ def _core():
 
 
 def methods():
-    """Names of the methods that `solve` knows."""
+    """Return the names of the methods that `solve` knows."""
     return list(_core().methods())
 
 
 def instruction_sets():
-    """Names of those that sweeps over bodies can use on this processor, the fastest first."""
+    """Return the names of the instruction sets that sweeps over bodies can use on this processor, the fastest first."""
     return list(_core().instruction_sets())
 
 
 def use_instruction_set(name):
-    """Sweep with this one of `instruction_sets()` from now on: for comparisons, since the results are the same bits with all."""
+    """Use this one of `instruction_sets()` in sweeps from now on. It is for comparisons: the results have the same bits with all."""
     _core().use_instruction_set(name)
 
 
 def bytes_of_a_sweep():
-    """Memory of sweeps over bodies: bytes of a contact, of its impulses one sweep before (with momentum), and of a body."""
+    """Return the memory used in sweeps over bodies [bytes]: for a contact, for its impulses one sweep before (with momentum), for a body."""
     return tuple(_core().bytes_of_a_sweep())
 
 
 def _arrays(problem):
-    """The problem as the compiled core takes it, checked anew since its arrays may have been changed: of bodies their arrays, else rows of
-    2 x 2 blocks."""
+    """Return the problem's arrays for the compiled core: those of the bodies, or the rows of W in 2 x 2 blocks. They are checked anew, since they may
+    have been changed."""
     if isinstance(problem, BodyProblem):
         problem = replace(problem)
         return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
@@ -82,22 +82,23 @@ def _count(name, value, least):
 
 
 def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0, threads=1):
-    """Impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
+    """Return a `Report` with impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
     method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
-                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more). Where one of the last
-                      three gains nothing, plain sweeps are tried, too
-    max_iterations    sweeps and factorizations together, never exceeded; plain Gauss-Seidel can ask for 1e5 to reach 1e-8
-    impulses          first guess [N s]; none: zero. One 1e12 times larger than what would stop each closing contact alone is not used
+                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more). If one of the last
+                      three makes no progress, plain sweeps are tried, too
+    max_iterations    sweeps and factorizations together, never exceeded; plain Gauss-Seidel may need 1e5 to reach 1e-8
+    impulses          first guess [N s]; none: zero. It is not used if it is 1e12 times larger than what would stop each closing contact alone
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
-    threads           that share the work of a large `BodyProblem`; the result is the same bits with any number. A `Problem` is solved by one
+    threads           that share the work of a large `BodyProblem`; the result has the same bits with any number. A `Problem` uses one thread
 
-    A problem that is not solved is no exception: the report's `status` says so and it holds the best impulses met. `no_solution`: the impulses grow
-    for ever along a self-stress against which the free velocities work, as where two walls close in on a body, or only some 1e12 times larger than
-    what would stop each closing contact alone would do. Without friction that is a proof; with friction another motion may exist that the method
-    has not found. `indefinite`: W gives impulses a negative energy, which no mechanics does. Input that makes no sense is a ValueError. A sweep reads about 7 n blocks of W for disks in a dense packing, or as a `BodyProblem` the n contacts alone; the arrays are copied
-    once.
+    A problem that is not solved raises no exception: the report's `status` says so, and it holds the best impulses found. Input of a wrong kind or
+    out of range raises ValueError. `no_solution`: the impulses grow for ever along a self-stress against which the free velocities work, as between
+    two walls that close in on a body, or a solution would need impulses some 1e12 times larger than what would stop each closing contact alone.
+    Without friction that is a proof; with friction another motion may exist that the method has not found. `indefinite`: p^T W p is negative for some
+    impulses, which no mechanics allows. A sweep reads about 7 n blocks of W for disks in a dense packing, for a `BodyProblem` only the n contacts.
+    The arrays are copied once.
     """
     core = _core()
     if not isinstance(method, str) or method not in core.methods():
@@ -123,18 +124,18 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
 
 
 def residual(problem, impulses):
-    """The error e of impulses p, computed by code that shares nothing with the solvers.
+    """Return the error e of impulses p, computed by code that shares nothing with the solvers.
 
     e = ||p - P_K(p - (u + mu |u_t| n)/W_nn)|| / ||p||, 2-norms over all contacts: u = W p + q, W_nn each contact's own normal compliance,
     K Coulomb's cone, P_K the Euclidean projection on it. The term mu |u_t| n of De Saxce makes e = 0 the exact, non-associated law (Acary,
-    Bremond & Huber 2018, hal-01630836, section 2). Differences below the round-off of u count as none; without impulses e is 0 where no
+    Bremond & Huber 2018, hal-01630836, section 2). Differences below the round-off of u count as zero. If all impulses are zero, e is 0 if no
     contact is violated, else infinite.
     """
     return _residuals(problem, impulses)[0]
 
 
 def residual_max(problem, impulses):
-    """The same of the worst contact alone, over the root mean square of the impulses."""
+    """Return the same error for the worst contact alone, over the root mean square of the impulses."""
     return _residuals(problem, impulses)[1]
 
 

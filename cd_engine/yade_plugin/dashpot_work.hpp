@@ -5,9 +5,9 @@
 
 namespace cd_engine {
 
-// A dashpot of coefficient c pushes with f = c v_n, v_n the speed at which the two surfaces near each other, and dissipates f^2/c a second.
-// In leapfrog v_n is that of half a step before; what this leaves out is a difference of two kinetic energies times c dt/m, which does
-// not grow with the number of steps.
+// A dashpot of coefficient c pushes with f = c alpha v, v being the speed at which the centres approach and alpha = (R1 + R2)/d the factor by which
+// YADE scales it, d their distance. It dissipates f v = f^2/(c alpha) a second. In leapfrog v is that of half a step before. What this leaves out is
+// (omega dt)^2/4 of the sum, omega being the frequency of the springs, and a difference of two kinetic energies times c dt/m.
 class DashpotWork : public RegisteredEngine<DashpotWork> {
     public:
 	static constexpr const char* name = "DashpotWork";

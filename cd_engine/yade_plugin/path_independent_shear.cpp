@@ -132,9 +132,10 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	const double oldForce = n[0] * old[1] - n[1] * old[0];
 
 	double force = oldForce; // a spring not known from the step before begins with what the law functor has found
-	// One that was lost is not remembered when it comes back. (Interaction.iterMadeReal does not tell: O.resetTime() leaves it in the future.)
+	// A contact made in this step is new, even if the same pair had one in the step before. (O.resetTime() may leave iterMadeReal in the future.)
 	const std::size_t known = recall(id1, id2);
-	if (known < pairForces.size()) {
+	const bool isNew = at<long>(interaction, layout.interaction_iterMadeReal) == at<long>(scene, layout.scene_iter);
+	if (known < pairForces.size() && !isNew) {
 		const double mx = pairNormals[2 * known], my = pairNormals[2 * known + 1];
 		const double theta = std::atan2(mx * n[1] - my * n[0], mx * n[0] + my * n[1]);
 		const double stretch = (r1 + r2) * theta - r1 * disks[id1].turn - r2 * disks[id2].turn;

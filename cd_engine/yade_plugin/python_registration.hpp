@@ -54,7 +54,8 @@ template <class E, class T> void check(const char* attribute, const T& value, co
 	if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>) {
 		const double x = value;
 		if (!(x >= range.low && x <= range.high && !(range.openLow && x == range.low)))
-			raise(PyExc_ValueError, full() + "=" + number(x) + " is out of range: it must be " + allowed(range));
+			raise(PyExc_ValueError,
+			    full() + "=" + number(x) + " is out of range: it must be " + (allowed(range).empty() ? "a number" : allowed(range)));
 	} else if constexpr (std::is_same_v<T, std::string>) {
 		E::checkText(attribute, value);
 	} else if constexpr (std::is_same_v<T, Vector3r>) {
@@ -133,8 +134,9 @@ template <class E> py::object constructRaw(py::tuple arguments, py::dict keyword
 // engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
 template <class E> void setAttribute(const py::object& self, const std::string& name, const py::object& value)
 {
-	const py::object type = self.attr("__class__");
-	if (PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
+	const py::object type = self.attr("__class__"), own = py::import("yade.wrapper").attr(E::name);
+	// A class derived in Python may have attributes of its own.
+	if (type.ptr() == own.ptr() && PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
 		const py::object near = py::import("difflib").attr("get_close_matches")(name, py::import("builtins").attr("dir")(type), 1);
 		const std::string hint = py::len(near) ? "; did you mean " + std::string(py::extract<std::string>(near[0])) + "?" : "";
 		raise(PyExc_AttributeError, std::string(E::name) + " has no attribute '" + name + "'" + hint);

@@ -16,7 +16,7 @@ def main(arguments):
 
 
 def rows(series, errors, seconds=None, scene="stack", size=0):
-    """A series of settings; an error that is a text is the reason of a failure."""
+    """A series of settings; an error given as text is the reason of a failure."""
     made = []
     for rank, error in enumerate(errors):
         lost = isinstance(error, str)

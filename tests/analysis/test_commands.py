@@ -1,4 +1,4 @@
-"""The command line of the analysis: figures that hold ink where they should, tables, and exit statuses."""
+"""The command line of the analysis: figures with ink where it should be, tables, and exit statuses."""
 import os
 import subprocess
 import sys
@@ -106,7 +106,7 @@ LATIN = {"LC_ALL": "de_DE.ISO-8859-1", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE":
     ({"HOME": None}, PAGE), (LATIN, PAGE), (LATIN | {"LC_ALL": "C"}, ["recommend"]), ({"PATH": "/nowhere"}, ["check", "{run}"])],
     ids=["no HOME", "Latin-1", "ASCII", "no git"])
 def test_commands_work_in_poor_surroundings(root, tmp_path, md, surroundings, arguments):
-    """The page of the published run has all the letters that there are; drawing asks for fonts below HOME, provenance for git."""
+    """They work without a UTF-8 locale, HOME or git: the published page has all letters, drawing looks for fonts below HOME, provenance asks git."""
     environment = {name: value for name, value in (os.environ | surroundings).items() if value is not None}
     words = [word.format(page=tmp_path / "page.html", run=md) for word in arguments]
     done = subprocess.run([sys.executable, "-m", "analysis", *words], cwd=root, env=environment, capture_output=True)

@@ -134,7 +134,7 @@ def test_balance_error_takes_what_was_summed_where_it_happened(tmp_path):
 
 
 def test_work_error_compares_two_ways_to_the_work(tmp_path):
-    """Isotropic compression at P0 by a tenth of the area, whose work is P0 dA; the history claims a tenth more."""
+    """Isotropic compression at P0 by a tenth of the area does the work P0 dA; the history states a tenth more."""
     columns = history("MD")
     count = len(columns["time"])
     columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.zeros(count)

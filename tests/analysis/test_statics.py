@@ -79,11 +79,11 @@ def test_force_range_of_a_determinate_sample_is_a_point():
 
 
 def test_sample_that_nothing_bounds_is_refused():
-    """One disk between rough walls: each pair of walls carries whatever it is given."""
+    """One disk between rough walls: each pair of walls carries any load on it, so no load is the largest."""
     snapshot = diagonal_pair(math.pi / 4, 0.3, 0.0)
     single = {"position": snapshot["position"][:1], "radius": np.full(1, RADIUS), "body_ids": np.array([6]),
               "contact_ids": np.array([[0, 6], [2, 6], [1, 6], [3, 6]]), "contact_normal": snapshot["contact_normal"][:4],
               "contact_point": np.array([[0, RADIUS], [RADIUS, 0], [2 * RADIUS, RADIUS], [RADIUS, 2 * RADIUS]]),
               "contact_friction": np.full(4, 0.3), "box": np.array([0, 2 * RADIUS, 0, 2 * RADIUS])}
-    with pytest.raises(ResultError, match="set no bound"):
+    with pytest.raises(ResultError, match="do not bound the load"):
         statics.limit_loads(single, P0, DEPTH)

@@ -41,7 +41,7 @@ def test_every_study_keeps_to_the_frame():
         module = studies.module(name)
         assert module.TITLE and module.QUESTION and module.ANSWER and set(module.ROWS) == {"quick", "full"}
         assert all(callable(getattr(module, part)) for part in ("summarize", "draw", "numbers"))
-        assert all(verdict in ("agrees", "agrees in part", "disagrees") for _, _, _, verdict, _ in module.POINTS)
+        assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict, _ in module.POINTS)
         for full in (False, True):
             assert studies.rows(name, full)
 

@@ -1,4 +1,4 @@
-"""Problems given by their bodies: the same as by their matrix, read as they were written, and what is refused."""
+"""Problems given by their bodies: equal to those given by their matrix, unchanged by writing and reading, and what is refused."""
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,7 +10,7 @@ from .test_problem import error
 
 
 def drawn(seed=1, bodies=12, contacts=20, mu=0.4):
-    """Contacts of disks and of other bodies in no order; body 0 cannot move but is moved, body 1 moves along x alone."""
+    """Random contacts of disks and other bodies. Body 0 cannot move freely but has a velocity; body 1 moves along x alone."""
     draw = np.random.default_rng(seed)
     masses = draw.uniform(0.5, 2, (bodies, 3))
     masses[2:, 1] = masses[2:, 0]
@@ -99,11 +99,11 @@ def test_there_and_back(tmp_path, contacts):
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32), st.integers(0, 255), st.booleans())
 def test_damaged_files(tmp_path_factory, where, value, cut):
-    """Any byte changed, or the end missing: the problem as it was (a byte that means nothing) or a ValueError with the path."""
+    """With any byte changed, or the end missing, the file gives the same problem (if the byte has no meaning) or a ValueError with the path."""
     path = tmp_path_factory.mktemp("damaged") / "problem.npz"
     core.write_problem(path, drawn())
     content = bytearray(path.read_bytes())
-    where = 4 + where % (len(content) - 4)  # what does not begin as a zip archive is taken for text, and refused as that
+    where = 4 + where % (len(content) - 4)  # a file that does not begin as a zip archive is read as text, and refused as such
     if cut:
         del content[where:]
     else:
@@ -176,12 +176,12 @@ def test_a_problem_spoilt_later_is_refused_too():
 
 @pytest.mark.parametrize("normal", [(1, np.cos(np.pi / 2)), (np.sin(np.pi), -1), (np.cos(np.pi / 2), 1)])
 def test_freedom_by_round_off_is_none(normal):
-    """A body that can move along one axis alone, pushed along the other by a normal that is turned: the two products of this normal and the axis are
-    6e-17 or 1e-16, and impulses of 1e32 N s would solve it."""
+    """A body can move along one axis alone and is pushed along the other by a rotated normal. The product of this normal and the axis is only
+    round-off, 6e-17 or 1e-16, and impulses of 1e32 N s would solve it."""
     free = [0, 1, 0] if abs(normal[1]) < 0.5 else [1, 0, 0]
     with pytest.raises(ValueError, match="contact 0: neither of its bodies 0 and 1 can move along its normal"):
         core.BodyProblem([[0, 0, 0], free], [[0, 0, 0], [-1, -1, 0]], [[0, 1]], [normal], [[0, 1, 0, -1]], [0], [0.3])
-    # A slope of 1e-10 is one.
+    # A slope of 1e-10 is a real freedom.
     slope = (1e-10, 1) if free[0] else (1, 1e-10)
     assert core.solve(core.BodyProblem([[0, 0, 0], free], [[0, 0, 0], [-1, -1, 0]], [[0, 1]], [slope], [[0, 1, 0, -1]], [0], [0])).converged
 

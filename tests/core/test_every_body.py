@@ -83,8 +83,8 @@ CASES = {f"{name} {ratio:g}": (make, ratio) for ratio in RATIOS for name, make i
 @pytest.mark.parametrize("method", core.methods())
 @pytest.mark.parametrize("case", CASES)
 def test_converged_is_true_of_every_body(case, method):
-    """1 in chains: residual.hpp bounds the sum of what their contacts miss. In the lattice under the plate, whose contacts make loops, each may miss
-    ten times the tolerance, and the plate feels six rows of them: 60."""
+    """The factor is 1 in chains: residual.hpp bounds the sum of their contacts' errors. In the lattice under the plate, whose contacts make loops,
+    each contact may have ten times the tolerance, and six rows add up at the plate: 60."""
     make, ratio = CASES[case]
     allowed = 60 if make is pressed else 1
     problem = make(ratio)
@@ -106,7 +106,7 @@ def test_newton_s_method_reaches_it(case, method):
     make, ratio = CASES[case]
     report = core.solve(make(ratio), method, 1e-6, 20000)
     beyond_round_off = case in ("tall mixed column 1e+08", "hundred 1e+08")
-    few_sweeps = method == "newton" and case == "hundred 1e+06"  # newton alone starts from these
+    few_sweeps = method == "newton" and case == "hundred 1e+06"  # newton alone starts from so few sweeps
     if beyond_round_off or few_sweeps:
         assert report.status in ("stagnated", "max_iterations")
     else:

@@ -1,4 +1,4 @@
-"""Problems read and written: each kind of file, what other codes make of ours, and what becomes of damaged ones."""
+"""Problems are read and written: each kind of file, how other codes read ours, and what happens with damaged ones."""
 import ctypes
 
 import h5py
@@ -213,7 +213,7 @@ def test_a_crash_or_a_loop_below_is_a_refusal(tmp_path, monkeypatch):
     def loop(_):
         while True:
             pass
-    for function, words in ((lambda _: os.kill(os.getpid(), signal.SIGSEGV), "fails on it"), (loop, "does not come to an end")):
+    for function, words in ((lambda _: os.kill(os.getpid(), signal.SIGSEGV), "fails on it"), (loop, "did not finish")):
         with pytest.raises(ValueError, match=f"{path}: damaged.*{words}"):
             guarded.call(function, path)
     assert guarded.call(lambda _: "read", path) == "read"

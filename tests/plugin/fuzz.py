@@ -1,7 +1,7 @@
-"""Random scenes under random changes, every step watched:  /usr/bin/python3 -m tests.plugin.fuzz 7 20-39
+"""Random scenes under random changes, with every step checked:  /usr/bin/python3 -m tests.plugin.fuzz 7 20-39
 
-runs the scenes of these seeds, each in a process of its own, and says of each what was seen and how it ended. `--here` runs them in this process,
-for a debugger. The last line counts those that broke a law. What a scene is and what is done to it follows from its seed alone.
+runs the scenes of these seeds, each in a process of its own, and reports for each what was checked and how it ended. `--here` runs them in this
+process, for a debugger. The last line counts the scenes that broke a law. The seed alone determines a scene and what is done to it.
 """
 import argparse
 import glob
@@ -16,11 +16,11 @@ import traceback
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PHASES = 7
-SECONDS = 120  # for a scene that takes one: what takes longer hangs
+SECONDS = 120  # limit for a scene, which takes about one: longer means that it hangs
 
 
 class Run:
-    """A scene on its way: the changes made, the engines, what watches."""
+    """A running scene: the changes made, its engines, and the Watch that checks it."""
 
     def __init__(self, seed, folder):
         from . import fuzz_laws, fuzz_scene
@@ -32,7 +32,7 @@ class Run:
         self.set_engines()
 
     def set_engines(self):
-        """Contact Dynamics, watched, its company in any order that is allowed."""
+        """Set Contact Dynamics with its Watch, and other engines in any order that is allowed."""
         import cd_engine
         import yade
         from yade_scripts.running import hooks
@@ -63,7 +63,7 @@ class Run:
             hooks.stop()
 
     def after_load(self):
-        """What YADE does not save."""
+        """Restore what YADE does not save: permanent forces."""
         import yade
         for k, force in self.scene.permanent.items():
             if yade.O.bodies[k]:
@@ -81,7 +81,7 @@ class Run:
             raise self.watch.wrong
 
     def refused(self):
-        """What the next step says instead of being made; None if it is made."""
+        """Try the next step. Return the message with which it is refused, None if it is made."""
         import yade
         self.watch.before = self.watch.after = lambda: None
         try:
@@ -95,7 +95,7 @@ class Run:
         return None
 
     def go(self):
-        """All phases: each a change and some steps. The sentence that ended it, if the engine refused a change that it may refuse."""
+        """Run all phases, each a change and some steps. Return the message that ended the run if the engine refused a change that it may refuse."""
         from . import fuzz_changes, fuzz_twins
         import yade
         self.steps(self.r.randrange(1, 60))
@@ -121,7 +121,7 @@ class Run:
 
 
 def scene(seed):
-    """One scene from its seed: (whether it held, what to say)."""
+    """Run one scene from its seed. Return (whether all laws held, report)."""
     run = None
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -137,7 +137,7 @@ def scene(seed):
 
 
 def apart(seed):
-    """The same in a child process, which may die or hang."""
+    """Run the same in a child process, which may crash or hang."""
     read, write = os.pipe()
     child = os.fork()
     if not child:
@@ -159,7 +159,7 @@ def apart(seed):
 
 
 def seeds(text):
-    """Those that `7` or `20-39` stand for."""
+    """Return the seeds that `7` or `20-39` stands for."""
     first, _, last = text.partition("-")
     return range(int(first), int(last or first) + 1)
 

@@ -1,4 +1,4 @@
-"""What may happen to a scene between two steps. Each change takes the run and its body of numbers; some say what the next step must refuse."""
+"""Changes that may happen to a scene between two steps. Each takes the Run; some return the words with which the next step may refuse it."""
 import math
 
 import yade
@@ -12,13 +12,13 @@ NAN = float("nan")
 
 
 def pick(run, *kinds, free=None):
-    """A body of these kinds, or None."""
+    """Return a random body of these kinds, or None."""
     some = [b for b in yade.O.bodies if KINDS[type(b.shape).__name__] in (kinds or KINDS.values()) and (free is None or free == (b.state.blockedDOFs != "xyzXYZ"))]
     return run.r.choice(some) if some else None
 
 
 def add(run):
-    """A disk where nothing is."""
+    """Add a disk at a free place."""
     run.scene.disk()
 
 
@@ -71,7 +71,7 @@ def freedom(run):
 
 
 def friction(run):
-    """Of a material that bodies share or do not."""
+    """Change the friction of a material, which bodies may share."""
     if b := pick(run):
         b.mat.frictionAngle = math.atan(run.r.choice((0, 0.05, 0.5, 2)))
 
@@ -82,7 +82,7 @@ def material(run):
 
 
 def shape(run):
-    """Another object of the same or of another class, twice at times, so that one may come to lie where another was."""
+    """Replace a shape by another object of the same or another class; sometimes twice, so that one may reuse the memory of the first."""
     for _ in range(run.r.choice((1, 1, 2, 3))):
         if b := pick(run, DISK, BOX):
             size = b.shape.radius if type(b.shape) is Sphere else min(b.shape.extents[0], b.shape.extents[1])
@@ -118,7 +118,7 @@ def force(run):
 
 
 def contacts(run):
-    """Interactions taken away, or the forces on them."""
+    """Remove interactions, or change the forces on them."""
     some = [i for i in yade.O.interactions]
     if some and run.r.random() < 0.7:
         i = run.r.choice(some)
@@ -131,7 +131,7 @@ def contacts(run):
 
 
 def save_and_load(run):
-    """In memory or in a file; YADE keeps no permanent forces."""
+    """Save and load the scene, in memory or in a file; YADE keeps no permanent forces."""
     references = dict(run.watch.references)
     if run.r.random() < 0.5:
         yade.O.saveTmp()
@@ -152,13 +152,13 @@ def save_and_load(run):
 
 
 def new_engines(run):
-    """Contact Dynamics again: overlaps count anew, and may have become too deep for that."""
+    """Set Contact Dynamics anew: overlaps are taken over anew, and may have become too deep for that."""
     run.set_engines()
     return "overlap"
 
 
 def springs(run):
-    """YADE's own springs for a while, and back."""
+    """Run YADE's own springs for a while, then Contact Dynamics again."""
     import cd_engine
     cd_engine.release()
     w, scene = wrapper, yade.O
@@ -175,19 +175,19 @@ def springs(run):
 
 
 def interlude(run):
-    """Steps one by one."""
+    """Make single steps."""
     for _ in range(run.r.choice((1, 3))):
         run.step()
 
 
 def pause(run):
-    """The run ends before its end."""
+    """Stop the run before its planned end."""
     run.stop_at = yade.O.iter + 3
     run.steps(50)
 
 
 def bad(run):
-    """What the next step must refuse, naming the body; it is mended afterwards."""
+    """Make the scene invalid: the next step must refuse it with the body's name. Then repair it."""
     b = pick(run, DISK)
     kind = run.r.choice(("radius", "z", "velocity", "mass", "friction", "extents", "axis"))
     if kind in ("extents", "axis"):

@@ -1,4 +1,4 @@
-"""What Contact Dynamics has to know of a scene, read from YADE's objects alone and computed anew: nothing here calls the engine."""
+"""The geometry of a scene that Contact Dynamics needs, computed anew from YADE's objects alone: nothing here calls the engine."""
 import math
 
 import numpy as np

@@ -1,9 +1,9 @@
-"""What every step has to keep, asked of YADE's objects before and after it (Watch): each law with the tolerance that its derivation gives.
+"""The laws that every step has to obey, checked on YADE's objects before and after it (Watch), each with a tolerance from its derivation.
 
 h: the step; v, v': velocities before and after; P: contact impulses (YADE's forces times h); S: what acts on a body, the sum of its |P| and of its
-external impulses. A step that says converged has every velocity change right to the tolerance times S/m; `SLACK` is how far what is asked here may
-add up. Gaps count at the mid-configurations x + h/2 v, where the scheme requires contact. A disk whose centre comes through a face on its way there, by a velocity that somebody has given or that a
-step without a solution has left, has its way end at the face.
+external impulses. In a step that counts as converged every velocity change is right to the tolerance times S/m; `SLACK` bounds how far the errors
+checked here may add up. Gaps count at the mid-configurations x + h/2 v, where the scheme requires contact. If the centre of a disk passes through a
+face on its way there (with a velocity set by a user, or left by a step without a solution), its displacement ends at the face.
 """
 import math
 
@@ -17,14 +17,14 @@ from . import fuzz_geometry
 from .fuzz_geometry import BOX, DISK, Picture
 
 EPS = np.finfo(float).eps
-SINGLE = 10        # by how much more than typical one contact of an island with loops may miss (cd_engine/core/residual.hpp)
-SLACK = 10         # a contact's own error, in what the tolerance allows both of its bodies: the cone couples normal and tangential errors
+SINGLE = 10        # error of one contact of an island with loops, over the typical one (cd_engine/core/residual.hpp)
+SLACK = 10         # error of a contact, over what the tolerance allows its two bodies: the cone couples normal and tangential errors
 # A body's error against the exact solution, in what acts on the most loaded body of its island: the errors of all contacts, of which there are up
 # to 60, passed on through wedges, rows that roll together and such (270 has been met in a packing of equal masses). Free fall that counts as
 # solved is off by all of what acts, 1/tolerance times as much as is allowed a single contact.
 SLACK_WHOLE = 3000
-ONLY_SLIDING = 1e-9  # of the cone: where "sliding" begins
-UNSURE = object()  # of an exact solution that round-off has spoilt
+ONLY_SLIDING = 1e-9  # distance from the cone at which "sliding" begins
+UNSURE = object()  # stands for an exact solution that round-off has spoilt
 STATUS = {"converged", "fixed_iterations", "max_iterations", "stagnated", "no_solution"}
 
 
@@ -38,12 +38,12 @@ def engine():
 
 
 class Watch:
-    """Looks before and after every step; `references` are the overlaps taken over from springs, by pair of ids."""
+    """Checks every step. references: the overlaps taken over from springs, by pair of ids."""
 
     def __init__(self):
         self.references = {}
         self.steps = self.unsolved = self.loaded = self.exact = 0
-        self.worst = {}  # by law: the largest share of its tolerance that was met
+        self.worst = {}  # by law: the largest error found, over its tolerance
         self.wrong = None
 
     def before(self):
@@ -60,8 +60,8 @@ class Watch:
             raise
 
     def hold(self, law, found, allowed, what):
-        """Raises where |found| exceeds what is allowed; both are arrays, what(i) says which body or contact number i is."""
-        found, allowed = np.abs(np.atleast_1d(found)), np.atleast_1d(allowed) + 1e-100  # what dies out loses its digits
+        """Raise Broken where |found| exceeds `allowed`; both are arrays, what(i) names the body or contact number i."""
+        found, allowed = np.abs(np.atleast_1d(found)), np.atleast_1d(allowed) + 1e-100  # numbers that decay to zero lose their digits
         if found.size == 0:
             return
         share = np.where(found > 0, found / np.maximum(allowed, np.finfo(float).tiny), 0)
@@ -96,7 +96,7 @@ class Watch:
             self._exact(cd)
             if cd.gapCorrection == 0:
                 self._energy(cd)
-        if cd.converged and not cd.residual <= cd.tolerance * (1 + 1e-6):  # of parts on the edge, sums round
+        if cd.converged and not cd.residual <= cd.tolerance * (1 + 1e-6):  # parts at the limit: their sum is rounded
             raise Broken(f"converged with the error {cd.residual:.3g}, tolerance {cd.tolerance:.3g}, {cd.method}, at step {yade.O.iter}")
         self.unsolved += not cd.converged
 
@@ -123,16 +123,15 @@ class Watch:
         self.rows = fuzz_geometry.rows(p, self.normal, self.point, self.mid, a, b)
         self.inverse = np.stack([p.w[a], p.w[b]], axis=1)  # (pair, side, freedom)
         self.wn, self.wt = ((row ** 2 * self.inverse).sum(axis=(1, 2)) for row in self.rows)
-        # What neither body can give way to, but for the last digit of a sine, pushes nothing: it goes through, as boundaries through each other.
+        # If neither body can move along the normal, except for the last digit of a sine, the contact carries nothing: the bodies pass each other.
         self.gives = self.wn > 1e-20 * np.maximum(self.inverse.max(axis=(1, 2)), 1e-300)
         self.deepest = max(0, -self.gap[self.gives].min(initial=0))
         self.number = {pair: k for k, pair in enumerate(zip(a.tolist(), b.tolist()))}
 
     def _stop_at_faces(self):
-        """Finds the disks whose way has ended at a face: from where they are now, which their velocities do not explain.
+        """Find the disks whose displacement ended at a face: those whose place now does not follow from their velocities.
 
-        Only such a one may, whose centre came into a boundary, and it is as far from the face as it is wide; unless that takes it into another, which
-        sends it on.
+        This may happen only to a disk whose centre entered a boundary; then it touches the face from outside, or another boundary moves it on.
         """
         p, h, a, b = self.picture, self.picture.dt, self.a, self.b
         self.stop = np.zeros_like(p.x)
@@ -425,9 +424,8 @@ class Watch:
         return x.reshape(n, 3)
 
     def _energy(self, cd):
-        """Contacts give no energy but what the scheme's own mean may: Sum P.(u + u')/2 <= Sum (h F)^2/(8 m), since P.u' <= 0 and
-        (u + u')/2 = u' - (W P + h H' F/M)/2. A box that turns may be met by a bend of the way, u' = bend/h. The engine's sum says the same where nothing
-        is stopped."""
+        """Contacts create no energy except by the scheme's mean: Sum P.(u + u')/2 <= Sum (h F)^2/(8 m), since P.u' <= 0 and (u + u')/2 = u' - (W P +
+        h H' F/M)/2. At a turning box u' may equal the bend of the path over h. The engine's own sum must agree if no disk is stopped."""
         p = self.picture
         mean = 0.5 * (p.v + self.v)
         un, ut = self._relative(self.rows[0], mean), self._relative(self.rows[1], mean)

@@ -1,4 +1,4 @@
-"""Draws scenes of a plane: what stands in them, how they are loaded, how they are stepped; all lengths in m, times in s, masses in kg."""
+"""Draws plane scenes at random: their bodies, loads and steps; lengths in m, times in s, masses in kg."""
 import math
 
 import yade
@@ -12,7 +12,7 @@ METHODS = ("auto", "accelerated", "nsgs", "newton")
 
 
 class Scene:
-    """A scene as it was drawn: the settings of its engine, its gravity and what its numbers are about."""
+    """A scene as drawn: settings of the engine, gravity, and the scale of its numbers."""
 
     def __init__(self, r):
         self.r = r
@@ -41,7 +41,7 @@ class Scene:
         return self.r.gauss(0, self.speed / 2), self.r.gauss(0, self.speed / 2)
 
     def disk(self, place=None, radius=None, still=False):
-        """Appends a disk; without a place where it touches nothing, if one is found. Its id, or None."""
+        """Append a disk; without `place` at a random place where it touches nothing. Return its id, or None if there is no such place."""
         radius = radius or self.radius()
         k = plane.disk(place or (0, 0), radius, mass=self.mass(radius), velocity=(0, 0) if still else self.velocity(),
                        spin=0 if still else self.r.gauss(0, self.speed / radius), mat=self.material())
@@ -53,7 +53,7 @@ class Scene:
         return k
 
     def put_free(self, k):
-        """Puts body k where nothing is; erases it where that does not come about; whether it is there."""
+        """Move body k to a free place, or erase it if none is found. Return whether it still exists."""
         body = yade.O.bodies[k]
         for _ in range(30):
             body.state.pos = (self.r.uniform(-0.35, 0.35), self.r.uniform(0, 0.6), 0)
@@ -81,7 +81,7 @@ def gaps_of(k):
 
 
 def build(r):
-    """An empty YADE gets a scene; what was drawn."""
+    """Build a scene in an empty YADE. Return the Scene that was drawn."""
     scene = Scene(r)
     yade.O.dt = scene.dt
     for make in r.sample(BOUNDARIES, r.randrange(1, 5)):

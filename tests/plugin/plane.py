@@ -8,12 +8,12 @@ from yade import utils
 
 
 def material(mu=0.5):
-    """Material with friction coefficient mu; its index in O.materials."""
+    """Append a material with friction coefficient mu. Return its index in O.materials."""
     return yade.O.materials.append(yade.wrapper.FrictMat(young=1e6, poisson=0.3, density=1000, frictionAngle=math.atan(mu)))
 
 
 def disk(position, radius, mass=1.0, blocked="zXY", velocity=(0, 0), spin=0.0, mat=None):
-    """Append a disk at (x, y); mass [kg], moment of inertia m r^2/2; its id."""
+    """Append a disk at (x, y) of `mass` [kg] and moment of inertia m r^2/2. Return its id."""
     body = utils.sphere((*position, 0), radius, material=material() if mat is None else mat)
     body.state.mass = mass
     body.state.inertia = (mass * radius**2 / 2,) * 3
@@ -24,12 +24,12 @@ def disk(position, radius, mass=1.0, blocked="zXY", velocity=(0, 0), spin=0.0, m
 
 
 def floor(mat=None):
-    """Append a fixed Wall at y = 0; its id."""
+    """Append a fixed Wall at y = 0. Return its id."""
     return yade.O.bodies.append(utils.wall(0, axis=1, material=material() if mat is None else mat))
 
 
 def box(position, half, angle=0.0, blocked="xyzXYZ", mass=1.0, inertia=1.0, mat=None):
-    """Append a Box turned by `angle` [rad] about z; its id."""
+    """Append a Box turned by `angle` [rad] about z. Return its id."""
     q = yade.Quaternion((0, 0, 1), angle)
     body = utils.box((*position, 0), (*half, 0.5), orientation=q, fixed=True, material=material() if mat is None else mat)
     body.state.mass = mass
@@ -39,7 +39,7 @@ def box(position, half, angle=0.0, blocked="xyzXYZ", mass=1.0, inertia=1.0, mat=
 
 
 def run(steps, dt, **settings):
-    """Set the engines, make the steps; the ContactDynamics engine."""
+    """Set the engines and make the steps. Return the ContactDynamics engine."""
     import cd_engine
     yade.O.engines = cd_engine.engines(**settings)
     yade.O.dt = dt
@@ -48,7 +48,7 @@ def run(steps, dt, **settings):
 
 
 def kinetic_energy():
-    """Of all free bodies [J], plane motion."""
+    """Kinetic energy [J] of all free bodies in plane motion."""
     total = 0.0
     for b in yade.O.bodies:
         if b.state.blockedDOFs == "xyzXYZ":
@@ -68,5 +68,5 @@ def momenta():
 
 
 def everything_in(engine):
-    """What an engine is set to, has found and remembers: .dict(), and what is saved but shown nowhere."""
+    """Settings, results and memory of an engine: .dict(), and attributes that are saved but not shown."""
     return engine.dict() | {name: getattr(engine, name) for name in dir(engine) if re.match("_[a-z]", name)}

@@ -1,4 +1,4 @@
-"""What Python may do while a run goes on in the background."""
+"""What Python may do while a run continues in the background."""
 import builtins
 import time
 
@@ -22,7 +22,7 @@ def columns(O):
 
 
 def test_no_problem_is_exported_beside_a_run(O, tmp_path):
-    """The scene would be read while it changes."""
+    """The export would read the scene while it changes."""
     cd = columns(O)
     O.run(10**9)
     try:
@@ -33,7 +33,7 @@ def test_no_problem_is_exported_beside_a_run(O, tmp_path):
         deadline = time.monotonic() + 60
         while cd.steps == before and time.monotonic() < deadline:
             time.sleep(0.01)
-        assert cd.steps > before  # it was a run
+        assert cd.steps > before  # the run was really under way
     finally:
         O.pause()
         O.wait()
@@ -44,7 +44,7 @@ def test_no_problem_is_exported_beside_a_run(O, tmp_path):
 
 @pytest.mark.parametrize("place", ["before", "after"])
 def test_an_engine_of_the_run_may_export(O, tmp_path, place):
-    """PyRunner holds the run up."""
+    """A PyRunner makes the run wait, so the scene does not change."""
     cd = columns(O)
     builtins.export_now = lambda: cd.exportProblem(str(tmp_path / "a"))
     runner = wrapper.PyRunner(command="import builtins; builtins.export_now()", iterPeriod=1, nDo=1)
@@ -54,7 +54,7 @@ def test_an_engine_of_the_run_may_export(O, tmp_path, place):
 
 
 def test_attributes_are_read_whole_beside_a_run(O):
-    """Texts and lists among them, which a step writes anew while they are copied; the thread sanitizer watches this test in `make soak`."""
+    """Also texts and lists, which a step rewrites while they are copied. The thread sanitizer checks this test in `make soak`."""
     cd = columns(O)
     words = {"converged", "stagnated", "max_iterations"}
     O.run(10**9)

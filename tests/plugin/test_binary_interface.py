@@ -1,4 +1,4 @@
-"""The plug-in fits the running YADE, and finds out every lie about it."""
+"""The plug-in fits the running YADE, and detects every wrong claim about it."""
 import glob
 import re
 import subprocess
@@ -33,7 +33,7 @@ def layout_claims(plugin):
 
 
 def test_every_wrong_offset_is_found_out(plugin):
-    """All members, one after the other, claimed to lie 8 bytes further and 8 bytes before."""
+    """For all members, one after the other, an offset 8 bytes too large or too small is claimed."""
     for name, offset in layout_claims(plugin):
         for lie in (offset + 8, offset - 8):
             if lie < 0:

@@ -1,4 +1,4 @@
-"""What changes between steps is followed, or refused with the body and the attribute: every step looks at all that it uses."""
+"""A change between steps is followed, or refused with the body and the attribute: every step reads all that it uses."""
 import builtins
 import math
 import time
@@ -13,12 +13,12 @@ NAN, INF = math.nan, math.inf
 
 
 def address(thing):
-    """Where an object of YADE's lies in memory, as its name tells."""
+    """Return the address of an object of YADE, which its name contains."""
     return str(thing).rsplit(" ", 1)[-1]
 
 
 def made_at(place, make):
-    """What make() gives as soon as it lies at that address, which is free: malloc gives memory out again."""
+    """Call make() until its object lies at this free address, and return that object: malloc reuses freed memory."""
     made = []  # kept, so that each lies elsewhere
     while not made or address(made[-1]) != place:
         assert len(made) < 1000, "nothing was made in that place"
@@ -27,7 +27,7 @@ def made_at(place, make):
 
 
 def swap(owner, attribute, between, make):
-    """Replaces an attribute by another object that lies where the first one was, which `between` has freed."""
+    """Replace an attribute by another object at the same address; setting it to `between` frees the first object."""
     place = address(getattr(owner, attribute))
     kept = [make() for _ in range(100)]  # so that malloc has no other free piece of that size, and keeps the one that is freed now
     setattr(owner, attribute, between)
@@ -36,7 +36,7 @@ def swap(owner, attribute, between, make):
 
 
 def test_a_disk_that_becomes_a_wall_in_its_place_in_memory_is_a_wall(O):
-    """The second disk falls beside the first one's place, on the wall there."""
+    """The second disk falls next to the first one's place, on the wall there."""
     mat = plane.material()
     first = plane.disk((0, -0.01), 0.01, blocked="xyzXYZ", mat=mat)
     plane.disk((0.1, 0.03), 0.01, mat=mat)
@@ -50,7 +50,7 @@ def test_a_material_without_friction_in_the_place_of_one_with_it_is_refused(O):
     mat = plane.material()
     for k in range(2):
         plane.disk((0, 0.02 * k), 0.01, mat=mat)
-    O.bodies[1].mat = wrapper.FrictMat(frictionAngle=0.1)  # that nobody else holds
+    O.bodies[1].mat = wrapper.FrictMat(frictionAngle=0.1)  # no other body holds it
     plane.run(1, 1e-3)
     swap(O.bodies[1], "mat", wrapper.ElastMat(), wrapper.ElastMat)
     with pytest.raises(RuntimeError, match=r"#1 .*friction angle.*O\.bodies\[1\]\.mat"):
@@ -169,7 +169,7 @@ def test_a_scene_goes_on_once_it_is_mended(O):
 
 
 def test_the_only_disk_may_not_leave_the_plane_either(O):
-    """It would fall through the floor, which does not reach there; put back it goes on."""
+    """It would fall past the floor, which does not reach there. Put back, it continues."""
     mat = plane.material()
     plane.box((0, -0.05), (1, 0.05), mat=mat)
     disk = plane.disk((0, 0.01), 0.01, mat=mat)

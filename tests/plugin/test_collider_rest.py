@@ -1,4 +1,4 @@
-"""Pairs are searched anew when bodies have moved through their margins; YADE's collider rests. Both change cost and nothing else."""
+"""Pairs are searched anew when bodies have left their margins; YADE's collider rests. Both change only the cost."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from .test_invariants import cloud, digest, heap
 
 
 def run(O, steps, at_once, **settings):
-    """Make the steps in runs of `at_once`: in runs of one step the collider never rests. The collider."""
+    """Make the steps in runs of `at_once` steps; in runs of one step the collider never rests. Return the collider."""
     import cd_engine
     O.engines = cd_engine.engines(tolerance=1e-9, maxIterations=100000, **settings)
     O.dt = 1e-3
@@ -21,7 +21,7 @@ def run(O, steps, at_once, **settings):
     (lambda O: cloud(O, 40, seed=6, speed=3), {}),
 ], ids=["falling heap", "fast cloud"])
 def test_results_are_the_same_to_the_last_bit(O, scene, settings):
-    """Over motions of many radii, so that the collider is woken many times."""
+    """The motions are many radii long, so that the collider must work many times."""
     hashes = []
     for at_once in (1, 300):
         O.reset()
@@ -46,7 +46,7 @@ def test_it_rests_within_a_run_and_is_awake_after_it(O):
 
 @pytest.mark.parametrize("change", ["move a disk by hand", "append a disk", "grow a disk"])
 def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
-    """A new contact that only another search can find."""
+    """The change makes a contact that only a new search can find."""
     import yade
     mat = plane.material()
     plane.floor(mat)

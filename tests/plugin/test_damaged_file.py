@@ -1,4 +1,4 @@
-"""What a file written by hand, or damaged, holds of the engine: refused in a sentence or made anew, never read past its end."""
+"""Damaged or invented data of the engine in a file: refused in a sentence or rebuilt, never read past its end."""
 import re
 
 import pytest

@@ -1,4 +1,4 @@
-"""Heavy bodies are carried by light ones, and what passes into each other is said."""
+"""Light bodies carry heavy ones, and deep overlaps are reported."""
 import re
 
 import pytest
@@ -9,7 +9,7 @@ G = 9.81
 
 
 def pile(O, ratio, steps, **settings):
-    """A disk of `ratio` times the mass on a disk of 1 kg on a floor, from rest and without forces; the engine."""
+    """Put a disk of `ratio` kg on a disk of 1 kg on a floor, at rest and without forces, and make the steps. Return the engine."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
@@ -30,7 +30,7 @@ def test_a_heavy_disk_is_carried_by_a_light_one(O, capfd, ratio, method):
 
 
 def test_free_fall_is_not_called_solved(O, capfd):
-    """Sweeps alone cannot hand 1e8 kg on within 2000: every step says so, and names the heavy disk."""
+    """Within 2000 sweeps a step the weight of 1e8 kg does not reach the floor: every step is unsolved, and the message names the heavy disk."""
     engine = pile(O, 1e8, 20, method="nsgs", maxIterations=2000)
     assert engine.unconvergedSteps == 20 and not engine.converged and engine.status in ("max_iterations", "stagnated")
     assert engine.tolerance < engine.bodyError and engine.worstBody == 2
@@ -40,7 +40,7 @@ def test_free_fall_is_not_called_solved(O, capfd):
 
 
 def test_few_fixed_sweeps_are_said_too(O, capfd):
-    """One sweep a step asks for no error at all; a cold start hands the upper weight on in no step."""
+    """With one sweep a step no error is checked; from a cold start the weight of the upper disk never reaches the floor."""
     engine = pile(O, 100, 60, fixedIterations=1, warmStart=False)
     assert engine.deepestPenetration > 1e-4 and re.search(r"bodies #\d+ and #\d+ overlap by", capfd.readouterr().err)
 
@@ -53,7 +53,7 @@ def test_what_is_solved_is_not_warned_of(O, capfd, ratio):
 
 
 def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
-    """maxPenetration is of the last step, deepestPenetration of all, through O.save as well."""
+    """maxPenetration belongs to the last step, deepestPenetration to all, also after O.save."""
     import yade
     engine = pile(O, 100, 60, fixedIterations=1, warmStart=False)
     deepest = engine.deepestPenetration
@@ -68,14 +68,14 @@ def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
 
 
 def test_what_adds_up_over_steps_is_said_to(O, capfd):
-    """Under a loose tolerance, which every step keeps."""
+    """A loose tolerance, which every step meets, lets an overlap grow."""
     engine = pile(O, 1000, 50, tolerance=1, method="nsgs")
     said = capfd.readouterr().err
     assert engine.unconvergedSteps == 0 and "grew step by step by what the tolerance leaves" in said and "set gapCorrection=0.1" in said
 
 
 def test_what_comes_in_one_step_is_said_to(O, capfd):
-    """An impact that bounces is left to the next step where the step is too long for it."""
+    """If the step is too long, an impact with rebound is treated only in the next step, and the bodies overlap."""
     mat = plane.material()
     plane.floor(mat)
     for k in range(60):

@@ -1,4 +1,4 @@
-"""O.energy, where O.trackEnergy asks for it."""
+"""O.energy, if O.trackEnergy is set."""
 import pytest
 
 import cd_engine
@@ -9,7 +9,7 @@ G = 9.81
 
 
 def drop(O, track, steps=400):
-    """Disks that fall on a floor; the weight they have lost in height [J]."""
+    """Let disks fall on a floor. Return the potential energy that they have lost [J]."""
     mat = plane.material(0.3)
     plane.floor(mat)
     disks = [plane.disk((0.0195 * (k % 4) + 0.004 * (k // 4), 0.05 + 0.03 * (k // 4)), 0.0095, mat=mat, spin=3) for k in range(12)]
@@ -23,7 +23,7 @@ def drop(O, track, steps=400):
 
 
 def test_energies_go_where_yade_keeps_them(O):
-    """Under its names; their sum stays what it was, and the kinetic one is YADE's own."""
+    """They have YADE's names, their sum is constant, and the kinetic one equals YADE's own."""
     from yade import utils
     fallen = drop(O, True)
     energy = dict(O.energy.items())
@@ -41,7 +41,7 @@ def test_nothing_is_kept_unless_it_is_asked_for(O):
 
 
 def test_it_may_be_asked_for_at_rest(O):
-    """Steps in which nothing moves any more say so, too."""
+    """Steps in which nothing moves write their energies, too."""
     plane.floor()
     plane.disk((0, 0.01), 0.01)
     plane.run(200, 1e-3, gravity=(0, -G, 0))

@@ -211,7 +211,7 @@ def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
 
 
 def test_a_light_body_beside_a_heavy_one_is_carried(O):
-    """Its force is 1e-9 of the other's, below the tolerance on the whole; it must not fall through the floor."""
+    """Its force is 1e-9 of the other's, below the tolerance of the whole problem; still it must not fall through the floor."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mass=1e6, mat=mat)
@@ -221,7 +221,7 @@ def test_a_light_body_beside_a_heavy_one_is_carried(O):
 
 
 def test_a_cradle_hands_its_velocity_on(O):
-    """e = 1, five equal disks half a millimetre apart, one step being a millimetre: the last one leaves with all of it."""
+    """e = 1, five equal disks half a millimetre apart, one step being a millimetre: the last one leaves with the whole velocity."""
     for i in range(5):
         plane.disk((0.0205 * i, 0), 0.01, velocity=(1 if i == 0 else 0, 0))
     plane.run(200, 1e-3, restitution=1, tolerance=1e-12)

@@ -1,4 +1,4 @@
-"""A few of the random scenes of `fuzz.py`; hundreds in tests/soak/test_fuzz.py. And that what watches them sees what is wrong."""
+"""A few of the random scenes of `fuzz.py` (hundreds are in tests/soak/test_fuzz.py), and proof that its checks detect errors."""
 import subprocess
 import sys
 
@@ -7,24 +7,24 @@ import pytest
 from . import fuzz_laws, plane
 from yade_scripts.running import hooks
 
-# Five of five lines broken in the engine were seen by the first line. In scenes of the second what watches was wrong: it did not know of disks stopped
-# at a face (13), of overlaps taken over between what cannot move (178), of those in a scene loaded twice (217), of how a turning box may give energy
-# (214), of a disk on a rail that goes through a wall (376), its exact solution had lost its digits (65), a disk on two
-# floors at one place has many (75), and contacts that make loops are relative to a mean (81). In 271 it was the engine: the collider missed
-# a pair for ever after bounds that were no numbers; in 417, too: a step under fixedIterations that was solved twice made twice as many sweeps.
+# The seeds of the first line detected all of five errors that were put into the engine. Those of the second once showed errors of the checks: disks
+# stopped at a face (13), overlaps taken over between bodies that cannot move (178), the same in a scene loaded twice (217), energy from a turning
+# box (214), a disk on a rail that passes a wall (376), an exact solution without digits (65) or not unique, for a disk on two floors (75), and
+# loops, whose errors are relative to a mean (81). Two showed errors of the engine: after bounds with NaN the collider never found a pair
+# again (271), and with fixedIterations a step that was solved twice made twice as many sweeps (417).
 SEEDS = ("0", "2", "5", "7", "9", "12", "116",
          "13", "178", "217", "214", "376", "65", "75", "81", "271", "417")
 
 
 @pytest.mark.timeout(300)
 def test_random_scenes(root):
-    """One command makes each of them again: the one below with the seed that it names."""
+    """The command below, with the seed that it reports, makes a scene again."""
     done = subprocess.run([sys.executable, "-m", "tests.plugin.fuzz", *SEEDS], cwd=root, capture_output=True, text=True)
     assert done.returncode == 0, "\n".join(line for line in done.stdout.splitlines() if not line.startswith("seed") or "BROKEN" in line) + done.stderr[-2000:]
 
 
 def tell(O, spoil, **settings):
-    """A column that slides on a floor, watched, with `spoil(cd)` between a step and the look at it; what is said of its 30th step."""
+    """Run a column that slides on a floor, with `spoil(cd)` between a step and its check. Return the report on its 30th step."""
     import cd_engine
     mat = plane.material(0.5)
     plane.floor(mat)
@@ -64,13 +64,13 @@ def test_what_is_wrong_is_seen(O, law):
 
 @pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton"])
 def test_a_step_that_only_says_converged_is_seen(O, method):
-    """Solved to 1e-3 after a push, and said to be to 1e-12."""
+    """After a push the step is solved to 1e-3, but claims 1e-12."""
     said = tell(O, lambda cd: setattr(cd, "tolerance", 1e-12), tolerance=1e-3, method=method, warmStart=False)
     assert any(law in said for law in ("gap closed or force zero", "sticks, or slides", "the exact velocity"))
 
 
 def test_a_disk_that_passes_through_a_plate_is_seen(O):
-    """The plate is said to touch nothing, which the watch does not know."""
+    """For the engine the plate touches nothing; the checks do not know this."""
     import cd_engine
     O.bodies[plane.box((0, 0), (0.5, 0.0005))].bounded = False
     plane.disk((0, 0.1), 0.01, velocity=(0, -30))

@@ -1,4 +1,4 @@
-"""From springs to rigid contacts: nothing moves while nothing changes."""
+"""From springs to rigid contacts: without a change of load nothing may move."""
 import json
 import os
 import subprocess
@@ -98,7 +98,7 @@ def test_a_thousand_steps_at_constant_load_drift_less_than_1e_9(said):
 
 
 def test_overlaps_are_not_expelled_when_the_load_goes(said):
-    """Stored elastic energy belongs to the springs: rigid grains that are let go do not fly apart, and parted pairs forget their overlap."""
+    """The elastic energy belongs to the springs: unloaded rigid grains do not fly apart, and separated pairs forget their overlap."""
     assert said["speed of grains when let go"] < 1e-3  # the spring energy would give sqrt(k/m) overlap = 0.05 m/s
     assert said["references when let go"] < said["references"]
 

@@ -1,4 +1,4 @@
-"""Forces that rigidity leaves open, by hand: a disk in a groove with friction has a one-parameter family of them."""
+"""Forces that rigid contacts do not determine, solved by hand: a disk in a groove with friction has a one-parameter family of them."""
 import math
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Islands of contacts solved apart (`reduce`): what they are, that motion does not depend on it, what it spares."""
+"""Islands of contacts solved separately (`reduce`): what they are, that motion does not depend on it, and how much work it saves."""
 import builtins
 import math
 
@@ -36,7 +36,7 @@ def motion(O):
 
 
 def seen(O):
-    """All that a step leaves to see: motion, contacts, the bodies' total forces, the engine's counts and error."""
+    """All visible results of a step: motion, contacts, total forces on bodies, counts and error of the engine."""
     cd = O.engines[-1]
     contacts = sorted((i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce, *i.geom.normal, *i.geom.contactPoint, i.geom.penetrationDepth,
                        i.phys.tangensOfFrictionAngle)
@@ -152,7 +152,7 @@ def test_no_false_rest(O, excess):
 
 @pytest.mark.parametrize("load, speed, tolerance", [(1e5, 1e-3, 1e-6), (1e4, 1e-2, 1e-4), (1e4, 0.1, 1e-3)])
 def test_what_rolls_among_heavily_loaded_bodies_is_not_stopped(O, load, speed, tolerance):
-    """A press on two disks, on which a light one rolls slower than the tolerance of the press's forces would tell: 1 % for errors on the way."""
+    """A light disk rolls on two in a press, more slowly than the tolerance of the press's forces can resolve. 1 % for errors on the way."""
     mat = plane.material(0.5)
     plane.floor(mat)
     for x in (-0.1, 0.1):
@@ -265,7 +265,7 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_nothing_shows_of_what_sleeps_on(O, change):
-    """Something changes within a run, by an engine, while columns sleep on; the same in runs of one step, in which everything is looked at."""
+    """An engine changes something within a run while columns sleep. Runs of one step, in which everything is checked, give the same."""
     import cd_engine
     left = []
     for steps in (200, 1):
@@ -316,7 +316,7 @@ def test_forces_changed_in_what_sleeps_are_looked_at_in_the_next_step(O):
                                     lambda O: O.interactions.erase(0, 1), lambda O: O.interactions.clear()], ids=["replaced", "erased", "all erased"])
 @pytest.mark.parametrize("step", (17, 18, 19, 50))
 def test_objects_taken_from_what_sleeps_are_missed_at_once(O, change, step):
-    """Also while it falls asleep, by the trial in the 17th step."""
+    """Also while it falls asleep, in the trial of the 17th step."""
     mat = plane.material(0.5)
     plane.floor(mat)
     column(0, 3, mat)
@@ -358,7 +358,7 @@ def test_bodies_that_are_gone_are_no_contacts(O, margin):
 
 @pytest.mark.parametrize("before", [10, 60, 300])
 def test_a_saved_scene_goes_on_bitwise(O, tmp_path, before):
-    """What rested and what slept is remembered to spare time; it must not show."""
+    """The engine remembers what rested and slept, to save time; that must not change results."""
     import cd_engine
     cloud(O, 40, seed=3, speed=2)
     plane.floor()

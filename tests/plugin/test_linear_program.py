@@ -1,4 +1,4 @@
-"""Steps without a solution, with a linear program as judge: boundaries that leave bodies no velocities must not count as solved."""
+"""Steps without a solution, as a linear program decides: they must not count as solved."""
 import math
 import random
 

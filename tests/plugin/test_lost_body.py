@@ -1,4 +1,4 @@
-"""A body that is fast and far from all others costs what it costs; one that leaves the scene for good is named once."""
+"""A body that is fast and far from all others makes only its own search more expensive; one that leaves the scene for ever is named once."""
 import pytest
 
 import cd_engine
@@ -32,7 +32,7 @@ def test_a_lost_body_is_named_once_and_widens_nothing(O, capfd):
 
 @pytest.mark.parametrize("settings", [{}, dict(restitution=0.5)], ids=["plain", "bouncing"])
 def test_it_hits_what_it_comes_to(O, capfd, settings):
-    """A fast disk into a bed: to the last bit as with bounds that are always wide."""
+    """A fast disk hits a bed: the motion has the same bits as with bounds that are always wide."""
     found = []
     for margin in (0.1, 10):
         O.reset()

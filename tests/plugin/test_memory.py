@@ -1,4 +1,4 @@
-"""A step asks for no memory once sizes have settled: counted for the whole engine in a running YADE, whatever library asks on its behalf."""
+"""A step allocates no memory once sizes have settled. Counted for the whole engine in a running YADE, including libraries that it calls."""
 import os
 import subprocess
 import sys
@@ -54,7 +54,7 @@ def requests(counter, root, folder, **scene):
             yades += int(times)
         else:
             ours += int(times)
-            print(line)  # shown if the test fails
+            print(line)  # pytest shows it if the test fails
     return ours / scene["steps"], yades / scene["steps"]
 
 

@@ -1,4 +1,4 @@
-"""In another YADE than those it was tested with the engine says so, and the process lives on: the real binaries, and claims about them."""
+"""In a YADE that it does not fit the engine says so, and the process lives on: tested with real binaries and with false claims about them."""
 import importlib
 import re
 import shutil

@@ -246,6 +246,23 @@ def test_a_contact_that_ends_is_forgotten(O):
     assert engine.contacts == 1 and abs(shear(O)) < 1e-9  # radial return: the functor finds no way aside
 
 
+def test_a_contact_made_anew_is_new_whatever_its_pair_had_before(O):
+    """Erased by hand it is back in the next step, unloaded. A clock that is set back afterwards makes no contact new."""
+    d = R1 + R2 - 1e-3
+    pair(O, 1e-3)
+    turned = [(d * math.cos(0.01 * k), d * math.sin(0.01 * k), 0, 0) for k in (1, 1, 1, 2)]
+    engines(O, motion=Walk(O, turned))
+    hooks.simulate(2)
+    assert abs(shear(O)) > 1
+    O.interactions.erase(0, 1)
+    hooks.simulate(1)
+    assert abs(shear(O)) < 1e-9
+    O.resetTime()
+    assert O.interactions[0, 1].iterMadeReal > O.iter
+    hooks.simulate(3)
+    assert shear(O) == pytest.approx(-KS * (R1 + R2) * 0.01, rel=1e-3)
+
+
 def box_of_disks(O, gravity):
     """25 equal disks in a triangular pile between walls, with friction, at rest but for their weight."""
     from yade import utils

@@ -51,7 +51,7 @@ def test_a_wall_along_gravity_has_no_height(O):
 
 @pytest.mark.parametrize("disks, arguments, said", [
     (0, {}, "no disk in the scene may move"),
-    (1, {}, r"nothing tells a speed.*speed=0\.1"),
+    (1, {}, r"no speed can be estimated.*speed=0\.1"),
     (1, dict(share=0), "share=0 is out of range"),
     (1, dict(speed=-1), "speed=-1 m/s is out of range"),
     (1, dict(gravity=(0, float("nan"), 0)), "not a vector of finite numbers"),

@@ -1,4 +1,4 @@
-"""publish='due' writes to the scene only what somebody looks at, and what is seen is what publish='always' shows, to the last bit."""
+"""publish='due' writes to the scene only what somebody reads, and this equals publish='always' to the last bit."""
 import builtins
 import hashlib
 import time
@@ -29,7 +29,7 @@ def scene(O):
 
 
 def both(O, run, build=scene, **settings):
-    """What `run(engine)` returns with either way of publishing, the scene built anew for each."""
+    """Return the results of `run(engine)` for both values of publish, with the scene built anew for each."""
     results = []
     for publish in ("always", "due"):
         O.reset()
@@ -126,7 +126,7 @@ def test_a_force_acts_in_the_step_it_was_added_in_and_no_longer(O, call, dies):
 
 @pytest.mark.parametrize("contacts", [False, True])
 def test_what_lies_still_is_tried_and_ordered_as_if_somebody_looked(O, call, contacts):
-    """The plan of trials and the order of the bodies, which decide the last digits later."""
+    """Compares the plan of rest trials and the order of the bodies, which determine the last digits later."""
     def build(O):
         mat = plane.material()
         plane.floor(mat)
@@ -162,7 +162,7 @@ def test_a_step_that_ends_in_no_number_leaves_the_forces_of_the_one_before(O):
 
 
 def test_paused_by_another_thread_than_the_one_that_waits(O):
-    """It sees the last step, and what it sets stays."""
+    """The other thread sees the last step, and what it sets is kept."""
     import threading
 
     def build(O):
@@ -213,7 +213,7 @@ def test_saved_by_an_engine_of_the_run_and_gone_on(O, call, tmp_path):
 
 
 def test_after_a_pause_and_in_the_background(O):
-    """A run that nobody waits for shows every step; what waits for its end sees that."""
+    """A run in the background shows every step; a caller that waits for the end sees the last one."""
     def run(engine):
         O.run(400)
         while O.iter < 20:
@@ -230,7 +230,7 @@ def test_after_a_pause_and_in_the_background(O):
 
 
 def test_a_run_stopped_by_an_engine(O, call):
-    """O.pause() and stopAtIter from within; the end is shown though nobody announced it."""
+    """By O.pause() and stopAtIter from within a step; the final state is visible although the end was not announced."""
     def run(engine):
         O.engines = [*O.engines, call(lambda: setattr(O, "stopAtIter", O.iter + 3), iterPeriod=50)]
         O.run(500, True)
@@ -265,7 +265,7 @@ def test_the_collider_finds_what_is_new(O):
 
 
 def test_springs_take_over(O):
-    """They find the contacts of Contact Dynamics where they are."""
+    """They find the contacts of Contact Dynamics at their present places."""
     def run(engine):
         O.run(200, True)
         before = seen(O)

@@ -1,4 +1,4 @@
-"""What the engine cannot do it refuses at the first step, naming the body and the remedy; and it leaves the scene as it was."""
+"""The engine refuses at the first step what it cannot do, names the body and the remedy, and leaves the scene unchanged."""
 import math
 
 import pytest

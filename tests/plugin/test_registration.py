@@ -88,6 +88,9 @@ def test_a_misspelt_attribute_is_refused_with_the_right_name(cd):
         with pytest.raises(AttributeError, match=f"no attribute '{wrong}'; did you mean {right}?"):
             setattr(engine, wrong, 1e-3)
         assert not hasattr(engine, wrong)
+    class Named(cd_engine.DashpotWork):  # in Python, with attributes of its own
+        pass
+    Named().note = 1
     with pytest.raises(AttributeError, match="no attribute 'qqqqq'$"):
         cd().qqqqq = 1
 

@@ -1,4 +1,4 @@
-"""What the engine cannot honour is refused, or warned of once, with the remedy."""
+"""Settings and objects that the engine cannot handle are refused, or warned of once, with the remedy."""
 import subprocess
 import sys
 
@@ -69,7 +69,7 @@ def test_materials_of_which_only_friction_is_used(O, capfd, make):
 
 
 def test_a_boundary_moved_by_its_position(O, capfd):
-    """Told of once, though it overlaps what is there; once or twice may be a new beginning, and a boundary that has a velocity moves itself."""
+    """Reported once, though it then overlaps bodies. One or two moves may be a restart, and a boundary with a velocity moves by itself."""
     reset, collider, cd = one_disk()
     wall = plane.box((0.03, 0.02), (0.005, 0.02), mat=0)
     places = [0.03, 0.03, 0.029, 0.029, 0.028, 0.027, 0.026, 0.02, 0.015, 0.01]
@@ -85,7 +85,7 @@ def test_a_boundary_moved_by_its_position(O, capfd):
 
 
 def test_overlaps_that_no_springs_have_left(O, capfd):
-    """They are kept; those of springs are left without a word (test_handover)."""
+    """They are kept, with a warning; overlaps from springs are kept without one (test_handover)."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mat=mat)
@@ -133,7 +133,7 @@ def test_a_boundary_that_gravity_moves(O, capfd):
 
 
 def test_nothing_is_said_of_a_lid_that_disks_hold(O, capfd):
-    """Between side walls that it touches."""
+    """The lid also touches side walls."""
     O.engines = one_disk()
     O.dt = 1e-3
     for k in range(3):

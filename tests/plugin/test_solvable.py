@@ -1,4 +1,4 @@
-"""What has no solution is named, and keeps nothing else from its own."""
+"""A problem without a solution is named, and does not spoil the solution of others in the scene."""
 import math
 import random
 
@@ -11,7 +11,7 @@ G = 9.81
 
 
 def press(O, method="auto", tolerance=1e-6, beside=False, speed=0.1):
-    """A disk on the floor under a wall that comes down at `speed` [m/s], whatever happens; beside it a column of two. The engine, ready to run."""
+    """Press a disk on the floor by a wall of `speed` [m/s]; with `beside`, a column of two stands next to it. Return the engine after a step."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
@@ -36,7 +36,7 @@ def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tol
 
 
 def test_a_run_may_be_ended_by_it(O):
-    """At the step that is not solved, which is made, counted and in the scene; the run can go on when what pressed is gone."""
+    """stopUnsolved ends the run at the unsolved step, which is made and counted. The run can continue when the press has gone."""
     engine = press(O, speed=0)
     engine.stopUnsolved = True
     O.run(5, True)
@@ -54,7 +54,7 @@ def test_a_run_may_be_ended_by_it(O):
 @pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
 @pytest.mark.parametrize("share", [1e-1, 1e-2, 1e-4])
 def test_nor_where_the_boundary_is_slow_beside_gravity(O, method, share):
-    """The wall's speed is this share of the velocity that gravity gives in a step. Impulses of speed over tolerance make e small."""
+    """The wall's speed is this share of gravity's velocity in a step. Impulses of the order of speed over tolerance make e small."""
     engine = press(O, method, speed=share * G * 1e-3)
     O.run(20, True)
     assert engine.unconvergedSteps == engine.steps == 21 and engine.status == "no_solution"
@@ -121,7 +121,7 @@ def test_nor_where_a_doubt_remains_though_the_error_is_small(O, method, toleranc
 
 @pytest.mark.parametrize("method", ["auto", "newton"])
 def test_wedged_disks_that_rebound_gain_no_energy(O, method):
-    """Columns of disks between a floor and two walls, thrown at random; friction 1 and 2. Impulses that wedge them have no bound, and e none either."""
+    """Columns of disks between a floor and two walls, thrown at random, friction 1 and 2: impulses that wedge them have no bound."""
     import cd_engine
     draw = random.Random(4)
     for _ in range(60):
@@ -144,7 +144,7 @@ def test_wedged_disks_that_rebound_gain_no_energy(O, method):
 
 @pytest.mark.parametrize("settings", [dict(), dict(gapCorrection=0.1), dict(restitution=0.5)], ids=["belt", "gap correction", "rebounds"])
 def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
-    """A column of 30 disks on a belt, 20 sweeps a step: not solved while it settles, and held all the same: no overlap of a radius."""
+    """A column of 30 disks on a belt with 20 sweeps a step: unsolved while it settles, but without deep overlaps."""
     mat = plane.material()
     O.bodies[plane.box((0, -0.01), (1, 0.01), mat=mat)].state.vel = (0 if settings else 0.01, 0, 0)
     for k in range(30):
@@ -154,7 +154,7 @@ def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
 
 
 def test_forces_that_hold_each_other_are_kept(O):
-    """A lid pressed on three disks is held where it is, and gravity ends: nothing moves, and no force has a reason to vanish."""
+    """A lid pressed on three disks is then fixed, and gravity ends: nothing moves, so the forces must stay."""
     mat = plane.material()
     plane.floor(mat)
     for k in range(3):
@@ -171,7 +171,7 @@ def test_forces_that_hold_each_other_are_kept(O):
 
 
 def test_so_many_sweeps_do_not_make_it_solved(O):
-    """Under fixedIterations `converged` says whether the errors are within the tolerance, and e is: the impulses have grown."""
+    """With fixedIterations, e is within the tolerance because the impulses have grown; still `converged` must be False."""
     engine = press(O, tolerance=1e-1)
     engine.fixedIterations = 300
     O.run(3, True)
@@ -189,8 +189,8 @@ def test_what_stands_beside_it_is_solved(O):
 
 @pytest.mark.parametrize("method, tolerance", [("auto", 1e-12), ("newton", 1e-12), ("newton", 1e-13)])
 def test_impulses_of_an_unsolved_step_excuse_none_in_the_next(O, method, tolerance):
-    """A lid comes down on one of two overlapping disks. The first step ends with impulses of 1e12 N s; taken up as the first guess of the next they
-    are within the tolerance, being so large."""
+    """A lid comes down on one of two overlapping disks. The first step ends with impulses of 1e12 N s. As first guess of the next step they are so
+    large that the error relative to them is within the tolerance."""
     mat = plane.material()
     plane.floor(mat)
     plane.disk((0, 0.01), 0.01, mat=mat)
@@ -220,7 +220,7 @@ def test_the_bound_on_iterations_is_one(O, most):
 
 
 def test_a_collider_finds_pairs_after_a_body_has_been_erased(O):
-    """A disk rolls at 5 m/s towards another; the engines are set anew on the way. The overlap is what the scheme leaves."""
+    """A disk rolls at 5 m/s towards another; meanwhile the engines are set anew. The allowed overlap is that of the scheme."""
     import cd_engine
     mat = plane.material()
     plane.floor(mat)

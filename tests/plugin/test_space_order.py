@@ -1,4 +1,4 @@
-"""Contacts are ordered by where their bodies are, in scenes too large for the cache; that belongs to the saved state."""
+"""In scenes too large for the cache, contacts are ordered by the places of their bodies; the order is part of the saved state."""
 import numpy as np
 import pytest
 from yade import utils
@@ -31,7 +31,7 @@ def test_a_saved_scene_goes_on_bitwise_though_the_bodies_have_moved(O, tmp_path)
     O.load(str(tmp_path / "half.yade.gz"))
     O.run(10, True)
     assert digest(O) == whole
-    # An order made from the places of now would be another one: it is the saved one that was used.
+    # An order from the present places would differ, so this shows that the saved one was used.
     O.load(str(tmp_path / "half.yade.gz"))
     O.engines = cd_engine.engines(fixedIterations=1, handover=False)
     O.run(1, True)
@@ -39,7 +39,7 @@ def test_a_saved_scene_goes_on_bitwise_though_the_bodies_have_moved(O, tmp_path)
 
 
 def test_the_order_of_the_list_of_pairs_does_not_show(O):
-    """In runs of one step the collider runs in every step, and its list is another one."""
+    """In runs of one step the collider runs in every step and makes another list of pairs."""
     hashes = []
     for at_once in (1, 16):
         O.reset()
@@ -52,7 +52,7 @@ def test_the_order_of_the_list_of_pairs_does_not_show(O):
 
 @pytest.mark.parametrize("moved, renewed", [(0, False), (2100, True)])
 def test_the_order_is_renewed_at_a_step_that_looks_at_it(O, moved, renewed):
-    """Every 64th step looks; disks put in each other's places have lost their order."""
+    """Every 64th step checks the order; disks that have changed places make it invalid."""
     throw(O)
     O.run(1, True)
     first = list(O.engines[-1]._bodyOrder)

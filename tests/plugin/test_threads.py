@@ -1,4 +1,4 @@
-"""Threads that share a step: the motion is the same bits with any number, and nobody starts one in vain."""
+"""Threads share the work of a step: the motion has the same bits with any number of them, and none is started without need."""
 import os
 import pathlib
 import subprocess
@@ -17,12 +17,12 @@ RADIUS = 0.05
 
 
 def helpers():
-    """How many threads of the engine there are beside those that call it."""
+    """Return the number of the engine's threads besides those that call it."""
     names = []
     for task in pathlib.Path("/proc/self/task").iterdir():
         try:
             names.append((task / "comm").read_text().strip())
-        except FileNotFoundError:  # it has ended meanwhile
+        except FileNotFoundError:  # the thread has ended meanwhile
             pass
     return names.count("cd_engine")
 
@@ -126,7 +126,7 @@ def test_solve_without_yade_by_several_threads(O, tmp_path):
 
 
 def test_a_process_that_is_forked_off_goes_on_alone(root):
-    """It has none of the helpers: what they belong to is given up there, and others are started. The parent goes on with its own."""
+    """The child has none of the helper threads; it drops what belongs to them and starts others. The parent keeps its own."""
     program = """
 import os, sys
 sys.path.insert(0, ROOT)

@@ -10,7 +10,7 @@ SPIN = 60.0  # [rad/s]: in a step of 1 ms the tip of the paddle goes 2.7 radii
 
 
 def in_paddle(O, paddle, disk):
-    """Place of a disk along and across the paddle, and the cosine and sine of the paddle's angle."""
+    """Return the place of a disk along and across the paddle, and the cosine and sine of the paddle's angle."""
     q = O.bodies[paddle].state.ori
     c, s = q[3]**2 - q[2]**2, 2 * q[2] * q[3]
     d = O.bodies[disk].state.pos - O.bodies[paddle].state.pos

@@ -1,4 +1,4 @@
-"""The forces of a step are those that moved its bodies, also when something comes to rest in it; and what is solved to the last digit is solved."""
+"""The reported forces of a step are those that moved its bodies, also when a body comes to rest; a problem solved to the last digit is solved."""
 import math
 
 import numpy as np

@@ -72,7 +72,8 @@ def test_only_loaded_contacts_are_real(O):
 
 
 def test_vtk_export_writes_disks_and_forces(O, tmp_path):
-    """By YADE's exporter in Python: its VTKRecorder, built with MPI, uses a number of processes that it never set, and ends some runs, with springs too."""
+    """By YADE's exporter in Python: VTKRecorder, built with MPI, uses an uninitialized number of processes and crashes some runs, with springs
+    too."""
     loaded_box(O, n=3)
     plane.run(5, 1e-4, tolerance=1e-10)
     from yade import export
@@ -124,7 +125,7 @@ def test_non_convergence_is_counted_and_told_once(tmp_path, root):
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_erasing_and_adding_bodies_in_mid_run(O, order):
-    """Ids change, the layer's first disk goes; the engine keeps up."""
+    """Ids change and the layer's first disk is erased; the engine follows."""
     mat = plane.material()
     ids = [plane.disk((0.3 * i, 0.1), 0.1, mat=mat) for i in range(3)]
     plane.floor(mat)

@@ -1,6 +1,6 @@
-"""A Slurm of its own on this machine: one controller, node daemons n0 and n1 with one core each, keys and state in one folder.
+"""Runs a Slurm of the tests on this machine: one controller, node daemons n0 and n1 with one core each, keys and state in one folder.
 
-Everything runs as the calling user, in the foreground, under this process; nothing of a Slurm of the machine is read or touched.
+Everything runs as the calling user, in the foreground, under this process; a Slurm of the machine is neither read nor changed.
 """
 import getpass
 import os

@@ -13,7 +13,7 @@ FIRST, COUNT, AT_ONCE = int(os.environ.get("FUZZ_FIRST", 0)), int(os.environ.get
 
 @pytest.mark.timeout(7200)
 def test_random_scenes(root):
-    """What breaks a law names its seed, by which one command makes it again; the others go on."""
+    """A broken law is reported with its seed, from which one command makes the scene again; the other scenes still run."""
     broken, lines = [], []
     for first in range(FIRST, FIRST + COUNT, AT_ONCE):
         last = min(first + AT_ONCE, FIRST + COUNT) - 1

@@ -1,4 +1,4 @@
-"""What tests/yade_scripts/test_checkpoint.py does once, many times: runs killed at random moments, and taken up."""
+"""The test of tests/yade_scripts/test_checkpoint.py many times: runs are killed at random moments and resumed."""
 import random
 import signal
 
@@ -13,7 +13,7 @@ KILLS = 40
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", ROWS)
 def test_killed_many_times(tmp_path, name):
-    """Forty kills a method, by SIGKILL, SIGTERM and SIGINT, at moments uniform over a run; a run that gets to its end meanwhile begins a new one."""
+    """Forty kills for each method, by SIGKILL, SIGTERM and SIGINT, at moments uniform over a run; if a run finishes first, a new one begins."""
     option, draw, kills, ended = f"--checkpoints={EVERY}", random.Random(name), 0, 0
     folder = tmp_path / "killed"
     for place in (tmp_path / "whole", folder):

@@ -28,8 +28,8 @@ print(json.dumps(dict(steps=yade.O.iter, memory=memory, contacts=contacts, uncon
 
 @pytest.mark.timeout(3600)
 def test_a_million_steps_leave_the_memory_as_it_is(root):
-    """From a tenth of the way on it grows by less than a quarter of a byte a step: malloc's smallest block, 32 bytes, left behind in every
-    128th step would be found. What it grows by are records: more contacts, and more near pairs, at once than ever before."""
+    """After a tenth of the steps memory grows by less than a quarter of a byte a step. So a leak of malloc's smallest block, 32 bytes, in every 128th
+    step would be found. The growth comes from new maxima of the numbers of contacts and near pairs."""
     program = PROGRAM.format(root=str(root), steps=1000000, samples=SAMPLES)
     done = subprocess.run([sys.executable, "-c", program], env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,4 @@
-"""What tests/analysis/test_readers.py feeds, by the thousand."""
+"""Feeds the readers of tests/analysis/test_readers.py with thousands of files."""
 import pytest
 
 from tests import readers

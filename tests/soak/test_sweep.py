@@ -125,7 +125,7 @@ def rows(tmp_path):
 
 
 def leave(job, status):
-    """A result file with its row, its status and next to nothing of a history."""
+    """Write a result file with its row, its status and almost no history."""
     job.path.parent.mkdir(exist_ok=True)
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
@@ -135,7 +135,7 @@ def leave(job, status):
 
 
 def test_a_row_that_says_why_it_failed_has_its_answer_and_an_old_failure_is_none(rows):
-    """Runs are repeatable: what failed in this sweep would fail again. A file from before it says nothing about the code of now."""
+    """Runs are repeatable: a row that failed in this sweep would fail again. A failure of an earlier sweep may come from older code."""
     one, two, three = rows.jobs
     leave(one, "failed: earlier")
     again = sweep.Rows(rows.jobs)

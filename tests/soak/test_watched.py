@@ -1,4 +1,4 @@
-"""The plug-in in YADE with every access to memory watched: by the compiler's sanitizers in its tests, by valgrind in a run."""
+"""The plug-in in YADE with every memory access checked: by the compiler's sanitizers in its tests, by valgrind in a run."""
 import collections
 import os
 import pathlib
@@ -39,7 +39,7 @@ def library(name):
 
 
 def watched_copy(root, folder, kind):
-    """A copy of the repository whose plug-in is the watched one of that kind."""
+    """A copy of the repository whose plug-in is built with this sanitizer."""
     copy = folder / "copy"
     names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines()
     for name in (name for name in names if (root / name).is_file()):
@@ -58,7 +58,7 @@ def test_core_s_tests_with_address_and_undefined_behaviour_sanitizers(root):
 
 @pytest.mark.timeout(3600)
 def test_threads_of_a_step_with_the_thread_sanitizer(root):
-    """The core's own tests of them, where each fault found makes the exit status one of failure."""
+    """The core's own tests of threads; any fault found makes the exit status one of failure."""
     test_core.run(root, "threaded_core", "--source-file=*test_threads*")
 
 
@@ -99,8 +99,8 @@ def test_runs_in_the_background_with_the_thread_sanitizer(root, tmp_path):
 
 @pytest.mark.timeout(3600)
 def test_valgrind_finds_nothing_of_ours(root, tmp_path):
-    """Every solver, saving and loading: reads and writes out of place, what is not initialised, and what is lost. Of the findings in
-    Python and the libraries those count that have a function of the plug-in among their callers; one kind of them is meant, see valgrind.txt."""
+    """Runs every solver, saving and loading. Valgrind reports invalid reads and writes, uninitialized values and leaks. A finding in Python or a
+    library counts if a function of the plug-in is among its callers; one kind is expected, see valgrind.txt."""
     if shutil.which("valgrind") is None:
         pytest.skip("valgrind is not installed: .ci/install-packages soak")
     report = tmp_path / "report.xml"
@@ -115,5 +115,5 @@ def test_valgrind_finds_nothing_of_ours(root, tmp_path):
         if any((frame.findtext("obj") or "").endswith(PLUGIN) for frame in frames):
             ours.append(error.findtext("kind") + ": " + " < ".join(frame.findtext("fn") or "?" for frame in frames[:12]))
     print(sum(kinds.values()), "findings,", len(ours), "with the plug-in among the callers")
-    assert sum(kinds.values()) > 10  # Python alone makes a hundred: it was watched
+    assert sum(kinds.values()) > 10  # Python alone causes a hundred, so the run was really checked
     assert ours == []

@@ -1,4 +1,4 @@
-"""Prints one digest a scene, method and solver: what tests/yade_scripts/test_same_everywhere.py compares between processes.
+"""Prints one digest for each scene, method and solver, which tests/yade_scripts/test_same_everywhere.py compares between processes.
 
     yade -n -x digests.py METHODS [backwards] [instruction set]      METHODS: MD, CD or MD,CD
 """

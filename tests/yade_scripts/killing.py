@@ -1,4 +1,4 @@
-"""Runs that are killed, and what has to be true of what they leave behind."""
+"""Kills runs, and checks the files that they leave."""
 import os
 import signal
 import subprocess
@@ -20,7 +20,7 @@ ROWS = {"MD_force": BASE | dict(method="MD", md_walls="force", period=0.2, cycle
 
 
 def make(folder, states):
-    """A folder of results that has its packings from another."""
+    """Make a folder of results with the packings of another folder."""
     for place in (folder, states):
         place.mkdir(exist_ok=True)
     (folder / "states").symlink_to(states)
@@ -65,7 +65,7 @@ def kill_at(folder, row, seconds, *options, by=signal.SIGKILL):
 
 
 def check_what_is_left(folder):
-    """A file under a final name is whole; one that is not finished is readable, and nobody takes it for a result."""
+    """A file with a final name is complete; an unfinished one is readable and is not taken for a result."""
     done = only_result(folder)
     if done is not None:
         reader.load(done)

@@ -26,7 +26,7 @@ def test_the_error_is_within_the_accuracy_and_the_search_costs_twice_its_last_ru
     # Not more than the two levels that the next power of two and the estimate by the last change can cost.
     assert len(levels) <= 3 or abs(levels[-3][0].values["answer"] - 1) > asked
     assert [level.row["cd_dt"] for level, _ in levels] == [OWN / 2**k for k in range(len(levels))]
-    assert max(level.row["tolerance"] for level, _ in levels) <= accuracy.LOOSEST  # however little is asked for: looser, packings creep
+    assert max(level.row["tolerance"] for level, _ in levels) <= accuracy.LOOSEST  # for any accuracy: with a looser tolerance packings creep
 
 
 def test_levels_that_agree_do_not_count_while_an_event_can_be_stepped_over():
@@ -35,13 +35,13 @@ def test_levels_that_agree_do_not_count_while_an_event_can_be_stepped_over():
 
 
 def test_levels_with_missed_steps_do_not_count_and_the_search_gives_up_saying_why():
-    assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["cd_dt"] > OWN / 3)))) == 5  # neither may have missed steps of two that agree
+    assert len(accuracy.search(ROW, 0.5, made_up(missed=lambda row: int(row["cd_dt"] > OWN / 3)))) == 5  # neither of two may have missed steps
     with pytest.raises(accuracy.AccuracyError, match="7 steps miss their tolerance"):
         accuracy.search(ROW, 0.5, made_up(missed=lambda row: 7))
 
 
 def test_one_agreement_is_luck():
-    """Two coarse levels that are wrong alike, as of a disk that jitters on under a loose tolerance and is never seen at rest."""
+    """Two coarse levels have the same wrong value, as for a disk that jitters under a loose tolerance and never comes to rest."""
     run = made_up()
     wrong = [0.0, 0.0]
     levels = accuracy.search(ROW, 0.01, lambda row: accuracy.Level(row, {"answer": wrong.pop()} if wrong else run(row).values, 0.0, 0.0, 0, 1.0))
@@ -83,6 +83,6 @@ def test_the_stack_to_an_accuracy_by_one_command(yade60):
 
 def test_a_mistake_is_said_in_a_sentence(yade60):
     for arguments, words in ((["scene=stack"], "accuracy=..."), (["accuracy=1e-3", "scene=stack", "method=MD"], "only for method = CD"),
-                             (["accuracy=1e-3", "scene=chain", "fixed_iterations=0"], "measures nothing")):
+                             (["accuracy=1e-3", "scene=chain", "fixed_iterations=0"], "measures no quantity")):
         done = yade60.script("accuracy.py", *arguments)
         assert done.returncode == 2 and words in done.stderr and "Traceback" not in done.stderr

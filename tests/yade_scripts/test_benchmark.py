@@ -1,4 +1,4 @@
-"""The benchmark's parts: its problems are what they are said to be, its peer is treated fairly, and a figure without proof is never quoted."""
+"""The parts of the benchmark: its problems are as described, Siconos is treated fairly, and a time without a proven solution is never reported."""
 import numpy as np
 import pytest
 
@@ -35,7 +35,7 @@ def test_jammed_disks_balance_the_load():
             net[i, axis] += low - high
             walls[2 * axis:2 * axis + 2] += low, high
     assert np.sqrt(np.mean(net**2)) < BALANCED * np.mean(sizes)
-    # Virial theorem: what the high walls carry is P times their length, to the same share, but for what is left of the disks' forces.
+    # Virial theorem: the high walls carry P times their length with the same relative error, except for the remaining net forces of the disks.
     assert walls[1::2] * sides + np.sum(x * net, axis=0) == pytest.approx(np.repeat(sides.prod(), 2), rel=BALANCED)
     assert walls[::2] - walls[1::2] == pytest.approx(net.sum(axis=0), abs=1e-10)  # pushes between disks cancel
     # Isostatic without friction: two contacts a disk, less the rattlers' and with the walls' besides.
@@ -72,7 +72,7 @@ def test_copies_are_the_problem_again():
 
 @PEERS
 def test_siconos_goes_on_where_it_stopped():
-    """What the peer is timed by: 60 sweeps at once and in pieces are the same bits, and it solves our problem by our error."""
+    """The timing relies on this: 60 sweeps at once and in pieces give the same bits, and solve our problem by our error."""
     peer = siconos.Peer(problems.crystal(6, 0.5).problem)
     at_once, in_pieces = np.zeros(2 * peer.contacts), np.zeros(2 * peer.contacts)
     assert peer.sweeps(at_once, 60) > 0
@@ -88,7 +88,7 @@ def test_time_to_a_target_is_interpolated():
     points = [(0, 0.0, np.inf, np.inf), (4, 1.0, 1e-1, 1.0), (8, 3.0, 1e-3, 1e-2)]
     assert siconos.reached(points, 1e-2) == pytest.approx((6, 2.0, 1e-3, 1e-2))
     assert siconos.reached(points, 1e-1)[:2] == (4, 1.0) and siconos.reached(points, 1e-4) is None
-    # At least one sweep where one is needed, none where the first guess will do.
+    # At least one sweep if one is needed, none if the first guess suffices.
     assert siconos.reached([(0, 0.0, 2e-3, 1), (4, 4.0, 1e-9, 1)], 1.999999e-3)[:2] == pytest.approx((1, 1.0))
     assert siconos.reached([(0, 0.0, 2e-3, 1)], 1e-2)[:2] == (0, 0.0)
 
@@ -101,7 +101,7 @@ def test_rows_say_what_was_reached(monkeypatch):
     for row in rows:
         assert row["status"] == solutions.SOLVED and row["residual"] <= row["target"] and row["seconds"] > 0 and row["sweeps"] >= 1
         assert row["residual"] <= row["residual_max"]
-    # A solver that claims what is not so gets no time.
+    # A solver whose claim is false gets no time.
     sound = core.solve
 
     def boastful(problem, method="accelerated", *settings, **more):

@@ -1,4 +1,4 @@
-"""The row of 50 disks under few sweeps a step, and the theory it is held against."""
+"""The row of 50 disks under few sweeps a step, compared with the theory."""
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -55,8 +55,8 @@ def test_elastic_both_ways(yade60, way, period, decay):
 
 
 def test_neither_or_both_memories_are_no_spring(yade60):
-    """Creep at a speed of its own, 150 times the way at rest in 200 steps; impulses that read the time integral of the overlap: out of all
-    bounds. Neither names a period."""
+    """Without both, the row creeps: 150 times the final elastic displacement in 200 steps. With both, impulses depend on the time integral of the
+    overlap and grow without bound. Neither has a known period."""
     for warm, correction, furthest in ((False, 0, 100), (True, 1, 10)):
         with yade60.run(scene="chain", disks=50, warm_start=warm, gap_correction=correction) as file:
             assert not len(file.get("known", ()))
@@ -64,7 +64,7 @@ def test_neither_or_both_memories_are_no_spring(yade60):
 
 
 def test_solved_row_is_rigid(yade60):
-    """The tolerance on the forces, 1e-8 of the push, over 200 steps: a millionth of the elastic way."""
+    """The tolerance on the forces, 1e-8 of the push, gives over 200 steps a millionth of the elastic displacement."""
     with yade60.run(scene="chain", disks=50, fixed_iterations=0) as file:
         assert np.abs(file["extra/end_displacement"][:]).max() < 1e-5 * abs(file["extra/end_at_rest"][()])
 

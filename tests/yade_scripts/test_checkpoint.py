@@ -1,4 +1,4 @@
-"""Runs that are killed go on from their last checkpoint and end with the numbers of runs that were not."""
+"""Killed runs resume from their last checkpoint and end with the numbers of uninterrupted runs."""
 import json
 import random
 import subprocess
@@ -43,7 +43,7 @@ def test_killed_at_random_and_taken_up_is_as_if_never_killed(whole, tmp_path, na
 
 
 def test_what_a_killed_run_left_half_written_is_removed(whole, tmp_path):
-    """Files beside the checkpoint and the result that never got their names; not those of another run."""
+    """Unfinished files beside checkpoint and result are removed; those of another run stay."""
     reference, _ = whole("heap", f"--checkpoints={EVERY}")
     killing.make(tmp_path, states=reference.parent / "states")
     for name in (f"{reference.stem}.checkpoint.zip.7758.new", f"{reference.stem}.h5.7758.new", "other.h5.7758.new"):
@@ -53,7 +53,7 @@ def test_what_a_killed_run_left_half_written_is_removed(whole, tmp_path):
 
 
 def test_a_run_goes_on_from_its_checkpoint(whole, tmp_path):
-    """Killed as soon as there is one, the run does not begin anew: it says where it goes on, and its file how often that happened."""
+    """Killed after its first checkpoint, the run resumes and says so; its file counts the interruptions."""
     reference, _ = whole("CD", f"--checkpoints={EVERY}")
     killing.make(tmp_path, states=reference.parent / "states")
     process = killing.start(tmp_path, ROWS["CD"], f"--checkpoints={EVERY}")
@@ -83,7 +83,7 @@ def test_checkpoints_change_next_to_nothing(whole, name, bound):
 
 
 def test_a_full_disk_loses_nothing(whole, tmp_path):
-    """No file may grow beyond 100 kB, which checkpoints keep to and the result does not: the run says so; with room again it ends well."""
+    """Files are limited to 100 kB, enough for checkpoints but not for the result: the run says so, and finishes once there is room again."""
     reference, _ = whole("CD", f"--checkpoints={EVERY}")
     killing.make(tmp_path, states=reference.parent / "states")
     arguments = [f"{name}={value}" for name, value in ROWS["CD"].items()]
@@ -125,7 +125,7 @@ def test_a_checkpoint_of_something_else_is_turned_down(checkpoints, capsys, orig
 
 
 def test_damaged_checkpoints_are_turned_down(checkpoints):
-    """Cut at every length; and bytes changed one at a time: the parts come out as they went in, or not at all."""
+    """Cut at every length, or with one byte changed, a checkpoint gives the parts as written, or none."""
     write(checkpoints)
     sound, content = checkpoints.path.read_bytes(), checkpoints.found()
     draw = random.Random(1)
@@ -140,14 +140,14 @@ def test_damaged_checkpoints_are_turned_down(checkpoints):
 
 
 def test_published_runs_are_too_short_for_checkpoints():
-    """So that no number of theirs depends on one: disks times steps of every row of every study, MD's steps from its smallest possible disk."""
+    """No published number depends on a checkpoint: disks times steps of every row of every study, with MD's steps from its smallest possible disk."""
     import math
 
     from analysis import studies
     from yade_scripts.running import checkpoint
     for name in studies.names():
         if name == "flows":
-            continue  # means over chaotic motion: no single bit of theirs means anything
+            continue  # means over chaotic motion, whose single bits have no meaning
         for full in studies.rows(name, False) + studies.rows(name, True):
             mass = full["density"] * math.pi * (full["radius_mean"] * (1 - full["radius_spread"]))**2 * full["depth"]
             dt = full["cd_dt"] if full["method"] == "CD" else full["md_dt_factor"] * math.sqrt(mass / parameters.stiffness(full))
@@ -160,7 +160,7 @@ def test_a_long_run_has_checkpoints():
     from yade_scripts.running import checkpoint
     full = parameters.complete({"disks": 10000})
     scene = scenes.Scene(every=100, samples=100000, kept={})
-    assert checkpoint.samples_between(full, scene) == 1000
+    assert checkpoint.samples_between(full, scene) == 2000
     assert checkpoint.samples_between(full, scenes.Scene(every=100, samples=1000, kept={})) == 0
     assert checkpoint.samples_between(full, scenes.Scene(every=100, samples=100000)) == 0
 

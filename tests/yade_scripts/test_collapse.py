@@ -1,4 +1,4 @@
-"""The heap that a column is made of, and its collapse."""
+"""The deposit of which the column is made, and its collapse."""
 import random
 
 import numpy as np
@@ -41,7 +41,7 @@ def test_disk_wider_than_the_trough_is_refused():
 
 
 def test_column_collapses_to_where_many_did(yade60):
-    """Three standard deviations of one run, front and height; and it has come to rest: m g R for one disk in 400."""
+    """Front and height are within three standard deviations of one run, and the heap rests: m g R of one disk in 400."""
     with yade60.run(scene="collapse", disks=400, cd_dt=2e-3, tolerance=1e-2, period=1.2) as file:
         for name, tolerance in (("front", 0.4), ("height", 0.1)):
             known = file[f"known/{name}"]
@@ -50,7 +50,7 @@ def test_column_collapses_to_where_many_did(yade60):
 
 
 def test_columns_nobody_has_measured_have_no_known_answer(yade60):
-    """Of another shape; of grains that bounce; and the one that has."""
+    """Columns of another shape or with rebound have none; the measured one has."""
     assert yade60.code("""
 from yade_scripts import parameters, scenes
 rows = (dict(column_aspect=1.0), dict(method="MD", beta_n=0.1), dict(restitution=0.5), {})

@@ -1,4 +1,4 @@
-"""Every command with arguments drawn from what it knows and from nonsense: it starts what it is asked for, or says in a sentence why not. No traceback."""
+"""Every command gets random arguments, valid ones and nonsense: it starts, or says in one sentence why not. There is no traceback."""
 import importlib
 import random
 
@@ -11,14 +11,14 @@ NONSENSE = ["", "-", "--", "=", "--x", "--results", "--results=", "nonsense", "0
 
 
 class Started(Exception):
-    """The arguments were in order: the work would begin."""
+    """The arguments were valid: the work would begin."""
 
 
 def start(*_, **__):
     raise Started
 
 
-# Program: (its main, what is put in the place of its work, its options).
+# Program: (module of main, functions replaced by `start`, options).
 PROGRAMS = {
     "run": ("yade_scripts.run", ["execute"], ["--checkpoints=3", "--checkpoints=x", "--results={folder}"]),
     "prepare": ("yade_scripts.preparing.prepare", ["ensure"], []),
@@ -35,7 +35,7 @@ PROGRAMS = {
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A file, a table, and nothing else; the working folder, where defaults point to."""
+    """A folder with a file and a table; it is the working folder, to which defaults refer."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("neither a table nor a result\n")
     (tmp_path / "table.txt").write_text("seed method\n1 MD\n2 CD\n")
@@ -63,5 +63,5 @@ def test_arguments(folder, monkeypatch, capsys, program):
         assert status in (0, 1, 2), (arguments, status)
         if status:
             ends["refused"] += 1
-            assert len(said.err or said.out) > 20, (arguments, said)  # `analysis check` answers on its output
+            assert len(said.err or said.out) > 20, (arguments, said)  # `analysis check` prints its answer to stdout
     assert ends["refused"] > 50 and (ends["started"] or not work), ends

@@ -1,4 +1,4 @@
-"""The load that breaks a packing, by dynamics and by a linear programme that knows none; and the studies on small runs."""
+"""The load at which a packing yields, from dynamics and from a linear programme without dynamics; and the studies on small runs."""
 import numpy as np
 import pytest
 

@@ -1,4 +1,4 @@
-"""The examples run in small, by both methods, and say what is physically possible."""
+"""Small versions of the examples run by both methods, and their results are physically possible."""
 import math
 import re
 import subprocess
@@ -22,7 +22,7 @@ def springs(request):
 
 
 def test_hopper(root, tmp_path, springs):
-    """Disks leave it, not all of them in this time, and none is lost."""
+    """Some disks leave it, not all in this time, and none is lost."""
     left, disks, _, mass, *_ = said(root, tmp_path, "hopper", "disks=150", "seconds=0.4", springs)
     assert 10 < left < disks == 150 and mass == pytest.approx(1, abs=1e-6)
 
@@ -34,7 +34,7 @@ def test_drum(root, tmp_path, springs):
 
 
 def test_heap(root, tmp_path, springs):
-    """It rests, with a slope below the angle of friction, and rests on after a save and a load."""
+    """It rests with a slope below the angle of friction, also after a save and a load."""
     slope, friction, energy, highest, _, _, _, after, moving = said(root, tmp_path, "heap", "disks=60", "seconds=1", springs)
     assert 3 < slope < friction == pytest.approx(math.degrees(math.atan(0.5)), abs=0.1)
     assert energy < 1e-3 * highest
@@ -49,7 +49,7 @@ def test_loaded_box(root, tmp_path, springs):
 
 
 def test_rows_of_a_table_set_them(root, tmp_path):
-    """As yade-batch gives them."""
+    """yade-batch sets the parameters from the rows of a table."""
     (tmp_path / "table.txt").write_text("disks seconds\n40 0.2\n")
     script = root / "yade_scripts" / "examples" / "hopper.py"
     done = subprocess.run(["env", f"YADE_BATCH={tmp_path / 'table.txt'}:2", "yade", "-n", "-x", "-j1", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL,

@@ -5,7 +5,7 @@ import pytest
 
 
 def test_a_stopped_loop_has_ended_its_step(O):
-    """O.pause() lets O.run return within its 40 ms of waiting, while the rest of the step, here longer, is still under way."""
+    """O.pause() lets O.run return within its 40 ms of waiting, while the rest of the step, which is longer here, still runs."""
     from yade_scripts.running import hooks
     ended = []
 

@@ -15,7 +15,7 @@ def omega(kn, share=1.0):
     return math.sqrt(share * kn / MASS)
 
 
-# (scene, row, largest error, why so much). Errors of springs: of the stiffness, as ways of m g/k_n or times of 1/omega, and of the step.
+# (scene, row, largest error, its reason). Springs err by their stiffness (displacements of m g/k_n, times of 1/omega) and by the step.
 ROWS = [
     ("friction_angle", {}, 1e-10, "round-off of 1000 steps, 1e-12 of g mu, over the margin of 0.01"),
     ("friction_angle", dict(method="MD", margin=0.1, kn=2e8), 2.2 / (0.1 * omega(2e8, 0.5)), "speed won while the spring is loaded, g sin t/omega"),
@@ -101,7 +101,7 @@ def test_springs_sink_by_their_compression(measured):
 
 
 def test_springs_strain_by_the_stiffness_matrix(measured):
-    """And not by little: the exact value is no zero."""
+    """The exact value is not zero, so the test means something."""
     gamma, exact, _ = measured["elastic_step-method=MD"]["gamma"]
     assert exact < -1e-6 and gamma == pytest.approx(exact, rel=6e-3)
 

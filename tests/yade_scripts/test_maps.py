@@ -15,7 +15,7 @@ STORED = json.loads((pathlib.Path(maps.__file__).parent / "boundaries.json").rea
 
 
 def jump(limit, good_below=True):
-    """A probe of x that is stable on one side of `limit`; the values it was asked."""
+    """Return a probe of x that is stable on one side of `limit`, and the list of values it was asked for."""
     asked = []
 
     def probe(case):
@@ -60,7 +60,7 @@ def test_an_outcome_needs_a_reason_that_there_is():
 
 @pytest.mark.parametrize("name", maps.names())
 def test_every_map_asks_for_cases_of_its_own_parameters(name):
-    """The quick ones fewer than the full ones; no case twice."""
+    """The quick map has fewer cases than the full one, and no case twice."""
     chart = maps.get(name)
     for full in (False, True):
         cells = chart.grid(full)
@@ -109,7 +109,7 @@ print(json.dumps(found))
         good = (STABLE, INACCURATE) if stored["bad"] == UNSTABLE else (STABLE,)
         if verdict not in (good if expected == STABLE else (expected,)):
             wrong.append((name, side, case, verdict, reason))
-        # What looks like success is the worst: these failures must be told.
+        # A failure that looks like success is the worst kind: the program must report these failures.
         if side == "bad" and name in ("servo", "md_packing", "cd_mass_ratio", "cd_sweeps"):
             assert told, (name, case, verdict)
     assert not wrong

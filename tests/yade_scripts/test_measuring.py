@@ -1,4 +1,4 @@
-"""What charts and maps measure: settings that are legal, measurements that survive crashes, and the same numbers as an ordinary run."""
+"""What charts and maps measure: legal settings, measurements that survive crashes, and numbers equal to those of ordinary runs."""
 import math
 import signal
 import types
@@ -37,12 +37,12 @@ def known(name, measured, exact=2.0, scale=4.0, deviation=0.0):
 
 def test_error_is_the_largest_over_its_scale_and_a_lost_number_is_no_solution():
     assert charts.error([known("a", 3.0), known("b", 0.0)]) == 0.5
-    assert charts.error([known("a", 2.5, deviation=3.0)]) == 0.75  # of a mean no run is nearer than by chance
+    assert charts.error([known("a", 2.5, deviation=3.0)]) == 0.75  # against a mean, the error is at least the deviation of one run
     assert charts.status([known("a", 3.0)]) == "finished"
     assert math.isnan(charts.error([known("a", 3.0), known("b", None)]))
     assert charts.status([known("a", 3.0), known("b", None)]) == "failed: b is not a number"
     assert charts.status([known("a", 1e9)]) == "failed: wrong by more than 100 times its scale"
-    assert charts.status([]) == "failed: nothing is known of the scene"
+    assert charts.status([]) == "failed: the scene has no quantity with a known value"
 
 
 def test_measurements_are_kept_to_the_bit_and_damaged_ones_measured_again(tmp_path, capsys):
@@ -102,7 +102,7 @@ def test_a_crash_costs_one_case_of_a_map(tmp_path):
 
 
 def test_measured_without_recording_a_setting_gives_what_its_result_file_holds(yade60):
-    """To the last bit: recording only reads. And a setting that cannot be run is a measurement, not an end; one that is too slow ends its process."""
+    """The same to the last bit, since recording only reads. A setting that cannot be run is stored as such; one that is too slow ends its process."""
     found = yade60.code("""
 from yade_scripts.measuring.charts import measure
 row = {"scene": "incline", "method": "MD", "slope": 16.0}
@@ -114,11 +114,11 @@ print(json.dumps([good, known, bad]))
     assert good["status"] == "finished" and len(good["seconds"]) >= 3 and good["git_commit"]
     with yade60.run(disks=400, scene="incline", method="MD", slope=16.0) as file:
         assert known[0]["measured"] == file["known/acceleration"][()]
-    assert bad["status"] == "failed: nothing is known of the scene with these parameters"
+    assert bad["status"] == "failed: the scene has no quantity with a known value with these parameters"
 
 
 def test_what_is_too_slow_ends_its_worker_which_says_where(yade60):
-    """A limit of a fiftieth of a second; the worker is ended by SIGPROF and has written what it was at."""
+    """With a limit of a fiftieth of a second SIGPROF ends the worker, which has written the name of its measurement."""
     path = yade60.folder / "slow.py"
     path.write_text(f"""
 import sys

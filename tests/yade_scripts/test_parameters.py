@@ -64,7 +64,7 @@ def test_a_scene_s_own_parameter_counts_in_its_rows_alone(own):
 
 
 def test_a_new_parameter_orphans_no_result(monkeypatch):
-    """Neither a general one nor one of a scene; a value other than its default is another run."""
+    """A new parameter, general or of a scene, keeps all names of results; a value other than its default gives another name."""
     rows = [{"scene": scene} for scene in scenes.names()] + [{"seed": 3}, {"scene": "stack", "disks": 7}]
     before = [parameters.result_name(complete(row)) for row in rows]
     packing = parameters.digest(parameters.preparation(complete({"seed": 3})))
@@ -100,7 +100,7 @@ def test_unknown_name_is_refused_with_the_near_ones():
 
 @pytest.mark.parametrize("row", [dict(delta_sigma=1.0), dict(loading="ramp", ramp_rate=0.2, period=5.0)])
 def test_a_lateral_stress_below_zero_is_refused(row):
-    with pytest.raises(ParameterError, match="sigma1 = 2 P0 - sigma2 is no pressure"):
+    with pytest.raises(ParameterError, match="sigma1 = 2 P0 - sigma2 would be zero or negative"):
         complete({"stress_path": "mean"} | row)
     complete({"stress_path": "constant"} | row)
 
@@ -179,7 +179,7 @@ def test_paper_s_values():
 
 
 def test_the_methods_of_cd_are_the_engines_own():
-    """So that a wrong one is refused with their names, before the first step."""
+    """A wrong method is refused with the names of the right ones, before the first step."""
     import yade
     import cd_engine
     assert yade.O is not None  # which the engine needs
@@ -189,6 +189,6 @@ def test_the_methods_of_cd_are_the_engines_own():
 
 
 def test_the_list_may_be_cut(root):
-    """By `| head`, without a traceback."""
+    """`| head` may cut the list without a traceback."""
     done = subprocess.run(f"{sys.executable} -m yade_scripts.parameters | head -1", shell=True, cwd=root, capture_output=True, text=True)
     assert done.stdout.startswith("scene") and not done.stderr

@@ -1,4 +1,4 @@
-"""Values in other units are doubted; what the project's own tables ask for is not."""
+"""Values in wrong units give a warning; the project's own tables give none."""
 import pytest
 
 from analysis import studies
@@ -8,7 +8,7 @@ from yade_scripts.running import plausible
 
 @pytest.mark.parametrize("row, words", [
     ({"radius_mean": 10.0, "depth": 50.0}, "in mm"), ({"density": 2.6}, "g/cm"), ({"kn": 2.0}, "MPa"), ({"method": "CD", "cd_dt": 1.0}, "in ms"), ({"scene": "bounce", "gravity": 98100.0}, "gravity"),
-    ({"scene": "incline", "slope": 0.5236}, "radians"), ({"period": 1e-3}, "a blow")])
+    ({"scene": "incline", "slope": 0.5236}, "radians"), ({"period": 1e-3}, "like an impact")])
 def test_other_units_are_doubted(row, words):
     found = plausible.doubts(parameters.complete(row))
     assert found and words in " ".join(found) and next(name for name in row if name not in ("scene", "method")) in " ".join(found)

@@ -1,4 +1,4 @@
-"""The time left is told once there is something to tell it by."""
+"""The time left is shown only once it can be estimated."""
 from yade_scripts.running import progress
 
 

@@ -1,6 +1,6 @@
-"""One set of bits a scene: across processes, repeats, instruction sets, releases of Debian and, by CD, numbers of threads.
+"""Every scene has the same bits in all processes, repeats, instruction sets and releases of Debian and, by CD, with any number of threads.
 
-MD's sums of forces depend on the number of threads, so its runs are made with one.
+MD's sums of forces depend on the number of threads, so its runs use one.
 """
 import json
 import pathlib
@@ -22,7 +22,7 @@ PROGRAM = SCRIPTS.parent / "tests" / "yade_scripts" / "digests.py"
 def digests(yade60):
     """A function that runs all scenes in a process of its own: what digests.py prints."""
     def run(threads, *options, **environment):
-        # Threads that sleep while they wait: on a busy machine those that spin take a hundred times as long.
+        # Waiting threads should sleep: on a busy machine spinning ones take a hundred times as long.
         return yade60.printed(PROGRAM, f"-j{threads}", *options, OMP_WAIT_POLICY="passive", **environment)
     return run
 
@@ -52,7 +52,7 @@ def differing(found, reference):
 
 
 def test_every_scene_and_method_is_compared(reference):
-    """No two scenes alike, as digests of nothing would be; nor are all solvers, which differ in what the tolerance leaves."""
+    """No two scenes have the same digest, as empty ones would. Not all solvers agree either: they differ within the tolerance."""
     wanted = {f"{scene} {method}" for scene in scenes.names() for method in scenes.module(scene).METHODS}
     found = reference["digests"]
     assert wanted <= set(found) and reference["threads"] == 1
@@ -61,7 +61,7 @@ def test_every_scene_and_method_is_compared(reference):
 
 
 def test_same_bits_in_another_process_after_other_scenes(digests, reference):
-    """In the opposite order: nothing is left behind by what ran before."""
+    """The scenes run in the opposite order: earlier scenes must leave no trace."""
     assert differing(digests(1, "MD,CD", "backwards"), reference) == []
 
 

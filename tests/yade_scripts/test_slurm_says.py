@@ -1,4 +1,4 @@
-"""What Slurm says when it cannot be asked, in one line with the remedy."""
+"""The message when Slurm does not answer: one line with the remedy."""
 import os
 
 import pytest

@@ -1,4 +1,4 @@
-"""The runner of tables: what counts as done, and its exit status."""
+"""The runner of tables: which rows count as done, and its exit status."""
 import errno
 import json
 import os
@@ -45,7 +45,7 @@ def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, m
     path, folder = table("seed\n1\n"), tmp_path / "file"
     folder.touch()
     assert batch.main([path, "--results", str(folder)]) == 2
-    assert f"{folder} cannot be a folder of results" in capsys.readouterr().err
+    assert f"{folder} cannot be used as the folder for results" in capsys.readouterr().err
 
     def full(job, mode="w"):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.log))
@@ -55,7 +55,7 @@ def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, m
 
 
 def test_a_row_without_result_file_is_a_failure(yade60, table, capsys, tmp_path, monkeypatch):
-    """Whatever ends YADE before it can write; the log's end is shown."""
+    """If YADE ends before it can write, the end of the log is shown."""
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "h5py.py").write_text("raise ImportError('libhdf5 is of another version')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "broken"))

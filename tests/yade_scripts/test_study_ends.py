@@ -57,7 +57,7 @@ def wait_for(condition, seconds=600):
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
 def test_runs_end_with_their_study(table, number):
-    """Orphans would go on for hours, unseen, and hold their rows."""
+    """Orphaned runs would continue for hours, unseen, and hold the locks of their rows."""
     study, folder = start(table), table.parent / "results"
     wait_for(lambda: runs_in(folder))
     os.kill(study.pid, number)
@@ -112,7 +112,7 @@ def test_locks_end_with_their_holder(tmp_path):
 
 
 def test_a_packing_whose_preparation_is_killed_is_prepared_by_the_next(yade_elsewhere):
-    """No lock stays behind, and what was half written is not taken for a packing."""
+    """No lock stays, and a half-written file is not taken for a packing."""
     arguments = ["yade", "-n", "-x", str(SCRIPTS / "preparing" / "prepare.py"), "disks=20"]
     first = subprocess.Popen(arguments, cwd=yade_elsewhere.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     states = yade_elsewhere.folder / "results" / "states"

@@ -43,7 +43,7 @@ def test_a_product_has_all_combinations_the_last_name_fastest():
 
 
 def test_rows_with_different_names_make_one_table(tmp_path):
-    """What a row leaves out stands as its default; the same runs are read back."""
+    """The table has defaults for values that a row does not set; reading gives the same runs."""
     rows = tables.product(method="MD", seed=(1, 2)) + tables.product(method="CD", tolerance=1e-6, scene="biaxial")
     back = tables.read(write(tmp_path, tables.text(rows))).values()
     assert [parameters.result_name(parameters.complete(row)) for row in back] == [parameters.result_name(parameters.complete(row)) for row in rows]
@@ -60,7 +60,7 @@ def test_fig4_runs_both_methods_from_each_packing():
 
 
 def test_scenes_with_parameters_of_their_own_make_one_table(tmp_path):
-    """A scene leaves out what only another one has."""
+    """A row of one scene has no value for a parameter of another."""
     from yade import utils
     rows = [dict(scene="hopper", slot=12.0, seed=2), dict(scene="filling", seed=3)]
     path = write(tmp_path, tables.text(rows))

@@ -1,4 +1,4 @@
-"""Asks Slurm to run and tell, by its commands sbatch, squeue and scontrol. It needs no accounting database."""
+"""Submits jobs to Slurm and asks for their state by the commands sbatch, squeue and scontrol. It needs no accounting database."""
 import collections
 import re
 import shutil
@@ -14,7 +14,7 @@ def _ask(*command):
     if done.returncode:
         said = (done.stderr or done.stdout).strip().splitlines() or [f"ended with status {done.returncode}"]
         away = any(re.search("controller|configuration source|DNS SRV", line) for line in said)
-        # Without a controller it says on several lines how it looked for one; the last is what came of it.
+        # If no controller is found, the command prints several lines about the search; the last line states the result.
         raise SlurmError(f"{command[0]}: {said[-1]}. No Slurm controller answers from here: ask `scontrol ping`, go to a machine of the cluster, or run "
                          "the rows on this one by yade_scripts/batch.py" if away else f"{command[0]}: {' '.join(said)}")
     return done.stdout
@@ -32,7 +32,8 @@ def largest_array():
 
 
 def submit(name, command, tasks, output, minutes=None, at_once=None, options=()):
-    """Submit an array job of `tasks` tasks, one core each; a task whose node dies goes back into the queue. Return the job's number."""
+    """Submit an array job of `tasks` tasks with one core each. Return the job's number. minutes: time limit of a task; at_once: most tasks that run
+    at the same time. Slurm puts a task whose node fails back into the queue."""
     array = f"--array=0-{tasks - 1}" + (f"%{at_once}" if at_once else "")
     limit = [f"--time={minutes}"] if minutes else []
     return _ask("sbatch", "--parsable", f"--job-name={name}", array, "--ntasks=1", "--cpus-per-task=1", "--requeue", "--open-mode=append",

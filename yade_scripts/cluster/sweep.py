@@ -2,10 +2,10 @@
 
     /usr/bin/python3 yade_scripts/cluster/sweep.py TABLE.txt [--minutes 60] [--sbatch "--partition=long --mem=500M"]
 
-The rows are submitted as an array job, one core a task. A task whose node dies is put back into the queue by Slurm. When the array has ended,
-rows without a result (time limit, memory, a node's disk) are submitted again, with twice the time limit, up to `--retries` times. A row that
-ran and says why it failed is not: runs are repeatable, so it would say the same again; the next call runs it once more, as batch.py does.
-Ctrl-C ends the watching only; the same command takes it up again. Repository and results must be in a folder that all nodes share.
+The rows are submitted as an array job with one core for each task. Slurm puts a task whose node fails back into the queue. When the array has
+ended, rows without a result (time limit, memory, a node's disk) are submitted again, with twice the time limit, up to `--retries` times. A row that
+ended with a recorded failure is not submitted again, since runs are repeatable; the next call runs it once more, as batch.py does.
+Ctrl-C ends only this watching process; the same command resumes it. Repository and results must be in a folder that all nodes share.
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 130 the watching was ended.
 """
 import collections
@@ -29,13 +29,13 @@ SECONDS = 10  # between two looks at the queue
 
 
 class Rows:
-    """The rows of a sweep; knows which of them have an answer."""
+    """The rows of a sweep. open: those without a result of this call; failed: those that ended with a recorded failure."""
 
     def __init__(self, jobs):
         self.jobs = list(jobs)
         self.open = [job for job in self.jobs if results.status(job.path) != STATUS_FINISHED]
         self.failed = []
-        self.stamps = {job: _stamp(job.path) for job in self.open}  # files that failed before this call are no answer
+        self.stamps = {job: _stamp(job.path) for job in self.open}  # a failed result of an earlier call does not count: its row is run again
 
     def collect(self):
         """Move the rows that have ended since the last call out of `open`."""
@@ -46,7 +46,7 @@ class Rows:
 
 
 def _stamp(path):
-    """Return what changes when a file is replaced; None if there is no file."""
+    """Return (inode, time of change, size) of a file, which change when it is replaced; None if there is no file."""
     try:
         facts = path.stat()
     except OSError:
@@ -54,12 +54,12 @@ def _stamp(path):
     return facts.st_ino, facts.st_mtime_ns, facts.st_size
 
 
-# Among what a task prints: slurmstepd with its node up to Slurm 24, the time from 26 on.
+# Matches Slurm's own errors in a task's output. They begin with slurmstepd and the node up to Slurm 24, with the time from 26 on.
 SLURM_SAYS = re.compile(r"(slurmstepd\S*:|\[[-\dT:.]+\]) error: ")
 
 
 def _packings_first(jobs):
-    """Sort the rows: one of each packing first, then the second ones, and so on. Rows that start together then do not wait for the same packing."""
+    """Sort the rows: one of each packing first, then a second one of each, and so on, so that rows that start together share few packings."""
     seen, turn = collections.Counter(), {}
     for job in jobs:
         packing = parameters.digest(parameters.preparation(job.full))
@@ -69,16 +69,16 @@ def _packings_first(jobs):
 
 
 class Sweep:
-    """Submits, watches and collects; `options` are those of the command line."""
+    """Submits the rows, watches the queue and collects the results; `options` are those of the command line."""
 
     def __init__(self, rows, options):
         self.rows, self.options = rows, options
         names = "\n".join(sorted(str(job.path) for job in rows.jobs))
-        self.name = "sweep-" + hashlib.sha256(names.encode()).hexdigest()[:12]  # the same rows in the same folder
+        self.name = "sweep-" + hashlib.sha256(names.encode()).hexdigest()[:12]  # the same name for the same rows in the same folder
         self.folder = pathlib.Path(options.results) / "sweeps" / self.name
 
     def run(self):
-        """Submit and watch until every row has an answer or has been tried often enough."""
+        """Submit and watch until every row has a result or has been submitted as often as allowed."""
         earlier = bool(slurm.states(self.name))
         if earlier:
             print(f"{self.name}: an earlier call's tasks are in the queue: watching them.", flush=True)
@@ -106,7 +106,7 @@ class Sweep:
         print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks" + (f" of at most {minutes} min" if minutes else ""), flush=True)
 
     def watch(self):
-        """Report progress until nothing is left in the queue. A controller that does not answer is asked again: the tasks run without it."""
+        """Report progress until no task is left in the queue. If the controller does not answer, ask again: the tasks run without it."""
         told = None
         while True:
             try:
@@ -125,7 +125,7 @@ class Sweep:
             time.sleep(self.options.seconds)
 
     def _explain(self):
-        """Print what Slurm said of the tasks that left rows without a result."""
+        """Print Slurm's error messages about the tasks that left rows without a result."""
         said = [line[found.end():] for path in sorted(self.folder.glob("task-*.out"))
                 for line in path.read_text(errors="replace").splitlines() if (found := SLURM_SAYS.match(line))]
         print(f"{self.name}: {len(self.rows.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
@@ -139,8 +139,8 @@ def main(arguments=None):
     commands.add_results(parser)
     parser.add_argument("--minutes", type=commands.whole(1), help="time limit of a task (default: the partition's)")
     parser.add_argument("--retries", type=commands.whole(0), default=2, help="how often rows without a result are submitted again (default: %(default)s)")
-    parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="most tasks that run at once")
-    parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, in one word")
+    parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="largest number of tasks at the same time")
+    parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, as one quoted argument")
     parser.add_argument("--seconds", type=commands.positive, default=SECONDS, help="between two looks at the queue (default: %(default)s)")
     options = parser.parse_args(arguments)
     options.results = str(pathlib.Path(options.results).resolve())

@@ -1,8 +1,8 @@
-"""Runs one task of a sweep: its share of the rows, one after the other, each in its own YADE. Slurm calls it.
+"""Runs one task of a sweep: its share of the rows, one after the other, each in a YADE process of its own. Slurm calls it.
 
     /usr/bin/python3 yade_scripts/cluster/task.py ROWS.json INDEX TASKS
 
-Task INDEX of TASKS has every TASKS-th row from INDEX on. Finished rows are skipped, so that a task that Slurm starts again goes on where it
+Task INDEX runs every TASKS-th row, beginning with row INDEX. Finished rows are skipped, so a task that Slurm starts again continues where it
 stopped. Exit status: 0 every row has ended with a result file, 1 one has left none.
 """
 import json

@@ -4,7 +4,7 @@
     yade yade_scripts/examples/drum.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/drum.py           the rows of a table with columns disks, springs, seconds
 
-The drum is a ring of boxes that YADE's RotationEngine turns; it stands before ContactDynamics, as all that moves or pushes bodies.
+The drum is a ring of boxes that YADE's RotationEngine turns. Like every engine that moves or pushes bodies it stands before ContactDynamics.
 drum.png shows the slope against time.
 """
 import math, pathlib, random, sys, time
@@ -18,9 +18,9 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 
-draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
+draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, gravity, spin, sides = 0.005, (0, -9.81, 0), 1.0, 32                              # m, m/s^2, rad/s
-inner = radius * math.sqrt(2.4 * disks)                                                   # of the drum [m]: half full
+inner = radius * math.sqrt(2.4 * disks)                                                   # inner radius [m] of a drum that the disks fill by half
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.5), label="grains"))
 drum = []
 for k in range(sides):
@@ -36,7 +36,7 @@ grains = [b for b in O.bodies if isinstance(b.shape, Sphere)]
 
 
 def slope():
-    """Of the bed [degrees]: half full, its centre of mass lies on the normal of the surface through the axis."""
+    """Return the slope of the bed [degrees]. The drum is half full, so the normal of the surface runs from the bed's centre of mass to the axis."""
     mass = sum(b.state.mass for b in grains)
     x, y = (sum(b.state.mass * b.state.pos[axis] for b in grains) / mass for axis in (0, 1))
     return math.degrees(math.atan2(x, -y))
@@ -55,7 +55,7 @@ if springs:
 else:
     reset, collider, contact_dynamics = cd_engine.engines(gravity=gravity, tolerance=1e-4, gapCorrection=0.1)
     O.engines = [reset, collider, turn, contact_dynamics]
-    O.dt = cd_engine.timeStep(speed=0.5)                                                  # disks roll down the surface, none falls from the top
+    O.dt = cd_engine.timeStep(speed=0.5)                                                  # [m/s], of disks that roll down the surface
 O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, slope=slope())", virtPeriod=0.02)]
 plot.plots = {"t": "slope"}
 

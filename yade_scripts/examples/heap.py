@@ -1,4 +1,4 @@
-"""A column of disks is let go on a rough floor and comes to rest as a heap, which is saved and loaded again.
+"""A column of disks is released on a rough floor and comes to rest as a heap. The scene is saved and loaded again.
 
     yade yade_scripts/examples/heap.py                       with YADE's window or console at the end; -n -x: without
     yade yade_scripts/examples/heap.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
@@ -17,14 +17,14 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 
-draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
+draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, gravity, friction = 0.005, (0, -9.81, 0), 0.5                                     # m, m/s^2, coefficient
-wide = max(4, round(math.sqrt(disks / 2)))                                                # disks in a row of the column, twice as high as wide
+wide = max(4, round(math.sqrt(disks / 2)))                                                # disks in a row; the column is about twice as high as wide
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(friction), label="grains"))
-floor = 8 * wide                                                                          # disks that lie fixed under the heap and roughen the floor
+floor = 8 * wide                                                                          # number of fixed disks that make the floor rough
 for k in range(floor):
     O.bodies.append(sphere((2 * radius * (k - floor / 2), 0, 0), radius, fixed=True, material="grains"))
-for side in (-1, 1):                                                                      # no disk rolls away for ever
+for side in (-1, 1):                                                                      # side walls, so that no disk rolls away
     O.bodies.append(box((side * radius * (floor + 2), 4 * radius, 0), (radius, 5 * radius, 0.1), fixed=True, material="grains"))
 for k in range(disks):
     disk = sphere((2.1 * radius * (k % wide - wide / 2) + draw(0, 0.1 * radius), 2.2 * radius * (1 + k // wide), 0), radius * draw(0.8, 1),
@@ -34,7 +34,7 @@ for k in range(disks):
 
 
 def slope():
-    """Of the heap [degrees]: of the triangle in the plane that has as much area, and its centre of mass as high."""
+    """Return the slope of the heap [degrees]: that of an isosceles triangle of equal area (solid fraction 0.8) and mean height of the disks."""
     grains = [b for b in O.bodies if b.state.blockedDOFs == "zXY"]
     height = 3 * sum(b.state.pos[1] - radius for b in grains) / len(grains)
     return math.degrees(math.atan(height**2 / (sum(math.pi * b.shape.radius**2 for b in grains) / 0.8)))
@@ -60,6 +60,6 @@ plot.plot(noShow=True).savefig("heap.png")
 print(f"slope of the heap: {slope():.1f} degrees, friction {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
       f"at most {max(plot.data['energy']):.2g} J; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 O.save("heap.yade.gz")
-O.load("heap.yade.gz")                                                                    # at once or in another script, after `import cd_engine`
+O.load("heap.yade.gz")                                                                    # another script can load it, too, after `import cd_engine`
 O.run(100, True)
 print(f"saved, loaded and 100 steps on: slope {slope():.1f} degrees, kinetic energy {kineticEnergy():.2g} J")

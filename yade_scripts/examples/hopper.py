@@ -17,15 +17,15 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 
-draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
+draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, opening, gravity = 0.005, 0.06, (0, -9.81, 0)                                     # m, m, m/s^2
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.4), label="grains"))
-for side in (-1, 1):                                                                      # a slope of 50 degrees, and a wall above
+for side in (-1, 1):                                                                      # on either side a slope of 50 degrees and a wall above it
     turn, half = side * math.radians(50), 0.1
     O.bodies.append(box((side * (opening / 2 + half * math.cos(turn)), half * abs(math.sin(turn)), 0), (half, 0.001, 0.1),
                         orientation=Quaternion((0, 0, 1), turn), fixed=True, material="grains"))
     O.bodies.append(box((side * (opening / 2 + 2 * half * math.cos(turn)), 0.65, 0), (0.001, 0.5, 0.1), fixed=True, material="grains"))
-for k in range(disks):                                                                    # rows of 24 above the opening, loosely
+for k in range(disks):                                                                    # loose rows of 24 disks above the opening
     disk = sphere((0.0115 * (k % 24 - 11.5) + draw(0, 0.001), 0.16 + 0.0115 * (k // 24), 0), radius * draw(0.9, 1), material="grains")
     disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
     O.bodies.append(disk)

@@ -1,11 +1,11 @@
-"""A box of disks is pressed by its lid; what presses on the floor?
+"""A lid presses on disks in a box: which force reaches the floor?
 
     yade yade_scripts/examples/loaded_box.py                       with YADE's window or console at the end; -n -x: without
     yade yade_scripts/examples/loaded_box.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/loaded_box.py           the rows of a table with columns disks, springs, load, seconds
 
-The lid is a Box that is free to move up and down; its load is a lasting force on it. There is no gravity. loaded_box.png shows the height of
-the lid; loaded_box-*.vtk, for Paraview, the disks and the forces between them.
+The lid is a Box that is free to move up and down; its load is a permanent force on it. There is no gravity. loaded_box.png shows the height of
+the lid; loaded_box-*.vtk hold the disks and the forces between them for Paraview.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
@@ -18,11 +18,11 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]
 
-draw = random.Random(1).uniform                                                            # YADE seeds the common generator anew for the colours
+draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, row = 0.005, max(5, round(math.sqrt(disks)))                                      # m; disks in a row
 half, height = 1.1 * radius * row, 2.2 * radius * math.ceil(disks / row)                  # of the box [m]
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.3), label="grains"))
-O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=0, label="smooth"))  # so that the walls carry nothing of the load
+O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=0, label="smooth"))  # so that the side walls carry none of the load
 for side in (-1, 1):
     O.bodies.append(box((side * (half + 0.01), height / 2, 0), (0.01, height, 0.1), fixed=True, material="smooth"))
 floor = O.bodies.append(box((0, -0.01, 0), (half, 0.01, 0.1), fixed=True, material="smooth"))
@@ -46,12 +46,12 @@ if springs:
     O.dt = 0.5 * PWaveTimeStep()
 else:
     O.engines = cd_engine.engines(tolerance=1e-4, gapCorrection=0.1)
-    O.dt = cd_engine.timeStep(speed=math.sqrt(load * height / O.bodies[lid].state.mass))  # load times the way it may go, as kinetic energy of lid and disks
+    O.dt = cd_engine.timeStep(speed=math.sqrt(load * height / O.bodies[lid].state.mass))  # as if load times height became kinetic energy
 O.engines = O.engines + [
     PyRunner(command="plot.addData(t=O.time, height=O.bodies[lid].state.pos[1], floor=-O.forces.f(floor)[1])", virtPeriod=0.01),
     PyRunner(command="draw_in_space()", virtPeriod=0.25 * seconds),
 ]
-pictures = export.VTKExporter("loaded_box")  # YADE's VTKRecorder, in Debian's packages, reads memory that it never set and ends some runs
+pictures = export.VTKExporter("loaded_box")  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 
 
 def draw_in_space():

@@ -2,7 +2,7 @@
 
     /usr/bin/python3 -m yade_scripts.measuring [--quick | --full] [--only stack md_contact] [--jobs 2]
 
-One YADE measures a whole chart or map. A measurement that crashes it or takes too long is entered as failed, and the rest go on.
+One YADE process measures a whole chart or map. A measurement that crashes it or takes too long is stored as failed, and the rest follow.
 Exit status: 0 all is measured (failures are results), 1 something could not be measured, 2 wrong arguments.
 """
 import pathlib
@@ -14,16 +14,16 @@ from yade_scripts.measuring import charts, maps, store
 from yade_scripts.running import queue
 
 KINDS = {"charts": charts, "maps": maps}
-MOST_FAILURES = 100  # of one chart or map; more are no matter of single measurements
+MOST_FAILURES = 100  # of one chart or map; more failures do not come from single measurements
 
 
 def under_way(kind, name, folder):
-    """Return the file that names the measurement that the worker is at."""
+    """Return the path of the file that names the measurement under way in the worker."""
     return pathlib.Path(folder) / kind / f"{name}.under-way"
 
 
 class Measurements(queue.Job):
-    """The worker of one chart or map; started again after a measurement that ended it."""
+    """The worker process of one chart or map. It is started again after a measurement that ended it."""
 
     def __init__(self, kind, name, full, folder):
         super().__init__("measuring/worker.py", [kind, name, f"--results={folder}"] + ["--full"] * full, pathlib.Path(folder) / kind / f"{name}.log")
@@ -32,12 +32,12 @@ class Measurements(queue.Job):
         self.failures, self.trouble = 0, ""
 
     def again(self):
-        """Enter what ended the worker as failed and go on, unless it came to its end or cannot even begin."""
+        """Tell whether to start the worker again: only if a measurement ended it, which is then stored as failed, and it can begin at all."""
         code = self.process.returncode
         if code == 0:
             return False
         self.failures += 1
-        if code == 1 or not self.at.exists() or self.failures > MOST_FAILURES:  # 1: an exception, a mistake in the code that measures
+        if code == 1 or not self.at.exists() or self.failures > MOST_FAILURES:  # 1: an exception, so a mistake in the code that measures
             self.trouble = f"its worker ended with {code}; the end of {self.log}:\n{self.said()}"
             return False
         late = code in (-signal.SIGPROF, -signal.SIGALRM)
@@ -47,7 +47,7 @@ class Measurements(queue.Job):
         return True
 
     def outcome(self):
-        """Return what the runner says of it."""
+        """Return in words how the job ended."""
         return self.trouble or "measured"
 
 

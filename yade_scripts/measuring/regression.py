@@ -28,7 +28,7 @@ def value(path, quantity):
 
 
 def run_cases(cases, folder):
-    """Run the cases. Return {name: (result file, None) or (None, why it failed)}."""
+    """Run the cases. Return {name: (result file, None) or (None, reason of failure)}."""
     jobs = {case["name"]: batch.Row(case["row"], folder) for case in cases}
     results.make(folder)
     queue.run(list({job.path: job for job in jobs.values()}.values()), 2)
@@ -36,7 +36,7 @@ def run_cases(cases, folder):
 
 
 def compare(cases, folder):
-    """Run the cases and print a line for each number. Return how many drifted. Each number's new value is added to it as `now`."""
+    """Run the cases and print a line for each number. Return how many drifted. Store each new value in its number under `now`."""
     drifted = 0
     print(f"{'case':18} {'quantity':34} {'stored':>22} {'now':>22} {'difference':>11} {'tolerance':>10}")
     ran = run_cases(cases, folder)
@@ -57,7 +57,7 @@ def compare(cases, folder):
 
 
 def record(stored, path):
-    """Write the stored file with the new values in place of measured ones, not of exact ones; refuses to overwrite."""
+    """Write the stored numbers to a new file, measured ones with their new values and exact ones unchanged. An existing file is not overwritten."""
     for case in stored["cases"]:
         for number in case["numbers"]:
             now = number.pop("now", number["value"])

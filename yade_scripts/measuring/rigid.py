@@ -1,4 +1,4 @@
-"""Gives the probes of Contact Dynamics, inside YADE, what they share: disks of the default radius, boxes, columns, and what the engine says of a run."""
+"""What the probes of Contact Dynamics share inside YADE: disks of the default radius, boxes, columns, and the engine's report of a run."""
 from yade import O, utils
 
 import cd_engine
@@ -11,8 +11,8 @@ RADIUS = DEFAULTS["radius_mean"]  # [m]
 MASS = bodies.disk_mass(RADIUS, DEFAULTS)  # [kg]
 GRAVITY = 9.81  # [m/s^2]
 COLUMN_STEP = 1e-3  # [s]
-FORCE_ERROR = 0.01  # of the weight above, of a column that is judged
-DEEP = 0.01  # of the smallest radius: an overlap of which the engine warns
+FORCE_ERROR = 0.01  # largest error of a contact force in a column, over the weight above the contact
+DEEP = 0.01  # overlap over the smallest radius beyond which the engine warns
 
 
 def material(mu):
@@ -43,11 +43,11 @@ def engine(dt, gravity=(0, -GRAVITY, 0), **settings):
 
 
 def told(contact_dynamics, smallest=RADIUS):
-    """Return how the engine said that something is wrong, '' if it did not; smallest: radius [m]."""
+    """Return in words what the engine reports as wrong, '' if nothing; smallest: smallest radius [m]."""
     said = []
     if contact_dynamics.unconvergedSteps:
         said.append(f"{contact_dynamics.unconvergedSteps} unconverged steps ({contact_dynamics.status})")
-    elif not contact_dynamics.converged:  # fixedIterations
+    elif not contact_dynamics.converged:  # possible with fixedIterations
         said.append(f"converged is False (e = {contact_dynamics.residual:.0e})")
     if contact_dynamics.deepestPenetration > DEEP * smallest:
         said.append("warning of overlap")
@@ -63,7 +63,7 @@ def normal_force(one, other):
 
 
 def stand(disks, steps, **settings):
-    """Make `steps` steps. Return (engine, measures)."""
+    """Let a column of `disks` equal disks stand on the floor for `steps` steps. Return (engine, measures)."""
     material(0.5)
     below, pairs = floor(), []
     for k in range(disks):
@@ -79,7 +79,7 @@ def stand(disks, steps, **settings):
 
 
 def judge(contact_dynamics, measures):
-    """Return the Outcome of what was measured."""
+    """Return the Outcome that follows from the measures of a column."""
     if measures["unconverged"]:
         return Outcome(NOT_SOLVED, "non-convergence", told(contact_dynamics), measures)
     if measures["penetration"] > DEEP:

@@ -1,6 +1,6 @@
-"""Keeps each measurement in a file: results/<kind>/<name>.h5, HDF5 with a checksum, written whole. Needs no YADE.
+"""Stores each measurement in a file results/<kind>/<name>.h5 (HDF5 with a checksum). Needs no YADE.
 
-A measurement is a dictionary of facts and a table `rows`. What cannot be read is measured again; nothing is ever half there.
+A measurement is a dictionary of facts and a table `rows`. A file is written completely or not at all; one that cannot be read is measured again.
 """
 import io
 import json
@@ -24,7 +24,7 @@ def origin():
 
 
 def add(folder, name, facts, rows=()):
-    """Write a measurement in place of an older one of that name."""
+    """Write a measurement; it replaces an older one of that name."""
     results.make(folder)
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
@@ -38,7 +38,7 @@ def add(folder, name, facts, rows=()):
 
 
 def get(folder, name):
-    """Return a measurement: its facts, and under 'rows' its table as a list of dictionaries. Return None if there is none that can be read."""
+    """Return a measurement: its facts, with its table as a list of dictionaries under 'rows'. Return None if no file can be read."""
     path = pathlib.Path(folder) / f"{name}.h5"
     if not path.exists():
         return None

@@ -1,9 +1,9 @@
-"""Measures, in one YADE, what is missing of one chart or map. Started by `python3 -m yade_scripts.measuring`.
+"""Measures, in one YADE process, what is missing of one chart or map. Started by `python3 -m yade_scripts.measuring`.
 
     yade -n -x -j 1 yade_scripts/measuring/worker.py charts stack [--full] [--results FOLDER]
 
-What is under way stands in a file beside the log, so that a crash costs one measurement only. A measurement that takes more processor time
-than it may ends the process by SIGPROF; one that waits in vain ends it by SIGALRM after twenty times as long by the clock.
+A file beside the log names the measurement under way, so that a crash costs one measurement only. If a measurement exceeds its processor time,
+SIGPROF ends the process; if it only waits, SIGALRM ends it after twenty times as long in real time.
 """
 import pathlib
 import signal
@@ -18,7 +18,7 @@ from yade_scripts.measuring import __main__ as runner
 
 @commands.command("worker")
 def main(arguments=None):
-    """Command line; the exit status is 0 once nothing is missing."""
+    """Run the command line. Return the exit status, 0 once nothing is missing."""
     parser = commands.parser(__doc__)
     parser.add_argument("kind", choices=list(runner.KINDS))
     parser.add_argument("name")

@@ -1,1 +1,1 @@
-"""Makes samples: disks, packings at rest under a load, heaps, other force networks of one packing."""
+"""Makes samples: disks, packings at rest under a load, deposited heaps, and further force networks of one packing."""

@@ -10,7 +10,7 @@ from yade_scripts.running.sums import total
 
 
 def append_material(label, mu, full):
-    """Add a material with friction coefficient mu that serves springs with dashpots and rigid contacts alike."""
+    """Add a material with friction coefficient mu, for springs with dashpots and for rigid contacts."""
     O.materials.append(FrictViscoMat(frictionAngle=math.atan(mu), betan=full["beta_n"], density=full["density"], label=label))
 
 
@@ -20,7 +20,7 @@ def disk_mass(radius, full):
 
 
 def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"):
-    """Append a disk at (x, y) [m] of `mass` [kg] and inertia m R^2/2, free in the plane unless more is blocked; its id."""
+    """Append a disk at (x, y) [m] of `mass` [kg] and inertia m R^2/2, free in the plane unless `blocked` is set. Return its id."""
     body = utils.sphere((*position, 0), radius, material=material, color=(0.7, 0.7, 0.6))  # YADE's default colour is random
     body.state.mass = mass
     body.state.inertia = (mass * radius**2 / 2,) * 3
@@ -30,13 +30,13 @@ def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"
 
 
 def append_box(centre, half, full, angle=0.0, material="disk"):
-    """Append a fixed box at (x, y) [m] of half sides (x, y) [m] as deep as the disks, turned by `angle` [rad] about z; its id."""
+    """Append a fixed box at (x, y) [m] of half sides (x, y) [m], as deep as the disks, turned by `angle` [rad] about z. Return its id."""
     return O.bodies.append(utils.box((*centre, 0), (*half, full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
                                      color=(0.4, 0.4, 0.4)))
 
 
 def append_floor(full, length=None, material="disk"):
-    """Append a floor whose surface is y = 0, `length` [m] to either side, ten mean radii unless given; its id."""
+    """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
     radius = full["radius_mean"]
     return append_box((0, -radius), (length or 10 * radius, radius), full, material=material)
 
@@ -53,7 +53,7 @@ def mean_mass():
 
 
 def centre_of_mass(ids):
-    """Return (x, y) [m] of the bodies `ids`."""
+    """Return the centre of mass (x, y) [m] of the bodies `ids`."""
     states = [O.bodies[k].state for k in ids]
     mass = total(state.mass for state in states)
     return tuple(total(state.mass * state.pos[axis] for state in states) / mass for axis in (0, 1))
@@ -66,7 +66,7 @@ def solid_fraction():
 
 
 def contacts_per_disk():
-    """Return the mean number of loaded contacts of a disk that is no rattler."""
+    """Return the mean number of loaded contacts of the disks that are not rattlers."""
     counts = [n for n in map(loaded_contacts, disks()) if n]
     return sum(counts) / len(counts)
 
@@ -77,5 +77,5 @@ def loaded_contacts(body):
 
 
 def sag(force, full):
-    """Return the overlap [m] at which a contact carries `force` [N] at rest: springs need one, rigid contacts have none."""
+    """Return the overlap [m] of a contact that carries `force` [N] at rest: that of the spring in MD, 0 in CD."""
     return force / parameters.stiffness(full) if full["method"] == "MD" else 0.0

@@ -1,18 +1,18 @@
-"""A heap of disks in a trough without any dynamics: each is dropped and rolls down until two contacts hold it. Needs no YADE.
+"""Deposits disks in a trough without dynamics: each disk falls and rolls down until two contacts hold it. Needs no YADE.
 
-What comes out touches without overlap, the same for every method, density about 0.8 as rolled heaps have (Visscher and Bolsterli 1972).
+The disks of the heap touch without overlap. The heap is the same for all methods and has a solid fraction of about 0.8 (Visscher and Bolsterli 1972).
 """
 import math
 
 import numpy as np
 
-CLOSE = 1e-12  # of the largest radius: round-off of a touching position
+CLOSE = 1e-12  # over the largest radius: round-off of a position in contact
 
 
 def deposit(radii, width, drop):
-    """Return the centres, rows (x, y) [m], of disks of `radii` [m] let fall one after the other between walls at x = 0 and `width` on a floor at y = 0.
+    """Return the centres, rows (x, y) [m], of disks of `radii` [m] that fall one by one between walls at x = 0 and `width` [m] to a floor at y = 0.
 
-    drop: a function that draws where in [0, 1] of the free width the next one falls.
+    drop() draws the place in [0, 1] of the free width at which the next disk falls. ValueError if a disk does not fit between the walls.
     """
     heap = _Heap(len(radii), max(radii), width)
     for radius in radii:
@@ -23,7 +23,7 @@ def deposit(radii, width, drop):
 
 
 class _Heap:
-    """The disks that lie already, `count` of those there will be."""
+    """The disks that have come to rest, out of `count` in all."""
 
     def __init__(self, count, largest, width):
         self.place, self.radius = np.zeros((count, 2)), np.zeros(count)
@@ -38,18 +38,18 @@ class _Heap:
         self.count += 1
 
     def _fall(self, x, y, radius):
-        """Return (height, disk met) of a vertical fall from (x, y); None for the floor."""
+        """Return (height at which it stops, disk that it meets) for a vertical fall from (x, y); None for the floor."""
         dx = self.place[:self.count, 0] - x
         reach = self.radius[:self.count] + radius
         below = np.flatnonzero((np.abs(dx) < reach - self.close) & (self.place[:self.count, 1] < y))
         tops = self.place[below, 1] + np.sqrt(reach[below]**2 - dx[below]**2)
-        tops = np.where(tops <= y + self.close, tops, -math.inf)  # what is above it does not stop the fall
+        tops = np.where(tops <= y + self.close, tops, -math.inf)  # disks above it do not stop the fall
         if len(tops) == 0 or tops.max() <= radius:
             return radius, None
         return tops.max(), below[tops.argmax()]
 
     def _roll(self, x, y, radius, under):
-        """Return one way down over the disk `under`: (x, y, disk it goes on over), None where it rests."""
+        """Roll down over the disk `under`. Return (x, y, disk over which it rolls next), None if it rests."""
         (cx, cy), reach = self.place[under], self.radius[under] + radius
         side = 1 if x >= cx else -1
         # Angles from the top of `under` to the side it rolls to; it leaves the disk at 90 degrees.
@@ -72,13 +72,13 @@ class _Heap:
         return x, y, None if side * (self.place[stop, 0] - x) >= 0 else stop
 
     def _meetings(self, cx, cy, reach, radius, under, side):
-        """Return for every disk the angle at which one rolling over `under` meets it from outside, infinite where it does not."""
+        """Return for every disk the angle at which a disk that rolls over `under` meets it, infinite if it does not."""
         dx, dy = side * (self.place[:self.count, 0] - cx), self.place[:self.count, 1] - cy
         distance, other = np.hypot(dx, dy), self.radius[:self.count] + radius
         near = (distance < reach + other) & (distance > abs(reach - other)) & (np.arange(self.count) != under)
         angles = np.full(self.count, math.inf)
         cosine = (reach**2 + distance[near]**2 - other[near]**2) / (2 * reach * distance[near])
-        # Met on the way down: the disk lies ahead by the angle between the two lines from the centre of `under`. Few are near, and numpy's own
-        # arctan2 and arccos give other last bits with AVX-512 than without.
+        # At the first contact the directions from `under` to the rolling disk and to the other one differ by acos(c). Few disks are near, and
+        # numpy's own arctan2 and arccos give other last bits with AVX-512 than without.
         angles[near] = [math.atan2(x, y) - math.acos(c) for x, y, c in zip(dx[near], dy[near], np.clip(cosine, -1, 1))]
         return angles

@@ -1,9 +1,8 @@
-"""Other admissible contact forces for grains that do not move (Unger, Kertesz and Wolf, PRL 94, 178001, 2005).
+"""Finds other admissible contact forces for grains that do not move (Unger, Kertesz and Wolf, PRL 94, 178001, 2005).
 
-Rigid grains at rest leave their contact forces open: balance on every body, no tension and Coulomb's cone |T| <= mu R admit a convex
-set of networks. One point of it is found by adding to every contact force a random normal and a random tangential part and handing
-that to the contact solver as its first guess; a walk over the set perturbs what was found, and so on. A walk samples the set by its
-own measure, not uniformly.
+The contact forces of rigid grains at rest are not unique: force balance on every body, no tension, and Coulomb's cone |T| <= mu R admit a convex
+set of networks. To find a point of this set, a random normal and a random tangential part are added to every contact force, and the sum is the
+solver's first guess. A walk repeats this from the network just found. It does not sample the set uniformly.
 """
 import random
 
@@ -14,21 +13,21 @@ from yade_scripts.running import hooks
 
 
 class NetworkError(RuntimeError):
-    """The solver has not found another admissible network."""
+    """The solver did not find another admissible network."""
 
 
 class Frozen:
-    """The touching contacts of the sample in O, in the order of their ids, and the motion of its bodies, to which `thaw` returns."""
+    """The touching contacts of the sample in O, in the order of their ids, and the motion of its bodies, which `thaw` restores."""
 
     def __init__(self):
         contacts = sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2))
-        # Their geom and phys are kept since the engine takes them from a contact that carries nothing.
+        # geom and phys are kept, since the engine removes them from a contact without force.
         self.contacts = [(i, i.geom, i.phys) for i in contacts]
         self.ids = np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2)
         self.motion = [(b.state, b.state.pos, b.state.ori, Vector3(b.state.vel), Vector3(b.state.angVel)) for b in O.bodies]
 
     def forces(self):
-        """Return (R, T) [N] of every contact as they stand in the scene, signs as in analysis/schema.py; 0 where nothing is carried."""
+        """Return (R, T) [N] of every contact in the scene, with the signs of results/schema.py; 0 for a contact without force."""
         found = np.zeros((2, len(self.contacts)))
         for k, (contact, _, _) in enumerate(self.contacts):
             if contact.isReal:
@@ -37,7 +36,7 @@ class Frozen:
         return found
 
     def impose(self, normal, tangential):
-        """Put (R, T) [N] on the contacts, the first guess of the next step. Pulls are left out: a rigid contact cannot."""
+        """Set (R, T) [N] of the contacts, the first guess of the next step. Tensile forces are set to zero."""
         for (contact, geom, phys), pressure, along in zip(self.contacts, normal, tangential):
             contact.geom, contact.phys = geom, phys
             n, loaded = geom.normal, pressure > 0
@@ -45,23 +44,22 @@ class Frozen:
             phys.shearForce = Vector3(-n[1], n[0], 0) * (along if loaded else 0.0)
 
     def perturb(self, rng, amplitude):
-        """Add to every R and T a number uniform within +-amplitude <R>, <R> [N] being the mean normal force of the contacts that carry one."""
+        """Add to every R and T a random number, uniform within +-amplitude <R>. <R> [N] is the mean normal force of the loaded contacts."""
         normal, tangential = self.forces()
         most = amplitude * normal[normal > 0].mean()
         self.impose(*([f + rng.uniform(-most, most) for f in forces] for forces in (normal, tangential)))
 
     def thaw(self):
-        """Put every body back where it was, bit by bit, at the speed it had."""
+        """Restore the position and the velocity of every body, bit by bit."""
         for state, position, orientation, velocity, spin in self.motion:
             state.pos, state.ori, state.vel, state.angVel = position, orientation, velocity, spin
 
 
 class Walk:
-    """A walk over the admissible networks of the sample in O, one step of ContactDynamics each: perturb, relax, put back.
+    """A walk over the admissible networks of the sample in O. Each step of ContactDynamics perturbs the forces, solves, and restores the motion.
 
-    After the run: normal, tangential [N], one array of the contacts' forces a step; converged: whether that step met the tolerance.
-    With cold_first the first step begins from no forces at all: the network that the solver finds alone. The walk then starts, as it
-    otherwise does at once, from the forces that were in the scene.
+    After the run: normal, tangential [N], one array of the contacts' forces for each step; converged: whether that step met the tolerance.
+    The walk starts from the forces in the scene. With cold_first, one step from zero forces precedes it and gives the network of the solver alone.
     """
 
     def __init__(self, seed, amplitude, cold_first=False):
@@ -70,7 +68,7 @@ class Walk:
         self.normal, self.tangential, self.converged = [], [], []
 
     def surround(self):
-        """Stand in O.engines: perturb before the forces are reset, read and put back at the end of a step."""
+        """Add to O.engines a runner that perturbs before forces are reset, and one at the end that reads the forces and restores the motion."""
         self.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
         engines = O.engines
         reset = next(k for k, engine in enumerate(engines) if type(engine).__name__ == "ForceResetter")
@@ -95,7 +93,7 @@ class Walk:
 
 
 def replace(seed, amplitude):
-    """Give the sample in O, whose engines are set for Contact Dynamics, another network; the engines have made a step and must be set anew."""
+    """Give the sample in O, whose engines are set for CD, another network by one step; then no engines are set. NetworkError if it fails."""
     walk = Walk(seed, amplitude)
     walk.surround()
     hooks.simulate(1)

@@ -2,8 +2,8 @@
 
     yade -n -x yade_scripts/preparing/prepare.py seed=3 disks=400
 
-A gas of disks on a grid is compacted by YADE's TriaxialStressController in 2D with springs and dashpots (paper, section 3: "This
-first stage is carried out with the MD algorithm"), first with `preparation_friction`, its contacts stiffened where `stiffening` asks for it, then settled with `friction` and
+YADE's TriaxialStressController compacts a gas of disks on a grid, in 2D with springs and dashpots (paper, section 3: "This first stage is carried
+out with the MD algorithm") and `preparation_friction`. Contacts are then stiffened by `stiffening`. Last, the packing settles with `friction` and
 `wall_friction`. MD and CD start from this file.
 """
 import gzip
@@ -28,12 +28,12 @@ from yade_scripts.running import hooks, locks, md, precision, progress, saved_sc
 
 # Part of the hash: raise it when the procedure below changes.
 RECIPE = 2
-STRESS_ERROR, UNBALANCED = 1e-7, 1e-8  # at rest: wall stress relative to P0, mean net force on a body relative to a contact's
-CHECKS = 3          # that many checks in a row, since a rattler's hit passes between two
+STRESS_ERROR, UNBALANCED = 1e-7, 1e-8  # largest errors at rest: of a wall stress over P0; mean net force on a body over mean contact force
+CHECKS = 3          # passed checks in a row that count as rest; one alone may fall between two hits of a rattler
 CHECK_EVERY = 500   # steps
 MOST_STEPS = 2000000
-LOOSE = 1e-3  # both errors, between two stages
-LARGEST_STIFFENING = 1.3  # in one step
+LOOSE = 1e-3  # both errors, for the end of an intermediate stage
+LARGEST_STIFFENING = 1.3  # factor on k_n in one step
 
 
 class PreparationError(RuntimeError):
@@ -41,20 +41,20 @@ class PreparationError(RuntimeError):
 
 
 def inputs(full):
-    """Return all that the saved state depends on."""
+    """Return all inputs that determine the saved state."""
     return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
 
 
 def state_path(full, folder):
-    """Return where the state of this row is kept."""
+    """Return the path of the state for this row."""
     return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
 
 
 def ensure(full, folder):
-    """Return (path, SHA-256) of the prepared state, made now unless it exists. Leaves whatever scene it made."""
+    """Return (path, SHA-256) of the prepared state; prepare it if it does not exist, which leaves its scene in O."""
     path = state_path(full, folder)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with locks.held(path):  # rows that run at once prepare once
+    with locks.held(path):  # rows that run at the same time prepare it once
         checksum = _verified(path, inputs(full))
         if checksum is None:
             _make(full)
@@ -87,7 +87,7 @@ def _verified(path, wanted):
 
 
 def _save(full, path):
-    """Write state and record, each aside and then renamed."""
+    """Write state and record, each to a temporary file that is then renamed. Return the SHA-256 of the state."""
     content = gzip.compress(_forget_speed(saved_scene.take()), mtime=0)
     checksum = hashlib.sha256(content).hexdigest()
     facts = {"sha256": checksum, "inputs": inputs(full), "sigma": walls.mean_stresses(), "sides": walls.sides(),
@@ -99,7 +99,7 @@ def _save(full, path):
 
 
 def _forget_speed(scene):
-    """Return a saved scene with the computing speed [steps/s] zero, which YADE offers no way to set; the first number of that value is it."""
+    """Return a saved scene with zero computing speed [steps/s], for which YADE has no setter; the value is the first match of its bytes."""
     return scene.replace(struct.pack("<d", O.speed), bytes(8), 1)
 
 
@@ -120,7 +120,7 @@ def gas(full):
 
 
 class _Rest:
-    """Asks every CHECK_EVERY steps whether the sample is at rest under P0; stops the loop when it is."""
+    """Checks every CHECK_EVERY steps whether the sample is at rest under P0, and stops the loop if it is."""
 
     def __init__(self, p0, stress_error, unbalanced):
         self.p0, self.stress_error, self.unbalanced = p0, stress_error, unbalanced
@@ -131,7 +131,7 @@ class _Rest:
         return max(abs(s / self.p0 - 1) for pair in walls.stresses() for s in pair), utils.unbalancedForce()
 
     def check(self):
-        """Check the rest; the loop calls it."""
+        """Check for rest, at a call from the loop."""
         stress, force = self.errors()
         if time.monotonic() - self.said >= progress.SECONDS:
             self.said = time.monotonic()
@@ -140,14 +140,14 @@ class _Rest:
         self.passed = self.passed + 1 if stress < self.stress_error and force < self.unbalanced else 0
         if self.passed >= CHECKS:
             hooks.stop()
-        # Nothing slows a disk without contacts, and its next impact would disturb the others.
+        # A disk without contacts is not damped, and its next impact would disturb the others.
         for body in bodies.disks():
             if not bodies.loaded_contacts(body):
                 body.state.vel = body.state.angVel = (0, 0, 0)
 
 
 def _relax(full, stiffness, stress_error, unbalanced, damping):
-    """Run under P0 until at rest, contacts of `stiffness` [N/m]; PreparationError after MOST_STEPS."""
+    """Run under P0 to rest with contacts of `stiffness` [N/m]. Raise PreparationError after MOST_STEPS."""
     p0 = parameters.pressure(full)
     O.dt = 0.2 * math.sqrt(min(b.state.mass for b in bodies.disks()) / stiffness)
     # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
@@ -163,8 +163,8 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
 
 
 def _stiffen(full):
-    """Raise the stiffness at constant P0 in small steps, as the overlaps of softer contacts push the grains apart; still with the
-    friction of the preparation, since what slides under the final one would be mobilised when the loading begins."""
+    """Raise the stiffness at constant P0 in small steps, since the overlaps of softer contacts push the grains apart. The friction is still that of
+    the preparation: contacts that slide under the final one would be at their limit when the loading begins."""
     stages = math.ceil(math.log(full["stiffening"]) / math.log(LARGEST_STIFFENING))
     for stage in range(1, stages + 1):
         md.stiffen(full["stiffening"]**(1 / stages))

@@ -1,7 +1,7 @@
 """What a result is: its name, its fields (schema), its checksum (sealed), its reader, and how a run ended. Needs no YADE.
 
-The content of a file decides what it is, never its name: a file counts as the result of a row only if it is whole, holds that row's parameters
-and a history. Nothing here imports what runs or draws.
+Only its content decides what a file is, never its name: a file counts as the result of a row if it is undamaged and holds that row's parameters
+and a history. Nothing here imports code that runs or draws.
 """
 import json
 import os
@@ -15,13 +15,13 @@ FOLDER = "results"
 
 
 def make(folder):
-    """Make the folder of results unless it is there; ParameterError where it cannot be one."""
+    """Create the folder of results unless it exists. Raise ParameterError if nothing can be written there."""
     try:
         pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError("nothing can be written there")
     except OSError as error:
-        raise parameters.ParameterError(f"{folder} cannot be a folder of results: {error}") from None
+        raise parameters.ParameterError(f"{folder} cannot be used as the folder for results: {error}") from None
 
 
 def path_of(full, folder=FOLDER):
@@ -30,7 +30,7 @@ def path_of(full, folder=FOLDER):
 
 
 def ending(path):
-    """Return (status, commit) of the run in a file: 'finished' or 'failed: reason', and the code that made it; (None, '') where there is no file."""
+    """Return (status, commit) of the run in a file: 'finished' or 'failed: reason', and the commit of its code; (None, '') without a file."""
     if not os.path.lexists(path):
         return None, ""
     try:
@@ -60,5 +60,5 @@ def status(path):
 
 
 def finished(path):
-    """Tell whether the run has ended well."""
+    """Tell whether the run in a file has finished."""
     return status(path) == STATUS_FINISHED

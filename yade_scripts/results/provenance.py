@@ -1,4 +1,4 @@
-"""Which code and which processor made a result."""
+"""The code and the processor that made a result."""
 import functools
 import pathlib
 import platform
@@ -7,7 +7,7 @@ import subprocess
 
 @functools.cache
 def git_commit():
-    """Return the commit of this project, '-dirty' added where tracked files differ, 'unknown' outside a clone or without git."""
+    """Return the commit of this project, with '-dirty' appended if tracked files differ; 'unknown' outside a clone or without git."""
     def git(*arguments):
         return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
 
@@ -19,7 +19,7 @@ def git_commit():
 
 
 def processor():
-    """Return the processor's name as Linux tells it."""
+    """Return the processor's name as Linux reports it."""
     try:
         lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -28,6 +28,6 @@ def processor():
 
 
 def short(commit):
-    """Return twelve digits of a commit's hash, and what is appended to it."""
+    """Return the first twelve digits of a commit's hash, with the suffix that follows the hash."""
     digits, dash, suffix = commit.partition("-")
     return digits[:12] + dash + suffix

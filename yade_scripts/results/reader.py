@@ -1,4 +1,4 @@
-"""Reads result files and checks them: whole, of this project, finished, without impossible numbers."""
+"""Reads result files and checks that they are undamaged, made by this project, finished, and without NaN or infinity."""
 
 import json
 import os
@@ -17,7 +17,7 @@ RESULTS = Path(__file__).resolve().parents[2] / results.FOLDER
 
 
 class ResultError(Exception):
-    """A result file cannot be used: which one, what is wrong, and what to do."""
+    """A result file cannot be used. The message states which file, what is wrong, and what to do."""
 
     def __init__(self, path, what, remedy):
         super().__init__(f"{path}: {what}; {remedy}")
@@ -26,7 +26,7 @@ class ResultError(Exception):
 
 @dataclass(frozen=True)
 class Known:
-    """A number of a run with what it should be, as `yade_scripts.scenes.Known` declares it."""
+    """A number measured in a run and its exact value, as `yade_scripts.scenes.Known` declares it."""
 
     measured: float
     exact: float
@@ -37,7 +37,7 @@ class Known:
 
     @property
     def error(self):
-        """As schema.relative_error; infinite where the number is none."""
+        """The error of schema.relative_error; infinite if it is not finite."""
         error = schema.relative_error(self.measured, self.exact, self.scale, self.deviation)
         return error if np.isfinite(error) else np.inf
 
@@ -46,7 +46,7 @@ class Known:
 class Run:
     """One result file: names, units and shapes as in `yade_scripts.results.schema`.
 
-    extra: {name: array} of what only this scene has. known: {name: Known}.
+    extra: {name: array} of quantities that only this scene has. known: {name: Known}.
     """
 
     path: Path
@@ -75,21 +75,21 @@ class Run:
 
     @property
     def outcome(self):
-        """'completed', or 'collapsed: ' and what was seen."""
+        """'completed', or 'collapsed: ' and what was observed."""
         return str(self.attributes["outcome"])
 
     @property
     def collapsed(self):
-        """True if the sample gave way, which ended the run early and is a result."""
+        """True if the sample collapsed, which ended the run early and is a valid result."""
         return self.outcome.startswith(schema.OUTCOME_COLLAPSED)
 
     @property
     def error(self):
-        """The largest error of what is known about the run; NaN where nothing is."""
+        """The largest error of the run's known quantities; NaN if there are none."""
         return max((known.error for known in self.known.values()), default=np.nan)
 
     def values(self, name):
-        """Return a history field; ResultError where it is missing or holds a NaN or an infinity."""
+        """Return a history field. Raise ResultError if it is missing or holds a NaN or an infinity."""
         if name not in self.history:
             raise ResultError(self.path, f"/history/{name} is missing", "run it again")
         values = self.history[name]
@@ -102,7 +102,7 @@ class Run:
 
 
 def load(path, finished=True):
-    """Return the run stored at `path`. ResultError if it is no result file, is damaged or, with `finished`, did not succeed."""
+    """Return the run stored at `path`. Raise ResultError if it is no result file, is damaged or, with `finished`, did not finish."""
     path = Path(path)
     if not os.path.lexists(path):
         raise ResultError(path, "there is no such file", "make it with `make study`")
@@ -118,12 +118,12 @@ def load(path, finished=True):
     except (KeyError, TypeError, ValueError) as error:
         raise ResultError(path, f"is no result file of this project ({type(error).__name__}: {error})", AGAIN) from None
     if finished and not run.finished:
-        raise ResultError(path, f"the run did not finish: {run.attributes['status']}", "mend the cause and run it again")
+        raise ResultError(path, f"the run did not finish: {run.attributes['status']}", "correct the cause and run it again")
     return run
 
 
 def load_row(full, folder=results.FOLDER):
-    """Return the run of a full row from its file in `folder`; ResultError too where the file holds another run."""
+    """Return the run of a full row from its file in `folder`. Raise ResultError as `load` does, and if the file holds another run."""
     path = results.path_of(full, folder)
     run = load(path, finished=False)
     name = parameters.result_name(parameters.complete(run.parameters))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 METHODS = ("MD", "CD")
 STATUS_FINISHED = "finished"
 STATUS_FAILED = "failed: "  # followed by the reason

@@ -1,6 +1,6 @@
 """HDF5 files that end with the SHA-256 of everything before it. HDF5 ignores what follows its content, so any program can open them.
 
-A file is written beside its final name and then renamed: after a crash the old file or the new one is there, whole.
+A file is written under a temporary name and then renamed: after a crash either the old or the new file exists, and it is complete.
 """
 import hashlib
 import io
@@ -14,16 +14,16 @@ MARK = b"\nsha256:"
 
 
 class Damaged(ValueError):
-    """The file is not what was written; the message says what is wrong with it."""
+    """The content of a file is not what was written. The message states what is wrong with it."""
 
 
 def write(path, content):
-    """Write the bytes of an HDF5 file under its name, sealed."""
+    """Write the bytes of an HDF5 file to `path`, with the checksum appended."""
     replace(path, content + _seal(content))
 
 
 def replace(path, content):
-    """Write bytes beside `path`, bring them to the disk, then give them that name."""
+    """Write bytes to a temporary file beside `path`, flush it to the disk, then rename it to `path`."""
     path = pathlib.Path(path)
     new = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
@@ -43,7 +43,7 @@ def replace(path, content):
 
 
 def open_checked(path):
-    """Return the file opened for reading, once its content has the checksum it ends with; Damaged otherwise."""
+    """Return the file opened for reading if its checksum matches its content. Raise Damaged otherwise."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise Damaged("is not a regular file")

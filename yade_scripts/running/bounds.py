@@ -72,5 +72,5 @@ class Bounds:
             raise OutOfBounds(f"{where}: {-gone:.3g} J of energy were created, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
         lost = gone - row["dissipated_energy"]
         if self.full["method"] == "CD" and abs(lost) > BALANCE * self.scale:
-            raise OutOfBounds(f"{where}: the energy balance is off by {lost:.3g} J, more than {BALANCE} of {unit}: something else than walls and "
+            raise OutOfBounds(f"{where}: the energy balance is off by {lost:.3g} J, more than {BALANCE} of {unit}: a force other than walls and "
                               "contacts acts on the disks")

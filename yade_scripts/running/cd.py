@@ -1,4 +1,4 @@
-"""Contact Dynamics: the engine list of cd_engine with the walls' load before the contacts are solved."""
+"""Contact Dynamics: the engines of cd_engine, with the walls' load applied before the contacts are solved."""
 from yade import O
 
 import cd_engine
@@ -12,13 +12,13 @@ SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedI
 
 
 class Watch:
-    """Keeps the largest residual between two samples; the engine itself knows only its last step."""
+    """Keeps the largest residual between two samples; the engine keeps only that of its last step."""
 
     def __init__(self, full, engine):
         self.full, self.engine, self._largest = full, engine, 0.0
 
     def look(self):
-        """Look after every step; raise OutOfBounds where the run has to end."""
+        """Check every step; raise OutOfBounds if the run has to end."""
         residual = self.engine.residual
         bounds.check_step(self.full, O.iter, residual, self.engine.maxPenetration)
         self._largest = max(self._largest, residual)
@@ -30,7 +30,7 @@ class Watch:
 
 
 def set_engines(full, scene, goals=None):
-    """Set O.engines for a scene, its free walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+    """Set O.engines for a scene. Its free walls are loaded by goals(t) -> (sigma1, sigma2) [Pa], or not at all.
 
     Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
     middle of the step (Moreau-Jean scheme, theta = 1/2).
@@ -43,13 +43,13 @@ def set_engines(full, scene, goals=None):
     scene.watch = Watch(full, engine)
     engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
     if goals is not None:
-        scene.load = walls.ForceLoad(goals, lead=O.dt / 2)
+        scene.load = walls.ForceLoad(goals, lead=O.dt / 2, implicit=True)
         engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
     O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True, label=hooks.WATCHING)]
 
 
 def bind(full, scene):
-    """Give the scene's functions the engine that is in O; after O.load it is another object."""
+    """Give the scene's functions the engine that is in O now; O.load replaces the object."""
     scene.watch.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
 
 

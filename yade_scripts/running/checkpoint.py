@@ -28,9 +28,8 @@ from yade_scripts.results import sealed
 from yade_scripts.running import hooks, saved_scene
 from yade_scripts.results.provenance import git_commit
 
-# Disks times steps, about five minutes on one core for MD, one to twenty for CD, whose sweeps a step vary. Every published run is
-# shorter, the longest half of it, and so has none.
-INTERVAL = {"MD": 10**9, "CD": 2 * 10**7}
+# Disks times steps: about ten minutes on one core for MD, two to forty for CD, whose sweeps a step vary. Every published run is shorter and so has none.
+INTERVAL = {"MD": 2 * 10**9, "CD": 4 * 10**7}
 SCENE, RECORD, MEMORY = "scene.yade", "record.h5", "memory.json"
 
 

@@ -1,7 +1,7 @@
 """File locks that the kernel releases when the process that holds them ends, even by kill -9. Needs no YADE.
 
-All locks of a folder are bytes of one file, `.locks` in it, the byte being the hash of what is locked. They are POSIX record locks, which
-hold over a network file system, too; the kernel drops them with the process, kill -9 included, so nothing has to be cleaned up.
+All locks of a folder are bytes of one file in it, `.locks`; the hash of a name gives the position of its byte. They are POSIX record locks, which
+also work on a network file system and need no cleaning up.
 """
 import contextlib
 import fcntl
@@ -12,15 +12,15 @@ FILE = ".locks"
 
 
 def _byte(path):
-    """Return where in the file the lock of `path` is: 62 bits, so that two names share a byte in none of any real folder."""
+    """Return the position of the lock of `path` in the file. It has 62 bits, so no two names of a real folder share it in practice."""
     return int.from_bytes(hashlib.sha256(path.name.encode()).digest()[:8], "big") >> 2
 
 
 @contextlib.contextmanager
 def held(path, waiting=lambda: None):
-    """Hold the lock of a file that need not exist, in a folder that must; where another process holds it, wait, calling waiting() first.
+    """Hold the lock of a file, which need not exist; its folder must. If another process holds it, call waiting() and wait.
 
-    One lock a process and folder: closing the file lets go of all of them.
+    A process may hold only one lock of a folder at a time: closing the file releases all of them.
     """
     path = pathlib.Path(path)
     with open(path.parent / FILE, "ab") as file:

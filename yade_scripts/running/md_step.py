@@ -17,14 +17,14 @@ class StepError(ParameterError, RuntimeError):
 
 
 def check(full):
-    """Raise StepError if O.dt is above the limit; without contacts nothing is known of it."""
+    """Raise StepError if O.dt is above the limit. Without contacts there is nothing to check."""
     mass, damping, stiffness = _matrices()
     if stiffness.nnz == 0:
         return
     largest = spring_limits.largest_eigenvalue(mass, O.dt**2 * stiffness + 2 * O.dt * damping)
     if largest >= 4:
         most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
-        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the springs swing up by themselves from {most:.3g} on "
+        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the time integration of the springs is unstable from {most:.3g} on "
                         f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n']}); take at most half of that, better the default")
 
 
@@ -36,8 +36,8 @@ def limit():
 def safe_bound():
     """Return a step [s] that is stable for every packing in which no disk is held more stiffly than here.
 
-    A contact's energy is at most twice what it would be with the one and with the other body held. So w^2 <= 2 max w_i^2 with w_i the
-    largest frequency of body i alone, all others held; dashpots likewise.
+    A contact's energy is at most twice the sum of its energies with one and with the other body held. So w^2 <= 2 max w_i^2, where w_i is the
+    largest frequency of body i with all others held; the same bound holds for dashpots.
     """
     mass, damping, stiffness = _matrices()
     blocks = [slice(k, k + 3) for k in range(0, len(mass), 3)]
@@ -46,7 +46,7 @@ def safe_bound():
 
 
 def _matrices():
-    """Return the diagonal of M (infinite where a freedom is blocked), then C and K (sparse) for (x, y, spin) of every body with a freedom."""
+    """Return the diagonal of M (infinite for a blocked coordinate), then C and K (sparse), for (x, y, spin) of every body that can move."""
     free = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)]
     number = {body.id: k for k, body in enumerate(free)}
     mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
@@ -71,21 +71,21 @@ def _matrices():
 
 
 class _Rows:
-    """The rows of a sparse matrix that turns velocities of disks into one relative velocity of each contact."""
+    """Builds a sparse matrix that turns velocities of bodies into one relative velocity for each contact."""
 
     def __init__(self):
         self.rows, self.columns, self.values, self.count = [], [], [], 0
 
     def add(self, disk, three):
-        """Add the entries of one disk in the row under way."""
+        """Add the three entries of one body to the current row."""
         self.rows += [self.count] * 3
         self.columns += range(3 * disk, 3 * disk + 3)
         self.values += three
 
     def end(self):
-        """End the row under way."""
+        """End the current row."""
         self.count += 1
 
     def matrix(self, columns):
-        """Return all rows."""
+        """Return the matrix of all rows."""
         return sparse.csr_matrix((self.values, (self.rows, self.columns)), shape=(self.count, columns))

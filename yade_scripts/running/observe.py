@@ -1,4 +1,4 @@
-"""What a scene shows at one instant: the numbers of a history sample and the arrays of a snapshot."""
+"""The state of a scene at one instant: the numbers of a history sample and the arrays of a snapshot."""
 import math
 
 import numpy as np
@@ -23,9 +23,14 @@ class Contacts:
         return len(self._loaded)
 
     def stored_energy(self):
-        """Return the elastic energy [J] of the springs of eqs. 5 and 6; dashpots store none, hence the overlap and not the normal force."""
-        stiffness = np.array([(i.phys.kn, i.phys.ks) for i in self._loaded]).reshape(-1, 2)
-        return float(np.sum(stiffness[:, 0] * self.overlap**2 + self.tangential**2 / stiffness[:, 1]) / 2)
+        """Return the elastic energy [J] of the springs of eqs. 5 and 6.
+
+        From the overlap, since the normal force also contains the dashpot's; a parting contact whose dashpot pulls harder than its spring pushes still
+        has a spring.
+        """
+        springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in O.interactions
+                            if i.isReal and i.geom.penetrationDepth > 0]).reshape(-1, 4)
+        return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
     def sliding(self):
         """Return the number of contacts at the Coulomb limit."""

@@ -6,31 +6,31 @@ import math
 
 from yade_scripts import parameters
 
-# Name: (least, most, what one may have meant). Grains from dust to boulders, of solids and of foams; gravity from asteroids to centrifuges.
+# Name: (least, most, hint). The ranges cover grains from dust to boulders, solids and foams, and gravity from asteroids to centrifuges.
 USUAL = {
-    "radius_mean": (1e-5, 5.0, "is it in mm? It is wanted in m"),
-    "density": (50.0, 25000.0, "is it in g/cm^3? It is wanted in kg/m^3"),
-    "depth": (1e-4, 100.0, "is it in mm? It is wanted in m"),
-    "gravity": (1e-3, 1e4, "it is wanted in m/s^2, 9.81 on earth, 0 for none"),
-    "cd_dt": (1e-9, 0.1, "is it in ms? It is wanted in s"),
-    "kn": (1e1, 1e12, "is it in MPa? It is wanted in N/m, the paper's 2 MPa at a depth of 1 m being 2e6"),
+    "radius_mean": (1e-5, 5.0, "is it in mm? The unit is m"),
+    "density": (50.0, 25000.0, "is it in g/cm^3? The unit is kg/m^3"),
+    "depth": (1e-4, 100.0, "is it in mm? The unit is m"),
+    "gravity": (1e-3, 1e4, "the unit is m/s^2: 9.81 on earth, 0 for no gravity"),
+    "cd_dt": (1e-9, 0.1, "is it in ms? The unit is s"),
+    "kn": (1e1, 1e12, "is it in MPa? The unit is N/m, the paper's 2 MPa at a depth of 1 m being 2e6"),
 }
-RADIANS = 1.6  # a slope below this, but not 0, may be in radians
-BLOW = 3.0  # a period below this many times in which P0 moves a grain by its size: inertia carries the load. The tables have 17 and more
+RADIANS = 1.6  # a slope below this value, but not 0, may be in radians
+BLOW = 3.0  # least period, in times in which P0 moves a grain by its size; below it inertia carries the load. The tables have 17 and more
 
 
 def doubts(full):
-    """Return what of a full row is probably not meant: sentences, each with name, value and remedy."""
+    """Return warnings about a full row: sentences, each with name, value and remedy."""
     found = []
     for name, (least, most, remedy) in USUAL.items():
         value = full[name]
         if value and not least <= value <= most:
             found.append(f"{name} = {value:g} {parameters.REGISTRY[name].unit} is unusual (usual: {least:g} to {most:g}): {remedy}")
     if full["scene"] in ("incline", "groove") and 0 < abs(full["slope"]) < RADIANS:
-        found.append(f"slope = {full['slope']:g} degree is nearly flat: is it in radians? It is wanted in degrees")
+        found.append(f"slope = {full['slope']:g} degree is nearly flat: is it in radians? The unit is degree")
     if full["scene"] == "biaxial" and full["loading"] != "ramp":
         grain = 2 * full["radius_mean"] * math.sqrt(full["density"] / parameters.pressure(full))
         if full["period"] < BLOW * grain:
             found.append(f"period = {full['period']:g} s is {full['period'] / grain:.2g} times the {grain:.2g} s in which P0 moves a grain by its size: the load "
-                         f"comes as a blow; {BLOW * grain:.2g} s is the least that makes sense")
+                         f"acts like an impact; use at least {BLOW * grain:.2g} s")
     return found

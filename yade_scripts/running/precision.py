@@ -1,4 +1,4 @@
-"""Which YADE is running: Debian packages it in four precisions, and their files are not interchangeable."""
+"""Checks the precision of the running YADE: Debian packages four, and their files are not interchangeable."""
 
 
 def check():

@@ -4,11 +4,11 @@ import sys
 from tqdm import tqdm
 
 SECONDS = 5
-TELLING = 0.02  # of the run: what it has done before, first steps above all, tells nothing of the time left
+TELLING = 0.02  # fraction done before which no time left is shown: the first steps do not predict it
 
 
 class Progress:
-    """Called with the fraction done."""
+    """Shows the progress of a run; call it with the fraction done."""
 
     def __init__(self, title):
         terminal = sys.stderr.isatty()
@@ -16,7 +16,7 @@ class Progress:
                         for left in ("?", "{remaining}")]
         self.bar = tqdm(total=1.0, desc=title, file=sys.stderr if terminal else sys.stdout, mininterval=0.1 if terminal else SECONDS, miniters=0,
                         bar_format=self.formats[0])
-        self.begun = None  # fraction
+        self.begun = None  # fraction done at the first call
 
     def __call__(self, fraction):
         if self.begun is None:  # a resumed run begins in the middle
@@ -26,6 +26,6 @@ class Progress:
         self.bar.update(fraction - self.bar.n)
 
     def close(self):
-        """Say that the run has ended."""
+        """Show that the run has ended."""
         self.bar.bar_format = self.formats[1]
         self.bar.close()

@@ -1,7 +1,7 @@
-"""Runs of YADE, several at a time: the one place of this project that starts YADE.
+"""Runs YADE several times in parallel: the one place of this project that starts YADE.
 
-Every run has a process and a log of its own and one thread, since several are not repeatable. The kernel ends the processes with whoever
-started them, kill -9 included.
+Every run has a process and a log of its own. It uses one thread, since runs with several threads are not repeatable. The kernel ends the runs when
+the process that started them ends, even by kill -9.
 """
 import os
 import pathlib
@@ -37,11 +37,11 @@ class Job:
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment())
 
     def elsewhere(self):
-        """Tell whether another process does this already."""
+        """Tell whether another process does this job already."""
         return False
 
     def again(self):
-        """Tell, at the end of the process, whether it is to be started once more."""
+        """Tell, when the process has ended, whether to start it once more."""
         return False
 
     def said(self, lines=8):
@@ -49,7 +49,7 @@ class Job:
         return "\n".join(self.log.read_text(encoding="utf-8", errors="replace").splitlines()[-lines:])
 
     def news(self):
-        """Return how far the run is, in a few words."""
+        """Return the progress of the run in a few words."""
         return self.log.stem
 
     def outcome(self):
@@ -58,7 +58,7 @@ class Job:
 
 
 def run(jobs, at_once, ended=lambda job: None):
-    """Run all jobs in their order, `at_once` at a time; calls ended(job) after each. However this ends, it ends the runs."""
+    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. However this function ends, it ends the runs."""
     waiting, running, told = list(jobs), [], time.monotonic()
     bar = tqdm(total=len(waiting), unit="run", disable=not sys.stderr.isatty())
     try:
@@ -67,7 +67,7 @@ def run(jobs, at_once, ended=lambda job: None):
                 job = next((job for job in waiting if not job.elsewhere()), waiting[0])
                 waiting.remove(job)
                 job.start()
-                running.append(job)  # not before it has a process: a signal may come between
+                running.append(job)  # only once it has a process, since a signal may come in between
             time.sleep(0.1)
             for job in [job for job in running if job.process.poll() is not None]:
                 if job.again():
@@ -94,9 +94,9 @@ def run(jobs, at_once, ended=lambda job: None):
 
 
 def end_by_signals(name):
-    """Let the signals that ask for an end leave by the way that ends the runs; nohup stays in force."""
+    """Turn SIGTERM, SIGHUP and SIGINT into SystemExit, so that `run` ends its runs. SIGTERM or SIGHUP stays ignored if it was (nohup)."""
     def end(number, frame):
-        os.write(2, f"\n{name}: ended; the same command goes on where it stopped.\n".encode())  # print may be what it has interrupted
+        os.write(2, f"\n{name}: ended; the same command goes on where it stopped.\n".encode())  # the signal may have interrupted a print
         sys.exit(128 + number)
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         if number == signal.SIGINT or signal.getsignal(number) != signal.SIG_IGN:

@@ -1,6 +1,6 @@
 """The scene in O as bytes, by YADE's own O.save and O.load in its binary form.
 
-Through a file in memory, since O.save to a full disk never returns.
+They use a file in memory, since O.save never returns if the disk is full.
 """
 import os
 
@@ -16,7 +16,7 @@ def take():
 
 
 def restore(scene):
-    """Load what `take` gave."""
+    """Load a scene that `take` returned."""
     with _memory() as file:
         file.write(scene)
         file.flush()

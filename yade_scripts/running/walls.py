@@ -1,7 +1,7 @@
 """The box of the biaxial test: six walls around the sample, moved by a servo or pushed by forces (Hambly's principle, the paper's Fig. 2).
 
 Direction 1 is x, 2 is y (paper, section 2.1). Walls have thickness 0, so that a wall's position is its inner face. Stresses [Pa]
-are compression positive; a wall force over (other side times depth).
+are positive in compression: a wall force over the wall's area (other side times depth).
 """
 from yade import O, utils
 from yade.wrapper import TriaxialStressController
@@ -14,7 +14,7 @@ DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
 
 
 def append(sides, depth, material):
-    """Append six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2), sides (L_x, L_y) or one [m]; they must be the first bodies."""
+    """Append six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2); sides [m]: (L_x, L_y) or one number. They must be the first bodies."""
     if len(O.bodies):
         raise ValueError("walls come first: their ids are 0 to 5")
     length_x, length_y = sides if hasattr(sides, "__len__") else (sides, sides)
@@ -54,16 +54,16 @@ def stresses():
 
 
 def mean_stresses():
-    """Return (sigma1, sigma2) [Pa]: means over opposite walls, which differ by the inertia of the disks."""
+    """Return (sigma1, sigma2) [Pa]: means over opposite walls, whose stresses differ by the inertia of the disks."""
     return tuple(sum(pair) / 2 for pair in stresses())
 
 
 def servo(goal, damping_ratio, mass, kn, max_velocity):
-    """Return YADE's TriaxialStressController in 2D, holding (sigma1, sigma2) = goal [Pa].
+    """Return YADE's TriaxialStressController in 2D, which holds (sigma1, sigma2) = goal [Pa].
 
     Each step it moves a wall by the stress error over the wall's stiffness. Dashpots of ratio beta act as a further stiffness of 2 beta tau/dt
-    (tau = sqrt(m/k_n)) that it does not know of, which raises its gain. At a gain of 2.1 the walls flip at their largest velocity for ever and no
-    strain shows; up to 1.4 they are stable (both measured). stressDamping lowers the gain, here to 1.
+    (tau = sqrt(m/k_n)), which it does not know; this raises its gain. At a gain of 2.1 the walls reverse for ever at their largest velocity, without
+    visible strain; up to 1.4 they are stable (both measured). stressDamping limits the gain to 1 here.
     """
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
     length_x, length_y = sides()
@@ -71,7 +71,7 @@ def servo(goal, damping_ratio, mass, kn, max_velocity):
         stressMask=3, goal1=-goal[0], goal2=-goal[1], goal3=0, internalCompaction=False, thickness=0,
         wall_front_activated=False, wall_back_activated=False,
         stressDamping=max(0.25, 1 - 1 / max(loop_gain, 1e-9)), max_vel=max_velocity,
-        # YADE does not save its stiffness with the scene. Computed anew at every step, it is right after a reload, too.
+        # YADE does not save the wall stiffness with the scene. Computed anew at every step, it is right after a reload, too.
         stiffnessUpdateInterval=1, computeStressStrainInterval=1,
         width0=length_x, height0=length_y, depth0=depth())
 
@@ -95,9 +95,11 @@ class Load:
         self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
 
     def apply(self):
-        """Update: add the work since the last one, then the new load."""
-        self._sum, self._positions, self.goal = self.work(), faces(), self.goals(O.time + self.lead)
+        """Apply the load of now, and add the work since the last call."""
+        moved, before = self._moved(), self._forces
+        self.goal = self.goals(O.time + self.lead)
         self._forces = self._push()
+        self._sum, self._positions = self._sum + self._work(before, self._forces, moved), faces()
 
     def _moved(self):
         """Return the displacements [m] of x-, x+, y-, y+ since the last update."""
@@ -105,7 +107,7 @@ class Load:
 
 
 class ServoLoad(Load):
-    """Hands the goals to a TriaxialStressController; stands between the contact loop and the controller."""
+    """Gives the goals to a TriaxialStressController. Its runner stands between the contact loop and the controller."""
 
     def __init__(self, goals, controller):
         super().__init__(goals)
@@ -120,13 +122,24 @@ class ServoLoad(Load):
         self.controller.goal1, self.controller.goal2 = -self.goal[0], -self.goal[1]
         return self._contact_forces()
 
+    def _work(self, before, after, moved):
+        """Return the work on the sample [J]: trapezoidal rule on the contact forces on the four walls."""
+        return -total((f + g) / 2 * x for f, g, x in zip(before, after, moved))
+
     def work(self):
-        """Return the work on the sample so far [J]: trapezoidal rule on the contact forces on the four walls."""
-        return self._sum - total((f + g) / 2 * x for f, g, x in zip(self._forces, self._contact_forces(), self._moved()))
+        """Return the work on the sample so far [J]."""
+        return self._sum + self._work(self._forces, self._contact_forces(), self._moved())
 
 
 class ForceLoad(Load):
-    """Pushes the free walls x+ and y+ by stress times area; stands before the integrator, every step."""
+    """Pushes the free walls x+ and y+ by stress times area. Its runner stands before the integrator and acts at every step.
+
+    implicit: of Contact Dynamics, where a push holds throughout its step. In leapfrog it acts from half a step before to half a step after.
+    """
+
+    def __init__(self, goals, lead=0.0, implicit=False):
+        super().__init__(goals, lead)
+        self.implicit = implicit
 
     def _push(self):
         push = [-stress * area for stress, area in zip(self.goal, areas())]
@@ -134,6 +147,10 @@ class ForceLoad(Load):
         O.forces.addF(Y_HIGH, (0, push[1], 0))
         return [0.0, push[0], 0.0, push[1]]
 
+    def _work(self, before, after, moved):
+        """Return the work on the sample and the mass of the walls [J]."""
+        return total((f if self.implicit else (f + g) / 2) * x for f, g, x in zip(before, after, moved))
+
     def work(self):
-        """Return the work on the sample and the walls' mass so far [J]: force of the last step times the displacement it made."""
-        return self._sum + total(f * x for f, x in zip(self._forces, self._moved()))
+        """Return the work on the sample and the mass of the walls so far [J]."""
+        return self._sum + self._work(self._forces, self._forces, self._moved())

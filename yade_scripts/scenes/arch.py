@@ -1,14 +1,14 @@
 """Three equal disks make an arch on a rough floor: one arch is just steep enough to stand, one just too flat.
 
-The key rests on two side disks that stand on the floor and do not touch each other; the line from a side disk to the key rises at phi.
-Forces on the right side disk: N and T of the key, F and the weight's reaction of the floor. No torque asks for F = T; no horizontal
-resultant for N cos phi - T sin phi = F. So T/N = cos phi/(1 + sin phi) = tan(45 degrees - phi/2): the arch stands if
+The key, the upper disk, rests on two side disks that stand on the floor and do not touch each other. The line from a side disk to the key
+rises at phi. Forces on the right side disk: N and T from the key, F and the reaction to the weights from the floor. Zero torque requires F = T,
+zero horizontal force N cos phi - T sin phi = F. So T/N = cos phi/(1 + sin phi) = tan(45 degrees - phi/2), and the arch stands if
     mu >= mu_c = tan(45 degrees - phi/2),   phi(mu_c) = 90 degrees - 2 atan mu_c.
-All forces are determined (N sin phi + T cos phi = m g/2); the floor needs less, T over 3/2 m g.
+All forces are determined (N sin phi + T cos phi = m g/2). The contact with the floor needs less friction, T over 3/2 m g.
 If mu < mu_c the key slides down between the side disks, which roll apart, T = mu N. With the side disk at x = 2R cos phi and the key
 2R sin phi above it,
     3/2 m x'' = N [cos phi - mu (1 + sin phi)],   m y'' = -m g + 2 N (sin phi + mu cos phi),   x^2 + y^2 = 4 R^2,
-one equation for phi, integrated here to 1e-11.
+is one equation for phi, integrated here to 1e-11.
 """
 import math
 
@@ -19,7 +19,7 @@ TITLE = "Arch of three disks"
 KIND = "piles at rest"
 METHODS = ("MD", "CD")
 HORIZON = "About ten times sqrt(R/g), 0.3 s: one arch rests, the other falls as computed, until a lateral error has grown or its key meets the floor."
-LEFT_OUT = "how the load comes on: the disks touch without force at time 0. Springs then swing, the tangential ones undamped"
+LEFT_OUT = "a gradual start of the load: the disks touch without force at time 0. The springs then oscillate, the tangential ones without damping"
 DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10,
                 tolerance=1e-12, max_iterations=1000000)
 PARAMETERS = (Parameter("arch_margin", 0.05, "1", "by how much one arch needs less than mu and the other more", low=1e-6, high=0.5),)
@@ -27,12 +27,12 @@ CHART = Chart(rolling=True)
 
 
 def rise(mu):
-    """Return the angle phi [rad] at which an arch needs the friction mu."""
+    """Return the angle phi [rad] at which an arch needs just the friction coefficient mu."""
     return math.pi / 2 - 2 * math.atan(mu)
 
 
 def check(full):
-    """Check that the side disks are apart, phi < 60 degrees, and the flat arch must be one."""
+    """Check that 0 < phi < 60 degrees for both arches, so that the key is above the side disks and these are apart."""
     least, most = (full["friction"] * (1 + sign * full["arch_margin"]) for sign in (-1, 1))
     if not math.tan(math.radians(15)) < least < most < 1:
         raise ParameterError(f"friction = {full['friction']}: must be between 0.268/(1 - arch_margin) and 1/(1 + arch_margin) for an arch whose "
@@ -40,7 +40,7 @@ def check(full):
 
 
 def fall(full, phi):
-    """Return how far [m] the key of an arch that does not stand has fallen by the end."""
+    """Return how far [m] the key of the falling arch has come down by the end."""
     from scipy.integrate import solve_ivp
     mu, g, span = full["friction"], full["gravity"], 2 * full["radius_mean"]
 
@@ -58,7 +58,7 @@ def fall(full, phi):
 
 
 def build(full, folder):
-    """Return the arch that stands around x = 0, the one that falls far from it."""
+    """Build the standing arch at x = 0 and the falling one far from it."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -69,7 +69,7 @@ def build(full, folder):
     bodies.append_floor(full, length=2 * apart)
 
     def arch(x, phi):
-        """Return an arch about x; a function for how far its key has come down, at the end of the time and not MD's step later."""
+        """Append an arch about x. Return a function for how far [m] its key has come down at the end time, without MD's additional step."""
         for place, height in ((-math.cos(phi), 0), (math.cos(phi), 0), (0, math.sin(phi))):
             disk = bodies.append_disk((x + 2 * radius * place, (1 + 2 * height) * radius), radius, mass, "disk")
         state, start = O.bodies[disk].state, O.bodies[disk].state.pos[1]

@@ -1,9 +1,9 @@
-"""A row of equal disks against a wall, pushed from time 0 by a constant force on the last disk: under few sweeps a step it swings.
+"""A row of equal disks touches a wall. From time 0 a constant force pushes the last disk; with few sweeps a step the row oscillates.
 
-Period and decay are those of a damped elastic rod (effective_medium.py), to a few per cent: that is a theory of long waves. It leaves out
-that the row of N disks and N contacts swings as a rod of N + 1/2 diameters (+1 % of the period at 50), that the sweeps of a step do
-not quite add up, 1 - exp(-x) of what they would for x = q N_I (k d)^2 (1.6 % of the stiffness at 50 disks and 40 sweeps), and, in
-the way `overlap` only, that the forces near the ends have not spread in a step (a length of sqrt(q N_I) diameters, 6 of 50).
+Period and decay agree to a few per cent with a damped elastic rod (effective_medium.py), a theory of long waves. The theory leaves out that the
+row of N disks and N contacts oscillates as a rod of N + 1/2 diameters (+1 % of the period at 50); that the sweeps of a step have the effect
+1 - exp(-x) instead of x = q N_I (k d)^2 (1.6 % of the stiffness at 50 disks and 40 sweeps); and, in the mode `overlap` only, that the forces
+near the ends have not spread within a step (over a length of sqrt(q N_I) diameters, 6 of 50).
 """
 import math
 
@@ -24,11 +24,11 @@ PARAMETERS = ()
 CHART = None
 
 SOURCE = "damped elastic rod of effective_medium.py (Unger et al. 2002), a theory of long waves, good to a few per cent"
-STRAIN = 1e-5  # of the row at rest under the force, so small that lengths do not change; the theory is linear
+STRAIN = 1e-5  # of the row at rest under the force: so small that the linear theory holds
 
 
 def build(full, folder):
-    """Build `disks` touching disks that can only move along x; /extra holds the way of the last one after every step."""
+    """Build `disks` touching disks that can only move along x. /extra holds the displacement of the last one after every step."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -40,7 +40,7 @@ def build(full, folder):
     for k in range(full["disks"]):
         last = bodies.append_disk(((2 * k + 1) * radius, 0), radius, mass, "disk", blocked="yzXYZ")
     medium = effective_medium.stiffness(full)
-    # A chain of rigid disks has no stiffness to scale the force with: any force will do, it must not move.
+    # If every step is solved, the chain has no stiffness to scale the force with: any force serves, since nothing may move.
     force = STRAIN * 2 * radius * (medium if math.isfinite(medium) else full["kn"])
     O.forces.setPermF(last, (-force, 0, 0))
 
@@ -53,7 +53,7 @@ def build(full, folder):
 
 
 def _known(full, way):
-    """Return period and decay in steps where the medium is elastic and the run long enough to see them."""
+    """Return the known period and decay, in steps, if the medium is elastic and the run covers two periods; else an empty list."""
     elastic = full["fixed_iterations"] and full["warm_start"] == (full["gap_correction"] == 0) and full["gap_correction"] in (0, 1)
     if not elastic:
         return []
@@ -66,9 +66,9 @@ def _known(full, way):
 
 
 def swing(way, period, decay):
-    """Return period and decay time, in steps, of the damped swing that fits the way of the end best; NaN where none does.
+    """Return period and decay time, in steps, of the damped oscillation that best fits the displacement of the end; NaN if the fit fails.
 
-    period, decay: a first guess. Left out is the first half period, in which the overtones of the sudden push die: the third harmonic
+    period, decay: a first guess. The fit leaves out the first half period, in which the overtones of the sudden push decay: the third harmonic
     decays nine times as fast.
     """
     from scipy.optimize import OptimizeWarning, curve_fit

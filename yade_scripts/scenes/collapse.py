@@ -1,11 +1,11 @@
-"""A column of disks is let go on one side and collapses onto a rough floor.
+"""A column of disks is released on one side and collapses onto a rough floor.
 
-The column is deposited without dynamics (preparing/deposit.py), width L0 and height about column_aspect L0, against a smooth wall on
-the left; at time 0 the wall on the right is gone. The floor is a row of fixed disks. Where it comes to rest is known as a statistic
-only: single grains go other ways with every rounding, front and height of the heap vary little from one deposit to the next. Both
-methods agree on it where neither bounces (restitution 0, beta_n 0.9). CD's tolerance hardly matters, 1e-2 gives the same as 1e-4; its
-step does, a little: 400 disks come 3.84 +- 0.04 column widths far at 1e-3 s (mean of ten deposits, its standard error), 3.99 +- 0.04 at
-2.5e-4 s, springs 4.03 +- 0.07 (four deposits).
+The column is deposited without dynamics (preparing/deposit.py), width L0 and height about column_aspect L0, against a smooth wall on the left; at
+time 0 there is no wall on the right. The floor is a row of fixed disks. The heap at rest is known only as a mean over runs: round-off changes the
+paths of single grains, but front and height of the heap vary little between deposits. Both methods agree without rebound (restitution 0,
+beta_n 0.9). CD's tolerance hardly matters (1e-2 gives the same as 1e-4), its time step a little: at 1e-3 s the front of 400 disks comes to
+3.84 +- 0.04 column widths (mean of ten deposits and its standard error), at 2.5e-4 s to 3.99 +- 0.04, that of springs to 4.03 +- 0.07 (four
+deposits).
 """
 import math
 import random
@@ -24,7 +24,7 @@ PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over it
 CHART = Chart(base={"disks": 400}, patience=2, physics=("beta_n",), rolling=True)
 
 SHARE = 0.98  # of the disks behind the front, and below the height
-# In column widths. Found with the values of SAME; scenes.converged explains the form.
+# In column widths, found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {400: ({"front": (3.99, 0.13), "height": (0.817, 0.033)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
              4000: ({"front": (4.67, 0.05), "height": (0.733, 0.006)}, "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
@@ -37,7 +37,7 @@ def width(full):
 
 
 def build(full, folder):
-    """Return the deposit of `seed` at x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
+    """Build the deposit of `seed` from x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
     import numpy as np
     from yade import O
 

@@ -1,9 +1,9 @@
-"""Equal disks in a row, small gaps between them; the first one runs into the row (Newton's cradle).
+"""Equal disks stand in a row with small gaps between them; the first one hits the row (Newton's cradle).
 
-The gaps make every collision one of two disks, the rest of the row looking on. A disk at speed v hits one at rest: they go on at
+Because of the gaps every collision involves only two disks. A disk of speed v that hits one at rest leaves them with the speeds
 (1 - e)/2 v and (1 + e)/2 v (momentum, Newton's restitution).
-  e = 1  the speed is handed on whole: the last disk leaves with all of it, the others stay.
-  e = 0  each collision makes a clump: all go on together at v/n.
+  e = 1  the whole speed is passed on: the last disk leaves with it, the others rest.
+  e = 0  colliding disks move on together: in the end all move at v/n.
   else   the last of n leaves at ((1 + e)/2)^(n-1) v. The disks behind it are at most as fast as the first, (1 - e)/2 v, since a collision
          with a slower one does not speed up a faster one; if that is less, nothing catches up with the last.
 """
@@ -26,7 +26,7 @@ MOMENTUM = "conservation of momentum"
 
 
 def last_speed(full):
-    """Return the speed of the last disk over `speed`; None where others may catch up with it."""
+    """Return the speed of the last disk over `speed`; None if others may catch up with it."""
     e, others = parameters.restitution(full), full["disks"] - 1
     if e == 0:
         return 1 / full["disks"]
@@ -35,7 +35,7 @@ def last_speed(full):
 
 
 def check(full):
-    """Check: all collisions must happen, and the last disk must not be caught up with."""
+    """Check that all collisions happen in time, and that no disk can catch up with the last."""
     way = full["disks"] * full["gap"] * full["radius_mean"]
     slowest = min(1, ((1 + parameters.restitution(full)) / 2)**(full["disks"] - 1)) * full["speed"]
     if way >= slowest * full["period"] * full["cycles"]:
@@ -46,7 +46,7 @@ def check(full):
 
 
 def build(full, folder):
-    """Return the row along x; the first disk starts a gap before the second."""
+    """Build the row along x; the first disk starts a gap before the second."""
     from yade import O
 
     from yade_scripts.preparing import bodies

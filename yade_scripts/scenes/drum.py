@@ -1,8 +1,8 @@
 """A drum half full of disks turns: how steep is the surface?
 
-The drum is a ring of flat sides that turns about its axis; the disks are placed in rows at rest and settle while it turns. The slope is
-that of the bed's centre of mass: half full, it lies on the normal of the surface through the axis. It is the mean over the second half of
-the run, in degrees.
+The drum is a ring of flat sides that turns about its axis; the disks are placed in rows at rest and settle while it turns. The slope follows
+from the centre of mass of the bed: in a half-full drum the normal of the surface runs from it to the axis. The result is the mean slope
+over the second half of the run, in degrees.
 """
 import math
 import random
@@ -21,8 +21,8 @@ DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7,
 PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, R being its inner radius", low=1e-6, high=1),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-EVERY = 0.01              # s between two looks at the slope
-# Found with the values of SAME; scenes.converged explains the form.
+EVERY = 0.01              # s between two measurements of the slope
+# Found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
 
@@ -33,7 +33,7 @@ def inner_radius(full):
 
 
 def build(full, folder):
-    """Return the drum about the origin, and the disks in rows in its lower part."""
+    """Build the drum about the origin, with the disks in rows in its lower part."""
     from yade import O
     from yade.wrapper import RotationEngine
 
@@ -50,7 +50,7 @@ def build(full, folder):
     places = [(pitch * i, pitch * j) for j in range(-full["disks"], full["disks"]) for i in range(-full["disks"], full["disks"])
               if abs(j) * pitch < inner and abs(i) * pitch < inner and math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
-        raise parameters.ParameterError(f"disks = {full['disks']}: loose rows of them do not fit into their own drum; take more disks, or radius_spread below 0.3")
+        raise parameters.ParameterError(f"disks = {full['disks']}: so many disks, in loose rows, do not fit into a drum of their size; take more disks, or radius_spread below 0.3")
     ids = []
     for x, y in places[:full["disks"]]:  # from the lowest row upwards
         r = radius * (1 + full["radius_spread"] * draw.uniform(-1, 1))

@@ -1,7 +1,7 @@
-"""A small step of sigma2 on a packing, far from any slip: springs strain by linear elasticity, rigid contacts do not.
+"""A small step of sigma2 on a packing, far from any slip: springs strain by linear elasticity, rigid contacts do not strain.
 
-The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs is that of the stiffness matrix of
-the contact network (theory/elastic.py), proportional to 1/k_n; the stiff limit, and CD's, is none.
+The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs follows from the stiffness matrix of
+the contact network (theory/elastic.py) and is proportional to 1/k_n. In the stiff limit, and in CD, it is 0.
 """
 import math
 
@@ -19,7 +19,7 @@ CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 
 
 
 def build(full, folder):
-    """Return the biaxial test's packing and walls."""
+    """Build the packing and the walls of the biaxial test, loaded by this step."""
     from yade_scripts.running import walls
     from yade_scripts.theory import elastic
     p0, time = parameters.pressure(full), full["period"] * full["cycles"]

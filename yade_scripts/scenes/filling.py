@@ -1,7 +1,7 @@
-"""Disks in loose rows fall into a box: how high do they stand in it at rest?
+"""Loose rows of disks fall into a box: how high do they stand in it at rest?
 
-The rows are placed above the floor with gaps of a fifth of a diameter and random shifts; all are let go at time 0. The height is twice that
-of the centre of mass over the height at which the disks would fill the box without any pores: the inverse of the solid fraction.
+The rows are placed above the floor with gaps of a fifth of a diameter and random shifts; all start to fall at time 0. The height is twice that
+of the centre of mass, over the height at which the disks would fill the box without pores. So it is the inverse of the solid fraction.
 """
 import math
 import random
@@ -19,13 +19,13 @@ DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7,
 PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-# Found with the values of SAME; scenes.converged explains the form.
+# Found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {500: ({"height": (1.287, 0.010)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1)
 
 
 def build(full, folder):
-    """Return the rows above a floor at y = 0 between walls at x = 0 and the width of the box."""
+    """Build the rows above a floor at y = 0, between walls at x = 0 and at the width of the box."""
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)

@@ -1,10 +1,10 @@
 """Two blocks (disks that may not turn) on two slopes, one just below and one just above the friction angle: one rests, one slides.
 
-tan t = mu (1 - margin) and mu (1 + margin). Along the slope the weight drives by m g sin t, friction holds up to mu m g cos t: the
-second block slides at g (sin t - mu cos t) = margin mu g cos t, a small difference of large forces, and the first one has to stay.
-MD begins with unloaded tangential springs. Until they hold, a quarter of their swing, the block gains g sin t/omega of speed,
-omega = sqrt(k_t/m), which nothing takes away again: the way it then slides is too long by (2 (1 + margin)/margin - pi)/(omega time) of it,
-and only stiffer springs make that smaller.
+tan t = mu (1 - margin) and mu (1 + margin). Along the slope the weight drives a block by m g sin t; friction holds up to mu m g cos t. The
+second block slides at g (sin t - mu cos t) = margin mu g cos t, a small difference of large forces, and the first one has to rest.
+MD begins with unloaded tangential springs. Until they hold the block, after a quarter of their oscillation, it gains the speed g sin t/omega,
+omega = sqrt(k_t/m), which nothing removes. The distance that it slides is then too long by the fraction (2 (1 + margin)/margin - pi)/(omega time).
+Only stiffer springs make that smaller.
 """
 import math
 
@@ -22,7 +22,7 @@ CHART = Chart()
 
 
 def build(full, folder):
-    """Return the resting block at x = 0, the sliding one far from it."""
+    """Build the resting block at x = 0 and the sliding one far from it."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -35,7 +35,7 @@ def build(full, folder):
     length = sliding * time**2 + 10 * radius
 
     def block(x, t):
-        """Append a block on a slope through (x, 0) that falls towards +x at t [rad]; a function for its mean acceleration since time 0."""
+        """Append a block on a slope of t [rad] down towards +x through (x, 0). Return a function for its mean acceleration [m/s^2] since time 0."""
         bodies.append_box((x, 0), (length, radius), full, angle=-t)
         height = 2 * radius - bodies.sag(mass * g * math.cos(t), full)
         state = O.bodies[bodies.append_disk((x + height * math.sin(t), height * math.cos(t)), radius, mass, "disk", blocked="zXYZ")].state

@@ -1,8 +1,8 @@
 """A prepared packing that does not move: a walk over the contact forces it admits under P0 (see preparing/force_network.py).
 
-The first snapshot holds the forces of the springs that prepared it, from which the walk starts. One sample a step; the bodies are put
-back after each. The step is so short that no gap closes within it: what holds is the set of contacts that the springs left, not a
-pair some 1e-12 m apart that a longer step would bring to bear.
+The first snapshot holds the forces of the springs that prepared it, from which the walk starts. Every step gives a sample, after which the
+bodies are put back. The step is so short that no gap closes within it. So the forces act on the contacts that the springs left, and not on
+pairs some 1e-12 m apart, which a longer step would close.
 """
 import numpy as np
 
@@ -20,14 +20,14 @@ CHART = None
 
 
 def check(full):
-    """Check the solver's start: the perturbed forces are the solver's first guess."""
+    """Check that the solver starts from the perturbed forces: this needs warm_start and a network_seed."""
     if not full["warm_start"] or not full["network_seed"]:
         raise ParameterError("scene = frozen_packing: needs warm_start = True and a network_seed above 0, for its perturbed forces are the "
                              "solver's first guess")
 
 
 def build(full, folder):
-    """Load the packing (made if it is missing) under P0; one step from no forces, then a walk of records_per_cycle times cycles steps."""
+    """Load the packing (made if missing) under P0; make one step from zero forces, then a walk of records_per_cycle times cycles steps."""
     from yade import O
 
     from yade_scripts import parameters

@@ -7,10 +7,10 @@ The forces on the disk are N (n + mu t') at each sliding contact, n = (+-sin t, 
   mu > tan t   and mu tan t < 1: one contact does not slide, the disk rolls over it up the wall; the other opens. Critical torque
                m g R sin t; above it the angular acceleration is (torque - critical)/(3/2 m R^2), for as long as the wall is.
   mu tan t >= 1  the line between the contacts lies within both cones: the disk can wedge itself and hold any torque, and rigid contacts at rest
-               stay at rest. The sliding state is a solution, too. Springs that begin with the weight's forces come to it, as found
-               by running them; how they could be wedged depends on their history, so that nothing is known of them here.
+               stay at rest. The sliding state is a solution, too. Runs of springs that begin with the weight's forces reach it;
+               whether springs wedge depends on their history, so nothing is known of them here.
 Springs: while both contacts slide, a displacement u of the centre changes N by -k_n n.u and with it mu N t', an unsymmetric stiffness whose
-modes are complex. The disk flutters unless the dashpots outdo it, at 45 degrees beta_n > mu/2; then it loses contact again and again
+modes are complex. The disk flutters unless the dashpots suppress this (at 45 degrees: beta_n > mu/2); then it loses contact again and again
 and spins too slowly, by 16 % at mu = 0.3 and beta_n = 0.1, however stiff the springs.
 """
 import math
@@ -22,7 +22,7 @@ TITLE = "Disk in a groove under a torque"
 KIND = "sliding and rolling"
 METHODS = ("MD", "CD")
 HORIZON = "Any time: the acceleration is constant. A jammed disk rests because one of the solutions is rest; a disk that already spins need not stop."
-LEFT_OUT = "how the torque comes on: at once. Springs then swing, the tangential ones undamped"
+LEFT_OUT = "a gradual start of the torque: it acts fully from time 0. The springs then oscillate, the tangential ones without damping"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12)
 PARAMETERS = (Parameter("torque_margin", 0.05, "1", "by how much one disk's torque is below the critical one and the other's above it", low=1e-6, high=0.5),)
 CHART = Chart()
@@ -37,13 +37,13 @@ def regime(full):
 
 
 def critical(full):
-    """Return the critical torque over m g R; of a groove that jams, the one at which both contacts may slide."""
+    """Return the critical torque over m g R; for a groove that jams, the torque at which both contacts may slide."""
     t, mu = math.radians(full["slope"]), full["friction"]
     return math.sin(t) if regime(full) == "roll" else mu / ((1 + mu**2) * math.cos(t))
 
 
 def check(full):
-    """Check: the groove must be one and have one answer, and the disk that rolls out must not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
+    """Check that the slopes make a groove with a known answer, and that the disk that rolls out does not slip: T/N = tan t (1 + 2/3 margin) <= mu."""
     if not 0 < full["slope"] < 89:
         raise ParameterError(f"slope = {full['slope']}: must be in (0, 89) degrees for a groove")
     if regime(full) == "jam" and full["method"] == "MD":
@@ -53,7 +53,7 @@ def check(full):
 
 
 def build(full, folder):
-    """Return the groove of the smaller torque at x = 0, that of the larger far from it; springs are compressed by the weight from the start."""
+    """Build the groove of the smaller torque at x = 0 and that of the larger far from it; springs are compressed by the weight from the start."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -67,7 +67,7 @@ def build(full, folder):
     length = 5 * radius + radius * spinning * time**2
 
     def turning(x, share):
-        """Return a groove at x and its disk under `share` of the critical torque; a function for its mean angular acceleration since time 0."""
+        """Append a groove at x and its disk under `share` of the critical torque. Return a function for its mean angular acceleration."""
         for side in (-1, 1):
             bodies.append_box((x + side * 2 * radius * math.sin(t), -2 * radius * math.cos(t)), (length, radius), full, angle=side * t)
         sag = bodies.sag(mass * full["gravity"] / (2 * math.cos(t)), full) / math.cos(t)

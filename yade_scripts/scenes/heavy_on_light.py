@@ -1,8 +1,8 @@
 """A heavy disk on a light one: the lower contact carries both weights, the upper one the heavy weight, and nothing sinks.
 
-Gauss-Seidel hands the load down by the share light/(light + heavy) a sweep, so that it needs about mass_ratio sweeps for each factor
-e of the error. Springs hold the two as a slow oscillator, omega = sqrt(k_n/(2M)); dashpots of the light mass damp it by only
-beta sqrt(m k_n)/(2 M): coming to rest takes M/(beta sqrt(m k_n)), also mass_ratio times as long as the light disk alone would.
+Each Gauss-Seidel sweep passes the share light/(light + heavy) of the load down, so the error falls by a factor exp(1) in about mass_ratio sweeps.
+Springs hold the two as a slow oscillator, omega = sqrt(k_n/(2M)). Dashpots of the light mass damp it by only beta sqrt(m k_n)/(2 M), so
+coming to rest takes M/(beta sqrt(m k_n)), also mass_ratio times as long as for the light disk alone.
 """
 from yade_scripts.parameters import Parameter
 from yade_scripts.scenes import Chart, Known

@@ -1,9 +1,9 @@
 """A silo with a flat floor runs empty through a slot into a bin below: how many disks leave it in a second?
 
-The disks are deposited without dynamics (preparing/deposit.py) between two walls; at time 0 the slot in the floor is open. The rate is
-the mean between the moments when 15 % and 50 % of the disks have passed, in disks per sqrt(D/g), D being the width of the slot. In the
-plane, Beverloo's law gives it as C (D - k d)^(3/2) sqrt(g) over the area of a disk, d being the mean diameter. C and k depend on friction and
-packing, so the rate is compared with runs of rigid contacts and fine steps. Rigid contacts and stiff springs agree; soft springs flow faster.
+The disks are deposited without dynamics (preparing/deposit.py) between two walls; from time 0 the slot in the floor is open. The rate is the
+mean between the times at which 15 % and 50 % of the disks have passed, in disks per sqrt(D/g), where D is the width of the slot. In the plane
+Beverloo's law gives it as C (D - k d)^(3/2) sqrt(g) over the area of a disk, where d is the mean diameter. C and k depend on friction and packing,
+so the rate is compared with runs of rigid contacts and fine steps. Rigid contacts and stiff springs agree; soft springs flow faster.
 """
 import math
 import random
@@ -25,9 +25,9 @@ PARAMETERS = (Parameter("slot", 10.0, "1", "width of the slot over the mean diam
               Parameter("silo_aspect", 1.5, "1", "height of the filling over its width, about", low=0.5, high=10))
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-FIRST, LAST = 0.15, 0.5   # share of the disks that has passed where the rate is begun and ended to be taken
-EVERY = 0.005             # s between two looks at how many have passed
-# Found with the values of SAME; scenes.converged explains the form.
+FIRST, LAST = 0.15, 0.5   # shares of passed disks between which the rate is measured
+EVERY = 0.005             # s between two counts of the disks that have passed
+# Found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {500: ({"rate": (76.2, 2.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
 
@@ -46,7 +46,7 @@ def check(full):
 
 
 def build(full, folder):
-    """Return the filled silo between x = 0 and its width, floor at y = 0, above a bin as wide that holds all disks."""
+    """Build the filled silo between x = 0 and its width, with its floor at y = 0, above a bin of equal width that holds all disks."""
     from yade import O
 
     from yade_scripts.preparing import bodies, deposit

@@ -1,4 +1,4 @@
-"""Equal disks on a square grid in the biaxial box, its walls loaded by P0: every wall carries P0 L."""
+"""Equal disks on a square grid in the biaxial box, whose walls are loaded by P0: every wall carries P0 over its length."""
 import math
 
 from yade_scripts.scenes import Chart, Known, Scene
@@ -15,7 +15,7 @@ CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 
 def build(full, folder):
-    """Build as many disks as fill a square, at most `disks`; the springs of MD compressed by P0 from the start."""
+    """Build as many disks as fill a square, at most `disks`; the springs of MD are compressed by P0 from the start."""
     from yade_scripts import parameters
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage, walls

@@ -1,4 +1,4 @@
-"""A prepared packing under the P0 it was prepared under: nothing happens."""
+"""A prepared packing stays under the P0 it was prepared under: nothing may move."""
 from yade_scripts import parameters
 from yade_scripts.scenes import Chart, Known, biaxial
 
@@ -13,7 +13,7 @@ CHART = Chart(prepared=True, physics=("beta_n",))
 
 
 def build(full, folder):
-    """Return the biaxial test's packing and walls, sigma1 = sigma2 = P0."""
+    """Build the packing and the walls of the biaxial test with sigma1 = sigma2 = P0."""
     from yade_scripts.running import walls
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder, lambda t: (p0, p0))

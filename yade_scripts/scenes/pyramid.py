@@ -1,9 +1,9 @@
 """A pyramid of equal disks on a row of fixed ones: its contact forces are not determined, but their sums over a row are.
 
-`rows` disks at the bottom, one at the top, each in the gap of two; neighbours in a row touch. With friction there are more unknown
-forces than equations; every admissible set of them carries, across each row, the weight above it, with no horizontal resultant, and
-presses on the fixed row with its resultant under the centre. It stands at any friction, even without, since each disk is held by two
-below. (On a flat floor the corner disks would roll away: from five rows on at mu = 0.5.)
+`rows` disks lie at the bottom and one at the top, each in the gap between two; neighbours in a row touch. With friction there are more unknown
+forces than equations. Every admissible set of forces carries, across each row, the weight above it without horizontal resultant, and its
+resultant on the fixed row acts under the centre. The pyramid stands at any friction, even without, since each disk is held by two below. (On a
+flat floor the corner disks would roll away: from five rows on at mu = 0.5.)
 """
 from yade_scripts.parameters import Parameter
 from yade_scripts.scenes import Chart, Known
@@ -20,7 +20,7 @@ CHART = Chart(rolling=True)
 
 
 def build(full, folder):
-    """Return the pyramid, symmetric about x = 0."""
+    """Build the pyramid, symmetric about x = 0."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -36,7 +36,7 @@ def build(full, folder):
     weight = mass * full["gravity"]
 
     def across(row):
-        """Return (horizontal, vertical) force and its moment about x = 0, per weight and radius, of everything under `row` on it."""
+        """Return force (horizontal, vertical) and moment about x = 0 on `row` from the row below, over a disk's weight (and radius)."""
         horizontal = vertical = moment = 0.0
         for contact in O.interactions:
             if contact.isReal and {row_of[contact.id1], row_of[contact.id2]} == {row - 1, row}:
@@ -47,7 +47,7 @@ def build(full, folder):
         return horizontal, vertical, moment
 
     def worst_row():
-        """Return the largest deviation of a row's resultant from the weight above, per that weight."""
+        """Return the largest error of a row's resultant against the weight above it, over that weight."""
         above = [(count - row) * (count - row + 1) / 2 for row in range(count)]
         return max(max(abs(across(row)[0]), abs(across(row)[1] - carried)) / carried for row, carried in enumerate(above))
 

@@ -13,7 +13,7 @@ CHART = Chart(sizes=(4, 16, 64, 256))
 
 
 def build(full, folder):
-    """Build `disks` equal disks, the springs of MD compressed by the weights from the start."""
+    """Build `disks` equal disks; the springs of MD are compressed by the weights from the start."""
     from yade import O
 
     from yade_scripts.preparing import bodies

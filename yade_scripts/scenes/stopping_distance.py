@@ -13,7 +13,7 @@ CHART = Chart()
 
 
 def check(full):
-    """Check: it must have stopped by the end."""
+    """Check that the block stops before the end."""
     pull = full["friction"] * full["gravity"]
     if full["speed"] >= pull * full["period"] * full["cycles"]:
         raise ParameterError(f"speed = {full['speed']}: must be below friction times gravity times the time simulated, "

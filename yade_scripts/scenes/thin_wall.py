@@ -1,4 +1,4 @@
-"""A fast disk flies at a wall that is thinner than its way in a step: it must bounce and not pass through."""
+"""A fast disk flies at a wall that is thinner than the distance it flies in a step: it must bounce and not pass through."""
 import math
 
 from yade_scripts import parameters
@@ -17,7 +17,7 @@ CHART = Chart(physics=("beta_n",))
 
 
 def build(full, folder):
-    """Return the wall's face at x = 0; the disk comes along +x and reaches it after a third of the time."""
+    """Build the wall with its face at x = 0 and the disk, which moves along +x and reaches the wall after a third of the time."""
     from yade import O
 
     from yade_scripts.preparing import bodies

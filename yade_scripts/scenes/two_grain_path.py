@@ -1,4 +1,4 @@
-"""One disk is led around another along a closed path, without spins and without slip: how much force and energy the tangential spring keeps.
+"""One disk is led around another along a closed path, without spins and slip: which force and energy remain in the tangential spring?
 
 McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008). The centres are d apart, the line between them has the angle theta.
 Four legs of equal time: d shrinks by h = path_depth radius_mean; theta grows by A = path_angle; d and theta go back the same way.
@@ -10,7 +10,7 @@ instead, with the stiffness k_t and R1 + R2 = 2R (n steps a leg, t the normal tu
     avoid_ratcheting   2R dtheta        -k_t xi t                    0                      -k_t 2R h A^2/2, gained from nothing
     path_independent   2R dtheta        -k_t xi (2R/d) t             0                      0
 
-A second error of the first two is of the step: YADE turns the old shear force with the contact by a first-order rotation, which
+The first two laws also have an error of the time step: YADE turns the old shear force with the contact by a first-order rotation, which
 lengthens it by dtheta^2/2 a step. It leaves -A^2/(2n) of the force at the far end of the path, and gains 2 A^2/(3n) of the energy there.
 """
 import math
@@ -30,17 +30,17 @@ CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force
 
 SOURCE = "McNamara et al. 2008 and the step's first-order rotation, in the scene's own words"
 
-HOLD = 1.5  # by how much the shallow overlap holds the spring's largest force off the Coulomb limit
-MOST = 0.5  # of the mean radius: deeper, disks of unequal size have no line of contact left
+HOLD = 1.5  # Coulomb limit at the smallest overlap, over the largest force of the spring
+MOST = 0.5  # largest overlap over the smaller radius: at deeper ones disks of unequal size have no line of contact
 
 
 def check(full):
-    """Check that the path can be led without slip."""
+    """Check that the disk can follow the path without slip."""
     Path(full)
 
 
 def build(full, folder):
-    """Build two disks of radius_mean (1 -+ radius_spread) that go as they are led, `cycles` times around."""
+    """Build two disks of radius_mean (1 -+ radius_spread); the second one is led `cycles` times around the path."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -65,7 +65,7 @@ def build(full, folder):
 
 
 class Path:
-    """The path in the plane, and what theory says of it."""
+    """The path in the plane, and what theory predicts for it. Raises ParameterError if the disk cannot follow it without slip."""
 
     def __init__(self, full):
         if full["friction"] == 0:
@@ -103,15 +103,15 @@ class Path:
         return self.cycles - turned / (2 * share) * self._distance(1.5), (self.cycles * share)**2 - 2 / 3 * turned * self._distance(1)**2
 
     def _distance(self, depths):
-        """Return d/(R1 + R2) at so many depths of the path; the effective one of a term is from expanding it in h."""
+        """Return d/(R1 + R2) at `depths` times the depth of the path; the value for each term comes from its expansion in h."""
         return 1 - (self.overlap + depths * self.depth) / self.sum
 
 
 class Lead:
-    """Leads the second disk along the path by its velocity, and adds up the work that takes [J].
+    """Leads the second disk along the path by setting its velocity, and sums up the work that this takes [J].
 
-    A step's work is the mean of the forces before and after it times its way, good to the second order in the step. The target is
-    aimed at from where the disk is, so that round-off does not add up.
+    The work of a step is the mean of the forces before and after it times its displacement, exact to second order in the step. The velocity
+    points from the present place to the target, so that round-off does not add up.
     """
 
     def __init__(self, omega, path, steps, cycles):
@@ -120,7 +120,7 @@ class Lead:
         self.count, self.work, self.before = 0, 0.0, None
 
     def step(self):
-        """Lead the disk before the motion of a step; the forces are those of the place reached."""
+        """Set the velocity before the motion of a step; the forces are those at the present place."""
         state, force, dt = self.omega.bodies[1].state, self.omega.forces.f(1, True), self.omega.dt
         if self.before is not None:
             self.work -= 0.5 * (self.before + force).dot(state.vel) * dt

@@ -1,8 +1,8 @@
-"""A ramp of sigma2 on a packing until it yields, against the largest load that its contacts can carry at all.
+"""A ramp of sigma2 on a packing until it yields, compared with the largest load that its contacts can carry.
 
 The static theorem of limit analysis, a linear programme over the contact forces (theory/statics.py) without any dynamics, gives the
-largest sigma2/P0 at which the contacts, as they stand at the start, admit forces within Coulomb's cones. Rigid contacts yield
-there, but for what contacts that close in the first motion can do. Springs strain before: |gamma| passes yield_strain earlier, unless
+largest sigma2/P0 at which the contacts of the initial geometry admit forces within Coulomb's cones. Rigid contacts yield there, except
+for the effect of contacts that close in the first motion. Springs strain before that: |gamma| passes yield_strain earlier, unless
 they are so stiff that P0/k_n is far below it.
 """
 from yade_scripts import parameters
@@ -14,7 +14,7 @@ KIND = "dense packings under load"
 METHODS = ("MD", "CD")
 HORIZON = ("Until the packing gives way: what it carries afterwards belongs to new contacts. Springs of P0/k_n = 6e-4 strain past yield_strain "
            "before they yield, so that MD's error is elastic strain unless k_n is far larger.")
-LEFT_OUT = "the way on after yield; how the walls' inertia delays it, some dt and the ramp's rate"
+LEFT_OUT = "the motion after yield, and its delay by the inertia of the walls"
 DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
                 collapse_strain=1e-3)
 PARAMETERS = (Parameter("yield_strain", 2e-5, "1", "|gamma| that counts as yield", low=1e-8, high=1),)
@@ -22,13 +22,13 @@ CHART = Chart(patience=2, prepared=True, physics=("beta_n",), rolling=True)
 
 
 def check(full):
-    """Check: a run ends at collapse_strain."""
+    """Check that yield is measured before the run ends at collapse_strain, and that the loading is a ramp."""
     if full["yield_strain"] > full["collapse_strain"] or full["loading"] != "ramp":
         raise ParameterError(f"yield_strain = {full['yield_strain']}: must be at most collapse_strain, {full['collapse_strain']}, and loading = ramp")
 
 
 def build(full, folder):
-    """Return the biaxial test's packing and walls; gamma is looked at with every sample."""
+    """Build the packing and the walls of the biaxial test; gamma is checked with every sample."""
     from yade import O
 
     from yade_scripts.theory import statics
@@ -39,7 +39,7 @@ def build(full, folder):
     sides, goals, yielded = walls.sides(), loading.goals(full, p0), []
 
     def watch():
-        """Note sigma2/P0 when |gamma| first passes yield_strain."""
+        """Store sigma2/P0 when |gamma| first exceeds yield_strain."""
         x, y = (now / before for now, before in zip(walls.sides(), sides))
         if not yielded and abs(y - x) > full["yield_strain"]:
             yielded.append(goals(O.time)[1] / p0)

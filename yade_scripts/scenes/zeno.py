@@ -23,20 +23,20 @@ REST = 1e-6  # of the first impact's speed
 
 
 def rest_time(full):
-    """Return the time [s] from the start to the rest."""
+    """Return the time [s] from the start until the disk rests."""
     e = parameters.restitution(full)
     return math.sqrt(2 * full["drop"] / full["gravity"]) * (1 + 2 * e / (1 - e))
 
 
 def check(full):
-    """Check: rest must come, and come before the end."""
+    """Check that the disk comes to rest before the end."""
     if not full["gravity"] or parameters.restitution(full) == 1 or rest_time(full) >= full["period"] * full["cycles"]:
         raise ParameterError("scene = zeno: needs gravity, a restitution below 1 (MD: beta_n above 0) and a period beyond the time of rest, which "
                              "is sqrt(2 drop/g) (1 + e)/(1 - e)")
 
 
 def build(full, folder):
-    """Return the disk `drop` above the floor."""
+    """Build the floor and the disk `drop` above it."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -48,7 +48,7 @@ def build(full, folder):
     slow, moved = REST * math.sqrt(2 * full["gravity"] * full["drop"]), [0.0]
 
     def watch():
-        """Note after every step the last time at which the disk moved."""
+        """Store the last time at which the disk moved; called after every step."""
         if abs(state.vel[1]) > slow:
             moved[0] = O.time + O.dt
 

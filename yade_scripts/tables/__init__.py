@@ -17,13 +17,13 @@ class TableError(parameters.ParameterError):
 
 
 def product(**values):
-    """Return the rows of all combinations, the last name fastest; a single value stands in all of them."""
+    """Return the rows of all combinations; the last name varies fastest, and a single value is the same in all rows."""
     several = {name: value if isinstance(value, (list, tuple, range)) else (value,) for name, value in values.items()}
     return [dict(zip(several, combination)) for combination in itertools.product(*several.values())]
 
 
 def text(rows):
-    """Return the rows as a table that yade-batch runs; what a row leaves out is written as its default."""
+    """Return the rows as a table that yade-batch runs; values that a row does not set are written as its defaults."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     full = [parameters.complete(row) for row in rows]
     lines = [names] + [[str(row.get(name, NO_VALUE)) for name in names] for row in full]
@@ -32,7 +32,7 @@ def text(rows):
 
 
 def read(path):
-    """Return the rows of a table: {line number: row}, every one of which can be run."""
+    """Return the rows of a table, {line number: row}. Raise TableError if one of them cannot be run."""
     path = pathlib.Path(path)
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -66,7 +66,7 @@ def read(path):
 
 
 def batch_row(place):
-    """Return the row at 'table:line', which is what yade-batch puts into YADE_BATCH."""
+    """Return the row at 'table:line', the value that yade-batch gives YADE_BATCH."""
     path, _, line = place.rpartition(":")
     rows = read(path)
     if not line.isdecimal() or int(line) not in rows:

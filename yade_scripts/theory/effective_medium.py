@@ -1,25 +1,25 @@
-"""Gives stiffness, damping and motion of the elastic medium that rigid contacts become with too few Gauss-Seidel sweeps a step. Needs no YADE.
+"""Stiffness, damping and motion of the elastic medium that rigid contacts form under too few Gauss-Seidel sweeps a step. Needs no YADE.
 
-N_I sweeps spread a force diffusively, D = q d^2 a sweep, over less than the sample. On what varies slowly over that length they change
-the impulse of a contact in a step by -q m N_I u_n and no more (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002);
-Unger and Kertesz, cond-mat/0211696). Two ways of stepping turn this into a spring kappa = q m N_I/dt^2 with a dashpot q m N_I/dt:
+N_I sweeps spread a force by diffusion, D = q d^2 a sweep, over a length below that of the sample. For motion that varies slowly over this length
+they change the impulse of a contact in a step by only -q m N_I u_n (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002); Unger and
+Kertesz, cond-mat/0211696). With two kinds of settings this acts as a spring kappa = q m N_I/dt^2 with a dashpot q m N_I/dt:
 
   memory   warm start, gap_correction 0: impulses add up from step to step, as the force of a spring does from its rate
-  overlap  cold start, gap_correction 1: the impulse of each step, -q m N_I (u_n + gap/dt), reads the overlap itself
+  overlap  cold start, gap_correction 1: the impulse of each step, -q m N_I (u_n + gap/dt), depends on the overlap itself
 
-Cold start without the correction is a dashpot without spring: it creeps. Warm start with it adds up gap/dt as well, a force from the
-time integral of the overlap, and swings up: unstable by Routh's criterion where (omega dt)^2 < gap_correction.
+Cold start without the correction is a dashpot without spring: it creeps. Warm start with the correction also adds up gap/dt, a force from the time
+integral of the overlap; by Routh's criterion it is unstable where (omega dt)^2 < gap_correction.
 """
 import math
 
 import numpy as np
 
-# q for random order, each contact once a sweep (Unger et al. 2002); 1/2 if all contacts took the forces of the sweep before.
+# q for sweeps in random order, each contact once (Unger et al. 2002). It would be 1/2 if all contacts used the forces of the sweep before.
 RELAXATION = (4 * math.sqrt(math.e) - 5) / 2
 
 
 def step(full):
-    """Return O.dt [s] of a CD row: samples fall on whole steps, see scenes.set_step."""
+    """Return O.dt [s] of a CD row, for which samples fall on whole steps as in running/stage.py, set_step."""
     interval = full["period"] / full["records_per_cycle"]
     return interval / math.ceil(interval / full["cd_dt"] * (1 - 1e-12))
 
@@ -30,32 +30,32 @@ def mean_mass(full):
 
 
 def stiffness(full):
-    """Return kappa = q m N_I/dt^2 [N/m] of a CD row with fixed_iterations N_I; infinite if it solves every step instead."""
+    """Return kappa = q m N_I/dt^2 [N/m] of a CD row with fixed_iterations N_I; infinite if every step is solved to a tolerance."""
     if not full["fixed_iterations"]:
         return math.inf
     return RELAXATION * mean_mass(full) * full["fixed_iterations"] / step(full)**2
 
 
 def dashpot(full):
-    """Return q m N_I/dt [N s/m], the dashpot beside that spring."""
+    """Return q m N_I/dt [N s/m], the constant of the dashpot beside that spring."""
     return stiffness(full) * step(full)
 
 
 def chain_period(full):
-    """Return the period [s] of the slowest swing of a chain of `disks` between a wall and a free end: 4 L/c, c = sqrt(q N_I) d/dt, L = disks d."""
+    """Return the period [s] of the slowest oscillation of a chain of `disks` from a wall to a free end: 4 L/c, c = sqrt(q N_I) d/dt, L = disks d."""
     return 4 * full["disks"] * math.sqrt(mean_mass(full) / stiffness(full))
 
 
 def chain_decay(full):
-    """Return the time [s] in which the amplitude of that swing falls to 1/e: 2/(D' k^2), D' = q N_I d^2/dt, k = pi/(2 L)."""
+    """Return the time [s] in which the amplitude of that oscillation falls to 1/e: 2/(D' k^2), D' = q N_I d^2/dt, k = pi/(2 L)."""
     return 2 * mean_mass(full) / dashpot(full) / (math.pi / (2 * full["disks"]))**2
 
 
 def chain_response(full, time):
-    """Return the path of the free end at `time` [s] over its way at rest, after a constant push from time 0: a rod of Kelvin-Voigt's kind.
+    """Return the displacement of the free end at `time` [s] over its final value, for a constant push from time 0 on a Kelvin-Voigt rod.
 
-    1 - sum over odd n of 8/(pi n)^2 exp(-b t) [cos(w t) + b/w sin(w t)], b = n^2/chain_decay, w^2 = (2 pi n/chain_period)^2 - b^2;
-    as many terms as disks, those of high n decaying without a swing. Those left out miss 0.4 % of the way at time 0, soon nothing.
+    1 - sum over odd n of 8/(pi n)^2 exp(-b t) [cos(w t) + b/w sin(w t)], b = n^2/chain_decay, w^2 = (2 pi n/chain_period)^2 - b^2, with as
+    many terms as disks; those of high n decay without oscillation. The terms left out amount to 0.4 % at time 0 and soon to nothing.
     """
     n = np.arange(1, 2 * full["disks"], 2)[:, None]
     rate = n**2 / chain_decay(full)

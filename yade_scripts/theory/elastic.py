@@ -1,8 +1,8 @@
 """Computes how the springs of the packing in O respond to a small load: linear elasticity by a stiffness matrix, without dynamics.
 
-Energy of a contact: k_n (n.D)^2/2 + k_t (t.D)^2/2, D the relative displacement at the contact point, rotations included; t only where
-there is friction. What it leaves out: changes of geometry under the forces present, of the order of the overlaps over the radii,
-slip, and contacts that close or open.
+Energy of a contact: k_n (n.D)^2/2 + k_t (t.D)^2/2, where D is the relative displacement at the contact point, rotations included; the second
+term counts only with friction. Left out are slip, contacts that close or open, and changes of geometry under the forces present, which are
+of the order of overlaps over radii.
 """
 import numpy as np
 from yade import O
@@ -38,7 +38,7 @@ def stiffness_matrix():
 
 
 def strain(stress):
-    """Return gamma of the sample when sigma2 rises by `stress` [Pa] at constant sigma1. Disks that nothing holds stay out of it."""
+    """Return gamma of the sample when sigma2 rises by `stress` [Pa] at constant sigma1. Disks without contacts do not matter."""
     matrix, _ = stiffness_matrix()
     load = np.zeros(len(matrix))
     load[-1] = -stress * walls.areas()[1]

@@ -1,16 +1,16 @@
 """Computes the longest stable time step of YADE's scheme for springs with dashpots. Needs no YADE.
 
-YADE moves by v' = v + dt f(x, v)/m, x' = x + dt v' (leapfrog), its dashpots take the velocity v of half a step before. With M, C and K
-of a linear system,
+YADE steps by v' = v + dt f(x, v)/m, x' = x + dt v' (leapfrog); its dashpots use the velocity v of half a step before. For a linear system with
+the matrices M, C and K,
 
     x(n+1) - 2 x(n) + x(n-1) = -dt M^-1 C (x(n) - x(n-1)) - dt^2 M^-1 K x(n).
 
-A mode of the frequency w and the damping ratio z changes by the roots r of r^2 - (2 - 2 z s - s^2) r + (1 - 2 z s) = 0 in a step,
-s = w dt. Both lie within the unit circle while 4 - 4 z s - s^2 > 0 (Jury's criterion: r = -1 is the way out), so
+In a step a mode of frequency w and damping ratio z changes by the roots r of r^2 - (2 - 2 z s - s^2) r + (1 - 2 z s) = 0,
+s = w dt. Both lie within the unit circle while 4 - 4 z s - s^2 > 0 (Jury's criterion; the first to leave it does so at r = -1), so
 
-    s < 2 (sqrt(1 + z^2) - z),
+    s < 2 (sqrt(1 + z^2) - z).
 
-which is central differences' 2 without damping, and less with it. For all modes at once: dt^2 K + 2 dt C < 4 M.
+Without damping this is the limit 2 of central differences; damping lowers it. For all modes at once: dt^2 K + 2 dt C < 4 M.
 """
 import math
 
@@ -38,7 +38,7 @@ def largest_eigenvalue(mass, matrix):
     scaled = (scale @ matrix @ scale).tocsr()
     if scaled.shape[0] < 20:
         return float(np.linalg.eigvalsh(scaled.toarray())[-1])
-    # A start of its own random seed would make every run another.
+    # A fixed start vector, since a random one would give other last bits in every run.
     return float(eigsh(scaled, k=1, which="LA", v0=np.ones(len(mass)), tol=1e-8, return_eigenvectors=False)[0])
 
 
@@ -52,9 +52,9 @@ def matrix_limit(mass, damping, stiffness):
 
 
 def free_response(values):
-    """Return (decay, frequency) a step of the mode in a series x(n), from the roots of the recurrence x(n+1) = a x(n) + b x(n-1) that fits it.
+    """Return (decay, frequency) a step of the mode in a series x(n), from the roots of the recurrence x(n+1) = a x(n) + b x(n-1) fitted to it.
 
-    Frequency 0 where the roots are real: it does not swing.
+    The frequency is 0 if the roots are real: then there is no oscillation.
     """
     values = np.asarray(values)
     (a, b), *_ = np.linalg.lstsq(np.stack([values[1:-1], values[:-2]], axis=1), values[2:], rcond=None)

@@ -9,7 +9,7 @@ from scipy import optimize, sparse
 
 from yade_scripts.results.reader import ResultError
 
-# Walls that are free to move along their normal in the biaxial box: (id, axis). The walls opposite stand.
+# Walls that are free to move along their normal in the biaxial box: (id, axis). The opposite walls are fixed.
 FREE_WALLS = ((1, 0), (3, 1))
 
 
@@ -38,7 +38,7 @@ def balance_matrix(snapshot):
 
 
 def wall_loads(snapshot, stresses, depth):
-    """Return the forces [N] that (sigma1, sigma2) [Pa] put on the rows of `balance_matrix`."""
+    """Return the forces [N] of (sigma1, sigma2) [Pa] on the free bodies, in the rows of `balance_matrix`."""
     x_low, x_high, y_low, y_high = snapshot["box"]
     load = np.zeros(3 * len(snapshot["body_ids"]) + len(FREE_WALLS))
     load[-2:] = -stresses[0] * (y_high - y_low) * depth, -stresses[1] * (x_high - x_low) * depth
@@ -48,7 +48,7 @@ def wall_loads(snapshot, stresses, depth):
 def violations(snapshot, normal, tangential, load):
     """Return how far networks (R and T, one row each, [N]) are from admissible: three columns, over the network's mean R.
 
-    The largest resultant on a body; the largest |T| - mu R; the largest pull, -R. The last two are negative inside.
+    They are the largest resultant on a body, the largest |T| - mu R, and the largest tension -R. The last two are negative inside the cone.
     """
     normal, tangential = np.atleast_2d(normal), np.atleast_2d(tangential)
     resultant = np.hstack([normal, tangential]) @ balance_matrix(snapshot).T + load
@@ -58,10 +58,10 @@ def violations(snapshot, normal, tangential, load):
 
 
 def degrees_of_freedom(snapshot, loaded):
-    """Return (M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks they hold, unknowns less equations.
+    """Return (M, N, dimension) of the networks on the contacts of the mask `loaded`: contacts, disks with such contacts, unknowns minus equations.
 
-    That is 2M - 3N less one for each free wall, where a contact without friction has one unknown and a disk that none but such
-    contacts hold has no torque to balance.
+    The dimension is 2M - 3N minus one for each free wall. A contact without friction has only one unknown, and a disk with only such contacts has
+    no equation for its torque.
     """
     rough = snapshot["contact_friction"] > 0
     held, turned = (np.isin(snapshot["body_ids"], snapshot["contact_ids"][mask]).sum() for mask in (loaded, loaded & rough))
@@ -70,7 +70,7 @@ def degrees_of_freedom(snapshot, loaded):
 
 
 def dimension(snapshot, loaded):
-    """Return the same dimension with the rank of the equations, which need not be independent. It is exact and takes a second for 400 disks."""
+    """Return the dimension of degrees_of_freedom by the rank of the equations, which may be dependent: exact, a second for 400 disks."""
     unknowns = np.flatnonzero(np.concatenate([loaded, loaded & (snapshot["contact_friction"] > 0)]))
     return len(unknowns) - int(np.linalg.matrix_rank(balance_matrix(snapshot)[:, unknowns].toarray()))
 
@@ -79,8 +79,8 @@ def limit_loads(snapshot, pressure, depth, stress_path="constant"):
     """Return (least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
 
     stress_path: "mean" for sigma1 = 2 P0 - sigma2.
-    Beyond these no rigid contacts hold the sample as it stands; between them, with Coulomb's (not associated) friction, nothing says
-    that they must.
+    Beyond these loads rigid contacts cannot hold the sample in its present geometry. Between them they need not hold it, since Coulomb's friction is
+    not associated.
     """
     paths = {"constant": ((pressure, 0), (0, pressure)), "mean": ((2 * pressure, 0), (-pressure, pressure))}
     constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in paths[stress_path])
@@ -99,7 +99,7 @@ def force_range(snapshot, load, contact):
 def _extremes(snapshot, goal, load, rising):
     """Return (least, largest) goal . (R, T, s) over all admissible forces under load + s rising [N], in units of the largest load.
 
-    Linear programmes, as Coulomb's cone is a pair of straight lines in the plane.
+    In the plane two straight lines bound Coulomb's cone, so these are linear programmes.
     """
     count, mu = len(snapshot["contact_ids"]), sparse.diags(snapshot["contact_friction"])
     one, none = sparse.identity(count), sparse.csr_matrix((count, 1))
@@ -111,6 +111,6 @@ def _extremes(snapshot, goal, load, rising):
     for sign in (1, -1):
         result = optimize.linprog(sign * goal, cone, np.zeros(2 * count), balance, -load / unit, bounds, "highs")
         if not result.success:
-            raise ResultError("a snapshot", f"its contacts set no bound ({result.message})", "look whether its disks hold the walls at all")
+            raise ResultError("a snapshot", f"its contacts do not bound the load ({result.message})", "check that its disks touch the walls")
         found.append(sign * float(result.fun))
     return tuple(found)

@@ -2,9 +2,9 @@
 
     /usr/bin/python3 -m yade_scripts.measuring.benchmark [--quick] [--again] [--table NAME] [FILE ...]
 
-FILE: problems to measure with the project's own, such as those of Siconos's library (text) or FCLIB's (HDF5).
-Pieces that were measured with the same build are kept: stop it and start it again at will; --again measures all anew. Times are processor
-time of one thread, of both codes; still nothing else should run on the machine, since it would share caches and memory. Results:
+FILE: problems to measure besides the project's own, such as those of Siconos's library (text) or FCLIB's (HDF5).
+Pieces that were measured with the same build are kept, so the run can be stopped and started again; --again measures all anew. Times of both
+codes are processor time of one thread. Other programs should not run meanwhile, since they would share caches and memory. Results:
 results/benchmark/*.csv; `python3 -m analysis benchmark` draws them. Exit status: 0, 1 if a piece failed, 2 for wrong arguments.
 """
 import importlib.metadata
@@ -53,7 +53,7 @@ def main(arguments=None):
 
 
 def run(todo, folder, again=False):
-    """Return ({table: rows}, number of pieces that failed). A piece that fails becomes a row that says why."""
+    """Measure the pieces in `todo`. Return ({table: rows}, number of pieces that failed). A piece that fails becomes a row with the reason."""
     tables, failed, begin = {}, 0, time.monotonic()
     for number, piece in enumerate(todo, 1):
         rows = None if again else piece.stored(folder)
@@ -72,13 +72,13 @@ def run(todo, folder, again=False):
 
 
 def _say(what):
-    """Show what is going on, on the terminal's last line."""
+    """Show on the last line of the terminal what is being measured."""
     if sys.stderr.isatty():
         print(f"\r\033[K{what}", end="", file=sys.stderr, flush=True)
 
 
 def write(tables, folder, busy, only=None):
-    """Write a CSV for each table and the provenance. A single table gets a provenance of its own."""
+    """Write a CSV file for each table, and the provenance. If only one table was measured, it gets a provenance of its own."""
     for name, rows in tables.items():
         table = pandas.DataFrame(rows)
         table.to_csv(folder / f"{name}.csv", index=False)
@@ -92,7 +92,7 @@ def write(tables, folder, busy, only=None):
 
 
 def provenance(busy):
-    """Return which code measured what on which machine."""
+    """Return where the numbers come from: commit, processor, versions, solvers; busy: load of the machine before the run."""
     from cd_engine import core
     try:
         peer = importlib.metadata.version("siconos")

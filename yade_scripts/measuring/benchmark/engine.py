@@ -3,9 +3,9 @@
     yade -n -x yade_scripts/measuring/benchmark/engine.py '{"stem": "results/benchmark/problems/packing1-4000-1-0.1", "tolerance": 1e-4, "steps": 20,
                                                   "most_sweeps": 10000}'
 
-The packing is as packing.py left it, after nine steps under rising load; every step here loads wall y+ by 0.2 % of P more. The last line
-printed is the result, in JSON. Memory: what the scene adds to the process when it is loaded, per disk; and what engine, collider and
-interactions add from there on, per contact solved.
+packing.py left the packing after nine steps under rising load; every step here loads wall y+ by 0.2 % of P more. The last line printed is
+the result in JSON. Memory per disk is what loading the scene adds to the process; memory per solved contact is what engine, collider and
+interactions add afterwards.
 """
 import json
 import pathlib
@@ -40,7 +40,7 @@ def main(wish):
     loaded = resident()
     O.engines = cd_engine.engines(tolerance=wish["tolerance"], maxIterations=wish["most_sweeps"])
     engine, total, solve, sweeps, missed = O.engines[-1], [], [], [], 0
-    hooks.simulate(1)  # the hand-over, and the collider's first run
+    hooks.simulate(1)  # not timed: the hand-over from springs and the collider's first run
     for step in range(1, wish["steps"] + 1):
         packing.load(1 + (packing.STEPS + step) * packing.MORE)
         timing.reset()

@@ -1,27 +1,27 @@
 """Makes jammed packings of tens of thousands of disks within seconds: it quenches soft disks at random places to a minimum of their enthalpy.
 
-Springs without friction, E = sum k d^2/2 over all overlaps d, and walls that hold the pressure P (O'Hern, Silbert, Liu & Nagel 2003,
-Phys. Rev. E 68, 011306, with the box as two more unknowns), sought by damped motion. It ends close to mechanical equilibrium; what is left
-Contact Dynamics settles. YADE's springs would need half an hour for what takes half a minute in arrays. Needs no YADE.
+The disks repel by springs without friction, E = sum k d^2/2 over all overlaps d, and the walls hold the pressure P (O'Hern, Silbert, Liu & Nagel
+2003, Phys. Rev. E 68, 011306, with the sides of the box as two more unknowns). Damped motion leads close to equilibrium; Contact Dynamics
+removes the rest of the imbalance. YADE's springs would need half an hour instead of the half minute of these arrays. Needs no YADE.
 """
 import numpy as np
 from scipy.spatial import cKDTree
 
-STIFFNESS = 1 / 6e-4  # of a contact over P: the ratio of the paper's packings
-FRACTION = 0.83       # solid fraction of the random places the quench begins with, a little below the jammed one
-BALANCED = 3e-2       # root mean square of the net forces, and error of the pressure, over the mean contact force and P
+STIFFNESS = 1 / 6e-4  # of a contact, over P: the ratio of the paper's packings
+FRACTION = 0.83       # solid fraction at the start of the quench, a little below the jammed one
+BALANCED = 3e-2       # bound on the root mean square net force over the mean contact force, and on the pressure's error over P
 MOST = 20000          # steps
-ALONE = 500           # of these in a box that stands still: the random places overlap, and would blow it up
-KEPT = 0.98           # share of the speed that a step keeps; less, and the packing freezes looser
-SKIN = 0.25           # pairs are kept to this share of the mean radius beyond contact
+ALONE = 500           # first steps, in a fixed box: the overlaps of random places would blow it up
+KEPT = 0.98           # share of the speed that a step keeps; a smaller share gives looser packings
+SKIN = 0.25           # distance beyond contact up to which pairs are listed, over the mean radius
 
 
 class JammingError(RuntimeError):
-    """The quench did not come to an equilibrium."""
+    """The quench did not reach equilibrium."""
 
 
 class SoftDisks:
-    """Places in units of the box, sides (L_x, L_y) [m], and the forces on both; stiffness in units of P = 1 N/m."""
+    """Soft disks in a box: their places in units of its sides (L_x, L_y) [m], and the forces on disks and box. The unit of force is P = 1 N/m."""
 
     def __init__(self, radii, draw):
         self.radii = radii
@@ -31,11 +31,11 @@ class SoftDisks:
         self.listed = None
 
     def positions(self):
-        """Return (N, 2) [m]."""
+        """Return the centres, (N, 2) [m]."""
         return self.places * self.sides
 
     def _list(self, x):
-        """Return the pairs that may touch before anything has moved by half the skin."""
+        """List the pairs that may touch before any disk moves by half the skin; renew the list once one has."""
         skin = SKIN * self.radii.mean()
         if self.listed is None or np.max(np.sum((x - self.listed)**2, axis=1)) > (skin / 2)**2:
             self.listed = x
@@ -60,7 +60,7 @@ class SoftDisks:
         low = STIFFNESS * np.maximum(0, self.radii[:, None] - x)
         high = STIFFNESS * np.maximum(0, self.radii[:, None] - (self.sides - x))
         force = force + low - high
-        # Scaling the box with the disks moves those at the high wall away from it by what the wall moves more than they do.
+        # A strain of the box moves a disk at x in proportion to x: the high wall at L moves away from it in proportion to L - x.
         virial += np.sum(low * x + high * (self.sides - x), axis=0)
         return force, virial - self.sides.prod(), size.mean() if len(size) else 1.0
 
@@ -72,7 +72,7 @@ def jammed(radii, seed):
     """
     disks = SoftDisks(np.asarray(radii, float), np.random.default_rng(seed))
     n = len(radii)
-    # One row more: the strain of the box, in the length that makes its stiffness that of a contact.
+    # The last row is the strain of the box, times a length that makes its stiffness comparable with a contact's.
     length = 2 * disks.radii.mean() * np.sqrt(n)
     velocity = np.zeros((n + 1, 2))
     dt = 0.4 / np.sqrt(STIFFNESS)
@@ -90,7 +90,7 @@ def jammed(radii, seed):
 
 
 def hilbert(places, bits=12):
-    """Return the positions along Hilbert's curve of points in the unit square (Skilling 2004, AIP Conf. Proc. 707, 381, in two dimensions)."""
+    """Return the positions along Hilbert's curve of points in the unit square (Skilling 2004, AIP Conf. Proc. 707, 381, for two dimensions)."""
     x, y = np.clip((places * 2**bits).astype(np.int64), 0, 2**bits - 1).T
     along = np.zeros(len(x), np.int64)
     for bit in range(bits - 1, -1, -1):

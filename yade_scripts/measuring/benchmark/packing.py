@@ -2,10 +2,10 @@
 
     yade -n -x yade_scripts/measuring/benchmark/packing.py '{"disks": 4000, "seed": 1, "friction": [0.1, 0.5], "stem": "results/packing"}'
 
-Radii uniform in 0.30 .. 0.65 m, density 1 kg/m^2, two walls fixed and two loaded by P = 1 N/m, each of the mass of 2 sqrt(N) disks. Jammed
-without friction by springs (jammed.py), handed over to Contact Dynamics with its overlaps of 6e-4 m, brought to rest with friction on disks and
-walls alike in steps of h = 0.01 sqrt(m/P), solved to SETTLED. Then each step loads wall y+ by 0.2 % of P more; the problem is the tenth of these,
-its first guess the impulses of the ninth.
+Radii are uniform in 0.30 .. 0.65 m, the density is 1 kg/m^2. Two walls are fixed; P = 1 N/m loads the other two, each of the mass of 2 sqrt(N)
+disks. Springs without friction jam the disks (jammed.py). Contact Dynamics takes them over with their overlaps of 6e-4 m and brings them to rest in
+steps of h = 0.01 sqrt(m/P), solved to SETTLED, with friction on disks and walls. Then each step loads wall y+ by 0.2 % of P more. The problem is
+the tenth of these steps; its first guess is the solution of the ninth.
 """
 import json
 import math
@@ -27,12 +27,12 @@ from yade_scripts.measuring.benchmark.jammed import jammed
 PRESSURE = 1.0      # [N/m]
 RADII = 0.30, 0.65  # [m]
 DEPTH = 1.0         # [m]
-MORE = 0.002        # of P by which the load of y+ rises in a step
-STEPS = 9           # so made before the one that is the problem
+MORE = 0.002        # rise of the load of y+ in a step, over P
+STEPS = 9           # loaded steps before the one that is the problem
 SETTLED = 1e-6      # error to which the steps before the problem are solved
 REST = 1e-5         # largest displacement in a step [m] at rest
 MOST_STEPS = 60
-MOST_SWEEPS = 2000  # a step: what 40000 disks leave unsolved is stated in the facts, and another step goes on
+MOST_SWEEPS = 2000  # sweeps a step. Steps of 40000 disks may stay unsolved: the facts state it, and the next step follows
 
 
 def build(places, sides, radii, mu):
@@ -64,7 +64,7 @@ def largest_displacement():
 
 
 def come_to_rest(unit):
-    """Hold P until nothing moves by more than REST in a step; every five steps the speed is halved. Return the facts of the state."""
+    """Hold P until no body moves by more than REST in a step; halve the speeds every five steps. Return facts about the final state."""
     def slow():
         load()
         for body in movable():
@@ -88,7 +88,7 @@ def come_to_rest(unit):
 
 
 def load_on():
-    """Make the steps before the problem, under rising load. Return what is known of them."""
+    """Make the STEPS steps before the problem, under rising load. Return facts about them."""
     for step in range(1, STEPS + 1):
         load(1 + step * MORE)
         hooks.simulate(1)
@@ -98,16 +98,16 @@ def load_on():
 
 
 def main(wish):
-    """Make what `wish` asks for: disks, seed, friction coefficients; files named `stem`-friction."""
+    """Make what `wish` asks for: number of disks, seed, friction coefficients. The files are named `stem`-friction."""
     packed = jammed(np.random.default_rng(wish["seed"]).uniform(*RADII, wish["disks"]), wish["seed"])
     for mu in wish["friction"]:
         facts = come_to_rest(build(*packed, mu)) | load_on()
         target = f"{wish['stem']}-{mu:g}"
         load(1 + (STEPS + 1) * MORE)
         O.engines[2].exportProblem(f"{target}.npz", True)
-        O.engines = []  # which other versions of the engine could not read
+        O.engines = []  # other versions of the engine could not read a saved one
         O.save(f"{target}.yade.gz")
-        # Last: its presence says that all is there.
+        # Written last: its presence means that the other files are complete.
         pathlib.Path(f"{target}.json").write_text(json.dumps(facts, indent=1) + "\n")
     print(json.dumps(facts))
 

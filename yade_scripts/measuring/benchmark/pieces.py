@@ -1,7 +1,7 @@
 """Lists the pieces of `make bench`. A piece that was measured with this build is not measured again.
 
-A piece is the table its rows belong to, its name, the settings it is measured with, and a function that gives its rows. Its file bears the hash
-of the settings and of the compiled solvers. After a change to how things are measured, or on another machine, measure --again.
+A piece has the table that its rows belong to, a name, its settings, and a function that measures its rows. The name of its file contains a hash of
+the settings and of the compiled code. Use --again on another machine, or after a change of the code that measures.
 """
 import hashlib
 import pathlib
@@ -20,10 +20,10 @@ class Piece:
     table: str
     name: str
     settings: dict
-    rows: Callable  # rows(say): the rows, telling say(what) what is going on
+    rows: Callable  # rows(say) returns the rows and reports progress by say(text)
 
     def key(self):
-        """Return the name of its file: the table and a hash of settings and build."""
+        """Return the name of its file: the table and a hash of name, settings and build."""
         return f"{self.table}-{parameters.digest([self.table, self.name, self.settings, build()])}"
 
     def stored(self, folder):
@@ -76,7 +76,7 @@ def _engine(folder, disks, mu, **settings):
 
 
 def _step(rows, columns, **settings):
-    """Return a piece of step.py: what a step of a packing at rest costs beside YADE's springs."""
+    """Return a piece of step.py: the cost of a step of a packing at rest, beside that of YADE's springs."""
     wish = {"rows": rows, "columns": columns} | settings
 
     def measured(say):
@@ -86,7 +86,7 @@ def _step(rows, columns, **settings):
 
 
 def quick(folder, files=()):
-    """Return the pieces of a minute: one small packing, a row or two in each table."""
+    """Return the pieces of a benchmark of one minute: one small packing, a row or two in each table."""
     peer = siconos.available() is None
     few = {"targets": (1e-2, 1e-4, 1e-6), "most_seconds": 2.0}
     return [_packing(folder, 400, 1, mu, start, peer, **few) for mu in problems.FRICTION for start in ("cold", "warm")] \
@@ -98,7 +98,7 @@ def quick(folder, files=()):
 
 
 def _file(path, peer, **settings):
-    # Its content is among the settings, so that another file of that name is measured anew.
+    # The settings contain a hash of the file, so that a changed file is measured anew.
     content = hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
     piece = _solve(f"file {pathlib.Path(path).name}", lambda: problems.from_file(path), peer, **settings)
     return Piece(piece.table, piece.name, piece.settings | {"sha256": content}, piece.rows)

@@ -1,4 +1,4 @@
-"""Makes the contact problems that are measured, once, and keeps them under results/benchmark/problems."""
+"""Makes each contact problem of the benchmark once, and keeps it under results/benchmark/problems."""
 import json
 import math
 import pathlib
@@ -11,7 +11,7 @@ from cd_engine import core
 from yade_scripts.running import locks, queue
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-PACKING_RECIPE = 2  # raised with the procedure of packing.py and jammed.py, so that older files are left alone
+PACKING_RECIPE = 2  # raised when packing.py or jammed.py changes its procedure, so that older files are not used
 FRICTION = 0.1, 0.5
 SIDE = 0.01         # radius of a lattice's disks [m]
 
@@ -21,10 +21,10 @@ class Case:
     """A contact problem and its first guess."""
     name: str
     kind: str      # packing, crystal, masses, pile, file
-    mu: float      # nan: of a file, where contacts may differ
-    disks: int     # 0: of a file
+    mu: float      # nan for a problem from a file, whose contacts may differ in mu
+    disks: int     # 0 for a problem from a file
     seed: int
-    start: str     # cold: no impulses; warm: those of the step before
+    start: str     # first guess; cold: zero, warm: the impulses of the step before
     problem: object
 
     @property
@@ -34,7 +34,7 @@ class Case:
 
 
 class PreparationError(RuntimeError):
-    """YADE did not make the packing."""
+    """YADE failed to make the packing."""
 
 
 def state(folder, disks, seed, mu):
@@ -62,25 +62,25 @@ def in_yade(script, wish):
 
 
 def packing(folder, disks, seed, mu, start="cold"):
-    """Return the step of +0.2 % load of a dense packing (packing.py)."""
+    """Return the Case of a step that loads a dense packing by 0.2 % more (packing.py)."""
     stem = state(folder, disks, seed, mu)
     return Case(f"packing {disks} mu {mu:g} {start} #{seed}", "packing", mu, disks, seed, start, core.read_problem(f"{stem}.npz"))
 
 
 def masses(folder, disks, seed, mu, decades=6):
-    """Return the same problem with every mass multiplied by up to 10^decades, drawn evenly in the logarithm."""
+    """Return the cold case of `packing` with every mass multiplied by a random factor from 1 to 10^decades, uniform in the logarithm."""
     case = packing(folder, disks, seed, mu)
     factor = 10.0**np.random.default_rng(seed).uniform(0, decades, (len(case.problem.inverse_masses), 1))
     light = replace(case.problem, inverse_masses=case.problem.inverse_masses / factor)
-    # The load is a velocity of the walls here; it stays that force for their new mass.
+    # free_velocities contain the load as force times dt over mass; the force must not change.
     light = replace(light, free_velocities=light.free_velocities / factor)
     return replace(case, name=f"masses over 1e{decades}, {disks} mu {mu:g}", kind="masses", problem=light)
 
 
 def crystal(rows, mu, ratio=1.0, name="crystal"):
-    """Return rows x rows equal disks in a triangular lattice between a floor and two walls, under gravity: every contact closed, forces undetermined.
+    """Return the Case of rows x rows equal disks in a triangular lattice between a floor and two walls, under gravity.
 
-    ratio: mass of the disks in the upper half over that of those below.
+    All neighbours touch, so the contact forces are not unique. ratio: mass of the disks in the upper half over that of those below.
     """
     i, j = (n.ravel() for n in np.meshgrid(np.arange(rows), np.arange(rows)))  # row by row, the lowest first
     mass = np.where(j >= rows / 2, ratio, 1.0)
@@ -95,7 +95,7 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
                                 (j == 0, 0 * number, (0, 1)),
                                 ((i == 0) & (odd == 0), 0 * number, (1, 0)),
                                 ((i == rows - 1) & (odd == 1), 0 * number, (-1, 0))):
-        # In the two rows of links downwards the neighbour may lie outside.
+        # One of the two neighbours in the row below may lie outside.
         if normal[1] == up:
             column = i + odd - (normal[0] > 0)
             kept = kept & (column >= 0) & (column < rows)
@@ -114,13 +114,13 @@ def pile(rows, mu, ratio=1000.0):
 
 
 def from_file(path):
-    """Return a problem in a file that `core.read_problem` reads; ValueError says what is wrong with it."""
+    """Return the Case of a problem in a file that `core.read_problem` reads. ValueError states what is wrong with the file."""
     problem = core.read_problem(path)
     return Case(pathlib.Path(path).stem, "file", float("nan"), 0, 0, "cold", problem)
 
 
 def tiled(problem, copies):
-    """Return so many copies of a problem of bodies side by side, which do not touch: as large as memory allows, with the order of the original."""
+    """Return `copies` copies of a problem of bodies side by side, which do not touch. The order of the contacts within a copy is the original one."""
     bodies = len(problem.inverse_masses)
     pairs = (problem.pairs[None] + bodies * np.arange(copies)[:, None, None]).reshape(-1, 2)
     rest = {name: np.concatenate([getattr(problem, name)] * copies)

@@ -1,8 +1,8 @@
 """Runs Siconos's 2D solvers on the same W, q and mu: fc2d_nsgs for packings, fc2d_lexicolemke as an oracle for a few contacts.
 
-Its Gauss-Seidel takes W in sparse blocks, the storage that is fastest here. It is memoryless, so that it can be stopped every few sweeps, asked
-for the error e by our code, and go on from the same impulses to the same bits: what is timed are sweeps alone, with its own test for
-stopping (another measure than e) switched off. That is the least time it can need for an error of e.
+fc2d_nsgs (Gauss-Seidel) takes W in sparse blocks, the fastest storage here. It keeps no state between calls: stopped every few sweeps, it goes on
+from the same impulses and gives the same bits. Only its sweeps are timed, without its own stopping test (another measure than e); our code
+computes the error e between them. So the time is the least that Siconos can need to reach an error e.
 """
 import importlib
 import tempfile
@@ -12,7 +12,7 @@ import numpy as np
 
 from cd_engine import core
 
-GROWTH = 1.05  # sweeps between two looks at the error: the time to a target is interpolated in between
+GROWTH = 1.05  # growth of the sweeps between two checks of the error; the time to a target is interpolated
 FEWEST = 4
 
 
@@ -26,7 +26,7 @@ def available():
 
 
 def write_blocks(file, problem):
-    """Write the text in which Siconos reads a problem with W in sparse blocks; every digit of a number is written."""
+    """Write the text in which Siconos reads a problem with W in sparse blocks; numbers are written with all digits."""
     def lines(values):
         file.write("\n".join(map(repr, values)) + "\n")
 
@@ -36,7 +36,7 @@ def write_blocks(file, problem):
     file.write(f"2\n{n}\n1\n{2 * n}\n{2 * n}\n{len(W.indices)}\n{n}\n{n}\n{ends}\n{ends}\n{n + 1}\n{len(W.indices)}\n")
     for pointers in (W.indptr, W.indices):
         file.write(" ".join(map(str, pointers)) + "\n")
-    for number, (nn, tn, nt, tt) in enumerate(W.data.transpose(0, 2, 1).reshape(-1, 4).tolist()):  # a block by columns
+    for number, (nn, tn, nt, tt) in enumerate(W.data.transpose(0, 2, 1).reshape(-1, 4).tolist()):  # each block by columns
         file.write(f"{number}\n{nn!r}\n{tn!r}\n{nt!r}\n{tt!r}\n")
     lines(problem.q.tolist())
     lines(problem.mu.tolist())
@@ -44,20 +44,20 @@ def write_blocks(file, problem):
 
 
 class Peer:
-    """One problem as Siconos takes it."""
+    """One problem in Siconos's own data structures."""
 
     def __init__(self, problem):
         import siconos.numerics as numerics
         self.numerics, self.problem = numerics, problem
         matrix = problem if isinstance(problem, core.Problem) else problem.delassus()
         self.contacts, self.matrix = matrix.contacts, matrix
-        # Through a file: what converts a sparse matrix in memory asks for the square of the number of contacts.
+        # Through a file: Siconos's conversion in memory needs space for the square of the number of contacts.
         with tempfile.NamedTemporaryFile("w", suffix=".dat") as file:
             write_blocks(file, matrix)
             self.theirs = numerics.frictionContact_new_from_filename(file.name)
 
     def sweeps(self, impulses, count):
-        """Make so many sweeps from `impulses`, in place. Return the seconds of processor time they took."""
+        """Make `count` sweeps from `impulses`, in place. Return their processor time [s]."""
         n = self.numerics
         options = n.SolverOptions(n.SICONOS_FRICTION_2D_NSGS)
         options.iparam[n.SICONOS_IPARAM_MAX_ITER] = count
@@ -90,12 +90,12 @@ class Peer:
 
 
 def reached(points, target):
-    """Return (sweeps, seconds, e, e_max) at which a history first meets a target, at least one sweep; both interpolated in log e. None if it does not."""
+    """Return (sweeps, seconds, e, e_max) at which a history first meets a target, interpolated in log e, at least one sweep. None if it does not."""
     if points[0][2] <= target:
         return points[0]
     for before, after in zip(points, points[1:]):
         if after[2] <= target:
-            fall = np.log(before[2] / after[2])  # infinite from no impulses at all: then the whole stretch counts
+            fall = np.log(before[2] / after[2])  # infinite if e was infinite, as for zero impulses: then the later point counts
             share = np.log(before[2] / target) / fall if np.isfinite(fall) else 1.0
             sweeps = max(1.0, before[0] + share * (after[0] - before[0]))
             share = (sweeps - before[0]) / (after[0] - before[0])

@@ -1,7 +1,7 @@
-"""Measures time and sweeps to an error, problem by problem: every method of the core and Siconos's Gauss-Seidel in turn, round after round.
+"""Measures the time and the sweeps to reach an error, for each problem: all methods of the core and Siconos's Gauss-Seidel, in several rounds.
 
-A row is one (problem, method, target): medians over the rounds. Its error is the one that core.residual finds in the impulses returned, as
-2-norm and as maximum; a row whose 2-norm misses the target has a reason in `status` and no time.
+A row is one (problem, method, target): medians over the rounds. core.residual computes the error of the returned impulses, as 2-norm and as
+maximum. A row whose 2-norm misses the target has a reason in `status` and no time.
 """
 import statistics
 
@@ -12,15 +12,15 @@ from yade_scripts.measuring.benchmark import siconos
 
 TARGETS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
 SOLVED = "solved"
-STOPPED = "not within"  # so many seconds
+STOPPED = "not within"  # followed by the seconds
 PEER = "siconos nsgs"
 MOST_SWEEPS = 200000
-NEWTON_DISKS = 1000  # above which a factorization takes so long that Newton's method alone is not tried
+NEWTON_DISKS = 1000  # number of disks above which Newton's method alone is not tried: its factorizations take too long
 
 
 def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_seconds=None, say=lambda what: None):
-    """Return the rows of a case. most_seconds: of sweeps in one run of a method, after which it is left unsolved; what takes more than a tenth of it
-    is run once only. peer_seconds: the same of Siconos, whose sweeps cost forty times as much."""
+    """Return the rows of a case. most_seconds: time of the sweeps after which a run is left unsolved; a target that takes more than a tenth of it is
+    run in one round only. peer_seconds: the same for Siconos, whose sweeps cost forty times as much."""
     methods = [method for method in core.methods() if method != "newton" or case.disks <= NEWTON_DISKS]
     peer_seconds = peer_seconds or most_seconds
     found = {(method, target): [] for method in methods for target in targets}
@@ -31,7 +31,7 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_s
         for method in methods:
             for target in sorted(targets, reverse=True):
                 if failed := given_up.get(method):
-                    # What did not reach a larger error has not reached this one.
+                    # A method that missed a larger target would miss this one, too.
                     found[method, target] = found[method, target] or [failed]
                     continue
                 if (method, target) in slow:
@@ -47,7 +47,7 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_s
                 if report.seconds > most_seconds / 10:
                     slow.add((method, target))
         if theirs:
-            # Later rounds go as far as is quick.
+            # Later rounds stop at the smallest target that the first one met quickly.
             wanted = min(targets) if not histories else _quick(histories[0], targets, peer_seconds / 10)
             if wanted:
                 say(f"{case.name}: {PEER} to {wanted:g}, round {turn + 1}")
@@ -59,19 +59,19 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_s
 
 
 def _seconds_a_sweep(case):
-    """Estimate the time of a plain sweep from the difference of two solutions, which both prepare the same."""
+    """Estimate the time of a plain sweep from the difference of two solutions, in which the preparation drops out."""
     few, many = (core.solve(case.problem, fixed_iterations=count).seconds for count in (10, 50))
     return max(1e-9, (many - few) / 40)
 
 
 def _quick(history, targets, seconds):
-    """Return the smallest target that a history met within so many seconds, None if there is none."""
+    """Return the smallest target that a history met within `seconds`, None if there is none."""
     met = [target for target in targets if (point := siconos.reached(history, target)) and point[1] <= seconds]
     return min(met, default=None)
 
 
 def _median(runs, target):
-    """Return (rounds, sweeps, seconds, e, e_max, status) of the run of median time; solved only if every run was."""
+    """Return (rounds, sweeps, seconds, e, e_max, status) of the run of median time. The status is SOLVED only if every run met the target."""
     if failed := [run for run in runs if not run[2] <= target]:
         return len(runs), failed[0][0], None, *failed[0][2:4], failed[0][4]
     middle = sorted(runs, key=lambda run: run[1])[len(runs) // 2]
@@ -96,7 +96,7 @@ def _row(case, method, target, found):
 
 
 def oracle(case):
-    """Return the rows of a case of at most 50 contacts: Siconos's pivoting solver, its error by our measure, and its relative velocities beside ours."""
+    """Return the row of a case of at most 50 contacts: the error e of Siconos's pivoting solver, and its relative velocities against ours."""
     ours = core.solve(case.problem, tolerance=1e-12, max_iterations=MOST_SWEEPS)
     p, claim = siconos.Peer(case.problem).lemke()
     e = core.residual(case.problem, p)

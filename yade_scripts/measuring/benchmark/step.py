@@ -1,11 +1,11 @@
-"""Measures what a step costs where nothing much happens: hexagonal packings under gravity, by Contact Dynamics and by YADE's springs.
+"""Measures the cost of a step of packings at rest: hexagonal packings under gravity, by Contact Dynamics and by YADE's springs.
 
     yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
 
-Equal disks (R = 1 cm, mu = 0.5) in a tray as wide as a row, all in one island that is solved whole (reduce=False), warm: the steps before are not
-counted. Both methods make the same number of steps, in RUNS runs that are waited for. Times are processor time, medians over the runs; nothing is
-recorded within them. Each run begins with a search by YADE's collider and ends with all contacts written to the scene, which counts. The last line
-printed is the row, in JSON.
+Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Each method makes 20
+steps that are not counted, then the same number of steps in RUNS runs; Contact Dynamics comes first. Times are processor time, medians
+over the runs; nothing is recorded within them. Each run begins with a search by YADE's collider and ends with all contacts written to the scene,
+which counts. The last line printed is the row in JSON.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
 Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
 """
@@ -39,7 +39,7 @@ def resident():
 
 
 def build(rows, columns, order):
-    """Fill the scene: the tray, and the disks row by row or shuffled."""
+    """Build the scene: the tray, and the disks row by row or shuffled."""
     O.reset()
     O.materials.append(w.FrictMat(young=YOUNG, poisson=0.3, density=1000, frictionAngle=math.atan(FRICTION)))
     width, height = (2 * columns + 1) * RADIUS, rows * math.sqrt(3) * RADIUS + 2 * RADIUS
@@ -63,7 +63,7 @@ def springs():
 
 
 def seconds(steps):
-    """Make so many steps; the processor time of one [s]."""
+    """Make `steps` steps. Return the processor time of one [s]."""
     begin = time.process_time()
     O.run(steps, True)
     return (time.process_time() - begin) / steps

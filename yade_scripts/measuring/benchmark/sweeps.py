@@ -1,9 +1,9 @@
-"""Measures what one sweep costs per contact, by size, kind of sweep and instruction set, beside Siconos's and the bound set by memory.
+"""Measures the cost of one sweep per contact, by size, kind of sweep and instruction set, beside Siconos's and the bound set by memory.
 
-Sizes: packings of 400, 4000 and 40000 disks, and twenty copies of the largest (tiled), whose 1.5 million contacts fit no cache. The time of
-a sweep is the difference between many and few in one solution, so that what is done once drops out; it is processor time. The bound: the bytes
-that a sweep has to read and write, over the bandwidth of a += b on long arrays (24 bytes a number, no line is fetched only to be overwritten),
-measured between the sweeps.
+Sizes: packings of 400 and 4000 disks, and 10 and 200 copies of the larger one (tiled); 200 copies have 1.5 million contacts, which fit no cache.
+The processor time of a sweep is the difference between many and few sweeps of one solution, in which all else drops out. The bound is the bytes
+that a sweep has to read and write over the bandwidth of a += b on long arrays, measured between the sweeps. That moves 24 bytes a number: no
+cache line is read only to be overwritten.
 """
 import statistics
 import time
@@ -14,13 +14,13 @@ from cd_engine import core
 from yade_scripts.measuring.benchmark import siconos
 
 LONG = 1 << 24        # numbers in each of the two arrays: 128 MB, four times the largest cache here
-WORK = 2e7            # contacts solved in a timing, whatever the size
-MOST, FEWEST = 4000, 60  # sweeps
-AHEAD = 600              # of those with momentum; in the last sixth, which is what counts, the error is asked for once at most
+WORK = 2e7            # contacts swept in a timing, for problems of all sizes
+MOST, FEWEST = 4000, 60  # sweeps in a timing
+AHEAD = 600              # sweeps with momentum in a timing; only the last sixth counts, in which the error is computed once at most
 
 
 def bandwidth(arrays=[]):
-    """Measure the bytes per second of a += b on one core."""
+    """Return the bytes per second of a += b on one core."""
     if not arrays:
         arrays += [np.ones(LONG), np.ones(LONG)]
     a, b = arrays
@@ -30,12 +30,12 @@ def bandwidth(arrays=[]):
 
 
 def traffic(problem, ahead):
-    """Return the bytes that a sweep moves per contact if every contact comes from memory once and every body once: read, and what has changed written."""
+    """Return the bytes that a sweep moves per contact if it reads every contact and body from memory once and writes what has changed once."""
     contact, before, body = core.bytes_of_a_sweep()
     impulses = 16
     bodies = body * len(np.unique(problem.pairs)) / problem.contacts
     plain = contact + impulses + 2 * bodies
-    # With momentum the impulses and velocities of the sweep before are read and written, too, in a pass of its own over the bodies.
+    # A sweep with momentum also reads and writes the impulses and velocities of the sweep before, those of the bodies in a pass of their own.
     return plain + (2 * before + 4 * bodies if ahead else 0)
 
 
@@ -46,7 +46,7 @@ def plain(problem, sweeps):
 
 
 def ahead(problem, sweeps):
-    """Return the same for sweeps with momentum."""
+    """Return (seconds, sweeps made) of a whole solution by sweeps with momentum."""
     report = core.solve(problem, "accelerated", 1e-300, sweeps)
     return report.seconds, report.iterations
 
@@ -58,7 +58,7 @@ def of_a_sweep(solution, problem, sweeps, first):
 
 
 def setup(problem, other):
-    """Return the seconds (contacts as before, new contacts) of a solution of one sweep, packing and error included; `other` has different contacts."""
+    """Return the seconds (contacts as before, new contacts) of a solution of one sweep with set-up and error; `other` has other contacts."""
     plain(problem, 1)
     same = plain(problem, 1)[0]
     plain(other, 1)
@@ -66,7 +66,7 @@ def setup(problem, other):
 
 
 def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: None):
-    """Return one row: ns per contact of every kind of sweep (medians over rounds taken in turn), of the set-up, and the bound."""
+    """Return one row: ns per contact of every kind of sweep (medians over the rounds) and of the set-up, and the bound by memory."""
     sweeps = int(min(MOST, max(FEWEST, WORK / problem.contacts)))
     sets = core.instruction_sets()
     peer = siconos.Peer(problem) if with_peer else None
@@ -75,10 +75,10 @@ def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: Non
     for turn in range(rounds):
         say(f"sweeps over {problem.contacts} contacts, round {turn + 1}")
         speeds.append(bandwidth())
-        for s in reversed(sets):  # the fastest last: it stays in use
+        for s in reversed(sets):  # the fastest comes last and stays in use
             core.use_instruction_set(s)
             times[f"plain_{s}"].append(of_a_sweep(plain, problem, sweeps, sweeps // 4))
-        # Few sweeps count here: small problems are solved again and again, until a clock can tell.
+        # Few sweeps count here, so small problems are solved repeatedly until the clock can resolve the time.
         times["accelerated"].append(statistics.mean(
             of_a_sweep(ahead, problem, AHEAD, AHEAD * 5 // 6) for _ in range(max(1, min(20, round(WORK / AHEAD / problem.contacts))))))
         same, anew = setup(problem, other)
@@ -87,7 +87,7 @@ def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: Non
         if peer:
             count = max(4, sweeps // 20)
             times["siconos"].append(peer.sweeps(np.zeros(2 * problem.contacts), count) / count)
-    speed = max(speeds)  # the others are what a neighbour left over
+    speed = max(speeds)  # smaller values come from other processes on the machine
     row = {"status": "measured", "problem": name, "disks": disks, "contacts": problem.contacts, "sweeps": sweeps, "rounds": rounds}
     row |= {f"{key}_ns": statistics.median(taken) * 1e9 / problem.contacts for key, taken in times.items() if taken}
     return [row | {"bandwidth_gb_per_s": speed / 1e9, "bytes_plain": traffic(problem, False), "bytes_accelerated": traffic(problem, True),

@@ -1,6 +1,6 @@
-"""Which settings the charts of speed against accuracy try: for each scene, series of rows from coarse to fine. Needs no YADE.
+"""The settings that the charts of speed against accuracy compare: for each scene, series of rows from coarse to fine. Needs no YADE.
 
-A series varies one thing about the scene's own defaults and keeps the rest. What a scene needs otherwise stands in its CHART.
+A series varies one parameter and keeps the scene's own defaults for the others. Exceptions of a scene stand in its CHART.
 """
 import math
 from dataclasses import dataclass, field
@@ -11,8 +11,8 @@ from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative
 
 FOLDER = "charts"
 LIMIT = {False: 2, True: 8}  # s of processor time that a run may take, quick and full
-DIVERGED = 100.0             # of an error, in scales of its known: beyond it nothing of the solution is left
-ACCURACY = "accuracy"        # the parameter of yade_scripts/accuracy.py, a setting of its own kind
+DIVERGED = 100.0             # error, in scales of its known quantity, beyond which a run counts as diverged
+ACCURACY = "accuracy"        # the parameter of yade_scripts/accuracy.py, which is not in the registry
 SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every number of disks
 STEPS = (0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01)
 STIFFER = (1.0, 10.0, 100.0, 1000.0, 10000.0)
@@ -21,9 +21,9 @@ TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
 @dataclass(frozen=True)
 class Series:
-    """Rows of one method from coarse to fine; every second one in a quick chart.
+    """Rows of one method from coarse to fine; a quick chart takes every second one.
 
-    costlier: a finer row takes longer, so none is tried behind one that ran out of time. relative: values are multiples of the scene's own.
+    costlier: a finer row takes longer, so none finer is tried after one that ran out of time. relative: values are multiples of the scene's own.
     """
     name: str
     method: str
@@ -43,7 +43,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Setting:
-    """One row of a series: rank 0 is the coarsest; size: number of disks where that is varied, else 0."""
+    """One row of a series. rank: its place, 0 for the coarsest; size: number of disks where the chart varies it, else 0."""
     series: Series
     rank: int
     row: dict
@@ -51,12 +51,12 @@ class Setting:
 
     @property
     def name(self):
-        """Of its measurement: scene, method and hash, as of a result file, and the accuracy where one is asked for."""
+        """Name of its measurement: scene, method and hash as in the name of a result file, and the accuracy if one is asked for."""
         own, asked = split(self.row)
         return parameters.result_name(parameters.complete(own)) + (f"-{ACCURACY}-{asked:g}" if asked else "")
 
     def slower_than(self, other):
-        """Tell whether it takes longer than another setting, for what the series tells."""
+        """Tell whether it must take longer than another setting, judged by the order of their series alone."""
         return self.series == other.series and self.size == other.size and self.rank > other.rank and self.series.costlier
 
 
@@ -77,7 +77,7 @@ def names():
 
 
 def _solvers():
-    """Return the names of the contact solvers; those known when the engine is not built."""
+    """Return the names of the contact solvers; a fixed list if the engine is not built."""
     try:
         from cd_engine import core
         return core.methods()
@@ -96,7 +96,7 @@ def series(scene):
         Series("MD stiffness, fine step", "MD", "stiffening", stiffer[:4], {"md_dt_factor": 0.05}),
         Series("MD damping", "MD", "beta_n", (0.0, 0.05, 0.1, 0.3, 0.9), costlier=False),
         *(Series(f"MD law {law}", "MD", "md_dt_factor", STEPS, {"tangential_law": law}) for law in laws),
-        # Long steps are fewer and harder, so that the cost does not rise with the rank.
+        # Longer steps are fewer but harder to solve, so the cost need not rise with the rank.
         Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True, costlier=False),
         *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver}) for solver in _solvers()),
         Series("CD accuracy", "CD", ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
@@ -121,9 +121,9 @@ def error(known):
 
 
 def status(known):
-    """Return 'finished', or why the measured values are no solution."""
+    """Return 'finished', or why the measured values are not a solution."""
     if not known:
-        return f"{STATUS_FAILED}nothing is known of the scene"
+        return f"{STATUS_FAILED}the scene has no quantity with a known value"
     lost = [one["name"] for one in known if one["measured"] is None]
     if lost:
         return f"{STATUS_FAILED}{lost[0]} is not a number"
@@ -131,7 +131,7 @@ def status(known):
 
 
 class Work:
-    """What there is to measure of one scene, for the runner and the process that measures."""
+    """All measurements of one scene, for the runner and for the process that measures."""
 
     def __init__(self, scene, full, results):
         self.name, self.folder = scene, results / FOLDER
@@ -139,7 +139,7 @@ class Work:
         self.settings = settings(scene, full)  # several series may hold one row, such as the scene's defaults: it is measured once
 
     def left(self):
-        """Return settings without a measurement, or that ran out of a shorter time; of those with one name the first."""
+        """Return the settings without a measurement, or with one that ran out of a shorter time limit; of those with one name only the first."""
         first = {setting.name: setting for setting in reversed(self.settings)}
         done = {name for name in first if self._done(store.get(self.folder, name))}
         return [setting for setting in self.settings if setting.name not in done and setting is first[setting.name]]
@@ -148,7 +148,7 @@ class Work:
         return found is not None and (found["status"] == STATUS_FINISHED or not found.get("out_of_time") or found["limit"] >= self.limit)
 
     def failed(self, name, reason, late, origin):
-        """Enter a setting that ended its process, and those that would take even longer."""
+        """Store as failed the setting that ended its process and, if it was too slow (`late`), the settings that would take even longer."""
         culprits = [setting for setting in self.settings if setting.name == name]
         self._enter(culprits[0], reason, late, origin)
         left = {setting.name for setting in self.left()} if late else ()
@@ -162,7 +162,7 @@ class Work:
                                               "status": STATUS_FAILED + reason, "seconds": []} | origin)
 
     def measure(self, begun):
-        """In YADE: measure what is left; begun(name, seconds) is called before each, with the processor time that it may take."""
+        """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""
         from yade_scripts.measuring.charts import measure
         for setting in self.left():
             facts, known = measure.measure(setting.row, self.folder.parent, self.limit, lambda seconds: begun(setting.name, seconds))

@@ -1,7 +1,7 @@
-"""Measures one setting of a scene inside YADE: its error and its time of computing.
+"""Measures one setting of a scene inside YADE: its error and its computing time.
 
-The time is that between the first and the last step's end, without start-up, building the scene, preparation and output: the median of at
-least three repeats, each of the scene built anew.
+The time runs from the start of the first step to the end of the last, without start-up, building the scene, preparation and output. It is the
+median of at least three repeats, each of the scene built anew.
 """
 import math
 import traceback
@@ -14,13 +14,13 @@ from yade_scripts.results.schema import STATUS_FAILED
 from yade_scripts.running import hooks, timing
 
 LEAST, MOST = 3, 9     # repeats
-ENOUGH = 0.1           # s: short runs are repeated more often, up to this in all
-MEASURING = 5          # limits that a run may take while the scene measures in its steps, which is not counted
-PREPARATION = 600      # s a packing may take that is not there yet
+ENOUGH = 0.1           # s: short runs are repeated up to this total time, or MOST times
+MEASURING = 5          # limits that a run may take if the scene measures within its steps; that time does not count
+PREPARATION = 600      # s that the preparation of a missing packing may take
 
 
 def measure(row, folder, limit, allow):
-    """Return (facts, known quantities as rows); `folder` holds the prepared packings, allow(seconds) sets the processor time from now on."""
+    """Return (facts, known quantities as rows). `folder` holds the prepared packings; allow(seconds) sets the processor time allowed from now on."""
     own, asked = charts.split(row)
     full = parameters.complete(own)
     facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit} | store.origin()
@@ -45,14 +45,14 @@ def measure(row, folder, limit, allow):
 def run(row, asked, folder, limit, known, allow):
     """Return (seconds, known quantities) of one run, or of a search for the accuracy `asked`.
 
-    A scene that measures in the course of its steps, which costs more than they do, has its numbers from a first run without a time (None),
-    and its times from runs that do not measure; known: the numbers so far.
+    Some scenes measure during their steps, which costs more than the steps. Their numbers come from a first run, which has no time (None); their
+    times come from later runs that do not measure. known: the quantities measured so far.
     """
     allow(PREPARATION)
     full = parameters.complete(row)
     scene = scenes.build(full, folder)
     if not scene.known:
-        raise parameters.ParameterError("nothing is known of the scene with these parameters")
+        raise parameters.ParameterError("the scene has no quantity with a known value with these parameters")
     measures = timing.measures()
     allow(limit * (MEASURING if measures else 1))
     if measures and known and not asked:
@@ -66,7 +66,7 @@ def run(row, asked, folder, limit, known, allow):
 
 
 def values(known, scene):
-    """Return what is kept of a Known."""
+    """Return the facts that are stored of a Known, as a dictionary."""
     measured = float(known.measure())
     return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
             "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}

@@ -1,9 +1,9 @@
-"""Where the methods fail: maps of what a probe finds over two parameters, and the boundaries between. Needs no YADE.
+"""Maps of where the methods fail: the outcomes of a probe over two parameters, and the boundaries between them. Needs no YADE.
 
 A map is a file of this folder with
 
     MAP               its grid, the lines along which a boundary is searched, and the theory of that boundary where there is one
-    probe(case)       -> Outcome, inside YADE: imports what needs YADE within its functions
+    probe(case)       -> Outcome; it runs inside YADE and imports what needs YADE within its functions
 """
 import functools
 import importlib
@@ -22,19 +22,19 @@ __all__ = ["product"]
 FOLDER = "maps"
 CASE_SECONDS = 180  # of processor time that a case may take
 
-# In the order of the question: what was found of the way a case ended.
+# What a probe can find of a case, from best to worst.
 STABLE, INACCURATE, UNSTABLE, NOT_SOLVED = VERDICTS = ("stable", "inaccurate", "unstable", "not solved")
 
 # Why a case is not stable.
 REASONS = {
-    "energy growth": "energy appears that nothing has put in",
+    "energy growth": "the energy grows without any work done",
     "penetration": "bodies overlap by more than the map allows",
     "wrong motion": "a motion that is known is off by more than the map allows",
-    "false motion": "what must rest moves",
-    "false rest": "what must move rests, or moves too little",
+    "false motion": "a body moves that must stay at rest",
+    "false rest": "a body that must move stays at rest or moves too little",
     "wrong forces": "the forces of a body at rest do not carry its load",
-    "tunnelled": "a body is through a wall that must stop it",
-    "locked walls": "walls flip to and fro instead of carrying their load",
+    "tunnelled": "a body passed through a wall that must stop it",
+    "locked walls": "walls reverse their motion at most steps and do not carry their load",
     "load missed": "walls follow their load too late",
     "non-convergence": "the solver did not reach its tolerance",
     "refused": "the program ended the run by an error",
@@ -44,10 +44,10 @@ REASONS = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a probe found of a case.
+    """The result of a probe for one case.
 
-    told: how the program itself says that something is wrong, '' where it does not; a failure without is one that looks like success.
-    measures: {name: number}, the names those of the map.
+    told: the program's own message that something is wrong, '' if there is none. A failure without a message looks like a success.
+    measures: {name: number}, with the names that the map declares.
     """
     verdict: str
     reason: str = ""
@@ -61,16 +61,16 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Axis:
-    """One parameter of a map; `label` is what the figure writes."""
+    """One parameter of a map; `label` is its name in the figure."""
     name: str
     label: str
 
 
 @dataclass(frozen=True)
 class Search:
-    """A line across a boundary: `along` runs from `good` to `bad`, everything else is fixed `at`.
+    """A line across a boundary: the parameter `along` runs from `good` to `bad`; `at` holds the values of all others.
 
-    It is bisected in the logarithm until the two sides are within `precision` of each other (integers: neighbours at most).
+    The line is bisected in the logarithm until the two sides are within a factor `precision` (integers: neighbours at most).
     accepted: the verdicts of the good side.
     """
     at: dict
@@ -89,11 +89,11 @@ class Search:
 class Map:
     """One map. grid(full), searches(full): the quick or the full lists of cases and searches.
 
-    group: heading of the report under which it stands, order: its place there. x, y: axes; panels: the parameter whose values have a panel each, or ''. measures: {name: (unit, meaning)}.
-    criterion: in words, what a case must do to be stable, and what makes it inaccurate or unstable.
-    remedy: what the program does about these failures, or what a user has to keep to.
-    theory: function of a case without `theory_along` -> the boundary along it, or NaN; where there is none, a measure `theory` may hold it.
-    marks: {words: value on the x axis} worth a line, such as a default.
+    group: heading of the report under which it stands, order: its place there. x, y: axes; panels: the parameter with a panel for each value, or ''.
+    measures: {name: (unit, meaning)}. criterion: in words, what makes a case stable, inaccurate or unstable.
+    remedy: what the program does about these failures, or what a user has to do.
+    theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
+    marks: {label: value on the x axis} of lines to draw, such as a default.
     """
     group: str
     title: str
@@ -114,37 +114,36 @@ class Map:
 
     @property
     def parameters(self):
-        """Names of the parameters of a case, in their order."""
+        """Names of the parameters of a case, in the order of the grid."""
         return tuple(self.grid(False)[0])
 
 
 def names():
-    """Return the maps there are, in the order of the report."""
+    """Return the names of all maps in the order of the report."""
     found = [path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")]
     return sorted(found, key=lambda name: (get(name).order, name))
 
 
 @functools.cache
 def module(name):
-    """Return the file of a map."""
+    """Return the module of a map."""
     return importlib.import_module(f"{__name__}.{name}")
 
 
 def get(name):
-    """Return the Map of a name."""
+    """Return the Map with this name."""
     return module(name).MAP
 
 
 def logarithmic(low, high, count):
-    """Return `count` numbers from low to high, evenly in the logarithm, of three digits."""
+    """Return `count` numbers from low to high, evenly spaced in the logarithm and rounded to three digits."""
     return [float(f"{low * (high / low)**(k / (count - 1)):.3g}") for k in range(count)]
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """What a search found: the last good and the first bad value, the reason of the bad side, and what stands in for a boundary
-    where there is none ('' otherwise).
-    """
+    """The result of a search: the last good and the first bad value, the reason of the bad side; note: why there is no boundary, '' if there is
+    one."""
     good: float
     bad: float
     reason: str
@@ -152,14 +151,14 @@ class Boundary:
 
     @property
     def value(self):
-        """The geometric mean of the two sides; NaN without a boundary."""
+        """The geometric mean of the two sides; NaN if there is no boundary."""
         return math.nan if self.note else math.sqrt(self.good * self.bad)
 
 
 def bisect(search, probe):
     """Return the Boundary along a Search. probe(case) -> an object with verdict and reason.
 
-    One crossing is assumed. A map that has more shows them in its cells, and the search ends at one of them.
+    The search assumes one crossing. If a map has several, its cells show them, and the search ends at one of them.
     """
     good, bad = search.good, search.bad
     first, last = probe(search.case(good)), probe(search.case(bad))
@@ -182,29 +181,29 @@ def bisect(search, probe):
 
 
 class Work:
-    """The cases of one map, for the runner, the process that probes, and the figures."""
+    """The cases of one map, for the runner, for the process that probes and for the figures."""
 
     def __init__(self, name, full, results):
         self.name, self.map, self.full, self.folder, self.limit = name, get(name), full, pathlib.Path(results) / FOLDER, CASE_SECONDS
 
     def find(self, case):
-        """Return what was measured of a case: its facts, or None."""
+        """Return the stored facts of a case, or None."""
         return store.get(self.folder, self._file(case))
 
     def _file(self, case):
         return f"{self.name}-{parameters.digest(case)}"
 
     def enter(self, case, outcome, seconds, origin):
-        """Keep the Outcome of a case."""
+        """Store the Outcome of a case."""
         store.add(self.folder, self._file(case), {"map": self.name, "case": case, "seconds": seconds, "verdict": outcome.verdict, "reason": outcome.reason,
                                                   "told": outcome.told, "measures": {name: float(value) for name, value in outcome.measures.items()}} | origin)
 
     def failed(self, name, reason, late, origin):
-        """Enter a case that ended its process; its name is the case as JSON."""
+        """Store a case that ended its process as not solved. name: the case as JSON."""
         self.enter(json.loads(name), Outcome(NOT_SOLVED, "timed out" if late else "crashed", reason), 0, origin)
 
     def measure(self, begun):
-        """In YADE: probe the cases of the grid, then along the searches; begun(case, seconds) is called before each."""
+        """In YADE: probe the cases of the grid, then those of the searches. Before each case call begun(case as JSON, seconds)."""
         from yade import O
 
         def probe(case):
@@ -215,7 +214,7 @@ class Work:
             O.reset()
             try:
                 found = module(self.name).probe(case)
-            except RuntimeError as error:  # what engines and checks raise; all else is a mistake of the probe
+            except RuntimeError as error:  # engines and checks raise it; any other exception is a mistake in the probe
                 found = Outcome(NOT_SOLVED, "refused", " ".join(str(error).split()))
             self.enter(case, found, round(time.perf_counter() - started, 3), store.origin())
             print(f"{self.name}: {json.dumps(case)}: {found.verdict} {found.reason}", flush=True)
@@ -228,5 +227,5 @@ class Work:
 
 
 def outcome(facts):
-    """Return the Outcome that was kept."""
+    """Return the Outcome from stored facts."""
     return Outcome(facts["verdict"], facts["reason"], facts["told"], facts["measures"])

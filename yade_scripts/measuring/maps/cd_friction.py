@@ -1,6 +1,6 @@
-"""CD: the tolerance against the distance from the angle of friction.
+"""Map of CD: tolerance against the distance of the slope from the angle of friction.
 
-The probe: five touching disks that cannot turn, on a slope that changes from half the angle of friction to just off it.
+The probe: five touching disks that cannot turn stand on a slope, whose tangent changes from mu/2 to just above or below mu.
 """
 import math
 
@@ -21,7 +21,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches of how near the angle of friction the answer is right, for each tolerance."""
+    """Return for each tolerance a search of the smallest distance from the angle of friction at which the answer is right."""
     return [Search(at, "distance", 0.3, 1e-9, 1.05 if full else 1.5)
             for at in product(side=SIDES, tolerance=logarithmic(1e-8, 1e-1, 8) if full else [1e-6, 1e-3])]
 
@@ -30,7 +30,7 @@ MAP = Map(
     group="Where rigid contacts fail", order=6,
     title="Rigid contacts: rest or slide near the angle of friction",
     question="How close to the angle of friction does the engine still decide correctly whether a body rests?",
-    criterion="Five touching disks that cannot turn (mu = 0.5) rest on a slope of half the angle of friction. The slope then changes to "
+    criterion="Five touching disks that cannot turn (mu = 0.5) rest on a slope of tangent mu/2. The slope then changes to "
               "tan(slope) = mu (1 + d) or mu (1 - d) for 200 steps of 1 ms. Inaccurate: the mean speed is off by more than a tenth of mu d g "
               "cos(slope) t. Unstable: by more than all of it. Too slow on the steeper slope is called false rest, anything else false "
               "motion.",
@@ -42,7 +42,7 @@ MAP = Map(
 
 
 def weight(tangent):
-    """Return the acceleration of free fall seen from a slope of that tangent."""
+    """Return gravity [m/s^2] in axes along and normal to a slope of this tangent."""
     from yade_scripts.measuring import rigid
     angle = math.atan(tangent)
     return rigid.GRAVITY * math.sin(angle), -rigid.GRAVITY * math.cos(angle), 0

@@ -1,6 +1,6 @@
-"""CD: restitution against friction, a disk thrown into a groove.
+"""Map of CD: restitution against friction, for a disk thrown into a groove.
 
-The probe: a disk with spin thrown at the bottom of a groove, so that both sides are hit at once.
+The probe: a spinning disk is thrown at the bottom of a groove, so that it hits both sides at once.
 """
 import math
 import random
@@ -9,7 +9,7 @@ from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, Search, UNST
 
 DRAWS, STEPS, DT = 60, 6, 1e-4
 SPEED = 1.0  # [m/s]
-GAIN = 1e-9  # above round-off and the tolerance
+GAIN = 1e-9  # smallest relative gain of energy that counts: above round-off and solver error
 
 
 def grid(full):
@@ -19,7 +19,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches for the least restitution that makes energy."""
+    """Return the searches for the smallest restitution that creates energy."""
     return [Search(at, "restitution", 0.1, 1.0, 1.003 if full else 1.02) for at in product(friction=[0.1, 0.2, 0.3, 0.5] if full else [0.1, 0.5])]
 
 
@@ -53,7 +53,7 @@ def probe(case):
 
 
 def throw(case, angle, aside, spin):
-    """Return the largest relative gain of kinetic energy, and the energy that the engine says was dissipated; aside, spin in units of SPEED."""
+    """Return the largest relative gain of kinetic energy, and dissipatedEnergy [J]; aside (velocity along x) and spin in units of SPEED."""
     from yade import O, Quaternion, utils
 
     from yade_scripts.measuring import rigid

@@ -1,6 +1,6 @@
-"""CD: the step against the tolerance, a packing that must bear a small load without moving.
+"""Map of CD: time step against tolerance, for a packing that must bear a small load without moving.
 
-The probe: a prepared packing with free walls, sigma2 5 % up at once.
+The probe: in a prepared packing with free walls sigma2 rises by 5 % at once.
 """
 from yade_scripts import parameters, results, scenes
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
@@ -11,13 +11,13 @@ FOLDER = results.FOLDER  # of prepared packings
 
 
 def grid(full):
-    """Return the cases of the grid: tolerance by step."""
+    """Return the cases of the grid: tolerance by time step."""
     tolerances, steps = ((logarithmic(1e-9, 1e-1, 9), logarithmic(1e-5, 1e-2, 7)) if full else (logarithmic(1e-7, 1e-1, 4), logarithmic(1e-4, 1e-2, 3)))
     return product(tolerance=tolerances, dt=steps)
 
 
 def searches(full):
-    """Return the searches for the loosest tolerance at which it does not strain, for each step."""
+    """Return for each time step a search of the loosest tolerance at which the packing does not strain."""
     return [Search(at, "tolerance", 1e-8, 1.0, 1.1 if full else 1.5) for at in product(dt=logarithmic(1e-5, 1e-2, 7) if full else logarithmic(1e-4, 1e-2, 3))]
 
 

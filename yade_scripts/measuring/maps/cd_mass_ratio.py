@@ -1,6 +1,6 @@
-"""CD: the tolerance against the ratio of masses, a disk on a disk.
+"""Map of CD: tolerance against the ratio of masses, for a heavy or light disk on another disk.
 
-The probe: a disk on a disk on the floor, rigid, from rest and without forces.
+The probe: two rigid disks stand one above the other on the floor. They start at rest and without contact forces.
 """
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
 
@@ -18,7 +18,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches for the largest ratio at which forces are right, and where a step is still solved, for each tolerance."""
+    """Return for each tolerance a search of the largest ratio whose steps are solved with right forces."""
     return [Search(at, "mass_ratio", 1.0, 1e8, 1.05 if full else 1.3)
             for at in product(method=METHODS if full else METHODS[:1], tolerance=logarithmic(1e-12, 1e-2, 11) if full else logarithmic(1e-10, 1e-2, 5))]
 

@@ -1,6 +1,6 @@
-"""CD: a fixed number of sweeps against the height of a column.
+"""Map of CD: a fixed number of sweeps against the height of a column.
 
-The probe: a column under a fixed number of sweeps.
+The probe: a column of disks is solved by a fixed number of sweeps a step.
 """
 from yade_scripts.measuring.maps import Axis, Map, Search, logarithmic, product
 
@@ -8,18 +8,18 @@ STEPS = 50
 
 
 def whole(values):
-    """Round the values, without repetitions."""
+    """Return the values rounded to integers, without repetitions."""
     return list(dict.fromkeys(round(value) for value in values))
 
 
 def grid(full):
-    """Return the cases of the grid: sweeps by number of disks, a panel with and without warm start."""
+    """Return the cases of the grid: sweeps by number of disks, one panel with and one without warm start."""
     sweeps, disks = ((logarithmic(1, 1e4, 13), logarithmic(1, 100, 9)) if full else (logarithmic(1, 1e3, 7), logarithmic(1, 30, 4)))
     return product(start=("warm", "cold"), disks=whole(disks), sweeps=whole(sweeps))
 
 
 def searches(full):
-    """Return the searches for the fewest sweeps that carry the column, for each height."""
+    """Return for each height a search of the fewest sweeps that carry the column."""
     return [Search(at, "sweeps", 30000, 1, 1.02 if full else 1.2) for at in product(start=("warm", "cold"), disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
 
 

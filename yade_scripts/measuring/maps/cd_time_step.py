@@ -1,4 +1,4 @@
-"""CD: the step against restitution, disks that fall into a trough.
+"""Map of CD: time step against restitution, for disks that fall into a trough.
 
 The probe: thirty disks fall into a trough and settle.
 """
@@ -9,19 +9,19 @@ from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outco
 from yade_scripts.running.sums import total
 
 COLUMNS, ROWS, DURATION = 6, 5, 20
-GROWTH = 1e-5  # what the tolerance leaves
+GROWTH = 1e-5  # growth of energy over that of the fall that the tolerance can explain
 TOLERANCE = 1e-5
 UNSOLVED = 0.01  # share of the steps
 
 
 def grid(full):
-    """Return the cases of the grid: step by restitution, a panel for each friction."""
+    """Return the cases of the grid: time step by restitution, a panel for each friction coefficient."""
     steps = logarithmic(0.003, 3, 10) if full else logarithmic(0.01, 3, 6)
     return product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] if full else [0.0, 0.5, 0.9], dt=steps)
 
 
 def searches(full):
-    """Return the searches for the longest step without deep overlaps."""
+    """Return the searches for the longest time step without deep overlaps."""
     return [Search(at, "dt", 0.003, 10.0, 1.05 if full else 1.2)
             for at in product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8] if full else [0.0, 0.5])]
 
@@ -82,7 +82,7 @@ def probe(case):
 
 
 def pour(friction):
-    """Build the trough and, above each other, rows of disks displaced at random."""
+    """Build the trough and the disks above it, in rows and displaced at random."""
     from yade_scripts.measuring import rigid
     rigid.material(friction)
     rigid.floor()

@@ -1,6 +1,6 @@
-"""CD: the tolerance against the height of a column.
+"""Map of CD: tolerance against the height of a column.
 
-The probe: a column under a tolerance.
+The probe: a column of disks is solved to a tolerance.
 """
 from yade_scripts.measuring.maps import Axis, Map, Search, logarithmic, product
 from yade_scripts.measuring.maps.cd_sweeps import whole
@@ -17,7 +17,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches for the loosest tolerance whose forces are right, for each height."""
+    """Return for each height a search of the loosest tolerance whose forces are right."""
     return [Search(at, "tolerance", 1e-7, 1.0, 1.05 if full else 1.3)
             for at in product(method=METHODS if full else METHODS[:1], disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
 

@@ -1,6 +1,6 @@
-"""MD: the step against the damping, for one contact.
+"""Map of MD: time step against damping, for one contact.
 
-The probe: one contact of springs: a disk pressed on a fixed one, free along the normal and in its spin, pushed a little.
+The probe: a disk is pressed on a fixed one by a spring contact, free to move along the normal and to turn, and gets a small push.
 """
 import math
 
@@ -9,9 +9,9 @@ from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, 
 from yade_scripts.theory import spring_limits
 
 STEPS = 1000
-OVERLAP = 1e-4  # of the radius, under the pressing force: small against all lengths
-PUSH = 1e-5     # of the overlap: no contact opens, and what grows has room
-GROWN, GROWN_IN_ALL = 10, 1e6  # of the kinetic energy
+OVERLAP = 1e-4  # at rest under the pressing force, over the radius: small against all lengths
+PUSH = 1e-5     # over the overlap: so small that the contact stays closed while an instability grows
+GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
 ERROR = 0.1
 
 RATIOS = (0.25, 0.5, 1.0)
@@ -19,13 +19,13 @@ LAWS = ("standard", "avoid_ratcheting", "path_independent")
 
 
 def grid(full):
-    """Return the cases of the grid: omega_n dt by beta_n, a panel for each k_t/k_n; the other laws where they are searched."""
+    """Return the cases of the grid: omega_n dt by beta_n, a panel for each k_t/k_n. The other tangential laws are in the searches only."""
     steps, damping = ((logarithmic(0.05, 3, 15), logarithmic(0.01, 0.9, 9)) if full else (logarithmic(0.1, 3, 6), [0.01, 0.1, 0.5]))
     return product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping, omega_dt=steps, tangential_law=LAWS[:1])
 
 
 def searches(full):
-    """Return the searches of instability, and of an error of a tenth in the way a contact swings."""
+    """Return the searches for instability, and for an error of a tenth in decay or frequency of the normal motion."""
     damping = logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
     precision = 1.003 if full else 1.03
     found = [Search(at, "omega_dt", 0.2 if at["beta_n"] < 0.7 else 0.1, 3.5, precision, (STABLE, INACCURATE))
@@ -93,7 +93,8 @@ def probe(case):
 
 
 def errors(way, step, damping):
-    """Return the relative errors of decay and frequency a step: exp(-z s), s sqrt(1 - z^2). They come from the first swings, which are far above round-off."""
+    """Return the relative errors of decay and frequency per step against exp(-z s) and s sqrt(1 - z^2), s = `step` = omega_n dt, z = `damping`. Only
+    the first oscillations count, which are far above round-off."""
     from yade_scripts.theory import spring_limits
     decay, frequency = spring_limits.free_response(way[:max(8, min(len(way), int(6 / (step * max(damping, 0.1)))))])
     return abs(decay / (damping * step) - 1), abs(frequency / (step * math.sqrt(1 - damping**2)) - 1)

@@ -1,6 +1,6 @@
-"""MD: the step against the damping, for a packing.
+"""Map of MD: time step against damping, for a packing.
 
-The probe: a packing of springs at rest under P0 between fixed walls, its contacts sticking, pushed a little.
+The probe: a packing of springs rests under P0 between fixed walls with sticking contacts and gets a small push.
 """
 import functools
 import math
@@ -11,8 +11,8 @@ from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, Search, UNST
 from yade_scripts.running.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
-PUSH = 1e-5  # of the mean overlap
-GROWN, GROWN_IN_ALL = 10, 1e6  # of the kinetic energy
+PUSH = 1e-5  # over the mean overlap
+GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
 FOLDER = results.FOLDER  # of prepared packings
 
 RATIOS = (0.25, 0.5, 1.0)
@@ -26,7 +26,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches of instability."""
+    """Return the searches for instability."""
     damping = logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
     precision = 1.005 if full else 1.03
     return [Search(at, "md_dt_factor", 0.1, 2.0, precision)
@@ -80,7 +80,7 @@ def probe(case):
     late = max(energy[-quarter:])
     growth = late / max(energy[quarter:2 * quarter])
     measures = {"growth": growth} | limits
-    # Energies below 1e-12 of the first are round-off; beyond numbers is grown as well.
+    # Energies below 1e-12 of the first are round-off; an energy that is NaN counts as grown.
     if not (max(energy) < GROWN_IN_ALL * start) or (growth > GROWN and late > 1e-12 * start):
         return Outcome(UNSTABLE, "energy growth", refusal, measures)
     return Outcome(STABLE, told=refusal, measures=measures)
@@ -94,7 +94,7 @@ def step_limits(kt_over_kn, beta_n):
 
 
 def load(full):
-    """Load the one prepared packing of all cases; its contacts get the stiffness ratio and the damping of the case, and stick."""
+    """Load the prepared packing, the same for all cases. Give its contacts the stiffness ratio and damping of the case, and let them stick."""
     from yade import O
 
     from yade_scripts.preparing import prepare

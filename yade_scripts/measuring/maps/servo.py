@@ -1,6 +1,6 @@
-"""MD: the servo of the walls, its gain against the largest speed of the walls.
+"""Map of MD: the servo of the walls, its gain against the largest speed of the walls.
 
-The probe: one triangle of load by the servo, recorded like any run, with a gain and a largest speed that are not the servo's own.
+The probe: the servo applies one triangle of load, recorded like any run, with a gain and a largest speed that are not its usual ones.
 """
 import functools
 import pathlib
@@ -22,7 +22,7 @@ def grid(full):
 
 
 def searches(full):
-    """Return the searches for the gain at which the walls lock, and the speed below which they are too slow."""
+    """Return the searches for the gain at which the walls lock, and for the largest speed below which they are too slow."""
     gain = [Search(at, "gain", 0.5, 8.0, 1.02 if full else 1.1) for at in product(period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])]
     return gain + [Search(at, "max_velocity", 1.0, 1e-6, 1.05 if full else 1.5) for at in product(period=[0.2, 0.02] if full else [0.2], gain=[1.0])]
 
@@ -48,7 +48,7 @@ MAP = Map(
 
 
 class Watch:
-    """Records what the recorder does not: each wall by itself, and the path of wall y+ step by step."""
+    """Records what the recorder does not: each wall separately, and the path of wall y+ step by step."""
 
     def __init__(self, scene, full):
         self.scene, self.p0 = scene, parameters.pressure(full)
@@ -57,7 +57,7 @@ class Watch:
         self.sides, self.place, self.direction, self.reversals, self.steps = walls.sides(), None, 0, 0, 0
 
     def sample(self):
-        """Record the stress errors over P0 and gamma, beside the recorder's sample."""
+        """Record gamma and the stress errors over P0 at the time of a recorder's sample."""
         from yade_scripts.running import walls
         stresses, goal = walls.stresses(), self.scene.load.goal
         self.errors.append(max(abs(s - g) for pair, g in zip(stresses, goal) for s in pair) / self.p0)
@@ -66,7 +66,7 @@ class Watch:
         self.gammas.append(abs(strain[1] - strain[0]))
 
     def step(self):
-        """Count the changes of direction."""
+        """Count the changes of direction of wall y+."""
         from yade import O
 
         from yade_scripts.running import walls
@@ -96,7 +96,7 @@ def probe(case):
 
 @functools.cache
 def reference_gamma(period):
-    """Return the largest |gamma| under a gain of 1 and walls as fast as they need be."""
+    """Return the largest |gamma| for a gain of 1 and walls that may move as fast as they need."""
     from yade import O
     O.reset()
     _, watch = run({"period": period, "gain": 1.0, "max_velocity": 1.0})
@@ -106,10 +106,10 @@ def reference_gamma(period):
 def gain_limit(own_gain):
     """Return the limit of stability: the largest gain G = a own_gain, a = 1 - stressDamping, own_gain = 2 beta sqrt(m/k_n)/dt.
 
-    The controller moves a wall by d(n+1) = 0.8 d(n) - a e(n); e(n), the error of the force over the wall's stiffness, is
-    f (x(n) + own_gain d(n)) with d(n) = x(n) - x(n-1), since the dashpots see the velocity of the last step. The way out of the unit circle
-    is x(n) = (-1)^n, so 2 = a f (1 + 2 own_gain) - 1.6. Disks that the walls push to and fro answer in the opposite sense, by their inertia:
-    f = 4/(4 - Q), Q = s^2 + 4 beta s, s = dt sqrt(k_n/m), all mean disks and held by nothing else.
+    The controller moves a wall by d(n+1) = 0.8 d(n) - a e(n). The error of the force over the wall's stiffness is
+    e(n) = f (x(n) + own_gain d(n)) with d(n) = x(n) - x(n-1), since the dashpots see the velocity of the last step. At the limit
+    x(n) = (-1)^n, so 2 = a f (1 + 2 own_gain) - 1.6. The inertia of the disks that the walls push to and fro gives a response of opposite sign:
+    f = 4/(4 - Q), Q = s^2 + 4 beta s, s = dt sqrt(k_n/m). All disks are taken as mean disks that nothing else holds.
     """
     s = 2 * BETA / own_gain
     answer = 4 / (4 - s**2 - 4 * BETA * s)
@@ -117,7 +117,7 @@ def gain_limit(own_gain):
 
 
 def run(case):
-    """Make the run. Return (the error that ended it or '', Watch)."""
+    """Run a case. Return (the message of the error that ended it or '', Watch)."""
     from yade import O
 
     from yade_scripts.preparing import bodies, prepare
@@ -149,7 +149,7 @@ def run(case):
         try:
             scenes.method(full).run(scene)
         except wall_check.Collapse:
-            pass  # a result, and so no way of saying that the walls have locked
+            pass  # a collapse is a result; it does not report locked walls
         except wall_check.StressError as ended:
             failure = ended
         sampler.close(failure=failure)

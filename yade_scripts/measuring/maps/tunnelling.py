@@ -1,15 +1,15 @@
-"""Both methods: speed against the thickness of a wall that must stop a disk.
+"""Map of both methods: speed against the thickness of a wall that must stop a disk.
 
-The probe: a disk thrown at a fixed box, by springs or as a rigid body.
+The probe: a disk is thrown at a fixed box, with springs or as a rigid body.
 """
 import math
 
 from yade_scripts import parameters
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
 
-DISTANCES = (2.13, 2.38, 2.63, 2.88)  # in ways of a step: the phases at which the step meets the wall
+DISTANCES = (2.13, 2.38, 2.63, 2.88)  # start from the wall, in displacements of a step, to vary when in a step the disk arrives
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
-NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for a flight that begins in front of the wall, within half a step
+NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for flights that begin within half a step of the wall
 SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}}
 DEPTH = 0.5
 
@@ -17,18 +17,18 @@ KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
 
 
 def grid(full):
-    """Return the cases of the grid: speed by thickness, a panel for each way of computing."""
+    """Return the cases of the grid: speed by thickness, a panel for each method with its settings."""
     speeds, thicknesses = (logarithmic(0.01, 100, 13), logarithmic(0.01, 10, 4)) if full else (logarithmic(0.01, 100, 5), [0.1, 1.0])
     return product(kind=KINDS, thickness=thicknesses, speed=speeds)
 
 
 def searches(full):
-    """Return the searches for the speed that gets through."""
+    """Return the searches for the speed at which the disk passes through."""
     return [Search(at, "speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE)) for at in product(kind=KINDS, thickness=logarithmic(0.01, 10, 4) if full else [0.1, 1.0])]
 
 
 def turning(at):
-    """Return for springs the speed, in R sqrt(k_n/m), at which the centre reaches the wall's mid-plane, where a box turns its normal round."""
+    """Return for springs the speed, in R sqrt(k_n/m), at which the centre reaches the wall's mid-plane: there a box reverses its contact normal."""
     return 1 + at["thickness"] / 2 if at["kind"] == "MD" else math.nan
 
 
