@@ -49,7 +49,7 @@ charts: build ## measure and draw speed against accuracy, and where each method 
 test: build ## all tests and the short regression run, about 5 minutes on two cores
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/measuring/regression.py --short
-	$(PYTHON) -m pytest tests -n 2 -rs
+	$(PYTHON) -m pytest tests -n 2 --dist loadfile -rs
 
 soak: build ## what takes too long for `make test` or starts daemons: Slurm, kills, damaged files, sanitizers, other releases of Debian
 	@.ci/install-packages test soak

@@ -29,10 +29,11 @@ def draw(folder):
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
     solutions, sweeps, steps = (_rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items())
     drawn = []
-    for name, rows, figure in (("error_against_time", solutions, error_against_time), ("sweep_cost", sweeps, sweep_cost),
-                               ("sweeps_against_size", solutions, sweeps_against_size), ("step_cost", steps, step_cost)):
-        if rows and (fig := figure(rows, origin)):
-            drawn.append(_save(fig, origin, folder / f"{name}.png"))
+    for name, table, rows, figure in (("error_against_time", "solutions", solutions, error_against_time), ("sweep_cost", "sweeps", sweeps, sweep_cost),
+                                      ("sweeps_against_size", "solutions", solutions, sweeps_against_size), ("step_cost", "step", steps, step_cost)):
+        of_table = origin.get("tables", {}).get(table, origin)  # a table that was measured by itself
+        if rows and (fig := figure(rows, of_table)):
+            drawn.append(_save(fig, of_table, folder / f"{name}.png"))
     return drawn
 
 
@@ -142,8 +143,7 @@ def step_cost(rows, origin):
     springs = [row for row in built if row["tolerance"] == built[0]["tolerance"]]
     axis.loglog([row["disks"] for row in springs], [1e9 * row["seconds_of_springs"] / row["contacts"] for row in springs], marker="X", color="#000000",
                 label="YADE's springs")
-    axis.set_xlabel("disks")
-    axis.set_ylabel("ns per contact and step")
+    axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"))
     axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
     axis.set_title("A whole step of a packing at rest, one thread")
