@@ -10,7 +10,7 @@ import jinja2
 from markupsafe import Markup, escape
 from PIL import Image
 
-from analysis import charts, publish, studies
+from analysis import causes, charts, publish, studies
 from analysis.definitions import DEFINITIONS
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
@@ -54,7 +54,7 @@ def build(folder, path):
     page = environment.get_template("report.html").render(
         paper=PAPER, findings=FINDINGS, there=there, studies=found, absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
-        points=points, definitions=DEFINITIONS, commits=commits, published=all(study["extent"] == "full" for study in found))
+        points=points, definitions=DEFINITIONS, causes=causes.table(folder), processes=causes.PROCESSES, commits=commits, published=all(study["extent"] == "full" for study in found))
     path.write_text(page, encoding="utf-8")
     return path
 

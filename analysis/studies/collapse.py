@@ -88,16 +88,23 @@ POINTS = (
 )
 
 
+def _lives(table):
+    """Return the cycles until collapse, infinite where a packing still stands: a row a packing and load, a column a case."""
+    return table.assign(life=table["collapses after"].fillna(np.inf)).pivot(index=["dSigma", "seed"], columns="case", values="life")
+
+
+def times(table, case, base):
+    """Return how many times as many cycles the packings stand in `case` as in `base`; 1 where both still stand."""
+    both = _lives(table).reindex(columns=[case, base]).dropna()
+    return (both[case] / both[base]).where(np.isfinite(both).any(axis=1), 1.0)
+
+
 def numbers(table):
-    """Return the numbers of the text, from the summary table. A case in which both still stand counts as equal."""
-    lives = table.assign(life=table["collapses after"].fillna(np.inf)).pivot(index=["dSigma", "seed"], columns="case", values="life")
-
-    def times(case, base):
-        both = lives[[case, base]]
-        return (both[case] / both[base]).where(np.isfinite(both).any(axis=1), 1.0)
-
-    soft, hard, slow, servo = times("rigid", "springs"), times("rigid, packing of 10 k_n", "springs, 10 k_n"), times("rigid, 2 s", "springs, 2 s"), times("springs, servo for walls", "springs")
-    finer = [times(*pair) for pair in (("rigid, tolerance 1e-6", "rigid"), ("rigid, step / 5", "rigid"), ("rigid, other forces", "rigid"),
+    """Return the numbers of the text, from the summary table."""
+    lives = _lives(table)
+    soft, hard, slow, servo = (times(table, *pair) for pair in (("rigid", "springs"), ("rigid, packing of 10 k_n", "springs, 10 k_n"), ("rigid, 2 s", "springs, 2 s"),
+                                                                ("springs, servo for walls", "springs")))
+    finer = [times(table, *pair) for pair in (("rigid, tolerance 1e-6", "rigid"), ("rigid, step / 5", "rigid"), ("rigid, other forces", "rigid"),
                                        ("springs, step / 3", "springs"), ("springs, path-independent law", "springs"))]
     changes = {load: np.concatenate([change.loc[load].replace([np.inf, 0], np.nan).dropna() for change in finer]) for load in LOADS}
     assert np.isfinite(lives["springs"]).all() and (lives[["springs, 2 s", "rigid, 2 s"]] < 2).all().all()
