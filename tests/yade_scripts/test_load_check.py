@@ -36,6 +36,8 @@ def test_pushed_walls_of_a_sample_that_has_given_way_cannot_lock(row):
     assert ends(stops, full=parameters.complete(row)) == (22, Collapse)
     assert ends(MOVING + [(-0.015, 0.3)] * 10, full=parameters.complete(row)) is None  # it swings back
     assert ends(MOVING + [(-0.015, 1.0)] * 89, full=parameters.complete(row)) == (100, StressError)  # it hangs loose to the end
+    swings = [(-0.02 - 0.005 * (k % 2), (0.3, -0.3)[k % 2]) for k in range(101)]
+    assert ends(swings, full=parameters.complete(row)) is None  # it yields in every cycle: off in all samples, but not in the mean
     flies = [(-0.021, -5.5), (0.0, -5.5), (-0.3, 0.0)]
     assert ends(flies, full=parameters.complete(row)) == (2, StressError)  # blows above 5 P0 are no collapse, nor is the run complete
     assert ends(stops) == (16, StressError)
