@@ -90,6 +90,7 @@ POINTS = (
 
 def _lives(table):
     """Return the cycles until collapse, infinite where a packing still stands: a row a packing and load, a column a case."""
+    table = table.dropna(subset="case")  # without rows that failed
     return table.assign(life=table["collapses after"].fillna(np.inf)).pivot(index=["dSigma", "seed"], columns="case", values="life")
 
 
