@@ -67,24 +67,27 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Most of the difference is the softness of the springs. In 12 cases (6 packings, dSigma of 0.3 and 0.4, on all of which springs of k_n collapse) rigid contacts stand 1.46
-times as many cycles as springs of k_n: median; quartiles 1.32 and 1.94; more in 12 of 12 cases, and in 2 of them to the end of the 40 cycles. On the same
-packings stiffened they stand 1.06 times as many as springs of 10 k_n: quartiles 1.00 and 1.37; more in 8 of 12 cases. The ratio is the smaller one with
-the stiffer springs in 9 of 12 cases, which chance alone would bring in 7 of 100 such samples.
+Most of the difference is the softness of the springs. Springs of k_n collapse in all 12 cases (6 packings, dSigma of 0.3 and 0.4). In 11 of them rigid contacts stand 1.44
+times as many cycles: median; quartiles 1.29 and 1.85; more in each of the 11. On the same packings stiffened they stand 1.06 times as many as springs of
+10 k_n: quartiles 1.00 and 1.37; more in 8 of 12 cases. The ratio is the smaller one with the stiffer springs in 8 of 11 cases, which chance alone would bring in 11 of
+100 such samples.
 
-Nothing else that was varied shifts the median: of rigid contacts a tolerance of 1e-6 (0.99 times), steps a fifth as long (0.98 times) and another force
+Nothing else that was varied shifts the median by more than 4 %: of rigid contacts a tolerance of 1e-6 (1.00 times), steps a fifth as long (0.97 times) and another force
 network to start from (1.01 times); of springs steps a third as long (0.99 times) and the path-independent tangential law (1.00 times). But a single life
 is a matter of chance at 0.3, where packings stand 5 to 40 cycles: such changes alter it by factors of 0.37 to 2.41. At 0.4, where they stand 2 to 4
 cycles, by 0.79 to 1.26. A servo for walls, whose speed is bounded, lets springs stand 1.30 times as long, 3 of 12 to the end.
 
 The number of cycles belongs to its period. With 2 s instead of 0.5 s all packings collapse within two cycles, springs after 0.60 cycles and rigid
 contacts after 1.05 times as many (medians): the longer load leaves a packing above its limit more time to fall.
+
+Three runs of rigid contacts at 0.3 stand to the end of the 40 cycles but are left out: the packing yields in every cycle, so that the stress of its walls is off by more than
+a twentieth of P0 in 36 to 38 % of the samples, and the check of the walls refuses that. One of them is the twelfth case.
 """
-GIVEN = ("0.3", "0.4", "10", "40", "1e-6", "0.5", "2", "5", "4", "100")
+GIVEN = ("0.3", "0.4", "10", "40", "1e-6", "0.5", "2", "5", "4", "100", "36", "38")
 POINTS = (
     (13, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
-     "With springs of k_n rigid grains stand 1.46 times as many cycles, with springs of 10 k_n 1.06 times (medians of 12 cases): mostly it is the softness "
-     "of the springs."),
+     "Rigid grains stand 1.44 times as many cycles as springs of k_n (median of 11 cases), but 1.06 times as many as springs of 10 k_n (12 cases): mostly it is the "
+     "softness of the springs."),
 )
 
 
@@ -110,9 +113,12 @@ def numbers(table):
     changes = {load: np.concatenate([change.loc[load].replace([np.inf, 0], np.nan).dropna() for change in finer]) for load in LOADS}
     assert np.isfinite(lives["springs"]).all() and (lives[["springs, 2 s", "rigid, 2 s"]] < 2).all().all()
     quartiles = {name: ratio.replace(np.inf, 1e9).quantile([0.25, 0.75]).to_numpy() for name, ratio in (("soft", soft), ("hard", hard))}
-    return {"12": [len(soft), (soft > 1).sum(), len(servo)], "6": table.seed.nunique(), "1.46": soft.median(), "1.32": quartiles["soft"][0],
-            "1.94": quartiles["soft"][1], "1.06": hard.median(), "1.00": [quartiles["hard"][0], finer[4].median()], "1.37": quartiles["hard"][1], "8": (hard > 1).sum(), "9": (soft > hard).sum(),
-            "7": 100 * stats.binomtest(int((soft > hard).sum()), len(soft), alternative="greater").pvalue,
-            "0.99": [finer[0].median(), finer[3].median()], "0.98": finer[1].median(), "1.01": finer[2].median(), "0.37": changes[0.3].min(), "2.41": changes[0.3].max(),
+    harder = hard.reindex(soft.index)
+    medians = [ratio.median() for ratio in finer]
+    return {"12": [len(hard), len(servo), lives["springs"].notna().sum()], "6": table.seed.nunique(), "11": [len(soft), (soft > 1).sum(),
+                100 * stats.binomtest(int((soft > harder).sum()), len(soft), alternative="greater").pvalue], "1.44": soft.median(), "1.29": quartiles["soft"][0],
+            "1.85": quartiles["soft"][1], "1.06": hard.median(), "0.99": medians[3], "1.37": quartiles["hard"][1],
+            "8": [(hard > 1).sum(), (soft > harder).sum()], "4": 4 if max(abs(median - 1) for median in medians) < 0.04 else 0,
+            "1.00": [quartiles["hard"][0], medians[0], medians[4]], "0.97": medians[1], "1.01": medians[2], "0.37": changes[0.3].min(), "2.41": changes[0.3].max(),
             "0.79": changes[0.4].min(), "1.26": changes[0.4].max(), "1.30": servo.median(), "3": np.isinf(servo).sum(), "0.60": lives["springs, 2 s"].median(),
             "1.05": slow.median()}
