@@ -4,6 +4,7 @@ import numpy as np
 
 from analysis import publish
 from analysis.studies import collapse, ratcheting
+from yade_scripts.results.reader import ResultError
 
 PROCESSES = ("One cycle of 0.2 P0", "Strain a cycle (ratcheting)", "Collapse with the mean stress held")
 NOT_RUN = "not run yet"
@@ -13,7 +14,10 @@ def table(folder):
     """Return {cause: one text for each of PROCESSES} from the tables of the studies in `folder`; a text says so whose runs are missing."""
     def text(name, cell):
         path = folder / f"{name}.csv"
-        found = cell(publish.read_table(path)) if path.is_file() else NOT_RUN
+        try:
+            found = cell(publish.read_table(path)) if path.is_file() else NOT_RUN
+        except (AttributeError, KeyError) as error:  # pandas' two ways to miss a column
+            raise ResultError(path, f"is of another version of the study ({error})", f"make it again: make study STUDY={name}") from None
         return NOT_RUN if NOT_RUN in found else found
 
     return {cause: [text(*cell) for cell in cells] for cause, cells in CELLS.items()}

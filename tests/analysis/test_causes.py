@@ -4,6 +4,7 @@ import pandas
 import pytest
 
 from analysis import causes, publish
+from yade_scripts.results.reader import ResultError
 
 
 def test_spread_counts_what_never_ended_as_longer_than_all():
@@ -30,6 +31,12 @@ def test_a_ratio_is_of_the_same_packing():
 
 def test_studies_not_run_are_named(tmp_path):
     assert all(text == causes.NOT_RUN for texts in causes.table(tmp_path).values() for text in texts)
+
+
+def test_a_table_of_another_version_is_named(tmp_path):
+    publish.write_table(tmp_path / "fig3.csv", [{"kind": "MD", "seed": 1}])
+    with pytest.raises(ResultError, match="fig3.csv.*another version of the study"):
+        causes.table(tmp_path)
 
 
 @pytest.mark.parametrize("cause", causes.CELLS)
