@@ -6,7 +6,7 @@ from analysis import publish
 from analysis.studies import collapse, ratcheting
 from yade_scripts.results.reader import ResultError
 
-PROCESSES = ("One cycle of 0.2 P0", "Strain a cycle (ratcheting)", "Collapse with the mean stress held")
+PROCESSES = ("One cycle", "Strain a cycle (ratcheting)", "Collapse")
 NOT_RUN = "not run yet"
 
 
@@ -14,8 +14,10 @@ def table(folder):
     """Return {cause: one text for each of PROCESSES} from the tables of the studies in `folder`; a text says so whose runs are missing."""
     def text(name, cell):
         path = folder / f"{name}.csv"
+        if cell is None:
+            return "not varied"
         try:
-            found = cell(publish.read_table(path)) if path.is_file() else NOT_RUN
+            found = cell(publish.read_table(path) if name == "collapse" else publish.finished(publish.read_table(path))) if path.is_file() else NOT_RUN
         except (AttributeError, KeyError) as error:  # pandas' two ways to miss a column
             raise ResultError(path, f"is of another version of the study ({error})", f"make it again: make study STUDY={name}") from None
         return NOT_RUN if NOT_RUN in found else found
@@ -52,23 +54,27 @@ def _tolerance_of_a_cycle(rows):
     return f"CD's strain is its solver's error: {rigid.largest.iloc[-1]:.1e} at a tolerance of {rigid.value.iloc[-1]:.0e}, {rigid.largest.iloc[0]:.1e} at {rigid.value.iloc[0]:.0e}"
 
 
-def _freedom_of_a_cycle(rows):
-    load = rows.dSigma + 1
-    carried = rows[rows["static limit"] > load]
-    beyond = rows[(rows["static limit"] < load) & (rows["largest |gamma|, CD"] > 1e-7)]
-    ratio = beyond["largest |gamma|, CD"] / beyond["largest |gamma|, MD"]
-    return (f"decides whether rigid grains move: CD rests on {(carried['largest |gamma|, CD'] < 1e-7).sum()} of {len(carried)} packings that carry the load, and strains "
-            f"{_spread(ratio)} as far as MD on those that do not")
+def _limit_of_a_cycle(rows):
+    rows = rows[rows["stress path"] == "mean"]
+    springs, rigid = (rows[rows.method == method].set_index("seed") for method in ("MD", "CD"))
+    carried = rigid["static limit"] > 1.2
+    rests = rigid["largest |gamma|"] < 1e-7
+    ratio = (springs["largest |gamma|"] / rigid["largest |gamma|"])[~carried]
+    return (f"with the mean stress held, sigma2/sigma1 up to 1.5: CD rests on {(rests & carried).sum()} of {carried.sum()} packings that carry it and strains on "
+            f"{(~rests & ~carried).sum()} of {(~carried).sum()} that do not; there MD strains {_spread(ratio)} as far")
+
+
+def _network_of_a_cycle(rows):
+    rigid = rows[rows.method == "CD"]
+    several = rigid[rigid.groupby(["preparation mu", "seed"]).network.transform("count") > 1]
+    most = several.groupby(["preparation mu", "seed"])["load at 0.0001"]
+    return (f"CD yields at loads that differ by at most {100 * (most.max() / most.min() - 1).max():.1g} % between {most.size().sum()} networks of "
+            f"{len(most)} packings, and rests below")
 
 
 def _law_of_a_cycle(rows):
     own = rows[(rows.law == "path_independent") & (rows.asked == 40)]
     return f"MD under the path-independent law: {_spread(own['first cycle over standard'])} its strain of the first cycle"
-
-
-def _path_of_a_cycle(rows):
-    springs = rows[rows.method == "MD"]
-    return "MD with the mean stress held: " + _spread(_over(springs, "largest |gamma|", springs["stress path"] == "mean", springs["stress path"] == "constant")) + " its largest strain"
 
 
 def _stiffness_of_a_rate(rows):
@@ -80,20 +86,21 @@ def _stiffness_of_a_rate(rows):
 
 
 def _tolerance_of_a_rate(rows):
-    same = rows[(rows.dSigma == 0.3) & (rows.stiffening == 1)]
-    springs = same[same.method == "MD"].set_index("seed").rate.abs()
-    shares = [f"{(part.set_index('seed').rate.abs() / springs).median():.0e} at {float(tolerance):.0e}"
-              for tolerance, part in sorted(same[same.method == "CD"].groupby("tolerance"), reverse=True)]
-    return "CD's rate under 0.3 P0 over MD's, by tolerance: " + (", ".join(shares) or NOT_RUN)
+    same = rows[(rows.dSigma == 0.3) & (rows.stiffening == 1)].assign(rate=rows.rate.abs())
+    springs = same[same.method == "MD"].set_index("seed").rate
+    shares = same[same.method == "CD"].pivot(index="seed", columns="tolerance", values="rate").dropna().div(springs, axis=0).dropna()
+    texts = [f"{values.median():.0e} at {float(tolerance):.0e}" for tolerance, values in sorted(shares.items(), key=lambda item: -float(item[0]))]
+    return f"CD's rate under 0.3 P0 over MD's, by tolerance: {', '.join(texts) or NOT_RUN} (medians of {len(shares)} packings)"
 
 
-def _freedom_of_a_rate(rows):
-    dense = rows[(rows["preparation friction"] == 0) & (rows["load over limit"] < 1)]
+def _limit_of_a_rate(rows):
     name = next(column for column in rows if column.startswith("rate of cycles"))
-    springs, rigid = (dense[dense.method == method][name].abs() for method in ("MD", "CD"))
-    if not (springs.count() and rigid.count()):
-        return NOT_RUN
-    return f"below the static limit CD strains by {rigid.median():.0e} a cycle, MD by {springs.median():.0e} (medians of {rigid.count()} and {springs.count()} runs)"
+    springs, rigid = (rows[rows.method == method].set_index(["preparation friction", "stress path", "dSigma", "seed"]) for method in ("MD", "CD"))
+    texts = []
+    for words, mask in (("below", springs["load over limit"] < 1), ("above", springs["load over limit"] >= 1)):
+        pairs = springs[mask][[name]].join(rigid[[name]], lsuffix=" MD", rsuffix=" CD", how="inner").dropna().abs()
+        texts.append(f"{words} it {pairs[name + ' MD'].median():.0e} in MD and {pairs[name + ' CD'].median():.0e} in CD (medians of {len(pairs)} pairs)" if len(pairs) else NOT_RUN)
+    return "of packings that stand " + ", ".join(texts)
 
 
 def _law_of_a_rate(rows):
@@ -101,10 +108,19 @@ def _law_of_a_rate(rows):
     return f"MD under the path-independent law: {_spread(own['late rate over standard'])} the late rate"
 
 
+def _same_ratio(rows, name):
+    """Return `name` of dense packings of MD with the mean stress held at 0.2 over that with sigma1 held at 0.5: sigma2/sigma1 goes to 1.5 in both."""
+    springs = rows[(rows.method == "MD") & (rows["preparation friction"] == 0)]
+    return _spread(_over(springs, name, (springs["stress path"] == "mean") & (springs.dSigma == 0.2), (springs["stress path"] == "constant") & (springs.dSigma == 0.5)))
+
+
+def _path_of_a_cycle(rows):
+    return "at equal sigma2/sigma1 (1.5) MD strains with the mean stress held " + _same_ratio(rows, "first cycle") + " as far in the first cycle as with sigma1 held"
+
+
 def _path_of_a_rate(rows):
-    name = next(column for column in rows if column.startswith("rate of cycles"))
-    springs = rows[(rows.method == "MD") & (rows["preparation friction"] == 0) & (rows.dSigma == 0.2)]
-    return "MD with the mean stress held, 0.2 P0: " + _spread(_over(springs, name, springs["stress path"] == "mean", springs["stress path"] == "constant")) + " the rate"
+    name = next(column for column in rows if column.startswith("gamma after"))
+    return f"at equal sigma2/sigma1 (1.5) MD's {name} cycles with the mean stress held is {_same_ratio(rows, name)} that with sigma1 held"
 
 
 def _lives(rows, case, base):
@@ -116,10 +132,19 @@ def _stiffness_of_collapse(rows):
             f"{_lives(rows, 'rigid, packing of 10 k_n', 'springs, 10 k_n')} as many as springs of 10 k_n")
 
 
+def _limit_of_collapse(rows):
+    rows = rows[rows["load over limit"].notna()]
+    texts = [f"{method} collapses above {own[own['collapses after'].notna()]['load over limit'].min():.2f} of its limit and stands up to {own[own['collapses after'].isna()]['load over limit'].max():.2f}"
+             for method, own in rows.groupby("method")]
+    return "sigma2/sigma1 over that of the static limit: " + ", ".join(texts)
+
+
 def _path_of_collapse(rows):
-    springs = rows[(rows.method == "MD") & (rows["preparation friction"] == 0) & rows.dSigma.between(0.3, 0.5)]
-    counts = {path: f"{own['collapses after'].notna().sum()} of {len(own)}" for path, own in springs.groupby("stress path")}
-    return f"under 0.3 to 0.5 P0 {counts.get('mean', '0')} runs of MD collapse with the mean stress held, {counts.get('constant', '0')} with sigma1 held"
+    springs = rows[(rows.method == "MD") & (rows["preparation friction"] == 0)]
+    texts = [f"{own['collapses after'].notna().sum()} of {len(own)} with {held} held (sigma2/sigma1 = {ratio})"
+             for path, load, held, ratio in (("mean", 0.3, "the mean stress", 1.86), ("constant", 0.8, "sigma1", 1.8), ("constant", 0.3, "sigma1", 1.3))
+             for own in [springs[(springs["stress path"] == path) & (springs.dSigma == load)]]]
+    return "MD collapses in " + ", ".join(texts)
 
 
 def _life(words, case, base):
@@ -130,6 +155,7 @@ CELLS = {
     "Stiffness of the springs": (("stiffness", _stiffness_of_a_cycle), ("ratcheting", _stiffness_of_a_rate), ("collapse", _stiffness_of_collapse)),
     "Tolerance of the solver": (("tolerance", _tolerance_of_a_cycle), ("ratcheting", _tolerance_of_a_rate),
                                 _life("CD at 1e-6 instead of 1e-8", "rigid, tolerance 1e-6", "rigid")),
-    "Freedom of the forces": (("isostatic", _freedom_of_a_cycle), ("fig3", _freedom_of_a_rate), _life("CD from another force network", "rigid, other forces", "rigid")),
+    "Indeterminacy: from which forces it starts": (("critical_load", _network_of_a_cycle), ("", None), _life("CD from another force network", "rigid, other forces", "rigid")),
+    "Indeterminacy: what the forces can carry": (("fig4", _limit_of_a_cycle), ("fig3", _limit_of_a_rate), ("fig3", _limit_of_collapse)),
     "Tangential law": (("laws", _law_of_a_cycle), ("laws", _law_of_a_rate), _life("MD under the path-independent law", "springs, path-independent law", "springs")),
-    "Stress path": (("fig4", _path_of_a_cycle), ("fig3", _path_of_a_rate), ("fig3", _path_of_collapse))}
+    "Stress path": (("fig3", _path_of_a_cycle), ("fig3", _path_of_a_rate), ("fig3", _path_of_collapse))}
