@@ -125,7 +125,7 @@ def _collapses(axis, rows):
                       marker=style.MARKER[method], ms=4.5, color=style.COLOUR[method], mfc=None if collapsed else "none",
                       label=f"{method}: {'collapses' if collapsed else 'stands'}")
     axis.axvline(1, color="k", lw=0.7, ls=":")
-    axis.set(yscale="log", xlabel=r"largest $\sigma_2$ over the static limit", ylabel="cycles", title="collapse")
+    axis.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over its static limit", ylabel="cycles", title="collapse")
     axis.legend(fontsize=6.5)
 
 

@@ -45,24 +45,34 @@ def _row(key, pair):
 
 
 def draw(runs, rows, path):
-    """Draw against P0/k_n, packing by packing: the largest strain of both methods without friction and with it, and the freedom of the forces."""
+    """Draw packing by packing the largest strain of both methods: without friction against the load over the limit, with friction against P0/k_n; and the
+    freedom of the forces."""
     rows = [row for row in rows if row["dSigma"] == LOAD]
-    fig, axes = plt.subplots(1, 3, figsize=(11, 3.9))
-    for axis, (friction, own) in zip(axes, summary.groups(rows, lambda row: row["friction"]).items()):
-        for method in ("MD", "CD"):
-            axis.plot([row["P0/k_n"] for row in own], [row[f"largest |gamma|, {method}"] for row in own], ls="", marker=style.MARKER[method], ms=4.5,
-                      mfc="none" if method == "CD" else None, color=style.COLOUR[method], label={"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[method])
-        axis.set(xscale="log", yscale="log", xlabel="$P_0/k_n$", title="without friction" if not friction else rf"with friction, $\mu$ = {friction:g}")
+    groups = summary.groups(rows, lambda row: row["friction"])
+    fig, axes = plt.subplots(1, len(groups) + 1, figsize=(3.7 * (len(groups) + 1), 3.9), squeeze=False)
+    axes = axes[0]
+    for axis, (friction, own) in zip(axes, groups.items()):
+        x = [row["P0/k_n"] if friction else (1 + LOAD) / row["static limit"] for row in own]
+        strains = {method: [row[f"largest |gamma|, {method}"] for row in own] for method in ("MD", "CD")}
+        axis.vlines(x, strains["CD"], strains["MD"], color="#BBBBBB", lw=0.7, zorder=1)
+        for method, values in strains.items():
+            axis.plot(x, values, ls="", marker=style.MARKER[method], ms=4.5, mfc="none" if method == "CD" else None, color=style.COLOUR[method],
+                      label={"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[method])
+        axis.set(yscale="log", xlabel="$P_0/k_n$" if friction else "load over the static limit", title=rf"with friction, $\mu$ = {friction:g}" if friction else "without friction")
+        if friction:
+            axis.set_xscale("log")
+        else:
+            axis.axvline(1, color="k", lw=0.7, ls=":")
     for axis in axes[1:-1]:
         axis.sharey(axes[0])
     axes[0].set_ylabel(r"largest $|\gamma|$ in the cycle")
     axes[0].legend()
-    for friction, own in summary.groups(rows, lambda row: row["friction"]).items():
+    for friction, own in groups.items():
         axes[-1].plot([row["P0/k_n"] for row in own], [row["freedom"] for row in own], ls="", marker="o" if friction else "D", ms=4.5,
                       color="k", mfc="k" if friction else "none", label=rf"$\mu$ = {friction:g}")
     axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="free directions of the contact forces a disk", ylim=(0, None))
     axes[-1].legend()
-    style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; a point a packing.", runs)
+    style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.", runs)
 
 
 ANSWER = """

@@ -70,7 +70,7 @@ def draw(runs, rows, path):
                for method in ("MD", "CD") for stiffening, colour in look.items()]
     handles.append(plt.Line2D([], [], ls="", marker="o", color="0.4", mfc="none", label="contacts lost"))
     left.axvline(1, color="k", lw=0.7, ls=":")
-    left.set(yscale="log", xlabel=r"largest $\sigma_2$ over the static limit of the packing", ylabel=r"strain a cycle $|\Delta\gamma|$, second half of the cycles")
+    left.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over the static limit of the packing", ylabel=r"strain a cycle $|\Delta\gamma|$, second half of the cycles")
     left.legend(handles=handles, fontsize=7)
     highest = max((row["dSigma"] for row in rows), default=0.0)
     for (method, load, seed), part in summary.groups(rows, lambda row: (row["method"], row["dSigma"], row["seed"])).items():
