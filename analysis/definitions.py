@@ -5,10 +5,7 @@ Equations are HTML; numbers in brackets are those of the paper's equations.
 
 from dataclasses import dataclass
 
-from analysis import cycles
 from yade_scripts.results import schema
-
-_MIN, _MAX = cycles.FEWEST_FOR_DECAY, cycles.RULE.practical
 
 
 @dataclass(frozen=True)
@@ -49,10 +46,7 @@ DEFINITIONS = (
                "W: work of the walls. D is summed where it happens, contact by contact and step by step: by the engine in CD, friction and dashpots in MD.", "observables.balance_error"),
     Definition("Critical load", "σ<sub>2</sub>/P<sub>0</sub> at which |γ| passes a threshold", "Always given with the threshold.",
                "observables.critical_load"),
-    Definition("Regime", "Δγ<sub>n</sub> ∝ n<sup>−p</sup> over the last octaves of cycles",
-               f"Collapse: the sample gave way, or would within as many cycles again. Shakedown: the late change is noise or turns back, or p &gt; 1, "
-               f"or {_MAX:g} cycles at the late rate would add neither the strain so far nor P<sub>0</sub>/k<sub>n</sub>. Ratcheting: the rest. "
-               f"Too short to tell: what would need the decay p in under {_MIN} cycles. Other verdicts: those with one limit moved (1000 to 300 or 3000 "
-               "cycles, P<sub>0</sub>/k<sub>n</sub> by 0.3 or 3, p to 0.7 or 1.3, significance 3 to 2 or 5).",
-               "cycles.regime"),
+    Definition("Slip", "s = Δu<sub>t</sub> − Δδ<sub>t</sub>", "What the surfaces of two disks move past each other from snapshot to snapshot, less what "
+               "the springs stretch. Added up over a cycle, times μR, it is the work of friction.", "analysis/slip.py"),
+    Definition("Late rate", "(γ<sub>n</sub> − γ<sub>n/2</sub>)/(n/2)", "Mean change of γ a cycle over the last half of the cycles.", "cycles.late_rate"),
 )

@@ -1,4 +1,8 @@
-"""The static limit of a run's packing: the largest sigma2/P0 that the contacts it starts with can carry on the run's stress path."""
+"""The static limit of a run's packing: the largest load that the contacts it starts with can carry.
+
+Forces in balance stay in balance if all are multiplied by one number, so what the contacts limit is the ratio sigma2/sigma1. It is the same whatever is held
+while sigma2 rises; the load sigma2/P0 at which a run reaches it is not.
+"""
 
 import numpy as np
 
@@ -8,8 +12,13 @@ from yade_scripts.theory import statics
 _known = {}  # linear programmes of a second each; many runs start from one packing
 
 
+def stress_ratio(load, stress_path):
+    """Return sigma2/sigma1 where sigma2 = load P0: sigma1 is P0 on the path "constant", 2 P0 - sigma2 on "mean"."""
+    return load / (2 - load) if stress_path == "mean" else load
+
+
 def static_limit(run):
-    """Return the limit (yade_scripts/theory/statics.py); NaN where the contacts do not hold the walls at all."""
+    """Return the largest sigma2/P0 on the run's stress path (yade_scripts/theory/statics.py); NaN where the contacts do not hold the walls at all."""
     first, path = run.snapshots[0], run.parameters["stress_path"]
     key = first["contact_point"].tobytes(), run.pressure, path
     if key not in _known:
@@ -20,6 +29,12 @@ def static_limit(run):
     return _known[key]
 
 
+def over_limit(run, load):
+    """Return sigma2/sigma1 at sigma2 = load P0 over the largest that the packing's contacts can carry."""
+    path = run.parameters["stress_path"]
+    return stress_ratio(load, path) / stress_ratio(static_limit(run), path)
+
+
 def load_over_limit(run):
-    """Return the largest sigma2 of repeated loading over that limit."""
-    return (1 + run.parameters["delta_sigma"]) / static_limit(run)
+    """Return the largest sigma2/sigma1 of repeated loading over the largest that the packing's contacts can carry."""
+    return over_limit(run, 1 + run.parameters["delta_sigma"])

@@ -146,10 +146,10 @@ def unconverged_steps(run):
 
 
 def snapshot_at_load_maximum(run):
-    """Return the snapshot taken where sigma2 was largest, and sigma2/P0 there."""
+    """Return the snapshot taken where the load was largest, and sigma2/P0 asked for there. What the sample carries may swing about that as it yields."""
     if not run.snapshots:
         raise ResultError(run.path, "has no snapshots", "run it again")
-    time, sigma2 = run.values("time"), run.values("sigma2")
+    time, sigma2 = run.values("time"), run.values("sigma2_goal")
     loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in run.snapshots]
     best = int(np.argmax(loads))
     if loads[best] < sigma2.max() - 0.02 * np.ptp(sigma2):

@@ -56,6 +56,11 @@ def read_table(path):
         raise ResultError(path, f"is no table ({str(error).splitlines()[0]})", "make it again") from None
 
 
+def finished(table):
+    """Return the rows of a table that were measured, without those of runs that failed or are missing."""
+    return table[table[STATUS].isna()] if STATUS in table else table
+
+
 def write_json(path, facts):
     """Write facts as JSON."""
     Path(path).write_text(json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")

@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt  # after the backend is chosen
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from yade_scripts.results import provenance
+from yade_scripts.theory import effective_medium
 
 # Okabe and Ito's palette, distinct under the common colour-vision deficiencies.
 COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
@@ -47,13 +48,23 @@ def finish(fig, path, note, origin):
 
 
 def source(runs):
-    """Return where a figure comes from: number of runs and packings, commit, YADE, and how many steps missed the solver's tolerance."""
+    """Return where a figure comes from: number of runs and packings, commit, YADE, and the solver's tolerance with the share of steps that missed it."""
     commits = sorted({run.attributes["git_commit"] for run in runs})
     states = len({run.attributes["state_sha256"] for run in runs} - {""})
     code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
-    missed = sum(int(run.history["unconverged_steps"][-1]) for run in runs if "unconverged_steps" in run.history)
     return (f"{len(runs)} runs" + (f" from {states} packing{'s' * (states > 1)}" if states else "") + f", {code}, YADE {runs[0].attributes['yade_version']}"
-            + (f"; {missed} CD steps missed their tolerance" if missed else ""))
+            + _solved([run for run in runs if run.method == "CD"]))
+
+
+def _solved(rigid):
+    """Return the tolerances of CD runs that are solved to one, and how many of their steps missed it."""
+    rigid = [run for run in rigid if not run.parameters["fixed_iterations"]]
+    tolerances = sorted({run.parameters["tolerance"] for run in rigid})
+    if not tolerances:
+        return ""
+    shares = [int(run.history["unconverged_steps"][-1]) / max(1, round(run.values("time")[-1] / effective_medium.step(run.parameters))) for run in rigid]
+    missed = f"missed by at most {100 * max(shares):.2g} % of the steps of a run" if any(shares) else "missed by no step"
+    return f"; CD's tolerance {' to '.join(f'{tolerance:.0e}' for tolerance in dict.fromkeys((tolerances[0], tolerances[-1])))}, {missed}"
 
 
 def _mend_logarithms(fig):

@@ -15,9 +15,3 @@ def groups(items, key):
     for item in items:
         found.setdefault(key(item), []).append(item)
     return dict(sorted(found.items()))
-
-
-def commonest(values):
-    """Return the value that occurs most often, the first of several such."""
-    values = list(values)
-    return max(values, key=values.count)

@@ -77,7 +77,7 @@ def test_cycle_range(tmp_path):
 
 def test_snapshot_at_the_load_maximum(md):
     snapshot, load_ratio = observables.snapshot_at_load_maximum(reader.load(md))
-    assert (snapshot["time"], load_ratio) == (0.5, pytest.approx(1.2))
+    assert (snapshot["time"], load_ratio) == (0.5, pytest.approx(1.2 * (1 + 1e-4)))  # of the goal
 
 
 def test_no_snapshot_at_the_load_maximum(tmp_path):

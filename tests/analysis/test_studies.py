@@ -171,7 +171,7 @@ def test_fig5_finds_the_critical_loads_of_a_known_curve(tmp_path):
     # gamma = -slope x^3 between samples 1.5/300 apart: the chord is off by less than the square of the spacing over the load.
     assert md["load at |gamma| = 0.01"] == pytest.approx(1 + 0.01**(1 / 3), abs=1e-4)
     assert cd["load at |gamma| = 0.001"] == pytest.approx(1 + 0.01**(1 / 3), abs=1e-4)
-    assert md["largest load"] == 2.5
+    assert md["load at the end"] == 2.5
     module.draw(runs, [md, cd], tmp_path / "fig5.png")
 
 
@@ -188,10 +188,9 @@ def cyclic(folder, rates, name, **row):
 
 
 def test_fig3_tells_collapse_from_what_stands(tmp_path):
-    module, number, usual = studies.module("fig3"), np.arange(1, 65), dict(md_walls="force", period=0.5)
-    runs = [cyclic(tmp_path, -1e-5 / number**3, "low.h5", delta_sigma=0.1, **usual),
-            cyclic(tmp_path, np.full(64, -1e-5), "middle.h5", delta_sigma=0.3, **usual),
-            cyclic(tmp_path, np.full(64, -3e-3), "high.h5", delta_sigma=0.5, **usual)]
+    module, number = studies.module("fig3"), np.arange(1, 65)
+    runs = [cyclic(tmp_path, -1e-5 / number**3, "low.h5", delta_sigma=0.1), cyclic(tmp_path, np.full(64, -1e-5), "middle.h5", delta_sigma=0.3),
+            cyclic(tmp_path, np.full(64, -3e-3), "high.h5", delta_sigma=0.5)]
     runs[2].attributes["outcome"] = schema.OUTCOME_COLLAPSED
     rows = module.summarize(runs[::-1])
     assert [row["dSigma"] for row in rows] == [0.1, 0.3, 0.5]
@@ -200,19 +199,16 @@ def test_fig3_tells_collapse_from_what_stands(tmp_path):
     module.draw(runs, rows, tmp_path / "fig3.png")
 
 
-def test_influence_finds_the_base_the_ratios_and_the_regimes(tmp_path):
-    module, calm, steady, wild = studies.module("influence"), 1e-5 / np.arange(1, 33)**3, np.full(32, 1e-5), np.full(32, 8e-3)
-    runs = [cyclic(tmp_path, -rates, f"{friction}{load}.h5", delta_sigma=load, preparation_friction=friction)
-            for friction, by_load in ((0.0, (calm, calm, steady)), (0.1, (calm, steady, wild))) for load, rates in zip((0.1, 0.3, 0.4), by_load)]
-    runs += [cyclic(tmp_path, -2 * steady, "kt.h5", delta_sigma=0.4, kt_over_kn=0.1),
-             cyclic(tmp_path, -0.5 * steady, "wall.h5", delta_sigma=0.4, md_walls="force", wall_mass_ratio=1.0),
-             cyclic(tmp_path, -wild, "0.10.5.h5", delta_sigma=0.5, preparation_friction=0.1)]
-    rows = module.summarize(runs)
-    ratio = {(row["parameter"], row["value"]): row["ratio to the base"] for row in rows if row["kind"] == "variation"}
-    assert ratio == {("base", ""): 1.0, ("kt_over_kn", 0.1): pytest.approx(2), ("wall_mass_ratio", 1.0): pytest.approx(0.5)}
-    search = {(row["value"], row["dSigma"]): row for row in rows if row["kind"] == "search"}
-    assert len(search) == 7 and search[0.1, 0.4]["collapse"] == 1 and search[0.0, 0.4]["ratcheting"] == 1
-    module.draw(runs, rows, tmp_path / "influence.png")
+def test_influence_compares_packing_by_packing(tmp_path):
+    module = studies.module("influence")
+    runs = [cyclic(tmp_path, np.full(10, -rate), f"{seed}{change}.h5", seed=seed, **module.BASE | change)
+            for seed, rate in ((1, 1e-5), (2, 1e-4)) for change, rate in (({}, rate), (dict(kt_over_kn=0.1), 2 * rate), (dict(period=1.0), rate / 2))]
+    rows = {row["change"]: row for row in module.summarize(runs)}
+    assert list(rows) == ["none", "kt_over_kn = 0.1", "period = 1.0"]
+    assert rows["none"]["most |gamma|"] == pytest.approx(10 * rows["none"]["least |gamma|"])
+    assert [rows["kt_over_kn = 0.1"][name] for name in ("ratio", "least ratio", "largest ratio")] == pytest.approx([2, 2, 2])
+    assert rows["period = 1.0"]["ratio"] == pytest.approx(0.5)
+    module.draw(runs, list(rows.values()), tmp_path / "influence.png")
 
 
 def test_laws_compare_on_the_same_packing(tmp_path):

@@ -2,7 +2,9 @@
 import numpy as np
 import pytest
 
-from analysis import observables
+from analysis import observables, slip
+from yade_scripts import parameters
+from yade_scripts.results import reader
 
 QUICK = dict(loading="cosine", period=1.0, records_per_cycle=50)
 
@@ -64,6 +66,18 @@ def test_energy_balance_of_springs_closes(yade60, law, walls):
     missing = history["wall_work"] - gone - sum(history[name] - history[name][0] for name in ("kinetic_energy", "stored_energy"))
     assert 1e-5 < history["friction_dissipation"][-1] < gone[-1]
     assert np.abs(missing).max() < 1e-3 * gone[-1]
+
+
+def test_slip_times_the_force_is_what_friction_dissipates(yade60):
+    """Two ways to one number: increments of motion and force between snapshots, and the sum that the law makes in every step."""
+    yade60.run(method="MD", period=1.0, delta_sigma=0.3).close()
+    run = reader.load_row(parameters.complete(dict(disks=60, method="MD", period=1.0, delta_sigma=0.3)), yade60.folder / "results")
+    stiffness, work = run.parameters["kt_over_kn"] * parameters.stiffness(run.parameters), 0.0
+    for first, second in zip(run.snapshots[:-1], run.snapshots[1:]):
+        limit = {tuple(ids): mu * force for ids, mu, force in zip(first["contact_ids"].tolist(), first["contact_friction"], first["force_normal"])}
+        work += sum(limit[ids] * abs(value) for ids, value in slip.between(first, second, stiffness).items())
+    # 40 snapshots: the limit changes by a fortieth between them, and a slip to and fro within one interval does not show.
+    assert work == pytest.approx(observables.change(run, "friction_dissipation"), rel=0.1)
 
 
 def test_strain_above_the_limit_ends_the_run(yade60):

@@ -1,0 +1,49 @@
+"""How far contacts slip: by what the surfaces move past each other, not by how near the forces are to Coulomb's limit.
+
+A contact at the limit need not slip: of a packing at rest up to a third are there, and stay.
+"""
+
+import numpy as np
+
+from yade_scripts import parameters
+
+
+def between(first, second, tangential_stiffness):
+    """Return {ids: slip [m]} between two snapshots, of the contacts between disks that are loaded in both and have friction.
+
+    Signed along the normal turned by +90 degrees. It is what the surfaces move past each other less what the springs stretch; rigid contacts
+    (tangential_stiffness infinite, [N/m]) do not. First order in the motion between the snapshots.
+    """
+    disk = {body: k for k, body in enumerate(first["body_ids"].tolist())}
+    places = [{tuple(ids): k for k, ids in enumerate(snapshot["contact_ids"].tolist()) if snapshot["force_normal"][k] > 0} for snapshot in (first, second)]
+    found = [ids for ids, k in places[0].items() if ids in places[1] and first["contact_friction"][k] > 0 and all(body in disk for body in ids)]
+    if not found:
+        return {}
+    old, new = (np.array([place[ids] for ids in found]) for place in places)
+    one, two = np.array([[disk[body] for body in ids] for ids in found]).T
+    normal = first["contact_normal"][old] + second["contact_normal"][new]
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1) / np.linalg.norm(normal, axis=1)[:, None]
+    moved = second["position"] - first["position"]
+    turned = (second["angle"] - first["angle"] + np.pi) % (2 * np.pi) - np.pi
+    arms = [np.linalg.norm(first["contact_point"][old] - first["position"][body], axis=1) for body in (one, two)]
+    surfaces = np.sum((moved[two] - moved[one]) * tangent, axis=1) - arms[0] * turned[one] - arms[1] * turned[two]
+    # The force on the second disk is against the stretch of the spring.
+    stretch = (first["force_tangential"][old] - second["force_tangential"][new]) / tangential_stiffness
+    return dict(zip(found, surfaces - stretch))
+
+
+def of(run):
+    """Return (slip of a contact in the course of the run, in mean radii; contacts that share it).
+
+    Slips from snapshot to snapshot are added up by size, and averaged over the contacts. Shared by: (sum of s)^2 over the sum of s^2, which is 1 where
+    one contact slips alone and the number of contacts where all slip equally.
+    """
+    full, total = run.parameters, {}
+    stiffness = np.inf if run.method == "CD" else full["kt_over_kn"] * parameters.stiffness(full)
+    for first, second in zip(run.snapshots[:-1], run.snapshots[1:]):
+        for ids, slip in between(first, second, stiffness).items():
+            total[ids] = total.get(ids, 0.0) + abs(slip)
+    values = np.array(list(total.values()))
+    if not values.any():
+        return 0.0, 0.0
+    return float(values.mean() / full["radius_mean"]), float(values.sum()**2 / (values**2).sum())
