@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from analysis import publish, style
 from yade_scripts import parameters
@@ -66,7 +66,7 @@ def draw(runs, rows, path):
     axis.invert_yaxis()
     axis.set(xscale="log", xlabel=rf"$|\gamma|$ after {BASE['cycles']} cycles over that of the same packing without the change")
     axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axis.xaxis.set_major_formatter(ScalarFormatter())
+    axis.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.grid(color="#DDDDDD", linewidth=0.5)
     style.finish(fig, path, rf"Median and range over the packings, whose number is in brackets; $\Delta\sigma$ = {BASE['delta_sigma']:g}, $\sigma_1$ held.", runs)
