@@ -128,8 +128,8 @@ def _path_of_collapse(rows):
     springs = rows[(rows.method == "MD") & (rows["preparation friction"] == 0)]
     texts = [f"{own['collapses after'].notna().sum()} of {len(own)} with {held} held (sigma2/sigma1 = {ratio})"
              for path, load, held, ratio in (("mean", 0.3, "the mean stress", 1.86), ("constant", 0.8, "sigma1", 1.8), ("constant", 0.3, "sigma1", 1.3))
-             for own in [springs[(springs["stress path"] == path) & (springs.dSigma == load)]]]
-    return "MD collapses in " + ", ".join(texts)
+             for own in [springs[(springs["stress path"] == path) & (springs.dSigma == load)]] if len(own)]
+    return "MD collapses in " + (", ".join(texts) or NOT_RUN)
 
 
 def _life(words, case, base):

@@ -61,7 +61,7 @@ def draw(runs, rows, path):
         if path_held == "constant":
             _inset(axis, [run for run in own if run.method == "CD"])
     axes[0, 0].set_ylabel(r"$\sigma_2/P_0$")
-    axes[0, -1].legend(**dict(loc="lower center", bbox_to_anchor=(0.27, 0)) if len(paths) > 1 else dict(loc="upper left"))
+    axes[0, -1].legend(**dict(loc="lower center", bbox_to_anchor=(0.27, 0)) if len(paths) > 1 else dict(loc="upper right", bbox_to_anchor=(0.92, 1)))
     style.finish(fig, path, "One load by 0.2 P0 and back from the same packings, a line each: solid loading, dashed unloading. Left sigma1 is held, right the mean stress."
                  if len(paths) > 1 else "One load by 0.2 P0 and back from the same packings, sigma1 held: solid loading, dashed unloading.", runs)
 
