@@ -108,10 +108,10 @@ def _draw_theory(axes, rows):
 
 
 ANSWER = """
-Yes. With 40 sweeps a step the period is 35.7 steps where the forces of the step before are kept (theory: 35.4) and 35.5 where the overlaps are
-read; the decay takes 70 steps and 64 (theory: 64). From 5 to 160 sweeps the period is within 1.7 % of theory, with nothing fitted. The springs
-need one of the two memories: with neither the row creeps, to 156 times its way at rest; with both it overshoots, to 20 times. Solved to the
-tolerance the row moves 2.0e-8 of that way: it is rigid.
+Yes. With 40 sweeps a step the period is 35.7 steps where the forces of the step before are kept (theory: 35.4) and 35.5 where the
+overlaps are read; the decay takes 70 steps and 64 (theory: 64). From 5 to 160 sweeps the period is within 1.7 % of theory, with nothing
+fitted. The springs need one of the two memories: with neither the row creeps, to 156 times its way at rest; with both it overshoots, to
+20 times. Solved to the tolerance the row moves 2.0e-8 of that way: it is rigid.
 """
 GIVEN = ("40", "5", "160")
 POINTS = ()

@@ -77,10 +77,11 @@ def _size(rows, quantity):
 
 
 ANSWER = """
-The usual law remembers the path. At a depth h/R = 0.1 and an angle of 0.3 rad it leaves 0.050 of the shear force at the far end, h/2R as theory
-says, and takes 0.0025 of the energy there. YADE's avoidGranularRatcheting leaves at most 2e-5 of the force but gains 0.050 of the energy from
-nothing, each time the path is gone along. The path-independent law leaves 2e-14 of the force and 5e-13 of the energy: round-off. No contact
-slipped. The disks are led by hand and do not spin; what follows for a packing is the question of the study of the three laws.
+The usual law remembers the path. At a depth h/R = 0.1 and an angle of 0.3 rad it leaves 0.050 of the shear force at the far end, h/2R as
+theory says, and takes 0.0025 of the energy there. YADE's avoidGranularRatcheting leaves at most 2e-5 of the force but gains 0.050 of the
+energy from nothing, each time the path is gone along. The path-independent law leaves 2e-14 of the force and 5e-13 of the energy:
+round-off. No contact slipped. The disks are led by hand and do not spin; what follows for a packing is the question of the study of the
+three laws.
 """
 GIVEN = ("0.1", "0.3")
 POINTS = ()

@@ -172,23 +172,25 @@ def _appendix(runs, look, path):
 
 
 ANSWER = """
-What decides is the largest stress ratio sigma2/sigma1 of a cycle, not which stress is held. The paper gives sigma2 only: with sigma1 = P0 its
-dSigma is a ratio of 1 + dSigma, with the mean stress held a ratio of (1 + dSigma)/(1 - dSigma). Where both make a ratio of 1.5 (dSigma of 0.5 and
-of 0.2), the strain of MD after 20 cycles differs by 1 to 12 % between them, on each of 5 packings. Only the second reaches collapse at the paper's
-loads. With the mean stress held, no dense packing of MD strains by more than 2.6e-4 at 0.1; at 0.2 all 5 stand 40 cycles and strain by 0.0066 to
-0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles (medians of 5). With sigma1 held, none of 25 runs collapses at 0.1 to
-0.5, and 10 of 10 do at 0.8 and 1.2.
+What decides is the largest stress ratio sigma2/sigma1 of a cycle, not which stress is held. The paper gives sigma2 only: with sigma1 = P0
+its dSigma is a ratio of 1 + dSigma, with the mean stress held a ratio of (1 + dSigma)/(1 - dSigma). Where both make a ratio of 1.5
+(dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles differs by 1 to 12 % between them, on each of 5 packings. Only the second
+reaches collapse at the paper's loads. With the mean stress held, no dense packing of MD strains by more than 2.6e-4 at 0.1; at 0.2 all 5
+stand 40 cycles and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles (medians of 5). With
+sigma1 held, none of 25 runs collapses at 0.1 to 0.5, and 10 of 10 do at 0.8 and 1.2.
 
-The ratio over the static limit of the packing, which is the same for both readings, orders the runs. No run collapses below 1.12 of the limit; MD
-stands 20 cycles or more up to 1.29 of it, CD up to 1.57. Below the limit rigid grains rest: after 20 cycles CD has strained by 2.0e-8 and MD by
-3.3e-4 (medians of 30 pairs from 6 packings); the largest strain of CD is 3.0e-4, at 0.991 of the limit. Above it MD collapses in 38 and CD in 35 of
-53 pairs, CD never where MD stands. Where MD collapses within 20 cycles, CD stands 1.43 times as many (median of 38 pairs from 10 packings; longer
-in 34, shorter in 1, to the end of its cycles in 3). How many cycles that are belongs to the period of 0.5 s: see the study of collapse.
+The ratio over the static limit of the packing, which is the same for both readings, orders the runs. No run collapses below 1.12 of the
+limit; MD stands 20 cycles or more up to 1.29 of it, CD up to 1.57. Below the limit rigid grains rest: after 20 cycles CD has strained by
+2.0e-8 and MD by 3.3e-4 (medians of 30 pairs from 6 packings); the largest strain of CD is 3.0e-4, at 0.991 of the limit. Above it MD
+collapses in 38 and CD in 35 of 53 pairs, CD never where MD stands. Where MD collapses within 20 cycles, CD stands 1.43 times as many
+(median of 38 pairs from 10 packings; longer in 34, shorter in 1, to the end of its cycles in 3). How many cycles that are belongs to the
+period of 0.5 s: see the study of collapse.
 
-Below the limit MD's rate falls more often than not: over the last quarter of the cycles it is 0.64 times that of the quarter before (median of 38
-runs; quartiles 0.23 and 1.13; 1 would be a constant rate). Whether it ends, 40 or 80 cycles do not tell.
+Below the limit MD's rate falls more often than not: over the last quarter of the cycles it is 0.64 times that of the quarter before
+(median of 38 runs; quartiles 0.23 and 1.13; 1 would be a constant rate). Whether it ends, 40 or 80 cycles do not tell.
 
-Three runs at 0.3 with the mean stress held, which yield in every cycle without a collapse, are refused by the check of the walls and left out.
+Three runs at 0.3 with the mean stress held, which yield in every cycle without a collapse, are refused by the check of the walls and left
+out.
 """
 GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "0.8", "1.2", "1.5", "1", "20", "40", "80")
 POINTS = (

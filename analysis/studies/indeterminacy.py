@@ -145,18 +145,19 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10 packings,
-which differ by a factor of 1.6 to 12 at one mu, so that the maximum of the published curve near 0.1 is neither confirmed nor excluded), and by
-7.5e-7 without friction, which is the solver's error. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold; the published one is proportional to
-mu. The dense packings of the other studies are pressed so far that even without friction 14 to 26 dimensions of the set stay open.
+Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10
+packings, which differ by a factor of 1.6 to 12 at one mu, so that the maximum of the published curve near 0.1 is neither confirmed nor
+excluded), and by 7.5e-7 without friction, which is the solver's error. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold; the
+published one is proportional to mu. The dense packings of the other studies are pressed so far that even without friction 14 to 26
+dimensions of the set stay open.
 
-The springs' own network lies further from the mean of the admissible ones than these do themselves: 1.46 times as far near the rigid limit, for mu
-of 0.01 to 1 (median; beyond it in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and more it lies nearer, at
-0.85.
+The springs' own network lies further from the mean of the admissible ones than these do themselves: 1.46 times as far near the rigid
+limit, for mu of 0.01 to 1 (median; beyond it in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and
+more it lies nearer, at 0.85.
 
-The walk covers 48 to 67 % of the range that linear programmes allow for single forces, on one packing. 989 of 25600 samples were refused as not
-admissible, all of them at mu of 0.2 and more; packings with fewer than 100 samples left do not count here. Two packings could not be prepared or
-sampled.
+The walk covers 48 to 67 % of the range that linear programmes allow for single forces, on one packing. 989 of 25600 samples were refused
+as not admissible, all of them at mu of 0.2 and more; packings with fewer than 100 samples left do not count here. Two packings could not
+be prepared or sampled.
 """
 GIVEN = ("0.3", "0.1", "0.001", "0.01", "0.2", "1", "100")
 POINTS = ()

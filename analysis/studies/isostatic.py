@@ -76,19 +76,19 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Rigid grains rest where their contacts can carry the load, and strain where they cannot, under the load about as far as springs do. Without friction
-the packings lose their free force networks as P0/k_n falls: from 0.037 to 0.069 free directions a disk at 6e-4 to at most 0.0027, which is one for
-the whole packing, at 1e-6. Their static limit falls, too, from 1.06 to 1.14 P0 down to 1.01 to 1.04 P0. The load is 1.02 P0 on 5 packings at four
-stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of 7.9e-9 at most). In the 8 others (4 packings at two stiffnesses) CD
-strains, by 6.6e-6 to 5.1e-4, which is 0.92 times the strain of MD (median; 0.67 to 0.98). What remains after the unloading is less alike: 0.06
-times that of MD (median; 0.001 to 1.3).
+Rigid grains rest where their contacts can carry the load, and strain where they cannot, under the load about as far as springs do.
+Without friction the packings lose their free force networks as P0/k_n falls: from 0.037 to 0.069 free directions a disk at 6e-4 to at
+most 0.0027, which is one for the whole packing, at 1e-6. Their static limit falls, too, from 1.06 to 1.14 P0 down to 1.01 to 1.04 P0. The
+load is 1.02 P0 on 5 packings at four stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of 7.9e-9 at most). In the
+8 others (4 packings at two stiffnesses) CD strains, by 6.6e-6 to 5.1e-4, which is 0.92 times the strain of MD (median; 0.67 to 0.98).
+What remains after the unloading is less alike: 0.06 times that of MD (median; 0.001 to 1.3).
 
-Freedom of the forces is not what lets rigid grains rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings, though
-their forces have no freedom or one direction of it. Nor does the number of free directions set the limit by itself: it is the width of the set of
-forces that counts, which friction, pressure and geometry make. With friction 0.81 to 0.98 free directions a disk are left at all pressures, the
-limit stays at 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9 at most), and MD's strain goes as P0/k_n to the power 0.99
-(0.97 to 1.01). Packings with friction were not loaded beyond their limit here: see the study of the ramp. At most 9 of the 1000 steps of a CD run
-missed the tolerance of 1e-9.
+Freedom of the forces is not what lets rigid grains rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings,
+though their forces have no freedom or one direction of it. Nor does the number of free directions set the limit by itself: it is the
+width of the set of forces that counts, which friction, pressure and geometry make. With friction 0.81 to 0.98 free directions a disk are
+left at all pressures, the limit stays at 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9 at most), and MD's
+strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). Packings with friction were not loaded beyond their limit here: see the study of
+the ramp. At most 9 of the 1000 steps of a CD run missed the tolerance of 1e-9.
 """
 GIVEN = ("1.02", "1.005", "6e-4", "1e-6", "1e-9", "1000")
 POINTS = ()
