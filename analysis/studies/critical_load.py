@@ -163,8 +163,10 @@ def numbers(table):
     ratio, apart, end = cd[load] / cd["limit load"], cd["networks apart at start"].dropna(), cd["networks apart at end"].dropna()
     lower, higher = (cd[f"load at {level}"] / cd["limit load"] for level in ("1e-05", "0.001"))
     moved = cd[cd.network > 0][motion]
-    return {"9": [len(own), len(md)], "3": len(several) - 1, "2": [2] if (several[several < several.max()] == 1).all() else [0], "5": 100 * end.median(), "0.986": lower.min(),
-            "1.005": lower.max(), "1.010": higher.min(), "1.079": higher.max(), "4.8e-7": moved.min(), "1.0e-6": moved.max(), "11": len(same),
-            "4e-4": same[load].max() - same[load].min(), "6": len(alike), "1.413": alike[load].min(), "1.599": [same[load].median(), alike[load].max()], "22": len(cd),
-            "0.993": ratio.min(), "1.020": ratio.max(), "4e-8": own[creep].median(), "3e-3": md[creep].median(), "3.9": [100 * own[change].median(), 100 * md[change].median()],
-            "6e-7": own[motion].median(), "4e-3": md[motion].median(), "13": len(apart), "18": 100 * apart.median()}
+    return {"11": len(same), "1.599": [same[load].median(), alike[load].max()], "4e-4": same[load].max() - same[load].min(),
+            "3": len(several) - 1, "2": [2] if (several[several < several.max()] == 1).all() else [0], "18": 100 * apart.median(),
+            "5": 100 * end.median(), "6": len(alike), "1.413": alike[load].min(), "22": len(cd), "9": [len(own), len(md)],
+            "0.993": ratio.min(), "1.020": ratio.max(), "0.986": lower.min(), "1.005": lower.max(), "1.010": higher.min(),
+            "1.079": higher.max(), "4e-8": own[creep].median(), "3e-3": md[creep].median(),
+            "3.9": [100 * own[change].median(), 100 * md[change].median()], "6e-7": own[motion].median(), "4e-3": md[motion].median(),
+            "13": len(apart), "4.8e-7": moved.min(), "1.0e-6": moved.max()}

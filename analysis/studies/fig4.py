@@ -125,9 +125,11 @@ def numbers(table):
     unsolved = table[table.method == "CD"].assign(moves=lambda rows: rows[largest] > 1e-7).groupby("moves")["unsolved steps"]
     assert unsolved.max()[False] == 0
     errors = [table[table["stress path"] == path]["balance error"].abs().max() for path in TITLES]
-    return {"10": [len(md), len(md_mean), *both], "4.3e-4": md[largest].median(), "3.2e-4": md[largest].min(), "5.0e-4": md[largest].max(),
-            "3.7e-8": cd[largest].median(), "1.5e-8": cd[largest].min(), "4.5e-8": cd[largest].max(), "1.2e-4": md[kept].abs().median(), "9.9e-6": md[lost].median(),
-            "2.7e-8": cd[kept].abs().median(), "7.8e-8": cd[lost].median(), "3.1e-4": md["slip of a contact/R"].median(), "80": md["contacts that slip"].median(),
-            "1.41": ratio.min(), "1.74": ratio.max(), "4": len(rests), "6": len(moves), "9.0e-8": rests[largest].max(), "4.9e-4": moves[largest].min(), "4.6e-3": moves[largest].max(),
-            "1.7e-3": md_mean[largest].min(), "2.1e-2": md_mean[largest].max(), "4.1": further.min(), "12.5": further.max(),
-            "1e-7": errors[0], "6e-5": errors[1], "8": unsolved.min()[True], "122": unsolved.max()[True]}
+    return {"10": [len(md), len(md_mean), *both], "4.3e-4": md[largest].median(), "3.2e-4": md[largest].min(),
+            "5.0e-4": md[largest].max(), "3.7e-8": cd[largest].median(), "1.5e-8": cd[largest].min(), "4.5e-8": cd[largest].max(),
+            "1.2e-4": md[kept].abs().median(), "9.9e-6": md[lost].median(), "2.7e-8": cd[kept].abs().median(),
+            "7.8e-8": cd[lost].median(), "3.1e-4": md["slip of a contact/R"].median(), "80": md["contacts that slip"].median(),
+            "1.41": ratio.min(), "1.74": ratio.max(), "4": len(rests), "9.0e-8": rests[largest].max(), "6": len(moves),
+            "4.9e-4": moves[largest].min(), "4.6e-3": moves[largest].max(), "1.7e-3": md_mean[largest].min(),
+            "2.1e-2": md_mean[largest].max(), "4.1": further.min(), "12.5": further.max(), "1e-7": errors[0], "6e-5": errors[1],
+            "8": unsolved.min()[True], "122": unsolved.max()[True]}

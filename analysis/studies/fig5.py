@@ -175,11 +175,14 @@ def numbers(table):
     ratio = (cd[last] / md[last])[lambda rows: rows.index.get_level_values("ramp rate") == 0.1]
     dense, loose, constant = ratio.loc[0.0], ratio.loc[0.1], md.loc[0.0, "constant", 0.1]
     assert (dense > 1).all() and (np.abs(table["gamma at the end"]) > 0.2).all()
-    return {"0.72": [start[0.0, "constant", 0.1], start[0.0, "mean", 0.1]], "0.87": [start[0.1, "constant", 0.1], start[0.1, "mean", 0.1]], "5": len(constant),
-            "0.99": cd[first].min(), "1.02": [cd[first].max(), dense.min(), loose.median()],
+    return {"0.72": [start[0.0, "constant", 0.1], start[0.0, "mean", 0.1]], "5": len(constant),
+            "0.87": [start[0.1, "constant", 0.1], start[0.1, "mean", 0.1]], "0.99": cd[first].min(),
+            "1.02": [cd[first].max(), dense.min(), loose.median()],
             "25": [len(cd), (cd["load at |gamma| = 0.01"] < md[end]).sum(), (cd["volume strain at the end"] > 0).sum(), cd.outcome.str.startswith("collapsed").sum()],
-            "10": [len(dense), len(loose), len(md.groupby(level=["preparation friction", "seed"]))], "1.05": dense.median(), "1.06": dense.max(), "0.97": loose.min(),
-            "1.07": [loose.max(), constant["load at |gamma| = 0.0001"].median()], "6": (loose > 1).sum(), "50": len(table),
-            "2.6": 100 * (both["load at |gamma| = 0.01_x"] / both["load at |gamma| = 0.01_y"] - 1).abs().max(), "5.6": 100 * (both[f"{end}_x"] / both[f"{end}_y"] - 1).abs().max(),
-            "1": 100 * abs((cd[end] / md[end]).median() - 1), "0.3": 100 * md["balance error"].abs().max(), "1.49": constant["load at |gamma| = 0.01"].median(),
+            "10": [len(dense), len(loose), len(md.groupby(level=["preparation friction", "seed"]))], "1.05": dense.median(),
+            "1.06": dense.max(), "0.97": loose.min(), "1.07": [loose.max(), constant["load at |gamma| = 0.0001"].median()],
+            "6": (loose > 1).sum(), "50": len(table),
+            "2.6": 100 * (both["load at |gamma| = 0.01_x"] / both["load at |gamma| = 0.01_y"] - 1).abs().max(),
+            "5.6": 100 * (both[f"{end}_x"] / both[f"{end}_y"] - 1).abs().max(), "1": 100 * abs((cd[end] / md[end]).median() - 1),
+            "0.3": 100 * md["balance error"].abs().max(), "1.49": constant["load at |gamma| = 0.01"].median(),
             "15": (md["least volume strain"].loc[:, "constant"] < -1e-5).sum()}

@@ -146,9 +146,9 @@ def numbers(table):
 
     coarse, coarser, proposed, pushed = of(COARSE), of(COARSE | {"cd_dt": 4e-3}), of(PROPOSED), of(COARSE, 0.1)
     more = pushed.seconds / coarse.seconds
-    return {"3.2": min(small.values()), "3.7": max(small.values()), "3.5": min(large.values()), "12.0": max(large.values()),
+    return {"3.2": min(small.values()), "3.7": max(small.values()), "0.3": 100 * filled.error_deviation.min(),
+            "0.5": 100 * filled.error_deviation.max(), "1.0": 100 * flowing.error_deviation.min(),
+            "2.9": 100 * flowing.error_deviation.max(), "3.5": min(large.values()), "12.0": max(large.values()),
             "0.2": 100 * coarse.error.abs().min(), "2.2": 100 * coarse.error.abs().max(), "0.13": coarse.overlap.max(),
-            "2.4": 100 * coarser.error.abs().min(), "4.1": 100 * coarser.error.abs().max(), "1.2": [proposed.seconds.min(), more.min()], "11.7": proposed.seconds.max(),
-            "2.5": more.max(), "0.3": 100 * filled.error_deviation.min(), "0.5": 100 * filled.error_deviation.max(), "1.0": 100 * flowing.error_deviation.min(),
-            "2.9": 100 * flowing.error_deviation.max(),
-            "5.8": 100 * table[table.disks == 5000].unsolved.max()}
+            "2.4": 100 * coarser.error.abs().min(), "4.1": 100 * coarser.error.abs().max(), "1.2": [proposed.seconds.min(), more.min()],
+            "11.7": proposed.seconds.max(), "2.5": more.max(), "5.8": 100 * table[table.disks == 5000].unsolved.max()}

@@ -173,6 +173,7 @@ def numbers(table):
     eta, differ = packings.median(), (packings.max() / packings.min())[lambda rows: rows.index > 0]
     covered = 100 * table["walk's range over the exact"].dropna()
     far, near = own[own.mu >= 0.01]["springs from mean"], dense[dense.mu >= 0.1]["springs from mean"]
-    return {"0.092": eta.loc[0.3], "10": packings.count().loc[0.1], "0.084": eta.loc[0.1], "1.6": differ.min(), "12": differ.max(), "7.5e-7": eta.loc[0],
-            "4.5": eta.loc[0.1] / eta.loc[0.001], "14": dense[dense.mu == 0].dimension.min(), "26": dense[dense.mu == 0].dimension.max(), "1.46": far.median(), "58": (far > 1).sum(),
-            "64": len(far), "0.85": near.median(), "48": covered.min(), "67": covered.max(), "989": refused, "25600": samples}
+    return {"0.084": eta.loc[0.1], "0.092": eta.loc[0.3], "10": packings.count().loc[0.1], "1.6": differ.min(), "12": differ.max(),
+            "7.5e-7": eta.loc[0], "4.5": eta.loc[0.1] / eta.loc[0.001], "14": dense[dense.mu == 0].dimension.min(),
+            "26": dense[dense.mu == 0].dimension.max(), "1.46": far.median(), "58": (far > 1).sum(), "64": len(far),
+            "0.85": near.median(), "48": covered.min(), "67": covered.max(), "989": refused, "25600": samples}

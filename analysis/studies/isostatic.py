@@ -108,8 +108,9 @@ def numbers(table):
     assert strains["P0/k_n"].nunique() == 2 and smooth["P0/k_n"].nunique() == 4
     return {"0.037": soft.freedom.min(), "0.069": soft.freedom.max(), "0.0027": hard.freedom.max(), "1.06": soft["static limit"].min(),
             "1.14": soft["static limit"].max(), "1.01": [hard["static limit"].min(), max(power)], "1.04": hard["static limit"].max(),
-            "12": [len(rests), (rests[cd] < 1e-8).sum()], "7.9e-9": rests[cd].max(), "8": [len(strains), (strains[cd] > 1e-6).sum()], "4": strains.seed.nunique(),
-            "6.6e-6": strains[cd].min(), "5.1e-4": strains[cd].max(), "0.92": ratio.median(), "0.67": ratio.min(), "0.98": [ratio.max(), rough.freedom.max()],
-            "0.06": kept.median(), "0.001": kept.min(), "1.3": kept.max(), "5": [len(small), (small[cd] < 1e-7).sum(), smooth.seed.nunique()],
-            "0.81": rough.freedom.min(), "1.40": rough["static limit"].min(), "1.60": rough["static limit"].max(), "20": len(rough), "1.3e-9": rough[cd].max(),
-            "0.99": np.median(power), "0.97": min(power), "9": table["unsolved steps"].max()}
+            "5": [len(small), (small[cd] < 1e-7).sum(), smooth.seed.nunique()], "12": [len(rests), (rests[cd] < 1e-8).sum()],
+            "7.9e-9": rests[cd].max(), "8": [len(strains), (strains[cd] > 1e-6).sum()], "4": strains.seed.nunique(),
+            "6.6e-6": strains[cd].min(), "5.1e-4": strains[cd].max(), "0.92": ratio.median(), "0.67": ratio.min(),
+            "0.98": [ratio.max(), rough.freedom.max()], "0.06": kept.median(), "0.001": kept.min(), "1.3": kept.max(),
+            "0.81": rough.freedom.min(), "1.40": rough["static limit"].min(), "1.60": rough["static limit"].max(), "20": len(rough),
+            "1.3e-9": rough[cd].max(), "0.99": np.median(power), "0.97": min(power), "9": table["unsolved steps"].max()}

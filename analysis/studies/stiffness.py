@@ -145,20 +145,22 @@ def numbers(table):
     md = main[main.medium == MD].set_index("springs_over_kn").sort_index()
     seeds = range(1, md.packings.min() + 1)
     stiffness = np.log(md.index.astype(float))
-    found = {"5": [md.packings.min(), md.packings.max()], "4.5e-4": md.largest.iloc[0], "5.1e-6": md.largest.iloc[-1]}
 
-    def values(medium, name):
-        """The values of all settings and packings over MD's of the same packing and stiffness."""
-        return np.array([row[f"{name}, packing {seed}"] / md.loc[row.springs_over_kn][f"{name}, packing {seed}"] for _, row in main[main.medium == medium].iterrows() for seed in seeds])
+    def powers(name):
+        """The exponents of k_n, packing by packing."""
+        return [np.polyfit(stiffness, np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
 
-    for name, steepest, flattest in (("largest", "-1.01", "-0.94"), ("remanent", "-0.98", "-0.87")):
-        powers = [np.polyfit(stiffness, np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
-        found |= {steepest: min(powers), flattest: max(powers)}
-    for medium, name, low, middle, high in ((AS_SPRINGS, "largest", "0.96", "1.05", "1.13"), (AS_SPRINGS, "remanent", "0.89", "0.97", "1.05"),
-                                            (AS_RIGID, "largest", "0.65", "0.79", "0.88"), (AS_RIGID, "remanent", "0.01", "0.12", "0.43")):
-        ratio = values(medium, name)
-        for number, value in ((low, ratio.min()), (middle, np.median(ratio)), (high, ratio.max())):
-            found[number] = np.append(found.get(number, []), value)
+    def spread(medium, name):
+        """Least, median and largest of all settings and packings over MD's of the same packing and stiffness."""
+        own = main[main.medium == medium]
+        values = [row[f"{name}, packing {seed}"] / md.loc[row.springs_over_kn][f"{name}, packing {seed}"] for _, row in own.iterrows() for seed in seeds]
+        return min(values), np.median(values), max(values)
+
     checks = table[(table.comparison == "check") & (table.medium == MD) & (table.kt_over_kn < 0.5)]
     softer = checks.largest / checks.compared_largest
-    return found | {"1.05": np.append(found["1.05"], softer.min()), "1.07": softer.max()}
+    largest, remanent = powers("largest"), powers("remanent")
+    springs, kept, rigid, rigid_kept = (spread(medium, name) for medium in (AS_SPRINGS, AS_RIGID) for name in ("largest", "remanent"))
+    return {"5": [md.packings.min(), md.packings.max()], "-0.94": max(largest), "-1.01": min(largest), "4.5e-4": md.largest.iloc[0], "5.1e-6": md.largest.iloc[-1],
+            "-0.87": max(remanent), "-0.98": min(remanent), "0.96": springs[0], "1.13": springs[2], "1.05": [springs[1], kept[2], softer.min()], "0.89": kept[0],
+            "0.97": kept[1], "0.65": rigid[0], "0.88": rigid[2], "0.79": rigid[1], "0.01": rigid_kept[0], "0.43": rigid_kept[2], "0.12": rigid_kept[1],
+            "1.07": softer.max()}

@@ -76,9 +76,10 @@ def test_the_short_answer_has_the_numbers_of_the_studies():
 
 
 def test_a_wrong_number_would_be_found():
-    known = {"4.3e-4": 4.34e-4, "5": [5, 5]}
+    known = {"5": [5, 5], "4.3e-4": 4.34e-4}
     assert numbers.wrong("On 5 packings 4.3e-4 at 1e-8 (Fig. 4).", known, ("1e-8",)) == []
     assert len(numbers.wrong("On 5 packings 4.2e-4 at 1e-8.", known, ("1e-8",))) == 2
+    assert numbers.wrong("4.3e-4 on 5 packings.", known) == ["4.3e-4 stands where 5 is expected"]
     assert numbers.wrong("On 5 packings 4.3e-4.", known | {"4.3e-4": 4.36e-4}) and numbers.wrong("On 5 packings 4.3e-4.", known | {"5": [5, 4]})
 
 
