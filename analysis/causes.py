@@ -3,7 +3,7 @@
 import numpy as np
 
 from analysis import publish
-from analysis.studies import collapse
+from analysis.studies import collapse, ratcheting
 from yade_scripts.results.reader import ResultError
 
 PROCESSES = ("One cycle", "Strain a cycle (ratcheting)", "Collapse")
@@ -88,6 +88,19 @@ def _limit_of_a_rate(rows):
     return "of packings that stand " + ", ".join(texts)
 
 
+def _stiffness_of_a_rate(rows):
+    (power, error), _ = ratcheting.law(rows, "rate", 1)
+    rates = rows[(rows.method == "MD") & (rows["load over limit"] < 1) & (rows.dSigma == ratcheting.LOAD)].groupby("k_n over the usual")["rate"].median()
+    return (f"at equal load over the limit, below it, MD's strain a cycle goes as k_n to the power {power:.2f} (standard error {error:.2f}; {rows.seed.nunique()} packings): "
+            + ", ".join(f"{rate:.0e} with {stiffer:g} k_n" for stiffer, rate in rates.items()))
+
+
+def _tolerance_of_a_rate(rows):
+    rows = rows[(rows.method == "CD") & (rows["load over limit"] < 1) & (rows.dSigma == ratcheting.LOAD) & (rows["k_n over the usual"] == 1)]
+    rates = rows.groupby("tolerance")["rate"].median().sort_index(ascending=False)
+    return "CD's strain a cycle is its solver's error: below the limit " + ", ".join(f"{rate:.0e} at a tolerance of {tolerance:.0e}" for tolerance, rate in rates.items())
+
+
 def _law_of_a_rate(rows):
     own = rows[(rows.law == "path_independent") & (rows.asked == 40)]
     return f"MD under the path-independent law: {_spread(own['late rate over standard'])} the late rate"
@@ -137,8 +150,8 @@ def _life(words, case, base):
 
 
 CELLS = {
-    "Stiffness of the springs": (("stiffness", _stiffness_of_a_cycle), ("ratcheting", None), ("collapse", _stiffness_of_collapse)),
-    "Tolerance of the solver": (("tolerance", _tolerance_of_a_cycle), ("ratcheting", None),
+    "Stiffness of the springs": (("stiffness", _stiffness_of_a_cycle), ("ratcheting", _stiffness_of_a_rate), ("collapse", _stiffness_of_collapse)),
+    "Tolerance of the solver": (("tolerance", _tolerance_of_a_cycle), ("ratcheting", _tolerance_of_a_rate),
                                 _life("CD at 1e-6 instead of 1e-8", "rigid, tolerance 1e-6", "rigid")),
     "Indeterminacy: from which forces it starts": (("critical_load", _network_of_a_cycle), ("", None), _life("CD from another force network", "rigid, other forces", "rigid")),
     "Indeterminacy: what the forces can carry": (("fig4", _limit_of_a_cycle), ("fig3", _limit_of_a_rate), ("fig3", _limit_of_collapse)),
