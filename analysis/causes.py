@@ -92,7 +92,7 @@ def _stiffness_of_a_rate(rows):
     (power, error), _ = ratcheting.law(rows, "rate", 1)
     rates = rows[(rows.method == "MD") & (rows["load over limit"] < 1) & (rows.dSigma == ratcheting.LOAD)].groupby("k_n over the usual")["rate"].median()
     return (f"at equal load over the limit, below it, MD's strain a cycle goes as k_n to the power {power:.2f} (standard error {error:.2f}; {rows.seed.nunique()} packings): "
-            + ", ".join(f"{rate:.0e} with {stiffer:g} k_n" for stiffer, rate in rates.items()))
+            + ", ".join(f"{rate:.0e} with {'' if stiffer == 1 else f'{stiffer:g} '}k_n" for stiffer, rate in rates.items()))
 
 
 def _tolerance_of_a_rate(rows):

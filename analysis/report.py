@@ -19,14 +19,28 @@ PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element meth
          "ECCOMAS 2004")
 # The short answer on top. README has the same sentences; a test holds their numbers against the published tables.
 FINDINGS = (
-    ("fig4", "Load a dense packing by 0.2 P0 and unload it: springs strain by 4.3e-4 and keep 1.2e-4, rigid contacts strain by 3.7e-8 (medians of 10 packings)."),
-    ("stiffness", "The strain of MD comes from its springs: over such a cycle the largest strain goes as k_n to the power -0.94 to -1.01, what remains as k_n to the power -0.87 to -0.98 (5 packings)."),
-    ("tolerance", "Rigid grains far below yield do not move. The strain of CD is solver error: on one packing it falls from 7.8e-4 to 9.2e-11 as the tolerance falls from 1e-2 to 1e-10."),
-    ("isostatic", "They rest as long as their contacts can carry the load as they stand. With friction that ends at 1.40 to 1.60 P0. Without it, near the rigid limit, it ends at 1.01 to 1.04 P0, and beyond it rigid grains strain under the load about as far as springs do, 0.92 times (8 cases from 4 packings)."),
-    ("fig3", "Under cycles the largest ratio sigma2/sigma1 decides, held against the static limit of the packing, which is the same ratio whether sigma1 or the mean stress is held. Below it rigid grains rest while springs strain; above it springs collapse in 38 and rigid grains in 35 of 53 pairs. The paper's loads go far enough beyond it for a collapse only if the mean stress is held."),
-    ("ratcheting", "Springs ratchet because they are soft: at equal load over the static limit the strain of a late cycle goes as k_n to the power -0.99 (standard error 0.13; 10 packings). Rigid contacts are the end of this series: below the limit they strain by 2.7e-10 a cycle, the error of their solver, and beyond it, up to 1.04 of the limit, in the first cycle only."),
-    ("collapse", "With the mean stress held, rigid grains stand 1.46 times as many cycles as springs of k_n before they collapse, and 1.06 times as many as springs of 10 k_n (medians of 12 pairs from 6 packings; 0.68 to 3.08 for the stiff ones): CD resists longer, but not much."),
-    ("laws", "The strain of springs under cycles does not come from the tangential law: one whose closed paths leave neither force nor energy strains 6 packings 0.995 to 1.000 times as far over 40 cycles."))
+    ("fig4", "Load a dense packing by 0.2 P0 and unload it: springs strain by 4.3e-4 and keep 1.2e-4, rigid contacts strain by 3.7e-8 "
+             "(medians of 10 packings)."),
+    ("stiffness", "The strain of MD comes from its springs: over such a cycle the largest strain goes as k_n to the power -0.94 to "
+                  "-1.01, what remains as k_n to the power -0.87 to -0.98 (5 packings)."),
+    ("tolerance", "Rigid grains far below yield do not move. The strain of CD is solver error: on one packing it falls from 7.8e-4 to "
+                  "9.2e-11 as the tolerance falls from 1e-2 to 1e-10."),
+    ("isostatic", "They rest as long as their contacts can carry the load as they stand. With friction that ends at 1.40 to 1.60 P0. "
+                  "Without it, near the rigid limit, it ends at 1.01 to 1.04 P0, and beyond it rigid grains strain under the load "
+                  "about as far as springs do, 0.92 times (8 cases from 4 packings)."),
+    ("fig3", "Under cycles the largest ratio sigma2/sigma1 decides, held against the static limit of the packing, which is the same "
+             "ratio whether sigma1 or the mean stress is held. Below it rigid grains rest while springs strain; above it springs "
+             "collapse in 38 and rigid grains in 35 of 53 pairs. The paper's loads go far enough beyond it for a collapse only if the "
+             "mean stress is held."),
+    ("ratcheting", "Springs ratchet because they are soft: at equal load over the static limit the strain of a late cycle goes as k_n "
+                   "to the power -0.99 (standard error 0.13; 10 packings). Rigid contacts are the end of this series: below the limit "
+                   "they strain by 2.7e-10 a cycle, the error of their solver, and beyond it, up to 1.04 of the limit, in the first "
+                   "cycle only."),
+    ("collapse", "With the mean stress held, rigid grains stand 1.46 times as many cycles as springs of k_n before they collapse, and "
+                 "1.06 times as many as springs of 10 k_n (medians of 12 pairs from 6 packings; 0.68 to 3.08 for the stiff ones): CD "
+                 "resists longer, but not much."),
+    ("laws", "The strain of springs under cycles does not come from the tangential law: one whose closed paths leave neither force nor "
+             "energy strains 6 packings 0.995 to 1.000 times as far over 40 cycles."))
 # What the page needs of the JSON files.
 STUDY = {"extent": str, "runs_finished": int, "packings": int, "computing_seconds": (int, float), "commits": list, "yade": list, "run_command": str,
          "energy_balance": dict}
