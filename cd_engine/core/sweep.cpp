@@ -115,6 +115,7 @@ void Sweep::copyTo(Iterate& p) const
 
 void Sweep::copyFrom(const Iterate& p)
 {
+	current = false;
 	inEveryBlock([&](std::size_t block) {
 		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
 			std::copy_n(p.groups[k].pn, Group::lanes, packed.groups[k].pn);
@@ -172,6 +173,7 @@ inline void Sweep::solveAhead(Loose& l, PackedBody* bodies, double beta, AheadRe
 // Velocities are linear in the impulses, so they are extrapolated in the same way.
 AheadReport Sweep::ahead(double beta)
 {
+	current = false;
 	if (!remembered)
 		remember();
 	inEveryBlock([&](std::size_t block) {
@@ -242,6 +244,7 @@ void Sweep::remember()
 
 void Sweep::operator()()
 {
+	current = false;
 	const std::size_t groups = packed.groups.size();
 	if (!order) {
 		colourByColour([&](std::size_t block) { sweepBlock(block); });
