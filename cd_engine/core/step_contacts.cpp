@@ -156,7 +156,7 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 	const Touch& touch = touches[index];
 	const double gap = gaps[index];
 	rowPair[row] = static_cast<int32_t>(index);
-	ContactRow& c = system.contacts[row];
+	ContactRow c; // stays in registers: what is stored and read again at once waits for the store
 	const Place& place = places[pair.a];
 	c.a = pair.a;
 	c.b = pair.b;
@@ -189,6 +189,7 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
 		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
+	system.contacts[row] = c;
 }
 
 // Keeps the rows of the last step, so that they are not constructed again.
@@ -236,7 +237,8 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 				prefetchBodies(world.pairs[world.awake[k + ahead]]);
 			const int32_t i = world.awake[k];
 			const Pair& pair = world.pairs[i];
-			const Touch touch = touches[i] = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+			const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+			touches[i] = touch;
 			Foot face;
 			of.through = of.through || isThrough(pair, world, touch, settings.dt, face);
 			const bool apart = pair.reference > 0 && touch.overlap <= 0; // their surfaces are apart
