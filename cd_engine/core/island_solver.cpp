@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace cd {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 		to.resize(3 * system.bodies.size());
 		forRanges(threads, system.bodies.size(), [&](std::size_t from, std::size_t end) {
 			for (std::size_t i = from; i < end; i++)
-				std::copy_n(system.bodies[i].v, 3, &to[3 * i]);
+				std::memcpy(&to[3 * i], system.bodies[i].v, sizeof system.bodies[i].v);
 		});
 	}
 
@@ -310,7 +311,7 @@ SolverReport IslandSolver::operator()(
 		report = solveInPlace(system, method, settings);
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
-			std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
+			std::memcpy(system.bodies[i].v, &freeVelocity[3 * i], sizeof system.bodies[i].v);
 		SolverSettings left = settings;
 		left.maxIterations -= report.iterations;
 		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness ? &stillness->sleepers : nullptr);

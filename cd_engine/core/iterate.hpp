@@ -61,7 +61,8 @@ template <class S> class Iteration {
 			report.iterations += more;
 			evaluate();
 			// If the impulses fall to almost nothing, so does the scale of the relative error: the absolute error decides, too.
-			if (error < best.error || (distance < best.distance && impulse < best.impulse))
+			// A solution needs no copy: it is the last iterate.
+			if (!solved() && (error < best.error || (distance < best.distance && impulse < best.impulse)))
 				keep();
 			clearRoundOff();
 			if (error < 0.99 * reached) {

@@ -7,7 +7,7 @@
 #include "solver.hpp"
 #include "threads.hpp"
 
-#include <algorithm>
+#include <cstring>
 #include <optional>
 
 namespace cd {
@@ -21,7 +21,7 @@ class Start {
 		impulses.values.resize(2 * s.contacts.size());
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++)
-				std::copy_n(s.bodies[i].v, 3, &velocities.values[3 * i]);
+				std::memcpy(&velocities.values[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
 		});
 		forRanges(threads, s.contacts.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
@@ -41,7 +41,7 @@ class Start {
 	{
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++)
-				std::copy_n(&velocities.values[3 * i], 3, s.bodies[i].v);
+				std::memcpy(s.bodies[i].v, &velocities.values[3 * i], sizeof s.bodies[i].v);
 		});
 	}
 	void free(DelassusSystem&) const { } // it has no velocities

@@ -74,13 +74,13 @@ void TimeStep::locateBodies(const World& world, double dt)
 	});
 }
 
-// The face through which the centre of a disk has entered a boundary in the first half of the step, if it has. Two earlier positions must give the
+// The face through which the centre of disk b has entered boundary a in the first half of the step, if it has. Two earlier positions must give the
 // same face: at the end of the last step contact was not required, and half a step before it the disk may not have been, if its velocity is new. A
 // disk that cannot move along the normal goes on as prescribed.
 bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touch, double dt, Foot& face) const
 {
 	const Place &a = places[pair.a], &b = places[pair.b];
-	if (a.radius > 0 || b.radius - touch.overlap > 0.5 * (ways[pair.a] + ways[pair.b]))
+	if (b.radius - touch.overlap > 0.5 * (ways[pair.a] + ways[pair.b]))
 		return false;
 	Foot same;
 	const auto through = [&](double ahead, Foot& by) {
@@ -103,7 +103,7 @@ void TimeStep::stopAtFaces(const World& world, double dt)
 			const Pair& pair = world.pairs[i];
 			Place& b = places[pair.b];
 			Foot face;
-			if (!isThrough(pair, world, locateContact(places[pair.a], b, world.shapes[pair.a]), dt, face))
+			if (places[pair.a].radius > 0 || !isThrough(pair, world, locateContact(places[pair.a], b, world.shapes[pair.a]), dt, face))
 				continue;
 			const double* const w = system.bodies[pair.b].w;
 			const double along = w[0] * face.nx * face.nx + w[1] * face.ny * face.ny;
@@ -156,7 +156,7 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 	const Touch& touch = touches[index];
 	const double gap = gaps[index];
 	rowPair[row] = static_cast<int32_t>(index);
-	ContactRow& c = system.contacts[row];
+	ContactRow c; // stays in registers: what is stored and read again at once waits for the store
 	const Place& place = places[pair.a];
 	c.a = pair.a;
 	c.b = pair.b;
@@ -189,6 +189,7 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
 		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
+	system.contacts[row] = c;
 }
 
 // Keeps the rows of the last step, so that they are not constructed again.
@@ -236,9 +237,10 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 				prefetchBodies(world.pairs[world.awake[k + ahead]]);
 			const int32_t i = world.awake[k];
 			const Pair& pair = world.pairs[i];
-			const Touch touch = touches[i] = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+			const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+			touches[i] = touch;
 			Foot face;
-			of.through = of.through || isThrough(pair, world, touch, settings.dt, face);
+			of.through = of.through || (places[pair.a].radius == 0 && isThrough(pair, world, touch, settings.dt, face));
 			const bool apart = pair.reference > 0 && touch.overlap <= 0; // their surfaces are apart
 			of.apart = of.apart || apart;
 			const double gap = gaps[i] = apart ? -touch.overlap : pair.reference - touch.overlap;
@@ -285,6 +287,10 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 		std::size_t row = parts[part].first;
 		for (size_t k = cut.from(part); k < cut.from(part + 1); k++) {
 			const int32_t i = world.awake[k];
+			if (k + ahead < world.awake.size()) {
+				__builtin_prefetch(&system.bodies[world.pairs[world.awake[k + ahead]].a]);
+				__builtin_prefetch(&system.bodies[world.pairs[world.awake[k + ahead]].b]);
+			}
 			if (solved[i])
 				fillRow(row++, world, i, settings);
 			else

@@ -2,6 +2,7 @@
 #include "local_problem.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 namespace cd {
@@ -14,6 +15,13 @@ namespace {
 			report.against += sums.against[lane];
 		}
 		return report;
+	}
+
+	// Of a group. std::copy_n would be a call.
+	template <class From, class To> void copyImpulses(const From& from, To& to)
+	{
+		std::memcpy(to.pn, from.pn, sizeof to.pn);
+		std::memcpy(to.pt, from.pt, sizeof to.pt);
 	}
 
 } // namespace
@@ -102,10 +110,8 @@ void Sweep::copyTo(Iterate& p) const
 	p.groups.resize(packed.groups.size());
 	p.loose.resize(2 * packed.loose.size());
 	inEveryBlock([&](std::size_t block) {
-		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
-			std::copy_n(packed.groups[k].pn, Group::lanes, p.groups[k].pn);
-			std::copy_n(packed.groups[k].pt, Group::lanes, p.groups[k].pt);
-		}
+		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++)
+			copyImpulses(packed.groups[k], p.groups[k]);
 		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
 			p.loose[2 * i] = packed.loose[i].row.pn;
 			p.loose[2 * i + 1] = packed.loose[i].row.pt;
@@ -115,11 +121,10 @@ void Sweep::copyTo(Iterate& p) const
 
 void Sweep::copyFrom(const Iterate& p)
 {
+	current = false;
 	inEveryBlock([&](std::size_t block) {
-		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
-			std::copy_n(p.groups[k].pn, Group::lanes, packed.groups[k].pn);
-			std::copy_n(p.groups[k].pt, Group::lanes, packed.groups[k].pt);
-		}
+		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++)
+			copyImpulses(p.groups[k], packed.groups[k]);
 		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
 			packed.loose[i].row.pn = p.loose[2 * i];
 			packed.loose[i].row.pt = p.loose[2 * i + 1];
@@ -172,6 +177,7 @@ inline void Sweep::solveAhead(Loose& l, PackedBody* bodies, double beta, AheadRe
 // Velocities are linear in the impulses, so they are extrapolated in the same way.
 AheadReport Sweep::ahead(double beta)
 {
+	current = false;
 	if (!remembered)
 		remember();
 	inEveryBlock([&](std::size_t block) {
@@ -228,10 +234,8 @@ void Sweep::remember()
 	inEveryBlock([&](std::size_t block) {
 		const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
 		std::copy_n(packed.bodies.data() + begin.body, end.body - begin.body, packed.bodiesBefore.data() + begin.body);
-		for (std::size_t k = begin.group; k < end.group; k++) {
-			std::copy_n(packed.groups[k].pn, Group::lanes, packed.groupsBefore[k].pn);
-			std::copy_n(packed.groups[k].pt, Group::lanes, packed.groupsBefore[k].pt);
-		}
+		for (std::size_t k = begin.group; k < end.group; k++)
+			copyImpulses(packed.groups[k], packed.groupsBefore[k]);
 		for (std::size_t i = begin.loose; i < end.loose; i++) {
 			packed.loose[i].beforePn = packed.loose[i].row.pn;
 			packed.loose[i].beforePt = packed.loose[i].row.pt;
@@ -242,6 +246,7 @@ void Sweep::remember()
 
 void Sweep::operator()()
 {
+	current = false;
 	const std::size_t groups = packed.groups.size();
 	if (!order) {
 		colourByColour([&](std::size_t block) { sweepBlock(block); });

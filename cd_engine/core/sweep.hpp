@@ -149,6 +149,7 @@ class Sweep {
 	std::unique_ptr<Packed> kept;
 	Packed& packed;
 	bool remembered = false; // whether the arrays named `before` are set
+	bool current = false; // whether packed.moved has the velocities of the present impulses
 	bool twisted = false; // whether external forces turn any body
 	RandomOrder order;
 	Threads* const threads;

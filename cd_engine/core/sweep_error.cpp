@@ -26,9 +26,12 @@ namespace {
 
 } // namespace
 
-// Recomputes the velocities from all impulses; the member w gets what acts on the body [m/s].
+// Recomputes the velocities from all impulses, if any has changed; the member w gets what acts on the body [m/s].
 void Sweep::moveBodies()
 {
+	if (current)
+		return;
+	current = true;
 	std::vector<PackedBody>& moved = packed.moved;
 	moved.resize(packed.bodies.size());
 	inEveryBlock([&](std::size_t block) {
@@ -70,6 +73,7 @@ void Sweep::moveBodies()
 // Adds what external torques do at the contacts: the torque's velocity change times the arm of every contact.
 void Sweep::twistBodies()
 {
+	current = false; // what the torques do is no part of it
 	const auto twist = [&](int32_t at, double arm) {
 		if (static_cast<std::size_t>(at) < packed.bodyAt.size())
 			packed.moved[at].w += system.bodies[packed.bodyAt[at]].twisted * packed.kinds[packed.bodyAt[at]].radius * std::abs(arm);

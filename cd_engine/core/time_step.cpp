@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <limits>
 
 namespace cd {
@@ -172,7 +173,7 @@ bool TimeStep::finishBodies(World& world, double h)
 			b.x += 0.5 * h * (b.v[0] + v[0]);
 			b.y += 0.5 * h * (b.v[1] + v[1]);
 			b.turn = 0.5 * h * (b.v[2] + v[2]);
-			std::copy_n(v, 3, b.v);
+			std::memcpy(b.v, v, sizeof b.v);
 			moves = moves || v[0] != 0 || v[1] != 0 || v[2] != 0;
 		}
 		return moves;

@@ -186,17 +186,21 @@ void SceneLink::turnBodies(cd::Threads* threads)
 // island does not sleep.
 void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 {
-	const std::vector<int32_t>& solved = step.pairs();
 	assert(held.size() == world.pairs.size());
 	const double rate = 1 / dt;
 	cd::Threads* const threads = step.sleepers.none() ? &step.threads : nullptr; // only one thread may report what it wakes
-	cd::forRanges(threads, solved.size(), [&](std::size_t from, std::size_t to) {
-		for (std::size_t i = from; i < to; i++) {
-			const cd::Pair& pair = world.pairs[solved[i]];
-			if (!(pair.pn > 0))
+	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
+		for (std::size_t k = from; k < to; k++) {
+			const int32_t i = world.awake[k];
+			const cd::Pair& pair = world.pairs[i];
+			Held& h = held[i];
+			if (!(pair.pn > 0)) {
+				if (h.any)
+					step.sleepers.disturb(pair);
+				h.any = false;
 				continue;
-			const cd::Touch& touch = step.touchOf(solved[i]);
-			Held& h = held[solved[i]];
+			}
+			const cd::Touch& touch = step.touchOf(i);
 			h.touch = touch;
 			if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
 				continue;
@@ -205,13 +209,6 @@ void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 			h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch, since };
 			step.sleepers.disturb(pair);
 		}
-	});
-	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
-		for (std::size_t k = from; k < to; k++)
-			if (const int32_t i = world.awake[k]; held[i].any && !(world.pairs[i].pn > 0)) {
-				held[i].any = false;
-				step.sleepers.disturb(world.pairs[i]);
-			}
 	});
 	turnBodies(&step.threads);
 	heldStep = dt;
