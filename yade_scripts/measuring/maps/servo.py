@@ -8,23 +8,15 @@ import statistics
 import tempfile
 
 from yade_scripts import parameters, results, scenes
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 
 DISKS, SAMPLES, BETA = 100, 20, 0.3
 STRESS_ERROR, STRAIN_ERROR, FLIPPING = 0.05, 0.1, 0.5
 FOLDER = results.FOLDER  # of prepared packings
 
 
-def grid(full):
-    """Return the cases of the grid: gain by largest speed, a panel for each period of the load."""
-    gains, speeds = ((logarithmic(0.25, 8, 11), logarithmic(1e-4, 1e2, 13)) if full else (logarithmic(0.5, 4, 4), logarithmic(1e-3, 1e2, 6)))
-    return product(period=[0.2, 0.02] if full else [0.2], max_velocity=speeds, gain=gains)
-
-
-def searches(full):
-    """Return the searches for the gain at which the walls lock, and for the largest speed below which they are too slow."""
-    gain = [Search(at, "gain", 0.5, 8.0, 1.02 if full else 1.1) for at in product(period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])]
-    return gain + [Search(at, "max_velocity", 1.0, 1e-6, 1.05 if full else 1.5) for at in product(period=[0.2, 0.02] if full else [0.2], gain=[1.0])]
+def periods(full):
+    return [0.2, 0.02] if full else [0.2]
 
 
 MAP = Map(
@@ -44,7 +36,11 @@ MAP = Map(
               "reversals": ("1", "share of the steps at which wall y+ changes direction"), "largest_gamma": ("1", "largest |gamma|"),
               "strain_error": ("1", "of the largest |gamma|, relative to that under gain 1"), "samples": ("1", "taken before the run ended"),
               "theory": ("1", "gain at which walls begin to flip by a theory of equal disks")},
-    grid=grid, searches=searches, marks={"largest that walls.servo sets": 1.0}, theory_label="flipping walls, equal disks", theory_along="gain")
+    grid=lambda full: product(period=periods(full), max_velocity=logarithmic(1e-4, 1e2, 13) if full else logarithmic(1e-3, 1e2, 6),
+                              gain=logarithmic(0.25, 8, 11) if full else logarithmic(0.5, 4, 4)),
+    searches=lambda full: (lines("gain", 0.5, 8.0, 1.02 if full else 1.1, period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])
+                           + lines("max_velocity", 1.0, 1e-6, 1.05 if full else 1.5, period=periods(full), gain=[1.0])),
+    marks={"largest that walls.servo sets": 1.0}, theory_label="flipping walls, equal disks", theory_along="gain")
 
 
 class Watch:
