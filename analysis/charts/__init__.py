@@ -34,7 +34,7 @@ def publish_all(results, folder, full):
         settings, origin = table.measured(results, full)
         for name in ORDER[:-1]:
             rows = module(name).rows(settings)
-            if rows:
+            if len(rows):
                 _publish(name, rows, folder, origin)
             else:
                 left[name] = "no scene was measured by both methods or at several sizes"
