@@ -54,14 +54,6 @@ def told(contact_dynamics, smallest=RADIUS):
     return ", ".join(said)
 
 
-def normal_force(one, other):
-    """Return the normal force between two bodies [N], 0 without contact."""
-    if not O.interactions.has(one, other):
-        return 0.0
-    contact = O.interactions[one, other]
-    return contact.phys.normalForce.norm() if contact.isReal else 0.0
-
-
 def stand(disks, steps, **settings):
     """Let a column of `disks` equal disks stand on the floor for `steps` steps. Return (engine, measures)."""
     material(0.5)
@@ -73,7 +65,7 @@ def stand(disks, steps, **settings):
     contact_dynamics = engine(COLUMN_STEP, **settings)
     O.run(steps, True)
     weight = GRAVITY * MASS
-    error = max(abs(normal_force(*pair) / ((disks - k) * weight) - 1) for k, pair in enumerate(pairs))
+    error = max(abs(bodies.normal_force(*pair) / ((disks - k) * weight) - 1) for k, pair in enumerate(pairs))
     return contact_dynamics, {"force_error": error, "penetration": contact_dynamics.deepestPenetration / RADIUS,
                     "unconverged": contact_dynamics.unconvergedSteps / steps, "residual": contact_dynamics.residual}
 

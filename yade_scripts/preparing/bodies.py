@@ -71,6 +71,27 @@ def contacts_per_disk():
     return sum(counts) / len(counts)
 
 
+def contacts():
+    """Return the contacts that there are, in the order in which YADE has them."""
+    return [i for i in O.interactions if i.isReal]
+
+
+def contacts_by_id():
+    """Return the contacts in the order of their bodies' ids."""
+    return sorted(contacts(), key=lambda i: (i.id1, i.id2))
+
+
+def tangential_force(contact):
+    """Return the tangential force [N] on the second body, along the normal turned by +90 degrees: (n_x, n_y) -> (-n_y, n_x)."""
+    n, shear = contact.geom.normal, contact.phys.shearForce
+    return n[0] * shear[1] - n[1] * shear[0]
+
+
+def normal_force(one, other):
+    """Return the size of the normal force between two bodies [N], 0 without contact."""
+    return O.interactions[one, other].phys.normalForce.norm() if O.interactions.has(one, other, onlyReal=True) else 0.0
+
+
 def loaded_contacts(body):
     """Return the number of contacts of a body that carry a force."""
     return sum(1 for i in body.intrs() if i.isReal and i.phys.normalForce.squaredNorm() > 0)

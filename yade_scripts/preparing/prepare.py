@@ -128,7 +128,7 @@ class _Rest:
 
     def errors(self):
         """Return (largest wall stress error relative to P0, unbalanced force)."""
-        return max(abs(s / self.p0 - 1) for pair in walls.stresses() for s in pair), utils.unbalancedForce()
+        return walls.stress_error(self.p0), utils.unbalancedForce()
 
     def check(self):
         """Check for rest, at a call from the loop."""
@@ -195,7 +195,6 @@ def _forget_circumstances():
 
 @commands.command("prepare")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     commands.add_row(parser)
     commands.add_results(parser)

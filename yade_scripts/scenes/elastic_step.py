@@ -30,13 +30,8 @@ def build(full, folder):
     scene = biaxial.build(full, folder, goals)
     sides = walls.sides()
     springs = elastic.strain(p0 * full["delta_sigma"])
-
-    def gamma():
-        x, y = (now / before for now, before in zip(walls.sides(), sides))
-        return y - x
-
     scene.known = [
-        Known("gamma", "1", springs if full["method"] == "MD" else 0.0, gamma, scale=abs(springs),
+        Known("gamma", "1", springs if full["method"] == "MD" else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
               source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; both against the former"),
         Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"], source="the load asked for, against its step")]
     return scene

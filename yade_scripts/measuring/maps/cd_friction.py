@@ -38,7 +38,6 @@ def weight(tangent):
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid

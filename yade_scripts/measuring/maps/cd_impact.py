@@ -28,7 +28,6 @@ MAP = Map(
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
     draw = random.Random(1)
     gains, deficit = [], 0

@@ -33,10 +33,10 @@ MAP = Map(
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid
+    from yade_scripts.preparing import bodies
     rigid.material(0.5)
     floor = rigid.floor()
     below = rigid.disk((0, rigid.RADIUS))
@@ -44,7 +44,7 @@ def probe(case):
     engine = rigid.engine(DT, method=case["method"], tolerance=case["tolerance"])
     O.run(STEPS, True)
     weights = rigid.GRAVITY * O.bodies[above].state.mass, rigid.GRAVITY * (O.bodies[above].state.mass + O.bodies[below].state.mass)
-    forces = rigid.normal_force(below, above), rigid.normal_force(floor, below)
+    forces = bodies.normal_force(below, above), bodies.normal_force(floor, below)
     error = max(abs(force / weight - 1) for force, weight in zip(forces, weights))
     return rigid.judge(engine, {"force_error": error, "penetration": engine.deepestPenetration / rigid.RADIUS,
                                 "unconverged": engine.unconvergedSteps / STEPS})

@@ -36,7 +36,6 @@ MAP = Map(
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O, utils
 
     from yade_scripts.measuring import rigid

@@ -28,6 +28,5 @@ MAP = Map(
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade_scripts.measuring import rigid
     return rigid.judge(*rigid.stand(case["disks"], STEPS, method=case["method"], tolerance=case["tolerance"]))

@@ -53,7 +53,6 @@ MAP = Map(
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.preparing import bodies

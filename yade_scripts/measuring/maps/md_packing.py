@@ -53,7 +53,6 @@ MAP = Map(
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O, utils
 
     from yade_scripts.preparing import bodies
@@ -69,7 +68,7 @@ def probe(case):
         md_step.check(full | {"md_dt_factor": case["md_dt_factor"]})
     except parameters.ParameterError as error:
         refusal = str(error)
-    overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in O.interactions if i.isReal]
+    overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in bodies.contacts()]
     speed = PUSH * total(overlaps) / len(overlaps) / unit
     draw = random.Random(1)
     for body in bodies.disks():
@@ -100,14 +99,13 @@ def load(full):
     """Load the prepared packing, the same for all cases. Give its contacts the stiffness ratio and damping of the case, and let them stick."""
     from yade import O
 
-    from yade_scripts.preparing import prepare
+    from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import md
     path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
     O.load(str(path))
     md.set_friction(2.0, 0.0)
     for material in O.materials:
         material.betan = full["beta_n"]
-    for contact in O.interactions:
-        if contact.isReal:
-            contact.phys.ks = full["kt_over_kn"] * contact.phys.kn
-            contact.phys.cn = full["beta_n"] * contact.phys.cn_crit
+    for contact in bodies.contacts():
+        contact.phys.ks = full["kt_over_kn"] * contact.phys.kn
+        contact.phys.cn = full["beta_n"] * contact.phys.cn_crit

@@ -75,7 +75,6 @@ class Watch:
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     error, watch = run(case)
     half = len(watch.errors) // 2
     reference = reference_gamma(case["period"])
@@ -123,9 +122,8 @@ def run(case):
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
     for material in O.materials:
         material.betan = BETA
-    for contact in O.interactions:
-        if contact.isReal:
-            contact.phys.cn = BETA * contact.phys.cn_crit
+    for contact in bodies.contacts():
+        contact.phys.cn = BETA * contact.phys.cn_crit
     scene = scenes.Scene(every=stage.set_step(full, stage.largest_step(full)), samples=SAMPLES)
     stage.load_walls(full, scene, loading.goals(full, parameters.pressure(full)))
     controller = scene.load.controller
