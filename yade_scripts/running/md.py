@@ -72,7 +72,8 @@ def set_engines(full, scene, goals=None):
     elif full["md_walls"] == "servo":
         controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
         scene.load = walls.ServoLoad(goals, controller)
-        every = _divisor(scene.every, full["md_load_every"])
+        # A divisor, so that the work of the walls is up to date at every sample.
+        every = max(n for n in range(1, full["md_load_every"] + 1) if scene.every % n == 0)
         loading = [hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
     else:
         scene.load = walls.ForceLoad(goals)
@@ -89,11 +90,6 @@ def bind(full, scene):
     scene.losses.bind()
     if isinstance(scene.load, walls.ServoLoad):
         scene.load.controller = hooks.engine("TriaxialStressController")
-
-
-def _divisor(steps, most):
-    """Return the largest divisor of `steps` that is at most `most`: the work of the walls is then up to date at every sample."""
-    return max(n for n in range(1, most + 1) if steps % n == 0)
 
 
 def run(scene, simulate=hooks.simulate):

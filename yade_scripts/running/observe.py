@@ -2,8 +2,6 @@
 import math
 
 import numpy as np
-from yade import utils
-
 from yade_scripts.results.schema import is_sliding
 from yade_scripts.preparing import bodies
 from yade_scripts.running import walls
@@ -40,11 +38,6 @@ class Contacts:
 def _plane(vectors):
     """Return the x and y of vectors, as rows."""
     return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
-
-
-def kinetic_energy():
-    """Return the kinetic energy of everything that is free to move [J]."""
-    return utils.kineticEnergy()
 
 
 def weight_energy(gravity):

@@ -14,7 +14,6 @@ METHODS = ("MD", "CD")
 HORIZON = "The end of the step, MD if it takes many times the slowest swing of sample and walls."
 LEFT_OUT = "slip, and contacts that open or close, of which a step of a thousandth of P0 makes few; changes of geometry, of the order P0/k_n"
 DEFAULTS = dict(method="CD", disks=60, delta_sigma=1e-3, md_walls="force", period=0.5, records_per_cycle=10)
-PARAMETERS = ()
 CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 960))
 
 

@@ -10,7 +10,6 @@ HORIZON = "Any time: nothing moves."
 LEFT_OUT = "gravity, which the balance of the walls does not need; MD starts with its springs compressed by P0"
 DEFAULTS = dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
                 max_iterations=1000000)
-PARAMETERS = ()
 CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 

@@ -8,7 +8,6 @@ METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "all loading: what shows is what a method moves where nothing should"
 DEFAULTS = dict(method="CD", disks=60, period=0.1, records_per_cycle=10)
-PARAMETERS = ()
 CHART = Chart(prepared=True, physics=("beta_n",))
 
 

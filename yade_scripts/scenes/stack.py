@@ -8,7 +8,6 @@ HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of
 LEFT_OUT = "how a real stack is built: MD starts with its springs compressed by the weights, CD without any forces"
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
                 max_iterations=1000000)
-PARAMETERS = ()
 CHART = Chart(sizes=(4, 16, 64, 256))
 
 

@@ -25,7 +25,6 @@ METHODS = ("MD",)
 HORIZON = "Whole paths, any number of them while nothing slips."
 LEFT_OUT = "inertia and spins, since the disks are led; CD, since the scene is about springs and rigid contacts keep nothing of the way"
 DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
-PARAMETERS = ()
 CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
 SOURCE = "McNamara et al. 2008 and the step's first-order rotation, in the scene's own words"

@@ -2,12 +2,11 @@
 
 The probe: in a prepared packing with free walls sigma2 rises by 5 % at once.
 """
-from yade_scripts import parameters, results, scenes
+from yade_scripts import parameters, scenes
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, TOLERANCES, UNSTABLE, judged, lines, logarithmic, product
 
 DISKS, STEPS, RISE = 100, 50, 0.05
 STRAIN, LARGE_STRAIN = 1e-6, 1e-3
-FOLDER = results.FOLDER  # of prepared packings
 
 
 def steps(full):
@@ -37,8 +36,7 @@ def probe(case):
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import cd, hooks, walls
     full = parameters.complete({"disks": DISKS, "method": "CD", "tolerance": case["tolerance"]})
-    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
-    O.load(str(path))
+    prepare.load(parameters.complete({"disks": DISKS}))
     O.dt = case["dt"]
     before = walls.sides()
     p0 = parameters.pressure(full)

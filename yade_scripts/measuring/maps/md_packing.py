@@ -6,14 +6,13 @@ import functools
 import math
 import random
 
-from yade_scripts import parameters, results
+from yade_scripts import parameters
 from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 from yade_scripts.running.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
 PUSH = 1e-5  # over the mean overlap
 GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
-FOLDER = results.FOLDER  # of prepared packings
 
 RATIOS = (0.25, 0.5, 1.0)
 LAWS = ("standard", "avoid_ratcheting", "path_independent")
@@ -101,8 +100,7 @@ def load(full):
 
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import md
-    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
-    O.load(str(path))
+    prepare.load(parameters.complete({"disks": DISKS}))
     md.set_friction(2.0, 0.0)
     for material in O.materials:
         material.betan = full["beta_n"]

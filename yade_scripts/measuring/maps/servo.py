@@ -7,12 +7,11 @@ import pathlib
 import statistics
 import tempfile
 
-from yade_scripts import parameters, results, scenes
+from yade_scripts import parameters, scenes
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 
 DISKS, SAMPLES, BETA = 100, 20, 0.3
 STRESS_ERROR, STRAIN_ERROR, FLIPPING = 0.05, 0.1, 0.5
-FOLDER = results.FOLDER  # of prepared packings
 
 
 def periods(full):
@@ -117,8 +116,7 @@ def run(case):
 
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import hooks, loading, recorder, stage, wall_check
-    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
-    O.load(str(path))
+    prepare.load(parameters.complete({"disks": DISKS}))
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
     for material in O.materials:
         material.betan = BETA
