@@ -22,7 +22,6 @@ LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table."""
     reached = table[(table.accuracy == 1e-2) & table.seconds.notna() & table.kind.isin(["piles at rest", "impacts", "sliding and rolling"])]
     md, cd = (reached[reached.method == method].set_index("kind").seconds for method in ("MD", "CD"))
     return {"12": (md / cd).min(), "32": (md / cd).max()}
@@ -56,7 +55,7 @@ def draw(rows, folder, line):
                 axes.annotate(f"{row.solved} of {row.scenes}", (row.accuracy, row.seconds), (0, 6), textcoords="offset points",
                               fontsize=6.5, ha="center")
         count = of_kind.scenes.max()
-        axes.set_title(f"{kind} ({count} scene{'s' * (count > 1)})")
+        axes.set_title(f"{kind} ({count} scene{'s' if count > 1 else ''})")
         axes.grid(alpha=0.25, linewidth=0.5)
     for axes in panels.flat[len(kinds):]:
         axes.axis("off")

@@ -20,7 +20,6 @@ LOOK = {"MD step": (style.COLOUR["MD"], "o"), "CD accelerated": (style.COLOUR["C
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table."""
     seconds = table.set_index(["scene", "series", "disks"]).seconds.astype(float)
     return {"0.49": seconds["loaded_box", "CD accelerated", 6400], "0.99": seconds["loaded_box", "MD step", 6400],
             "1.3": seconds["elastic_step", "CD accelerated", 960], "2.3": seconds["elastic_step", "MD step", 960]}
@@ -32,12 +31,9 @@ def rows(measured):
     for (scene, size), own in measured[measured["size"] > 0].groupby(["scene", "size"]):
         for series, members in table.by_series(own):
             best, finished = choice.cheapest(members, LEVEL), members[members.status == ""]
-            row = {"status": "", "scene": scene, "series": series, "accuracy": LEVEL, "disks": size}
-            if best is not None:
-                row |= best[["setting", "error", "seconds", "steps", "sweeps"]]
-            else:
-                row["status"] = f"smallest error {finished.error.min():.2g}" if len(finished) else members.status.iloc[0]
-            found.append(row)
+            why = f"smallest error {finished.error.min():.2g}" if len(finished) else members.status.iloc[0]
+            found.append({"status": why if best is None else "", "scene": scene, "series": series, "accuracy": LEVEL, "disks": size}
+                         | {name: None if best is None else best[name] for name in ("setting", "error", "seconds", "steps", "sweeps")})
     return pandas.DataFrame(found)
 
 

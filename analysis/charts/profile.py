@@ -25,7 +25,6 @@ SHOWN = {BEST["MD"]: (style.COLOUR["MD"], "-", 2.4), "MD step": ("#56B4E9", "-",
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table."""
     solved = table[table.seconds.notna()]
     own = {(method, level): solved[(solved.series == BEST[method]) & (solved.accuracy == level)].set_index("scene").factor.astype(float)
            for method in BEST for level in (1e-2, 1e-4, 1e-6)}

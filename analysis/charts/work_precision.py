@@ -1,6 +1,7 @@
 """Error against time of computing, one chart a scene: a series a line, a setting a point."""
 
 import numpy as np
+import pandas
 
 from analysis import style
 from analysis.charts import choice, table
@@ -22,12 +23,10 @@ LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiff
 
 
 def numbers(table):
-    """Return the text has none."""
-    return {}
+    return {}  # the text has none
 
 
 def rows(measured):
-    """Return all settings."""
     return measured
 
 
@@ -48,7 +47,7 @@ def _draw(rows, scene, path, line):
         seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
         axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=series,
                     linestyle="none" if series in choice.NO_LADDER else "-" if series.startswith("MD") else "--")
-        for k in np.flatnonzero(own.unconverged_steps > 0):
+        for k in np.flatnonzero(pandas.to_numeric(own.unconverged_steps) > 0):
             axes.plot(seconds[k], errors[k], marker=marker, color=colour, markerfacecolor="white", markersize=5)
         labels += [(own.setting.iloc[k].split("=")[1], (seconds[k], errors[k]), colour) for k in sorted({0, len(own) - 1})]
     _write_labels(axes, labels)
