@@ -49,21 +49,19 @@ def probe(case):
     def energy():
         return utils.kineticEnergy() + rigid.GRAVITY * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
 
-    first, most = energy(), [-math.inf]
-
-    def look():
-        most[0] = max(most[0], energy() - first)
-
+    first, energies = energy(), []
     engine = rigid.engine(dt, tolerance=TOLERANCE, restitution=case["restitution"])
-    O.engines = O.engines + [hooks.runner(look, iterPeriod=1)]
+    O.engines = O.engines + [hooks.runner(lambda: energies.append(energy()), iterPeriod=1)]
     steps = max(1, round(DURATION / case["dt"]))
     hooks.simulate(steps)
     balance = (energy() - first + engine.dissipatedEnergy) / fall
-    measures = {"penetration": engine.deepestPenetration / rigid.RADIUS, "energy_balance": balance, "energy_gain": most[0] / fall,
-                "unconverged": engine.unconvergedSteps / steps}
+    measures = {"penetration": engine.deepestPenetration / rigid.RADIUS, "energy_balance": balance,
+                "energy_gain": (max(energies) - first) / fall, "unconverged": engine.unconvergedSteps / steps}
+    # In the trough: above its floor and between its walls.
+    inside = all(b.state.pos[1] > 0 and abs(b.state.pos[0]) < COLUMNS * 1.2 * rigid.RADIUS for b in bodies.disks())
     return judged(measures, rigid.told(engine),
                   (UNSTABLE, "energy growth", measures["energy_gain"] > GROWTH or abs(balance) > GROWTH),
-                  (UNSTABLE, "tunnelled", any(not inside(b.state.pos) for b in bodies.disks())),
+                  (UNSTABLE, "tunnelled", not inside),
                   (INACCURATE, "penetration", measures["penetration"] > rigid.DEEP),
                   (NOT_SOLVED, "non-convergence", measures["unconverged"] > UNSOLVED))
 
@@ -80,9 +78,3 @@ def pour(friction):
     for k in range(COLUMNS * ROWS):
         column, row = k % COLUMNS, k // COLUMNS
         rigid.disk(((2.4 * column + 1.2 + draw.uniform(-0.15, 0.15)) * r - width / 2, (2 + 3 * row) * r))
-
-
-def inside(place):
-    """Tell whether a disk's centre is above the floor and between the walls."""
-    from yade_scripts.measuring import rigid
-    return place[1] > 0 and abs(place[0]) < COLUMNS * 1.2 * rigid.RADIUS

@@ -92,6 +92,5 @@ def probe(case):
 def errors(way, step, damping):
     """Return the relative errors of decay and frequency per step against exp(-z s) and s sqrt(1 - z^2), s = `step` = omega_n dt, z = `damping`. Only
     the first oscillations count, which are far above round-off."""
-    from yade_scripts.theory import spring_limits
     decay, frequency = spring_limits.free_response(way[:max(8, min(len(way), int(6 / (step * max(damping, 0.1)))))])
     return abs(decay / (damping * step) - 1), abs(frequency / (step * math.sqrt(1 - damping**2)) - 1)

@@ -4,10 +4,12 @@ The probe: the servo applies one triangle of load, recorded like any run, with a
 """
 import functools
 import pathlib
-import statistics
 import tempfile
 
+import numpy as np
+
 from yade_scripts import parameters, scenes
+from yade_scripts.results import sealed
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 
 DISKS, SAMPLES, BETA = 100, 20, 0.3
@@ -42,44 +44,9 @@ MAP = Map(
     marks={"largest that walls.servo sets": 1.0}, theory_label="flipping walls, equal disks", theory_along="gain")
 
 
-class Watch:
-    """Records what the recorder does not: each wall separately, and the path of wall y+ step by step."""
-
-    def __init__(self, scene, full):
-        self.scene, self.p0 = scene, parameters.pressure(full)
-        from yade_scripts.running import walls
-        self.errors, self.means, self.gammas = [], [], []
-        self.sides, self.place, self.direction, self.reversals, self.steps = walls.sides(), None, 0, 0, 0
-
-    def sample(self):
-        """Record gamma and the stress errors over P0 at the time of a recorder's sample."""
-        from yade_scripts.running import walls
-        stresses, goal = walls.stresses(), self.scene.load.goal
-        self.errors.append(max(abs(s - g) for pair, g in zip(stresses, goal) for s in pair) / self.p0)
-        self.means.append(max(abs(sum(pair) / 2 - g) for pair, g in zip(stresses, goal)) / self.p0)
-        strain = [now / first - 1 for now, first in zip(walls.sides(), self.sides)]
-        self.gammas.append(abs(strain[1] - strain[0]))
-
-    def step(self):
-        """Count the changes of direction of wall y+."""
-        from yade import O
-
-        from yade_scripts.running import walls
-        place = O.bodies[walls.Y_HIGH].state.pos[1]
-        if self.place is not None and place != self.place:
-            direction = 1 if place > self.place else -1
-            self.reversals += direction == -self.direction
-            self.direction = direction
-        self.place, self.steps = place, self.steps + 1
-
-
 def probe(case):
-    error, watch = run(case)
-    half = len(watch.errors) // 2
-    reference = reference_gamma(case["period"])
-    measures = {"stress_error": statistics.median(watch.errors[half:]), "mean_stress_error": statistics.median(watch.means[half:]), "reversals": watch.reversals / watch.steps,
-                "largest_gamma": max(watch.gammas), "strain_error": abs(max(watch.gammas) / reference - 1), "samples": len(watch.errors),
-                "theory": watch.limit}
+    error, measures = run(case)
+    measures["strain_error"] = abs(measures["largest_gamma"] / reference_gamma(case["period"]) - 1)
     if measures["mean_stress_error"] > STRESS_ERROR:
         locked = measures["reversals"] > FLIPPING
         return Outcome(UNSTABLE if locked else INACCURATE, "locked walls" if locked else "load missed", error, measures)
@@ -93,8 +60,7 @@ def reference_gamma(period):
     """Return the largest |gamma| for a gain of 1 and walls that may move as fast as they need."""
     from yade import O
     O.reset()
-    _, watch = run({"period": period, "gain": 1.0, "max_velocity": 1.0})
-    return max(watch.gammas)
+    return run({"period": period, "gain": 1.0, "max_velocity": 1.0})[1]["largest_gamma"]
 
 
 def gain_limit(own_gain):
@@ -111,11 +77,11 @@ def gain_limit(own_gain):
 
 
 def run(case):
-    """Run a case. Return (the message of the error that ended it or '', Watch)."""
+    """Run a case. Return (the message of the error that ended it or '', what the map measures but for the strain_error)."""
     from yade import O
 
     from yade_scripts.preparing import bodies, prepare
-    from yade_scripts.running import hooks, loading, recorder, stage, wall_check
+    from yade_scripts.running import hooks, loading, recorder, stage, wall_check, walls
     prepare.load(parameters.complete({"disks": DISKS}))
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
     for material in O.materials:
@@ -127,17 +93,17 @@ def run(case):
     controller = scene.load.controller
     own_gain = 2 * BETA * (bodies.mean_mass() / parameters.stiffness(full))**0.5 / O.dt
     controller.stressDamping, controller.max_vel = 1 - case["gain"] / own_gain, case["max_velocity"]
-    watch = Watch(scene, full)
-    watch.limit = gain_limit(own_gain)
+    p0, top, errors, places = parameters.pressure(full), O.bodies[walls.Y_HIGH].state, [], []
     with tempfile.TemporaryDirectory() as folder:
         sampler, failure = recorder.Recorder(pathlib.Path(folder) / "servo.h5", full, scene), None
 
         def observe():
-            watch.sample()
+            # Of each wall, where a history has the means of opposite ones.
+            errors.append(max(abs(stress - goal) for pair, goal in zip(walls.stresses(), scene.load.goal) for stress in pair) / p0)
             sampler.sample()
 
         scene.observer = observe
-        O.engines = O.engines + [hooks.runner(watch.step, iterPeriod=1)]
+        O.engines = O.engines + [hooks.runner(lambda: places.append(top.pos[1]), iterPeriod=1)]
         try:
             scenes.method(full).run(scene)
         except wall_check.Collapse:
@@ -145,4 +111,12 @@ def run(case):
         except wall_check.StressError as ended:
             failure = ended
         sampler.close(failure=failure)
-    return "" if failure is None else str(failure), watch
+        with sealed.open_checked(sampler.path) as file:
+            history = {name: data[()] for name, data in file["history"].items()}
+    half, moves = len(errors) // 2, np.sign(np.diff(places))
+    moves = moves[moves != 0]
+    means = np.maximum(*(abs(history[f"sigma{k}"] - history[f"sigma{k}_goal"]) for k in (1, 2))) / p0
+    return "" if failure is None else str(failure), {
+        "stress_error": np.median(errors[half:]), "mean_stress_error": np.median(means[half:]),
+        "reversals": np.count_nonzero(np.diff(moves)) / len(places), "largest_gamma": abs(history["gamma"]).max(), "samples": len(errors),
+        "theory": gain_limit(own_gain)}

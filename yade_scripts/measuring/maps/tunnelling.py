@@ -70,15 +70,11 @@ def springs(case, contact, distance):
     dt = full["md_dt_factor"] * math.sqrt(rigid.MASS / parameters.stiffness(full))
     velocity = case["speed"] * rigid.RADIUS * math.sqrt(parameters.stiffness(full) / rigid.MASS)
     disk = rigid.disk((0, contact + distance * velocity * dt), velocity=(0, -velocity))
-    state, lowest = O.bodies[disk].state, [math.inf]
-
-    def look():
-        lowest[0] = min(lowest[0], state.pos[1])
-
-    O.engines = md.contact_engines(full) + [md.integrator(full), hooks.runner(look, iterPeriod=1)]
+    state, heights = O.bodies[disk].state, []
+    O.engines = md.contact_engines(full) + [md.integrator(full), hooks.runner(lambda: heights.append(state.pos[1]), iterPeriod=1)]
     O.dt = dt
     hooks.simulate(MD_STEPS)
-    return state.pos[1] < 0, max(0.0, contact - lowest[0]), ""
+    return state.pos[1] < 0, max(0.0, contact - min(heights)), ""
 
 
 def rigidly(case, contact, distance):
