@@ -92,9 +92,10 @@ def collect(name, results, full):
         try:
             boundary = maps.bisect(line, outcome)
             bad = outcome(line.case(boundary.bad))
-            boundaries.append((line, boundary, bad.told, theory(line, bad)))
         except LookupError:
             missing.append(line.at | {line.along: "searched"})
+        else:
+            boundaries.append((line, boundary, bad.told, theory(line, bad)))
     return Found(name, chart, pandas.DataFrame(rows), missing, boundaries, facts)
 
 
