@@ -6,10 +6,11 @@ import pandas
 
 from analysis import publish, style
 from analysis.style import plt
+from yade_scripts.measuring.benchmark.solutions import PEER, SOLVED
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
-PEER, REFERENCE, SOLVED = "siconos nsgs", "nsgs", "solved"
+REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
 LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"), "auto": ("#CC79A7", "D")}
 TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00", "^")}

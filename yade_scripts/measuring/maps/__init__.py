@@ -11,7 +11,7 @@ import json
 import math
 import pathlib
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Callable
 
 from yade_scripts import parameters
@@ -215,8 +215,9 @@ class Work:
 
     def enter(self, case, outcome, seconds, origin):
         """Store the Outcome of a case."""
-        store.add(self.folder, self._file(case), {"map": self.name, "case": case, "seconds": seconds, "verdict": outcome.verdict, "reason": outcome.reason,
-                                                  "told": outcome.told, "measures": {name: float(value) for name, value in outcome.measures.items()}} | origin)
+        measures = {name: float(value) for name, value in outcome.measures.items()}
+        store.add(self.folder, self._file(case),
+                  {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
 
     def failed(self, name, reason, late, origin):
         """Store a case that ended its process as not solved. name: the case as JSON."""
@@ -248,4 +249,4 @@ class Work:
 
 def outcome(facts):
     """Return the Outcome from stored facts."""
-    return Outcome(facts["verdict"], facts["reason"], facts["told"], facts["measures"])
+    return Outcome(**{one.name: facts[one.name] for one in fields(Outcome)})

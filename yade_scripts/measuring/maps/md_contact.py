@@ -15,7 +15,7 @@ GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
 ERROR = 0.1
 
 RATIOS = (0.25, 0.5, 1.0)
-LAWS = ("standard", "avoid_ratcheting", "path_independent")  # the other ones in the searches only
+LAWS = parameters.REGISTRY["tangential_law"].choices  # the other ones in the searches only
 
 
 def damping(full):

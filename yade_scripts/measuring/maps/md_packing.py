@@ -15,7 +15,7 @@ PUSH = 1e-5  # over the mean overlap
 GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
 
 RATIOS = (0.25, 0.5, 1.0)
-LAWS = ("standard", "avoid_ratcheting", "path_independent")
+LAWS = parameters.REGISTRY["tangential_law"].choices
 
 
 def ratios(full):
