@@ -82,7 +82,7 @@ def series(scene):
     """Return the series of a scene."""
     chart = chart_of(scene)
     stiffer = STIFFER[:2] if chart.prepared else STIFFER
-    laws = ("avoid_ratcheting", "path_independent") if chart.rolling or scene == "two_grain_path" else ()
+    laws = parameters.REGISTRY["tangential_law"].choices[1:] if chart.rolling else ()
     found = [
         Series("MD step", "MD", "md_dt_factor", STEPS),
         Series("MD stiffness", "MD", "stiffening", stiffer),
@@ -152,8 +152,7 @@ class Work:
                 self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
 
     def _enter(self, setting, reason, late, origin):
-        own = split(setting.row)[0]
-        store.add(self.folder, setting.name, {"scene": self.name, "method": own["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
+        store.add(self.folder, setting.name, {"scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
                                               "status": STATUS_FAILED + reason, "seconds": []} | origin)
 
     def measure(self, begun):
