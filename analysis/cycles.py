@@ -69,11 +69,11 @@ def of(run):
         contacts=2 * run.values("contacts")[at[1:]] / run.parameters["disks"])
 
 
-def windows(count, growth=1.15):
-    """Return windows (first, last) of cycles that cover 1 .. count, each about `growth` times as late as the one before."""
+def windows(count):
+    """Return windows (first, last) of cycles that cover 1 .. count, each about 1.15 times as late as the one before."""
     found, first = [], 1
     while first <= count:
-        last = min(count, max(first, round(first * growth)))
+        last = min(count, max(first, round(first * 1.15)))
         found.append((first, last))
         first = last + 1
     return found

@@ -85,11 +85,11 @@ def _mend_logarithms(fig):
                 axis.set_minor_locator(NullLocator())
 
 
-def number(value, digits=3):
+def number(value):
     """Return a number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
     if not math.isfinite(value) or value == 0:
         return str(value)
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    mantissa, exponent = f"{value:.2e}".split("e")
     if -2 <= int(exponent) < 4:
         return f"{float(f'{mantissa}e{exponent}'):g}"
     return rf"${mantissa}\times10^{{{int(exponent)}}}$"

@@ -35,10 +35,10 @@ def append_box(centre, half, full, angle=0.0, material="disk"):
                                      color=(0.4, 0.4, 0.4)))
 
 
-def append_floor(full, length=None, material="disk"):
+def append_floor(full, length=None):
     """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
     radius = full["radius_mean"]
-    return append_box((0, -radius), (length or 10 * radius, radius), full, material=material)
+    return append_box((0, -radius), (length or 10 * radius, radius), full)
 
 
 def disks():
