@@ -152,8 +152,9 @@ class Work:
                 self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
 
     def _enter(self, setting, reason, late, origin):
-        store.add(self.folder, setting.name, {"scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
-                                              "status": STATUS_FAILED + reason, "seconds": []} | origin)
+        store.add(self.folder, setting.name, {
+            "scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
+            "status": STATUS_FAILED + reason, "seconds": []} | origin)
 
     def measure(self, begun):
         """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""
