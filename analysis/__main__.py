@@ -79,7 +79,6 @@ def _study(options):
 
 
 def _table(options):
-    """Print the table."""
     from analysis import studies
     print(tables.text(studies.module(options.name).ROWS["full" if options.full else "quick"]), end="")
     return 0
@@ -109,14 +108,12 @@ def _report(options):
 
 
 def _benchmark(options):
-    """Draw the figures."""
     from analysis import benchmark
     print(*benchmark.draw(options.folder), sep="\n")
     return 0
 
 
 def _recommend(options):
-    """Return what to run for an accuracy."""
     from analysis.charts import recommend
     print("\n".join(recommend.of_scene(options.scene, options.accuracy) if options.scene else recommend.by_kind(options.accuracy)))
     return 0

@@ -1,16 +1,16 @@
 """Figures of `make bench`: error against time, cost of a sweep against size, sweeps against N."""
 import math
-import statistics
 from pathlib import Path
 
 import pandas
 
 from analysis import publish, style
 from analysis.style import plt
+from yade_scripts.measuring.benchmark.solutions import PEER, SOLVED
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
-PEER, REFERENCE, SOLVED = "siconos nsgs", "nsgs", "solved"
+REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
 LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"), "auto": ("#CC79A7", "D")}
 TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00", "^")}
@@ -25,22 +25,21 @@ COLUMNS = {"solutions": ("status", "problem", "kind", "start", "method", "disks"
 
 def draw(folder):
     """Draw all that the tables in `folder` have rows for; the paths of the figures."""
-    folder = Path(folder)
+    folder, drawn = Path(folder), []
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
-    solutions, sweeps, steps = (_rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items())
-    drawn = []
-    for name, table, rows, figure in (("error_against_time", "solutions", solutions, error_against_time), ("sweep_cost", "sweeps", sweeps, sweep_cost),
-                                      ("sweeps_against_size", "solutions", solutions, sweeps_against_size), ("step_cost", "step", steps, step_cost)):
-        of_table = origin.get("tables", {}).get(table, origin)  # a table that was measured by itself
-        if rows and (fig := figure(rows, of_table)):
-            drawn.append(_save(fig, of_table, folder / f"{name}.png"))
+    tables = {name: _rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}
+    for figure, name in ((error_against_time, "solutions"), (sweep_cost, "sweeps"), (sweeps_against_size, "solutions"),
+                         (step_cost, "step")):
+        of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
+        if len(tables[name]) and (fig := figure(tables[name], of_table)):
+            drawn.append(_save(fig, of_table, folder / f"{figure.__name__}.png"))
     return drawn
 
 
 def _rows(path, columns):
-    """Return the rows of a table; empty cells are None. ResultError where it lacks a column or one that must hold numbers does not."""
+    """Return a table, empty where there is none. ResultError where it lacks a column or one that must hold numbers does not."""
     if not path.exists():
-        return []
+        return pandas.DataFrame()
     table = publish.read_table(path)
     missing = [name for name in columns if name not in table]
     if missing:
@@ -48,7 +47,7 @@ def _rows(path, columns):
     wrong = [name for name in columns if name not in TEXTS and not pandas.api.types.is_numeric_dtype(table[name])]
     if wrong:
         raise ResultError(path, f"holds no numbers in {', '.join(wrong)}", "make the tables: make bench")
-    return table.astype(object).where(table.notna(), None).to_dict("records")
+    return table
 
 
 def _save(fig, origin, path):
@@ -58,120 +57,102 @@ def _save(fig, origin, path):
     return path
 
 
-def _look(method, known={}):
-    """Return colour and marker; of a method that is not in the list, one of those left."""
-    return LOOK.get(method) or known.setdefault(method, ("#E69F00", "v^<>ph*"[len(known) % 7]))
-
-
 def chosen(rows):
     """Return the problems of the panels: of each kind, size, friction and start the first seed; large packings first."""
-    first = {}
-    for row in rows:
-        first.setdefault((row["kind"], row["disks"], row["mu"], row["start"]), row["problem"])
-    order = sorted(first, key=lambda key: (key[0] != "packing", key[3] != "cold", -(key[1] or 0), str(key[2])))
-    packings = [key for key in order if key[0] == "packing"][:PANELS - min(2, sum(key[0] != "packing" for key in order))]
-    others = [key for key in order if key[0] != "packing"]
-    return [first[key] for key in (packings + others)[:PANELS]]
+    first = rows.drop_duplicates(["kind", "disks", "mu", "start"])
+    order = first.assign(warm=first.start != "cold", smaller=-first.disks).sort_values(["warm", "smaller", "mu"])
+    packings, others = (list(order.problem[(order.kind == "packing") == packing]) for packing in (True, False))
+    return (packings[:PANELS - min(2, len(others))] + others)[:PANELS]
 
 
 def error_against_time(rows, origin):
     """Return a panel a problem, a line a method: time to get there, and the error found there. Failures stand at the right edge, open."""
-    problems = chosen(rows)
+    problems, names = chosen(rows), rows.method.unique()
+    # One colour for methods that are not in the list.
+    look = LOOK | {name: ("#E69F00", marker) for name, marker in zip((name for name in names if name not in LOOK), "v^<>ph*")}
     wide = min(3, len(problems))
     high = -(-len(problems) // wide)
     fig, axes = plt.subplots(high, wide, figsize=(3.6 * wide + 0.4, 3.1 * high + 0.8), squeeze=False)
-    names = list(dict.fromkeys(row["method"] for row in rows))
     for axis, problem in zip(axes.flat, problems):
-        of_problem = [row for row in rows if row["problem"] == problem]
-        times = [row["seconds"] for row in of_problem if row["seconds"]]
-        edge = 3 * max(times, default=1)
+        of_problem = rows[rows.problem == problem]
+        edge = 3 * (of_problem.seconds.fillna(0).max() or 1)
         for method in names:
-            colour, marker = _look(method)
-            met = [row for row in of_problem if row["method"] == method and row["status"] == SOLVED and row["sweeps"]]
-            axis.loglog([row["seconds"] for row in met], [row["residual"] for row in met], marker=marker, color=colour, markersize=5)
-            missed = [row["residual"] for row in of_problem if row["method"] == method and row["status"] != SOLVED][:1]
-            axis.loglog([edge] * len(missed), missed, marker=marker, color=colour, markerfacecolor="none", linestyle="none", markersize=7)
-        axis.set_title(f"{problem}\n{of_problem[0]['contacts']:.0f} contacts", fontsize=9)
+            (colour, marker), own = look[method], of_problem[of_problem.method == method]
+            met, missed = own[(own.status == SOLVED) & (own.sweeps > 0)], own[own.status != SOLVED][:1]
+            axis.loglog(met.seconds, met.residual, marker=marker, color=colour, markersize=5)
+            axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, markerfacecolor="none", linestyle="none",
+                        markersize=7)
+        axis.set_title(f"{problem}\n{of_problem.contacts.iloc[0]:.0f} contacts", fontsize=9)
         axis.set_xlabel("processor time [s]")
         axis.grid(True, which="major", linewidth=0.3)
     for axis in axes[:, 0]:
         axis.set_ylabel("error $e$")
-    for axis in list(axes.flat)[len(problems):]:
-        axis.set_visible(False)
-    handles = [plt.Line2D([], [], color=_look(name)[0], marker=_look(name)[1], label=name) for name in names]
-    handles.append(plt.Line2D([], [], color="#777777", marker="o", markerfacecolor="none", linestyle="none", label="given up at this error"))
-    spare = [axis for axis in axes.flat if not axis.get_visible()]
-    (spare or list(axes.flat))[0].legend(handles=handles, fontsize=8 if spare else 7, loc="upper left" if spare else "best")
-    for axis in spare[:1]:
-        axis.set_visible(True)
+    spare = list(axes.flat)[len(problems):]
+    for axis in spare:
         axis.axis("off")
+    handles = [plt.Line2D([], [], color=look[name][0], marker=look[name][1], label=name) for name in names]
+    handles.append(plt.Line2D([], [], color="#777777", marker="o", markerfacecolor="none", linestyle="none", label="given up at this error"))
+    (spare or list(axes.flat))[0].legend(handles=handles, fontsize=8 if spare else 7, loc="upper left" if spare else "best")
     fig.suptitle("Error, found by code that shares nothing with the solvers, against time", fontsize=10)
     return fig
 
 
 def sweep_cost(rows, origin):
     """Draw ns per contact against contacts, with what memory allows."""
-    rows = sorted(rows, key=lambda row: row["contacts"])
-    contacts = [row["contacts"] for row in rows]
-    sets = [name for name in origin["instruction_sets"] if rows[0].get(f"plain_{name}_ns")]
+    rows = rows.sort_values("contacts")
+    sets = [name for name in origin["instruction_sets"] if f"plain_{name}_ns" in rows]
     fig, axis = plt.subplots(figsize=(6.4, 4.4))
     for name, marker, colour in zip(sets, "osD", ("#0072B2", "#56B4E9", "#009E73")):
-        axis.loglog(contacts, [row[f"plain_{name}_ns"] for row in rows], marker=marker, color=colour, label=f"plain sweep, {name}")
-    axis.loglog(contacts, [row["accelerated_ns"] for row in rows], marker="^", color="#D55E00", label=f"accelerated sweep, {sets[0]}")
-    beside = [row for row in rows if row.get("siconos_ns")]
-    axis.loglog([row["contacts"] for row in beside], [row["siconos_ns"] for row in beside], marker="X", color="#000000", label="Siconos fc2d_nsgs")
+        axis.loglog(rows.contacts, rows[f"plain_{name}_ns"], marker=marker, color=colour, label=f"plain sweep, {name}")
+    axis.loglog(rows.contacts, rows.accelerated_ns, marker="^", color="#D55E00", label=f"accelerated sweep, {sets[0]}")
+    beside = rows.reindex(columns=["contacts", "siconos_ns"]).dropna()
+    axis.loglog(beside.contacts, beside.siconos_ns, marker="X", color="#000000", label="Siconos fc2d_nsgs")
+    largest = rows.iloc[-1]
     for kind, style_of_line in (("plain", ":"), ("accelerated", "--")):
-        axis.loglog(contacts, [row[f"bound_{kind}_ns"] for row in rows], linestyle=style_of_line, color="#777777",
-                    label=f"memory's bound, {kind} ({rows[-1][f'bytes_{kind}']:.0f} bytes, {rows[-1]['bandwidth_gb_per_s']:.0f} GB/s)")
-    axis.set_xlabel("contacts")
-    axis.set_ylabel("ns per contact and sweep")
+        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=style_of_line, color="#777777",
+                    label=f"memory's bound, {kind} ({largest[f'bytes_{kind}']:.0f} bytes, {largest.bandwidth_gb_per_s:.0f} GB/s)")
+    axis.set(xlabel="contacts", ylabel="ns per contact and sweep",
+             title="One sweep; below the bound: what fits a cache is not read from memory")
     axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
-    axis.set_title("One sweep; below the bound: what fits a cache is not read from memory")
     return fig
 
 
 def step_cost(rows, origin):
     """Draw ns per contact of a whole warm step against the number of disks, for Contact Dynamics and for the springs of the same packing."""
-    built = sorted((row for row in rows if row["order"] == "built"), key=lambda row: row["disks"])
+    built = rows[rows.order == "built"].sort_values("disks", kind="stable")
     fig, axis = plt.subplots(figsize=(6.4, 4.4))
     for tolerance, (colour, marker) in TARGET_LOOK.items():
-        ours = [row for row in built if row["tolerance"] == tolerance]
-        if ours:
-            axis.loglog([row["disks"] for row in ours], [row["ns_a_contact"] for row in ours], marker=marker, color=colour,
-                        label=f"Contact Dynamics to {tolerance:.0e}")
-    springs = [row for row in built if row["tolerance"] == built[0]["tolerance"]]
-    axis.loglog([row["disks"] for row in springs], [1e9 * row["seconds_of_springs"] / row["contacts"] for row in springs], marker="X", color="#000000",
-                label="YADE's springs")
-    axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"))
+        ours = built[built.tolerance == tolerance]
+        if len(ours):
+            axis.loglog(ours.disks, ours.ns_a_contact, marker=marker, color=colour, label=f"Contact Dynamics to {tolerance:.0e}")
+    springs = built[built.tolerance == built.tolerance.iloc[0]]
+    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker="X", color="#000000", label="YADE's springs")
+    axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"),
+             title="A whole step of a packing at rest, one thread")
     axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
-    axis.set_title("A whole step of a packing at rest, one thread")
     return fig
 
 
 def sweeps_against_size(rows, origin):
     """Draw the sweeps of plain Gauss-Seidel and of the default method to three errors, cold packings: medians, and the range of the seeds."""
-    rows = [row for row in rows if row["kind"] == "packing" and row["start"] == "cold"]
-    frictions, ours = sorted({row["mu"] for row in rows}), origin["default_method"]
-    if len({row["disks"] for row in rows}) < 2:
+    rows, ours = rows[(rows.kind == "packing") & (rows.start == "cold")], origin["default_method"]
+    rows = rows.assign(sweeps=rows.sweeps.clip(lower=1))
+    if rows.disks.nunique() < 2:
         return None  # one size makes no curve
+    frictions = rows.groupby("mu")
     fig, axes = plt.subplots(1, len(frictions), figsize=(3.9 * len(frictions) + 0.6, 4.1), squeeze=False, sharey=True)
-    for axis, mu in zip(axes[0], frictions):
+    for axis, (mu, of_friction) in zip(axes[0], frictions):
         for target, (colour, marker) in TARGET_LOOK.items():
             for method, line, face in ((REFERENCE, "--", "none"), (ours, "-", colour)):
-                of_method = [row for row in rows if (row["mu"], row["target"], row["method"]) == (mu, target, method)]
+                own = of_friction[(of_friction.target == target) & (of_friction.method == method)]
                 # A size where a seed was not solved has no median to show.
-                sizes = sorted({row["disks"] for row in of_method} - {row["disks"] for row in of_method if row["status"] != SOLVED})
-                made = [[max(1, row["sweeps"]) for row in of_method if row["disks"] == size] for size in sizes]
-                middle = [statistics.median(values) for values in made]
-                below, above = zip(*((m - min(v), max(v) - m) for m, v in zip(middle, made))) if made else ((), ())
-                axis.errorbar(sizes, middle, [below, above], color=colour, marker=marker, markerfacecolor=face, linestyle=line, linewidth=1,
-                              elinewidth=0.6, capsize=2)
-        axis.set_xscale("log")
-        axis.set_yscale("log")
-        axis.set_title(rf"$\mu$ = {mu:g}")
-        axis.set_xlabel("disks")
+                sizes = own[~own.disks.isin(own.disks[own.status != SOLVED])].groupby("disks").sweeps
+                middle = sizes.median()
+                axis.errorbar(middle.index, middle, [middle - sizes.min(), sizes.max() - middle], color=colour, marker=marker,
+                              markerfacecolor=face, linestyle=line, linewidth=1, elinewidth=0.6, capsize=2)
+        axis.set(xscale="log", yscale="log", title=rf"$\mu$ = {mu:g}", xlabel="disks")
         axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
     handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to 1e{round(math.log10(target))}")

@@ -17,7 +17,7 @@ class Cycles:
     """One array each, over the completed cycles.
 
     number: 1, 2, ... permanent: gamma at the end [1]; `start` is gamma at the beginning of the first. rate: change of gamma over the
-    cycle [1]. dissipated: energy over P0 V0 [1]. sliding_mean, sliding_max: share of the contacts at the Coulomb limit. contacts:
+    cycle [1]. dissipated: energy over P0 V0 [1]. sliding_max: largest share of the contacts at the Coulomb limit. contacts:
     2M/N at the end of the cycle, walls' contacts included.
     """
 
@@ -26,7 +26,6 @@ class Cycles:
     permanent: np.ndarray
     rate: np.ndarray
     dissipated: np.ndarray
-    sliding_mean: np.ndarray
     sliding_max: np.ndarray
     contacts: np.ndarray
 
@@ -59,21 +58,19 @@ def of(run):
     if len(at) < 2:
         return None
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
-    parts = [slice(first, last + 1) for first, last in zip(at[:-1], at[1:])]
     scale = observables.work_scale(run)
     return Cycles(
         number=np.arange(1, len(at)), start=float(gamma[0]), permanent=gamma[1:], rate=np.diff(gamma),
         dissipated=np.diff(run.values("dissipated_energy")[at]) / scale,
-        sliding_mean=np.array([sliding[part].mean() for part in parts]),
-        sliding_max=np.array([sliding[part].max() for part in parts]),
+        sliding_max=np.array([sliding[first:last + 1].max() for first, last in zip(at[:-1], at[1:])]),
         contacts=2 * run.values("contacts")[at[1:]] / run.parameters["disks"])
 
 
-def windows(count, growth=1.15):
-    """Return windows (first, last) of cycles that cover 1 .. count, each about `growth` times as late as the one before."""
+def windows(count):
+    """Return windows (first, last) of cycles that cover 1 .. count, each about 1.15 times as late as the one before."""
     found, first = [], 1
     while first <= count:
-        last = min(count, max(first, round(first * growth)))
+        last = min(count, max(first, round(first * 1.15)))
         found.append((first, last))
         first = last + 1
     return found

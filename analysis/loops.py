@@ -47,8 +47,7 @@ def grouped(runs, key):
     return groups
 
 
-def draw_spread(axes, x, rows, name, factor=1.0, **style):
-    """Draw the quantity of the rows against x with the range over the packings, on `axes`; `factor` multiplies the values."""
-    middle = factor * np.array([row[name] for row in rows])
-    low, high = (np.array([row[f"{name}_{end}"] for row in rows]) * factor for end in ("low", "high"))
+def draw_spread(axes, x, rows, name, **style):
+    """Draw the quantity of the rows against x with the range over the packings, on `axes`."""
+    middle, low, high = (np.array([row[column] for row in rows]) for column in (name, f"{name}_low", f"{name}_high"))
     axes.errorbar(x, middle, yerr=[np.maximum(middle - low, 0), np.maximum(high - middle, 0)], capsize=2, **style)

@@ -69,14 +69,14 @@ def start_volume(run):
     return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
 
 
-def wall_work(run, part=slice(None)):
-    """Return the work [J] of the walls on the sample over the samples `part`, from stress and strain alone.
+def wall_work(run):
+    """Return the work [J] of the walls on the sample, from stress and strain alone.
 
     -sigma1 dL_x L_y - sigma2 dL_y L_x, times depth, by the trapezoidal rule.
     """
-    strain1, strain2 = run.values("strain1")[part], run.values("strain2")[part]
-    power1 = integral(run.values("sigma1")[part] * (1 + strain2), strain1)
-    power2 = integral(run.values("sigma2")[part] * (1 + strain1), strain2)
+    strain1, strain2 = run.values("strain1"), run.values("strain2")
+    power1 = integral(run.values("sigma1") * (1 + strain2), strain1)
+    power2 = integral(run.values("sigma2") * (1 + strain1), strain2)
     return -(power1 + power2) * start_volume(run)
 
 
@@ -85,9 +85,9 @@ def integral(y, x):
     return np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2)
 
 
-def change(run, name, part=slice(None)):
-    """Return the last minus the first value of a history field over the samples `part`: of an energy [J], what the cycle added."""
-    values = run.values(name)[part]
+def change(run, name):
+    """Return the last minus the first value of a history field: of an energy [J], what the run added."""
+    values = run.values(name)
     return values[-1] - values[0]
 
 

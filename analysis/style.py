@@ -51,8 +51,8 @@ def source(runs):
     """Return where a figure comes from: number of runs and packings, commit, YADE, and the solver's tolerance with the share of steps that missed it."""
     commits = sorted({run.attributes["git_commit"] for run in runs})
     states = len({run.attributes["state_sha256"] for run in runs} - {""})
-    code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
-    return (f"{len(runs)} runs" + (f" from {states} packing{'s' * (states > 1)}" if states else "") + f", {code}, YADE {runs[0].attributes['yade_version']}"
+    return (f"{len(runs)} runs" + (f" from {states} packing{'s' * (states > 1)}" if states else "")
+            + f", {provenance.words(commits)}, YADE {runs[0].attributes['yade_version']}"
             + _solved([run for run in runs if run.method == "CD"]))
 
 
@@ -85,11 +85,11 @@ def _mend_logarithms(fig):
                 axis.set_minor_locator(NullLocator())
 
 
-def number(value, digits=3):
+def number(value):
     """Return a number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
     if not math.isfinite(value) or value == 0:
         return str(value)
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    mantissa, exponent = f"{value:.2e}".split("e")
     if -2 <= int(exponent) < 4:
         return f"{float(f'{mantissa}e{exponent}'):g}"
     return rf"${mantissa}\times10^{{{int(exponent)}}}$"

@@ -166,7 +166,7 @@ def published_table(folder):
     """The table from which `recommend` answers."""
     from yade_scripts.results import reader
     from analysis.charts import table as rows
-    from tests.analysis.test_charts import rows as made_up
+    from tests.analysis.test_charts import series as made_up
     from analysis import publish
     path = folder / "work_precision.csv"
     publish.write_table(path, made_up("MD step", [1e-1, 1e-2]))

@@ -118,7 +118,7 @@ def run_in_yade(folder):
             moved[0] = max(moved[0], max(b.state.vel.norm() * O.dt / b.shape.radius for b in disks))
         seconds = timing.run(scene, full, hooks.runner(look, iterPeriod=max(1, scene.every * scene.samples // 20), initRun=True))
         look()  # the last step, too
-        engine = timing.contact_dynamics()
+        engine = hooks.engine("ContactDynamics")
         values = {known.name: known.measure() / known.scale for known in scene.known}
         if not values:
             values = {f"strain{k}": now / before - 1 for k, (now, before) in enumerate(zip(walls.sides(), sides), 1)}

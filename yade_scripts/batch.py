@@ -79,7 +79,6 @@ def work_off(jobs, at_once, ended=lambda path: None):
 
 @commands.command("batch")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
     commands.add_jobs(parser)

@@ -17,22 +17,18 @@ def parser(doc, **more):
 
 
 def add_row(options):
-    """Add name=value arguments."""
     options.add_argument("row", nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters")
 
 
 def add_results(options):
-    """Add the option --results."""
     options.add_argument("--results", metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)")
 
 
 def add_jobs(options):
-    """Add the option --jobs."""
     options.add_argument("--jobs", type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")
 
 
 def add_extent(options):
-    """Add the options --quick and --full."""
     extent = options.add_mutually_exclusive_group()
     extent.add_argument("--quick", action="store_true", help="a first version, minutes (default)")
     extent.add_argument("--full", action="store_true", help="the real one, hours; it can be stopped and started again")

@@ -276,6 +276,18 @@ def pressure(full):
     return full["pressure_ratio"] * full["kn"] / full["depth"]
 
 
+def disks_area(full):
+    """Return the expected area of all disks [m^2], their radii uniform within radius_mean (1 +- radius_spread)."""
+    return full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
+
+
+def steps(full, largest):
+    """Return (number of steps between two samples, step [s]): the longest step up to `largest` [s] with samples on whole steps."""
+    interval = full["period"] / full["records_per_cycle"]
+    every = math.ceil(interval / largest * (1 - 1e-12))
+    return every, interval / every
+
+
 def restitution(full):
     """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2))."""
     if full["method"] == "CD":

@@ -21,7 +21,6 @@ FOLDER = "charts"  # below the folder of the studies' figures
 
 
 def module(name):
-    """Return the module of a chart."""
     return importlib.import_module(f"{__name__}.{name}")
 
 
@@ -34,7 +33,7 @@ def publish_all(results, folder, full):
         settings, origin = table.measured(results, full)
         for name in ORDER[:-1]:
             rows = module(name).rows(settings)
-            if rows:
+            if len(rows):
                 _publish(name, rows, folder, origin)
             else:
                 left[name] = "no scene was measured by both methods or at several sizes"
@@ -64,6 +63,4 @@ def origin_of(facts, full):
 
 def source(origin):
     """Return the same as a line for a caption."""
-    commits = origin["commits"]
-    code = f"commit {provenance.short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"
-    return f"{origin['measured']} measurements, {code}, {origin['processor']}"
+    return f"{origin['measured']} measurements, {provenance.words(origin['commits'])}, {origin['processor']}"

@@ -2,6 +2,8 @@
 
 import math
 
+import pandas
+
 from analysis import style
 from analysis.charts import choice, table
 from analysis.style import plt
@@ -20,7 +22,6 @@ LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table."""
     reached = table[(table.accuracy == 1e-2) & table.seconds.notna() & table.kind.isin(["piles at rest", "impacts", "sliding and rolling"])]
     md, cd = (reached[reached.method == method].set_index("kind").seconds for method in ("MD", "CD"))
     return {"12": (md / cd).min(), "32": (md / cd).max()}
@@ -29,35 +30,32 @@ def numbers(table):
 def rows(measured):
     """Return one row a kind, method and accuracy: the geometric mean over the kind's scenes of the time of the cheapest setting; none where a scene has none."""
     found, own = [], table.one_size(measured)
-    for kind in dict.fromkeys(row["kind"] for row in own):
-        for method in ("MD", "CD"):
-            scenes = {}
-            for row in own:
-                if (row["kind"], row["method"]) == (kind, method):
-                    scenes.setdefault(row["scene"], []).append(row)
-            for level in LEVELS if scenes else ():
-                best = [choice.cheapest(several, level) for several in scenes.values()]
-                solved = [row["seconds"] for row in best if row]
+    for kind, of_kind in own.groupby("kind", sort=False):
+        for method, of_method in of_kind.groupby("method", sort=False):
+            scenes = of_method.groupby("scene", sort=False)
+            for level in LEVELS:
+                best = [choice.cheapest(several, level) for _, several in scenes]
+                solved = [row.seconds for row in best if row is not None]
                 found.append({"kind": kind, "method": method, "accuracy": level, "scenes": len(scenes), "solved": len(solved),
                               "seconds": math.exp(sum(map(math.log, solved)) / len(solved)) if solved else None})
-    return found
+    return pandas.DataFrame(found)
 
 
 def draw(rows, folder, line):
     """Return a panel a kind; hollow where some of its scenes are not solved."""
-    kinds = list(dict.fromkeys(row["kind"] for row in rows))
+    kinds = rows.groupby("kind", sort=False)
     fig, panels = plt.subplots(2, math.ceil(len(kinds) / 2), figsize=(8.4, 5.6), sharex=True, sharey=True, squeeze=False)
-    for axes, kind in zip(panels.flat, kinds):
+    for axes, (kind, of_kind) in zip(panels.flat, kinds):
         for method, colour in style.COLOUR.items():
-            own = [row for row in rows if (row["kind"], row["method"]) == (kind, method) and row["seconds"]]
-            whole = [row for row in own if row["solved"] == row["scenes"]]
-            axes.loglog([row["accuracy"] for row in whole], [row["seconds"] for row in whole], color=colour, marker=style.MARKER[method], label=method)
-            for row in own:
-                if row not in whole:
-                    axes.plot(row["accuracy"], row["seconds"], style.MARKER[method], color=colour, markerfacecolor="white")
-                    axes.annotate(f"{row['solved']} of {row['scenes']}", (row["accuracy"], row["seconds"]), (0, 6), textcoords="offset points", fontsize=6.5, ha="center")
-        count = max(row["scenes"] for row in rows if row["kind"] == kind)
-        axes.set_title(f"{kind} ({count} scene{'s' * (count > 1)})")
+            own = of_kind[(of_kind.method == method) & of_kind.seconds.notna()]
+            whole = own[own.solved == own.scenes]
+            axes.loglog(whole.accuracy, whole.seconds, color=colour, marker=style.MARKER[method], label=method)
+            for row in own[own.solved < own.scenes].itertuples():
+                axes.plot(row.accuracy, row.seconds, style.MARKER[method], color=colour, markerfacecolor="white")
+                axes.annotate(f"{row.solved} of {row.scenes}", (row.accuracy, row.seconds), (0, 6), textcoords="offset points",
+                              fontsize=6.5, ha="center")
+        count = of_kind.scenes.max()
+        axes.set_title(f"{kind} ({count} scene{'s' if count > 1 else ''})")
         axes.grid(alpha=0.25, linewidth=0.5)
     for axes in panels.flat[len(kinds):]:
         axes.axis("off")

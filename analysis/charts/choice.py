@@ -7,51 +7,42 @@ fine: there the neighbours have to reach the accuracy as well.
 
 import math
 
+import numpy as np
+
 from analysis.charts import table
 
 NO_LADDER = ("MD damping",)
 
 
-def reaches(row, series, accuracy):
-    """Tell whether a row of `series` (its rows from coarse to fine) can be relied on to be within `accuracy`."""
-    if not _within(row, accuracy):
-        return False
-    place = series.index(row)
-    others = series[max(0, place - 1):place + 2] if row["series"] in NO_LADDER else series[place:]
-    return all(_within(other, accuracy) for other in others if not _out_of_time(other))
-
-
-def _within(row, accuracy):
-    return not row["status"] and row["error"] is not None and row["error"] <= accuracy
-
-
-def _out_of_time(row):
-    return "took more than" in row["status"]
+def reaches(own, accuracy):
+    """Return the mask of the rows of a series, from coarse to fine, that can be relied on to be within `accuracy`."""
+    within = (own.status == "") & (own.error <= accuracy)
+    agrees = within | own.status.str.contains("took more than")
+    if own.series.iloc[0] in NO_LADDER:
+        return within & agrees.shift(1, fill_value=True) & agrees.shift(-1, fill_value=True)
+    return within & np.logical_and.accumulate(agrees.to_numpy()[::-1])[::-1]
 
 
 def reliable(rows, accuracy):
     """Return the rows of one scene and size that reach the accuracy."""
-    return [row for own in table.by_series(rows).values() for row in own if reaches(row, own, accuracy)]
+    return rows.loc[[index for _, own in table.by_series(rows) for index in own.index[reaches(own, accuracy)]]]
 
 
 def cheapest(rows, accuracy):
     """Return the fastest of them, or None."""
-    return min(reliable(rows, accuracy), key=lambda row: row["seconds"], default=None)
+    found = reliable(rows, accuracy)
+    return found.loc[found.seconds.idxmin()] if len(found) else None
 
 
 def finer(row, rows):
     """Return how many finer settings of its series confirm a row."""
-    return sum(other["series"] == row["series"] and other["rank"] > row["rank"] and not other["status"] for other in rows)
+    return ((rows.series == row.series) & (rows["rank"] > row["rank"]) & (rows.status == "")).sum()
 
 
-def best_error(rows):
-    """Return the smallest accuracy that any setting reaches, and that setting; (inf, None) if none has finished."""
-    found = (math.inf, None)
-    for own in table.by_series(rows).values():
-        for row in own:
-            if row["error"] is not None and row["error"] < found[0] and reaches(row, own, row["error"] * (1 + 1e-12)):
-                found = (row["error"], row)
-    return found
+def best(rows):
+    """Return the row with the smallest error that can be relied on; None if none has finished."""
+    found = [row for _, own in table.by_series(rows) for index, row in own.iterrows() if reaches(own, row.error * (1 + 1e-12))[index]]
+    return min(found, key=lambda row: row.error, default=None)
 
 
 def of_kind(rows, accuracy):
@@ -60,16 +51,11 @@ def of_kind(rows, accuracy):
     One setting for all: the one that solves most scenes, then the fastest by the geometric mean. Settings are the same where series and rank
     are: time steps of CD are relative to what a scene has of its own.
     """
-    scenes = {}
-    for row in rows:
-        scenes.setdefault(row["scene"], []).append(row)
-    solved = {}
-    for own in scenes.values():
-        for row in reliable(own, accuracy):
-            solved.setdefault((row["method"], row["series"], row["rank"]), []).append(row)
+    solved = rows.loc[[index for _, own in rows.groupby("scene", sort=False) for index in reliable(own, accuracy).index]]
     found = {}
-    for (method, series, _), own in solved.items():
-        rank = (-len(own), math.prod(row["seconds"] for row in own)**(1 / len(own)))
-        if method not in found or rank < found[method][0]:
-            found[method] = (rank, series, own)
-    return {method: (series, own, [scene for scene in scenes if scene not in {row["scene"] for row in own}]) for method, (_, series, own) in found.items()}
+    for (method, series, _), own in solved.groupby(["method", "series", "rank"], sort=False):
+        place = (-len(own), math.prod(own.seconds)**(1 / len(own)))
+        if method not in found or place < found[method][0]:
+            found[method] = (place, series, own)
+    return {method: (series, own, [scene for scene in rows.scene.unique() if scene not in set(own.scene)])
+            for method, (_, series, own) in found.items()}

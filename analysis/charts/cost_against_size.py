@@ -1,6 +1,7 @@
 """Time of computing against the number of disks, at a fixed accuracy, for both methods."""
 
 import numpy as np
+import pandas
 
 from analysis import style
 from analysis.charts import choice, table
@@ -19,7 +20,6 @@ LOOK = {"MD step": (style.COLOUR["MD"], "o"), "CD accelerated": (style.COLOUR["C
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table."""
     seconds = table.set_index(["scene", "series", "disks"]).seconds.astype(float)
     return {"0.49": seconds["loaded_box", "CD accelerated", 6400], "0.99": seconds["loaded_box", "MD step", 6400],
             "1.3": seconds["elastic_step", "CD accelerated", 960], "2.3": seconds["elastic_step", "MD step", 960]}
@@ -28,31 +28,31 @@ def numbers(table):
 def rows(measured):
     """Return one row a scene, series and size: the cheapest setting that reaches LEVEL."""
     found = []
-    for scene, size in sorted({(row["scene"], row["size"]) for row in measured if row["size"]}):
-        for series, members in table.by_series([row for row in measured if (row["scene"], row["size"]) == (scene, size)]).items():
-            best = choice.cheapest(members, LEVEL)
-            errors = [row["error"] for row in members if not row["status"]]
-            found.append({"status": "" if best else f"smallest error {min(errors):.2g}" if errors else members[0]["status"], "scene": scene, "series": series,
-                          "accuracy": LEVEL, "disks": size} | {name: best[name] if best else None for name in ("setting", "error", "seconds", "steps", "sweeps")})
-    return found
+    for (scene, size), own in measured[measured["size"] > 0].groupby(["scene", "size"]):
+        for series, members in table.by_series(own):
+            best, finished = choice.cheapest(members, LEVEL), members[members.status == ""]
+            why = f"smallest error {finished.error.min():.2g}" if len(finished) else members.status.iloc[0]
+            found.append({"status": why if best is None else "", "scene": scene, "series": series, "accuracy": LEVEL, "disks": size}
+                         | {name: None if best is None else best[name] for name in ("setting", "error", "seconds", "steps", "sweeps")})
+    return pandas.DataFrame(found)
 
 
 def power(found):
     """Return the exponent of the time in the number of disks, fitted over the larger half of the sizes; NaN of fewer than two."""
-    points = sorted((row["disks"], row["seconds"]) for row in found if row["seconds"])
+    points = found.dropna(subset=["seconds"]).sort_values("disks")[["disks", "seconds"]].to_numpy()
     points = points[len(points) // 2 - 1:] if len(points) > 3 else points
     return float(np.polyfit(*np.log(points).T, 1)[0]) if len(points) > 1 else float("nan")
 
 
 def draw(rows, folder, line):
     """Return a panel a scene."""
-    names = list(dict.fromkeys(row["scene"] for row in rows))
-    fig, panels = plt.subplots(1, len(names), figsize=(1 + 2.7 * len(names), 3.6), squeeze=False)
-    for axes, scene in zip(panels[0], names):
+    of_scenes = rows.groupby("scene", sort=False)
+    fig, panels = plt.subplots(1, len(of_scenes), figsize=(1 + 2.7 * len(of_scenes), 3.6), squeeze=False)
+    for axes, (scene, own) in zip(panels[0], of_scenes):
         for series, (colour, marker) in LOOK.items():
-            solved = [row for row in rows if (row["scene"], row["series"]) == (scene, series) and row["seconds"]]
-            if solved:
-                axes.loglog([row["disks"] for row in solved], [row["seconds"] for row in solved], color=colour, marker=marker, markersize=4,
+            solved = own[(own.series == series) & own.seconds.notna()]
+            if len(solved):
+                axes.loglog(solved.disks, solved.seconds, color=colour, marker=marker, markersize=4,
                             label=f"{series}, $N^{{{power(solved):.2g}}}$")
         axes.set_title(scenes.module(scene).TITLE, fontsize=9)
         axes.set_xlabel("disks $N$")

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas
+
 from analysis import charts, publish, style
 from analysis.style import plt
 from yade_scripts.measuring import maps
@@ -23,15 +25,10 @@ GIVEN = ("1", "2", "4", "1.5", "1e-5")
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table of boundaries."""
-    found = table[(table["from"] == "instability") & table.theory.notna()]
-    off = (found.boundary.astype(float) / found.theory - 1).abs() * 100
-    return {"0.1": off[found["map"] == "md_contact"].max(), "0.2": _first_failures(table, "md_packing")}
-
-
-def _first_failures(table, name):
-    found = table[(table["map"] == name) & table.theory.notna()]
-    return (100 * (found.boundary.astype(float) / found.theory - 1).abs()).max()
+    found = table[table.theory.notna()]
+    off = 100 * (found.boundary.astype(float) / found.theory - 1).abs()
+    return {"0.1": off[(found["map"] == "md_contact") & (found["from"] == "instability")].max(),
+            "0.2": off[found["map"] == "md_packing"].max()}
 
 
 MARKERS = {STABLE: ".", INACCURATE: "^", UNSTABLE: "X", NOT_SOLVED: "s"}
@@ -51,22 +48,18 @@ def descriptions():
 
 @dataclass
 class Found:
-    """A map with what was probed of it: rows of the cells, cases without one, [(Search, Boundary, row of its bad side)], facts of all that was kept."""
+    """A map with what was probed of it: cells, cases without one, [(Search, Boundary, what the program told, theory)], facts of all."""
     name: str
     map: maps.Map
-    rows: list
+    rows: pandas.DataFrame
     missing: list
     boundaries: list
     facts: list
 
 
-class _Missing(Exception):
-    pass
-
-
 def measured(results, full):
     """Return (Found of every map that was probed, where they come from); ResultError if none was."""
-    several = [found for found in (collect(name, results, full) for name in maps.names()) if found.rows]
+    several = [found for found in (collect(name, results, full) for name in maps.names()) if len(found.rows)]
     if not several:
         raise ResultError(Path(results) / maps.FOLDER, "no case has been probed", "run `make charts`")
     return several, charts.origin_of([one for found in several for one in found.facts], full)
@@ -74,50 +67,47 @@ def measured(results, full):
 
 def collect(name, results, full):
     """Return the Found of a map, of the quick or the full grid."""
-    chart, work, facts = maps.get(name), maps.Work(name, full, results), []
-
-    def row_of(case):
-        kept = work.find(case)
-        if kept is None:
-            return None
-        facts.append(kept)
-        return kept["case"] | {name: kept[name] for name in ("verdict", "reason", "told")} | {name: kept["measures"].get(name, math.nan) for name in chart.measures}
+    chart, work, facts, rows, missing, boundaries = maps.get(name), maps.Work(name, full, results), [], [], [], []
 
     def outcome(case):
-        row = row_of(case)
-        if row is None:
-            raise _Missing
-        return maps.Outcome(row["verdict"], row["reason"], row["told"])
+        kept = work.find(case)
+        if kept is None:
+            raise LookupError(f"{case} was not probed")
+        facts.append(kept)
+        return maps.outcome(kept)
 
-    cells = [(case, row_of(case)) for case in chart.grid(full)]
-    found = Found(name, chart, [row for _, row in cells if row], [case for case, row in cells if not row], [], facts)
+    def theory(line, bad):
+        if chart.theory_along != line.along:
+            return math.nan
+        return chart.theory(line.at) if chart.theory else bad.measures.get("theory", math.nan)
+
+    for case in chart.grid(full):
+        try:
+            found = outcome(case)
+            rows.append(case | {"verdict": found.verdict, "reason": found.reason, "told": found.told}
+                        | {name: found.measures.get(name, math.nan) for name in chart.measures})
+        except LookupError:
+            missing.append(case)
     for line in chart.searches(full):
         try:
             boundary = maps.bisect(line, outcome)
-            found.boundaries.append((line, boundary, row_of(line.case(boundary.bad))))
-        except _Missing:
-            found.missing.append(line.at | {line.along: "searched"})
-    return found
-
-
-def theory(found, line, row):
-    """Return where theory puts the boundary of a search, NaN if it does not."""
-    if found.map.theory_along != line.along:
-        return math.nan
-    if "theory" in found.map.measures:
-        return row["theory"]
-    return found.map.theory(line.at) if found.map.theory else math.nan
+            bad = outcome(line.case(boundary.bad))
+        except LookupError:
+            missing.append(line.at | {line.along: "searched"})
+        else:
+            boundaries.append((line, boundary, bad.told, theory(line, bad)))
+    return Found(name, chart, pandas.DataFrame(rows), missing, boundaries, facts)
 
 
 def boundaries(several):
     """Return the table of boundaries: one row a search."""
     rows = []
     for found in several:
-        for line, boundary, row in found.boundaries:
+        for line, boundary, told, theory in found.boundaries:
             rows.append({publish.STATUS: "", "map": found.name, "at": " ".join(f"{name}={value}" for name, value in line.at.items()), "along": line.along,
                          "from": "instability" if len(line.accepted) > 1 else "first failure", "boundary": boundary.note or boundary.value,
-                         "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory(found, line, row),
-                         "told": row["told"] if boundary.reason else ""})
+                         "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory,
+                         "told": told if boundary.reason else ""})
         rows += [{publish.STATUS: "not run yet", "map": found.name, "at": " ".join(f"{name}={value}" for name, value in case.items())} for case in found.missing]
     return rows
 
@@ -135,7 +125,7 @@ def draw(several, folder, line):
 def _draw(found, path, line):
     """Write the figure of one map."""
     chart = found.map
-    panels = list(dict.fromkeys(row[chart.panels] for row in found.rows)) if chart.panels else [None]
+    panels = list(found.rows[chart.panels].unique()) if chart.panels else [None]
     columns = min(len(panels), MOST_COLUMNS)
     lines = -(-len(panels) // columns)
     width, height = 3.0 + 3.3 * columns, HEIGHT + 3.3 * (lines - 1)
@@ -145,7 +135,7 @@ def _draw(found, path, line):
     for number in range(len(panels)):
         axes.append(fig.add_subplot(grid[divmod(number, columns)], sharex=axes[0] if axes else None, sharey=axes[0] if axes else None))
     for axis, panel in zip(axes, panels):
-        _cells(axis, found, panel)
+        _cells(axis, chart, found.rows if panel is None else found.rows[found.rows[chart.panels] == panel])
         _boundaries(axis, found, panel)
         for words, value in chart.marks.items():
             axis.axvline(value, color="k", lw=0.6, ls=":")
@@ -169,23 +159,20 @@ def _title(name):
 def _scale(axis, found):
     """Use a logarithmic axis where the values are positive and span more than a decade."""
     for name, scale in ((found.map.x.name, axis.set_xscale), (found.map.y.name, axis.set_yscale)):
-        values = [row[name] for row in found.rows]
-        if min(values) > 0 and max(values) > 10 * min(values):
+        values = found.rows[name]
+        if values.min() > 0 and values.max() > 10 * values.min():
             scale("log")
 
 
-def _cells(axis, found, panel):
+def _cells(axis, chart, rows):
     """Draw the markers; a ring around a failure that the program says nothing of."""
-    chart, kinds = found.map, {}
-    for row in found.rows:
-        if panel is None or row[chart.panels] == panel:
-            kinds.setdefault((row["verdict"], row["reason"]), []).append(row)
-    for (verdict, reason), rows in sorted(kinds.items(), key=lambda item: list(MARKERS).index(item[0][0])):
-        axis.plot([row[chart.x.name] for row in rows], [row[chart.y.name] for row in rows], MARKERS[verdict], color=COLOURS[reason], ls="",
+    kinds = rows.groupby(["verdict", "reason"], sort=False)
+    for (verdict, reason), own in sorted(kinds, key=lambda kind: list(MARKERS).index(kind[0][0])):
+        axis.plot(own[chart.x.name], own[chart.y.name], MARKERS[verdict], color=COLOURS[reason], ls="",
                   ms=5 if verdict == STABLE else 6.5, mew=0, label=verdict + (f": {reason}" if reason else ""))
-    silent = [row for rows in kinds.values() for row in rows if row["verdict"] != STABLE and not row["told"]]
-    if silent:
-        axis.plot([row[chart.x.name] for row in silent], [row[chart.y.name] for row in silent], "o", mfc="none", mec="k", mew=0.7, ms=11, ls="",
+    silent = rows[(rows.verdict != STABLE) & (rows.told == "")]
+    if len(silent):
+        axis.plot(silent[chart.x.name], silent[chart.y.name], "o", mfc="none", mec="k", mew=0.7, ms=11, ls="",
                   label="the program says nothing")
 
 
@@ -193,11 +180,10 @@ def _boundaries(axis, found, panel):
     """Draw what was searched as full lines and what theory says as dashed ones."""
     chart, groups = found.map, {}
     fixed = {chart.x.name, chart.y.name, chart.panels}
-    for line, boundary, row in found.boundaries:
-        if panel is not None and line.at.get(chart.panels) != panel:
-            continue
-        other = tuple(value for name, value in line.at.items() if name not in fixed)
-        groups.setdefault((line.accepted, line.along, other), []).append((line, boundary, row))
+    for line, boundary, _, theory in found.boundaries:
+        if panel is None or line.at.get(chart.panels) == panel:
+            other = tuple(value for name, value in line.at.items() if name not in fixed)
+            groups.setdefault((line.accepted, line.along, other), []).append((line, boundary, theory))
     drawn_theory = set()
     first = next((key[2] for key in groups), ())
     for number, ((accepted, along, other), several) in enumerate(groups.items()):
@@ -207,15 +193,17 @@ def _boundaries(axis, found, panel):
         words += "" if other == first else f" ({', '.join(map(str, other))})"
         if points:
             axis.plot(*_ordered(points, along == chart.x.name), color="k", lw=1.1, ls=LINES[number % len(LINES)], marker="+x1234"[number % 6], ms=6, label=words)
-        expected = [(value, line.at[across]) for line, _, row in several if row is not None and math.isfinite(value := theory(found, line, row))]
+        expected = [(theory, line.at[across]) for line, _, theory in several if math.isfinite(theory)]
         if expected and along not in drawn_theory:
             drawn_theory.add(along)
-            axis.plot(*_ordered(expected, along == chart.x.name), color="#009E73", lw=3, alpha=0.5, ls="--", marker="_" if len(expected) == 1 else "", ms=14, label=f"theory: {chart.theory_label}")
+            axis.plot(*_ordered(expected, along == chart.x.name), color="#009E73", lw=3, alpha=0.5, ls="--",
+                      marker="_" if len(expected) == 1 else "", ms=14, label=f"theory: {chart.theory_label}")
 
 
 def _ordered(points, along_x):
-    points = sorted(points, key=lambda point: point[1])
-    return ([a for a, _ in points], [b for _, b in points]) if along_x else ([b for _, b in points], [a for a, _ in points])
+    """Return (x, y) of points (value, place across), in the order of their places."""
+    values, across = zip(*sorted(points, key=lambda point: point[1]))
+    return (values, across) if along_x else (across, values)
 
 
 def _legend(aside, axes):

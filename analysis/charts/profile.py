@@ -4,6 +4,7 @@ accuracy within a factor of the fastest."""
 import math
 
 import numpy as np
+import pandas
 
 from analysis import style
 from analysis.charts import choice, table
@@ -24,7 +25,6 @@ SHOWN = {BEST["MD"]: (style.COLOUR["MD"], "-", 2.4), "MD step": ("#56B4E9", "-",
 
 
 def numbers(table):
-    """Return the numbers of the text, from the table."""
     solved = table[table.seconds.notna()]
     own = {(method, level): solved[(solved.series == BEST[method]) & (solved.accuracy == level)].set_index("scene").factor.astype(float)
            for method in BEST for level in (1e-2, 1e-4, 1e-6)}
@@ -35,33 +35,30 @@ def numbers(table):
 
 def rows(measured):
     """Return one row a scene, accuracy and series: its time over that of the fastest series; status tells where none of its settings comes so far."""
-    found, measured = [], table.one_size(measured)
-    for scene in dict.fromkeys(row["scene"] for row in measured):
-        own = [row for row in measured if row["scene"] == scene]
-        if {row["method"] for row in own} == set(BEST):
-            for level in table.LEVELS:
-                found += _factors(scene, own, level)
-    return found
+    return pandas.DataFrame([row for scene, own in table.one_size(measured).groupby("scene", sort=False) if set(own.method) == set(BEST)
+                             for level in table.LEVELS for row in _factors(scene, own, level)])
 
 
 def _factors(scene, rows, level):
-    times = {series: choice.cheapest(own, level) for series, own in table.by_series(rows).items()}
-    times |= {BEST[method]: choice.cheapest([row for row in rows if row["method"] == method], level) for method in BEST}
-    fastest = min((row["seconds"] for row in times.values() if row), default=math.nan)
-    return [{"status": "" if row else "does not reach the accuracy", "scene": scene, "accuracy": level, "series": series, "setting": row["setting"] if row else "",
-             "seconds": row["seconds"] if row else None, "factor": row["seconds"] / fastest if row else None} for series, row in times.items()]
+    times = {series: choice.cheapest(own, level) for series, own in table.by_series(rows)}
+    times |= {BEST[method]: choice.cheapest(rows[rows.method == method], level) for method in BEST}
+    fastest = min((row.seconds for row in times.values() if row is not None), default=math.nan)
+    for series, row in times.items():
+        own = {"setting": "", "seconds": None, "factor": None} if row is None else {
+            "setting": row.setting, "seconds": row.seconds, "factor": row.seconds / fastest}
+        yield {"status": "does not reach the accuracy" if row is None else "", "scene": scene, "accuracy": level, "series": series} | own
 
 
 def share(found, series, level):
     """Return (factors in rising order, share of the scenes solved within each)."""
-    solved = sorted(row["factor"] for row in found if row["series"] == series and row["accuracy"] == level and row["factor"])
-    return np.array(solved), np.arange(1, len(solved) + 1) / max(1, len({row["scene"] for row in found}))
+    solved = found.factor[(found.series == series) & (found.accuracy == level)].dropna().sort_values()
+    return solved.to_numpy(), np.arange(1, len(solved) + 1) / found.scene.nunique()
 
 
 def draw(rows, folder, line):
     """Return a panel an accuracy."""
     fig, panels = plt.subplots(1, len(table.LEVELS), figsize=(9.4, 3.4), sharey=True)
-    last = 2 * max((row["factor"] for row in rows if row["factor"]), default=10)
+    last = 2 * rows.factor.max() if rows.factor.notna().any() else 20
     for axes, level in zip(panels, table.LEVELS):
         for series, (colour, dashes, width) in SHOWN.items():
             x, y = share(rows, series, level)
@@ -72,5 +69,6 @@ def draw(rows, folder, line):
     panels[0].set_ylabel("share of scenes solved")
     handles = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels())}
     panels[-1].legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
-    style.finish(fig, folder / "profile.png", f"{len({row['scene'] for row in rows})} scenes that both methods run; higher and further left is better.", line)
+    style.finish(fig, folder / "profile.png",
+                 f"{rows.scene.nunique()} scenes that both methods run; higher and further left is better.", line)
     return {"profile.png": TITLE}

@@ -1,8 +1,8 @@
-"""The measured settings as rows.
+"""The measured settings as a pandas table.
 
 A row: name (of its measurement), status (empty if finished), scene, kind, size (disks where that is varied, else 0), method, series, rank in it
 (0 the coarsest), setting, arguments (of yade_scripts/run.py), error, worst (the known quantity that has it), seconds (median of the repeats),
-fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are None.
+fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are NaN.
 """
 
 import statistics
@@ -17,22 +17,21 @@ from yade_scripts.measuring import store
 from yade_scripts.results.reader import ResultError
 from yade_scripts.results.schema import STATUS_FINISHED, relative_error
 
+COLUMNS = ["status", "scene", "kind", "size", "method", "series", "rank", "setting", "arguments", "error", "seconds", "fastest", "slowest",
+           "steps", "sweeps", "unconverged_steps", "disks", "worst"]
 LEVELS = (1e-2, 1e-4, 1e-6)  # accuracies that the charts look at
 PUBLISHED = Path(charts.__file__).resolve().parents[1] / "published" / charts.FOLDER / "work_precision.csv"
 
 
 def measured(results, full):
-    """Return (rows of all scenes, where they come from); ResultError where nothing was measured."""
-    rows, facts, folder = [], [], Path(results) / settings.FOLDER
-    for scene in settings.names():
-        for setting in settings.settings(scene, full):
-            found = store.get(folder, setting.name)
-            if found:
-                facts.append(found)
-                rows.append(_row(setting, found))
-    if not rows:
+    """Return (the table of all scenes, where it comes from); ResultError where nothing was measured."""
+    folder = Path(results) / settings.FOLDER
+    found = [(setting, facts) for scene in settings.names() for setting in settings.settings(scene, full)
+             if (facts := store.get(folder, setting.name))]
+    if not found:
         raise ResultError(folder, "holds no measured setting", "measure some: make charts")
-    return rows, charts.origin_of(facts, full)
+    rows = pandas.DataFrame([_row(*one) for one in found]).astype({"error": float, "seconds": float})
+    return rows, charts.origin_of([facts for _, facts in found], full)
 
 
 def _row(setting, found):
@@ -49,25 +48,19 @@ def _row(setting, found):
 
 
 def from_csv(path):
-    """Return the rows of a published table."""
+    """Return a published table."""
     table = publish.read_table(path)
     try:
-        table = table[["status", "scene", "kind", "size", "method", "series", "rank", "setting", "arguments", "error", "seconds", "fastest", "slowest", "steps", "sweeps",
-                       "unconverged_steps", "disks", "worst"]]
-    except KeyError as error:
-        raise ResultError(path, f"lacks columns ({error})", "make it again: make charts") from None
-    table = table.fillna({name: "" for name in ("status", "worst")})
-    return table.replace("None", None).astype(object).where(pandas.notna(table), None).to_dict("records")
+        return table[COLUMNS].fillna({"status": "", "worst": ""}).astype({"error": float, "seconds": float})
+    except (KeyError, ValueError) as error:
+        raise ResultError(path, f"lacks columns or numbers ({error})", "make it again: make charts") from None
 
 
 def one_size(rows):
     """Return the rows of the scenes as they are, without those at other numbers of disks."""
-    return [row for row in rows if not row["size"]]
+    return rows[rows["size"] == 0]
 
 
 def by_series(rows):
-    """Return {series: its rows from coarse to fine} in the order of the rows."""
-    found = {}
-    for row in rows:
-        found.setdefault(row["series"], []).append(row)
-    return {name: sorted(own, key=lambda row: row["rank"]) for name, own in found.items()}
+    """Return [(series, its rows from coarse to fine)] in the order of the rows."""
+    return [(series, own.sort_values("rank", kind="stable")) for series, own in rows.groupby("series", sort=False)]

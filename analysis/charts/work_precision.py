@@ -1,6 +1,7 @@
 """Error against time of computing, one chart a scene: a series a line, a setting a point."""
 
 import numpy as np
+import pandas
 
 from analysis import style
 from analysis.charts import choice, table
@@ -22,38 +23,35 @@ LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiff
 
 
 def numbers(table):
-    """Return the text has none."""
-    return {}
+    return {}  # the text has none
 
 
 def rows(measured):
-    """Return all settings."""
     return measured
 
 
 def draw(rows, folder, line):
     """Return a figure a scene."""
-    rows, figures = table.one_size(rows), {}
-    for scene in dict.fromkeys(row["scene"] for row in rows):
+    figures = {}
+    for scene, own in table.one_size(rows).groupby("scene", sort=False):
         figures[f"work_precision-{scene}.png"] = scenes.module(scene).TITLE
-        _draw([row for row in rows if row["scene"] == scene], scenes.module(scene), folder / f"work_precision-{scene}.png", line)
+        _draw(own, scenes.module(scene), folder / f"work_precision-{scene}.png", line)
     return figures
 
 
 def _draw(rows, scene, path, line):
     fig, axes = plt.subplots(figsize=(7.2, 4.4))
     labels = []
-    for series, own in table.by_series([row for row in rows if not row["status"] and row["error"] is not None]).items():
+    for series, own in table.by_series(rows[(rows.status == "") & rows.error.notna()]):
         colour, marker = LOOK.get(series, ("#7F7F7F", "h"))
-        seconds, errors = [row["seconds"] for row in own], [max(row["error"], FLOOR) for row in own]
+        seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
         axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=series,
                     linestyle="none" if series in choice.NO_LADDER else "-" if series.startswith("MD") else "--")
-        for row, x, y in zip(own, seconds, errors):
-            if row["unconverged_steps"]:
-                axes.plot(x, y, marker=marker, color=colour, markerfacecolor="white", markersize=5)
-        labels += [(own[k]["setting"].split("=")[1], (seconds[k], errors[k]), colour) for k in sorted({0, len(own) - 1})]
+        for k in np.flatnonzero(pandas.to_numeric(own.unconverged_steps) > 0):
+            axes.plot(seconds[k], errors[k], marker=marker, color=colour, markerfacecolor="white", markersize=5)
+        labels += [(own.setting.iloc[k].split("=")[1], (seconds[k], errors[k]), colour) for k in sorted({0, len(own) - 1})]
     _write_labels(axes, labels)
-    failed = sum(bool(row["status"]) for row in rows)
+    failed = (rows.status != "").sum()
     axes.set(xlabel="time of computing [s]", ylabel="relative error", title=scene.TITLE)
     axes.grid(alpha=0.25, linewidth=0.5)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)

@@ -3,6 +3,7 @@
 V. Acary, M. Brémond, T. Koziara, F. Pérignon: FCLIB, a collection of discrete 3D frictional contact problems (INRIA RT-444, 2014); the
 names and shapes are those of fclib.h. Its u = W r + q is this package's u = W p + q with the same signs and the same order (normal, tangential).
 """
+import contextlib
 import os
 
 import h5py
@@ -77,45 +78,45 @@ def _arrays(path):
 
 
 class _Reader:
-    """Data sets below /fclib_local. A damaged file makes h5py raise exceptions of many types; here each becomes a ValueError with the place."""
+    """Data sets below /fclib_local. A damaged file makes h5py raise exceptions of many types; each becomes a ValueError with the place."""
 
     def __init__(self, path):
         self.path = path
-        try:
+        with self.damage(f"{path}: not a complete HDF5 file"):
             self.file = h5py.File(path, "r")
-        except Exception as error:
-            raise ValueError(f"{path}: not a complete HDF5 file ({error})") from None
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        try:
+        with self.damage(f"{self.path}: not a complete HDF5 file"):
             self.file.close()
+
+    @staticmethod
+    @contextlib.contextmanager
+    def damage(what):
+        try:
+            yield
         except Exception as error:
-            raise ValueError(f"{self.path}: not a complete HDF5 file ({error})") from None
+            raise ValueError(f"{what} ({error})") from None
 
     def error(self, name, what):
         return ValueError(f"{self.path}, /fclib_local/{name}: {what}")
 
     def has(self, name):
-        try:
+        with self.damage(f"{self.path}, /fclib_local/{name}: cannot be read"):
             return f"fclib_local/{name}" in self.file
-        except Exception as error:
-            raise self.error(name, f"cannot be read ({error})") from None
 
     def array(self, name, kind, length):
         """Return a data set of `length` numbers; `kind`: int or float."""
         if not self.has(name):
             raise self.error(name, "is missing")
-        try:
+        with self.damage(f"{self.path}, /fclib_local/{name}: cannot be read"):
             data = self.file[f"fclib_local/{name}"]
             shape, dtype = data.shape, data.dtype
             # Checked before the numbers are read: a damaged size may ask for any amount of memory.
             if shape == (length,) and dtype.kind in ("iu" if kind is int else "iuf"):
                 return np.asarray(data[()], dtype=np.int64 if kind is int else float)
-        except Exception as error:
-            raise self.error(name, f"cannot be read ({error})") from None
         if shape != (length,):
             raise self.error(name, f"has the shape {shape}; {length} numbers in one row are expected")
         raise self.error(name, f"holds {dtype}, not numbers of the kind expected")

@@ -75,6 +75,13 @@ class _Text:
         # One at a time, so that a count far too large fails at the end of the file and does not exhaust the memory.
         return np.array([self.to_number(self.word(), f"{what}[{i}]") for i in range(count)])
 
+    def entry(self, places, size, example):
+        """Return an entry of a matrix as cs_print writes it, a line of its places, each below `size`, a colon and its value."""
+        words = self.next_line().split()
+        if len(words) != len(places) + 2 or words[-2] != ":":
+            raise self.error(f"expected an entry such as '{example}'")
+        return *(self.to_integer(word, what, 0, size - 1) for word, what in zip(words, places)), self.to_number(words[-1], "an entry")
+
 
 def read(path):
     """Return the `Problem` in the file. Raise ValueError with the line if the file is damaged."""
@@ -158,35 +165,24 @@ def _sparse(text, size):
         text.to_integer(sizes[what], f"the number of {what}, given again,", size, size)
     entries = text.to_integer(sizes["entries"], "the number of entries")
     if sizes["order"] == "triplet: ":
-        return _triplets(text, size, entries)
-    by_rows = sizes["order"] == "csr: "
-    outer, inner, value = [], [], []
+        found = [text.entry(("a row", "a column"), size, "3 12 : -0.5") for _ in range(entries)]
+    else:
+        found = _compressed(text, size, entries, "row" if sizes["order"] else "col")
+    outer, inner, value = zip(*found) if found else ((), (), ())
+    return (outer, inner, value) if sizes["order"] else (inner, outer, value)
+
+
+def _compressed(text, size, entries, line):
+    """Return the entries (number of the row or column, index in it, value) of a matrix by rows or columns; `line`: "row" or "col"."""
+    found = []
     for number in range(size):
         head = _HEAD.fullmatch(text.next_line())
-        if not head or (head["line"] == "row") != by_rows or head["number"] != str(number):
-            raise text.error(f"expected '{'row' if by_rows else 'col'} {number} : locations ...'")
-        if head["first"] != str(len(value)):
-            raise text.error(f"the locations begin at {head['first'][:20]}, but {len(value)} entries came before")
-        last = text.to_integer(head["last"], "the last location", 0, entries - 1) if head["last"] != str(len(value) - 1) else len(value) - 1
-        for _ in range(len(value), last + 1):
-            words = text.next_line().split()
-            if len(words) != 3 or words[1] != ":":
-                raise text.error("expected an entry such as '12 : -0.5'")
-            outer.append(number)
-            inner.append(text.to_integer(words[0], "an index", 0, size - 1))
-            value.append(text.to_number(words[2], "an entry"))
-    if len(value) != entries:
-        raise text.error(f"the matrix has {len(value)} entries, {entries} were announced")
-    return (outer, inner, value) if by_rows else (inner, outer, value)
-
-
-def _triplets(text, size, entries):
-    row, column, value = [], [], []
-    for _ in range(entries):
-        words = text.next_line().split()
-        if len(words) != 4 or words[2] != ":":
-            raise text.error("expected an entry such as '3 12 : -0.5'")
-        row.append(text.to_integer(words[0], "a row", 0, size - 1))
-        column.append(text.to_integer(words[1], "a column", 0, size - 1))
-        value.append(text.to_number(words[3], "an entry"))
-    return row, column, value
+        if not head or head["line"] != line or head["number"] != str(number):
+            raise text.error(f"expected '{line} {number} : locations ...'")
+        if head["first"] != str(len(found)):
+            raise text.error(f"the locations begin at {head['first'][:20]}, but {len(found)} entries came before")
+        last = text.to_integer(head["last"], "the last location", 0, entries - 1) if head["last"] != str(len(found) - 1) else len(found) - 1
+        found += [(number, *text.entry(("an index",), size, "12 : -0.5")) for _ in range(len(found), last + 1)]
+    if len(found) != entries:
+        raise text.error(f"the matrix has {len(found)} entries, {entries} were announced")
+    return found

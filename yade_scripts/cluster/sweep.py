@@ -133,7 +133,6 @@ class Sweep:
 
 @commands.command("sweep")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
     commands.add_results(parser)

@@ -17,7 +17,6 @@ from yade_scripts.running import queue
 
 @commands.command("task")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("rows", metavar="ROWS.json", type=pathlib.Path)
     parser.add_argument("index", metavar="INDEX", type=commands.whole(0))

@@ -53,7 +53,6 @@ class Measurements(queue.Job):
 
 @commands.command("measuring")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring")
     commands.add_extent(parser)
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")

@@ -70,7 +70,6 @@ def record(stored, path):
 
 @commands.command("regression")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     parser.add_argument("--short", action="store_true", help="only the quick cases")
     parser.add_argument("--record", metavar="NEW.json", help="write the numbers found to a new file")

@@ -3,7 +3,7 @@ from yade import O, utils
 
 import cd_engine
 from yade_scripts import parameters
-from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE, Outcome
+from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, UNSTABLE, judged
 from yade_scripts.preparing import bodies
 
 DEFAULTS = parameters.complete({})
@@ -11,7 +11,7 @@ RADIUS = DEFAULTS["radius_mean"]  # [m]
 MASS = bodies.disk_mass(RADIUS, DEFAULTS)  # [kg]
 GRAVITY = 9.81  # [m/s^2]
 COLUMN_STEP = 1e-3  # [s]
-FORCE_ERROR = 0.01  # largest error of a contact force in a column, over the weight above the contact
+FORCE_ERROR = 0.01  # largest error of a contact force, over the weight above the contact
 DEEP = 0.01  # overlap over the smallest radius beyond which the engine warns
 
 
@@ -54,14 +54,6 @@ def told(contact_dynamics, smallest=RADIUS):
     return ", ".join(said)
 
 
-def normal_force(one, other):
-    """Return the normal force between two bodies [N], 0 without contact."""
-    if not O.interactions.has(one, other):
-        return 0.0
-    contact = O.interactions[one, other]
-    return contact.phys.normalForce.norm() if contact.isReal else 0.0
-
-
 def stand(disks, steps, **settings):
     """Let a column of `disks` equal disks stand on the floor for `steps` steps. Return (engine, measures)."""
     material(0.5)
@@ -73,17 +65,13 @@ def stand(disks, steps, **settings):
     contact_dynamics = engine(COLUMN_STEP, **settings)
     O.run(steps, True)
     weight = GRAVITY * MASS
-    error = max(abs(normal_force(*pair) / ((disks - k) * weight) - 1) for k, pair in enumerate(pairs))
+    error = max(abs(bodies.normal_force(*pair) / ((disks - k) * weight) - 1) for k, pair in enumerate(pairs))
     return contact_dynamics, {"force_error": error, "penetration": contact_dynamics.deepestPenetration / RADIUS,
                     "unconverged": contact_dynamics.unconvergedSteps / steps, "residual": contact_dynamics.residual}
 
 
 def judge(contact_dynamics, measures):
-    """Return the Outcome that follows from the measures of a column."""
-    if measures["unconverged"]:
-        return Outcome(NOT_SOLVED, "non-convergence", told(contact_dynamics), measures)
-    if measures["penetration"] > DEEP:
-        return Outcome(UNSTABLE, "penetration", told(contact_dynamics), measures)
-    if measures["force_error"] > FORCE_ERROR:
-        return Outcome(INACCURATE, "wrong forces", told(contact_dynamics), measures)
-    return Outcome(STABLE, measures=measures)
+    """Return the Outcome that follows from the measures of disks one above the other."""
+    return judged(measures, told(contact_dynamics), (NOT_SOLVED, "non-convergence", measures["unconverged"]),
+                  (UNSTABLE, "penetration", measures["penetration"] > DEEP),
+                  (INACCURATE, "wrong forces", measures["force_error"] > FORCE_ERROR))

@@ -9,6 +9,7 @@ import sys
 
 import h5py
 import numpy as np
+import pandas
 
 from yade_scripts import results
 from yade_scripts.results import provenance, sealed
@@ -38,7 +39,7 @@ def add(folder, name, facts, rows=()):
 
 
 def get(folder, name):
-    """Return a measurement: its facts, with its table as a list of dictionaries under 'rows'. Return None if no file can be read."""
+    """Return a measurement: its facts, with its table as a list of dictionaries under 'rows', None for NaN; None if no file can be read."""
     path = pathlib.Path(folder) / f"{name}.h5"
     if not path.exists():
         return None
@@ -49,11 +50,5 @@ def get(folder, name):
     except (sealed.Damaged, KeyError, ValueError, TypeError) as error:
         print(f"{path} {error}: it is measured again.", file=sys.stderr)
         return None
-    length = max(map(len, columns.values()), default=0)
-    return facts | {"rows": [{column: _value(values[k]) for column, values in columns.items()} for k in range(length)]}
-
-
-def _value(value):
-    """Return the value as a plain Python number or text; None for NaN."""
-    value = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(value, float) and np.isnan(value) else value
+    rows = pandas.DataFrame(columns)
+    return facts | {"rows": rows.astype(object).where(rows.notna(), None).to_dict("records")}

@@ -35,10 +35,10 @@ def append_box(centre, half, full, angle=0.0, material="disk"):
                                      color=(0.4, 0.4, 0.4)))
 
 
-def append_floor(full, length=None, material="disk"):
+def append_floor(full, length=None):
     """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
     radius = full["radius_mean"]
-    return append_box((0, -radius), (length or 10 * radius, radius), full, material=material)
+    return append_box((0, -radius), (length or 10 * radius, radius), full)
 
 
 def disks():
@@ -69,6 +69,27 @@ def contacts_per_disk():
     """Return the mean number of loaded contacts of the disks that are not rattlers."""
     counts = [n for n in map(loaded_contacts, disks()) if n]
     return sum(counts) / len(counts)
+
+
+def contacts():
+    """Return the contacts that there are, in the order in which YADE has them."""
+    return [i for i in O.interactions if i.isReal]
+
+
+def contacts_by_id():
+    """Return the contacts in the order of their bodies' ids."""
+    return sorted(contacts(), key=lambda i: (i.id1, i.id2))
+
+
+def tangential_force(contact):
+    """Return the tangential force [N] on the second body, along the normal turned by +90 degrees: (n_x, n_y) -> (-n_y, n_x)."""
+    n, shear = contact.geom.normal, contact.phys.shearForce
+    return n[0] * shear[1] - n[1] * shear[0]
+
+
+def normal_force(one, other):
+    """Return the size of the normal force between two bodies [N], 0 without contact."""
+    return O.interactions[one, other].phys.normalForce.norm() if O.interactions.has(one, other, onlyReal=True) else 0.0
 
 
 def loaded_contacts(body):

@@ -9,6 +9,7 @@ import random
 import numpy as np
 from yade import O, Vector3
 
+from yade_scripts.preparing import bodies
 from yade_scripts.running import hooks
 
 
@@ -20,7 +21,7 @@ class Frozen:
     """The touching contacts of the sample in O, in the order of their ids, and the motion of its bodies, which `thaw` restores."""
 
     def __init__(self):
-        contacts = sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2))
+        contacts = bodies.contacts_by_id()
         # geom and phys are kept, since the engine removes them from a contact without force.
         self.contacts = [(i, i.geom, i.phys) for i in contacts]
         self.ids = np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2)
@@ -31,8 +32,7 @@ class Frozen:
         found = np.zeros((2, len(self.contacts)))
         for k, (contact, _, _) in enumerate(self.contacts):
             if contact.isReal:
-                n, shear = contact.geom.normal, contact.phys.shearForce
-                found[:, k] = contact.phys.normalForce.dot(n), n[0] * shear[1] - n[1] * shear[0]
+                found[:, k] = contact.phys.normalForce.dot(contact.geom.normal), bodies.tangential_force(contact)
         return found
 
     def impose(self, normal, tangential):
@@ -69,7 +69,7 @@ class Walk:
 
     def surround(self):
         """Add to O.engines a runner that perturbs before forces are reset, and one at the end that reads the forces and restores the motion."""
-        self.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+        self.engine = hooks.engine("ContactDynamics")
         engines = O.engines
         reset = next(k for k, engine in enumerate(engines) if type(engine).__name__ == "ForceResetter")
         O.engines = (engines[:reset] + [hooks.runner(self._perturb, iterPeriod=1, initRun=True)] + engines[reset:]

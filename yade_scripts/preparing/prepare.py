@@ -62,19 +62,22 @@ def ensure(full, folder):
     return path, checksum
 
 
+def load(full, folder=results.FOLDER):
+    """Load the prepared packing of a row into O. Return its SHA-256."""
+    path, checksum = ensure(full, folder)
+    O.load(str(path))
+    return checksum
+
+
 def _record(path):
     return path.with_name(path.name.split(".")[0] + ".json")
-
-
-def _sha256(path):
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _verified(path, wanted):
     """Return the SHA-256 of an existing, undamaged state that was prepared from the inputs `wanted`, else None."""
     if not path.exists():
         return None
-    checksum = _sha256(path)
+    checksum = hashlib.sha256(path.read_bytes()).hexdigest()
     try:
         record = json.loads(_record(path).read_bytes())
         if record["sha256"] == checksum and record["inputs"] == wanted:
@@ -128,7 +131,7 @@ class _Rest:
 
     def errors(self):
         """Return (largest wall stress error relative to P0, unbalanced force)."""
-        return max(abs(s / self.p0 - 1) for pair in walls.stresses() for s in pair), utils.unbalancedForce()
+        return walls.stress_error(self.p0), utils.unbalancedForce()
 
     def check(self):
         """Check for rest, at a call from the loop."""
@@ -183,11 +186,7 @@ def _make(full):
         body.state.vel = body.state.angVel = body.state.angMom = (0, 0, 0)
     O.engines = []
     O.resetTime()
-    _forget_circumstances()
-
-
-def _forget_circumstances():
-    """Clear the user, date and process that YADE saves, so that the same packing gives the same file."""
+    # User, date and process, which YADE saves: the same packing is to give the same file.
     for tag in list(O.tags.keys()):
         O.tags[tag] = "-"
     O.stopAtIter = 0
@@ -195,7 +194,6 @@ def _forget_circumstances():
 
 @commands.command("prepare")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__)
     commands.add_row(parser)
     commands.add_results(parser)

@@ -31,3 +31,8 @@ def short(commit):
     """Return the first twelve digits of a commit's hash, with the suffix that follows the hash."""
     digits, dash, suffix = commit.partition("-")
     return digits[:12] + dash + suffix
+
+
+def words(commits):
+    """Return for a caption by which code something was made."""
+    return f"commit {short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"

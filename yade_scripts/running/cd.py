@@ -3,7 +3,6 @@ from yade import O
 
 import cd_engine
 from yade_scripts.running import bounds, hooks, walls
-from yade_scripts.parameters import ParameterError
 
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
 SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedIterations": "fixed_iterations", "method": "method_cd",
@@ -35,8 +34,6 @@ def set_engines(full, scene, goals=None):
     Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
     middle of the step (Moreau-Jean scheme, theta = 1/2).
     """
-    if full["method_cd"] not in cd_engine.methods():
-        raise ParameterError(f"method_cd = {full['method_cd']!r}: must be one of {', '.join(cd_engine.methods())}")
     settings = {attribute: full[name] for attribute, name in SETTINGS.items()}
     reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
     engine.label = "contact_dynamics"  # its name at the console
@@ -50,7 +47,7 @@ def set_engines(full, scene, goals=None):
 
 def bind(full, scene):
     """Give the scene's functions the engine that is in O now; O.load replaces the object."""
-    scene.watch.engine = next(engine for engine in O.engines if type(engine).__name__ == "ContactDynamics")
+    scene.watch.engine = hooks.engine("ContactDynamics")
 
 
 def run(scene, simulate=hooks.simulate):

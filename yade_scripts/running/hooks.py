@@ -22,6 +22,11 @@ def runner(function, **period):
     return PyRunner(command=f"import yade_scripts.running.hooks; yade_scripts.running.hooks.fire({len(_functions) - 1})", updateGlobals=False, **period)
 
 
+def engine(kind):
+    """Return the first engine of the class `kind` in O; None if there is none."""
+    return next((engine for engine in O.engines if type(engine).__name__ == kind), None)
+
+
 def commands():
     """Return what the PyRunners in O.engines call, in their order."""
     return [engine.command for engine in O.engines if isinstance(engine, PyRunner)]

@@ -1,12 +1,7 @@
 """What the springs of Molecular Dynamics dissipate, summed where it happens: at every step, contact by contact."""
 import math
 
-from yade import O
-from yade.wrapper import InteractionLoop
-
-
-def _engine(kind):
-    return next((engine for engine in O.engines if type(engine).__name__ == kind), None)
+from yade_scripts.running import hooks
 
 
 class Losses:
@@ -20,7 +15,7 @@ class Losses:
 
     def bind(self):
         """Take hold of the objects in O; after O.load they are other ones."""
-        self._functor = next(engine for engine in O.engines if isinstance(engine, InteractionLoop)).lawDispatcher.functors[0]
+        self._functor = hooks.engine("InteractionLoop").lawDispatcher.functors[0]
         self._functor.traceEnergy = True
 
     def leave(self):
@@ -30,12 +25,12 @@ class Losses:
     def friction(self):
         """Return what friction has dissipated [J]; NaN where PathIndependentShear slips at disks and the functor at walls."""
         if self._path_independent:
-            return _engine("PathIndependentShear").frictionDissipation if self._all else math.nan
+            return hooks.engine("PathIndependentShear").frictionDissipation if self._all else math.nan
         return self._functor.plasticDissipation()
 
     def dashpots(self):
         """Return what the dashpots have dissipated [J]."""
-        return _engine("DashpotWork").work
+        return hooks.engine("DashpotWork").work
 
     def memory(self):
         """Return what O.save forgets."""

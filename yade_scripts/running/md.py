@@ -12,7 +12,7 @@ import math
 from yade import O
 from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom,
                           InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
-                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator, TriaxialStressController)
+                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
 
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
@@ -48,19 +48,17 @@ def set_friction(disks, wall):
     """Give disks and walls their coefficients of friction, in the materials and in the contacts that exist; YADE takes the smaller of two."""
     for label, mu in (("disk", disks), ("wall", wall)):
         O.materials[label].frictionAngle = math.atan(mu)
-    for contact in O.interactions:
-        if contact.isReal:
-            contact.phys.tangensOfFrictionAngle = min(math.tan(O.bodies[k].mat.frictionAngle) for k in (contact.id1, contact.id2))
+    for contact in bodies.contacts():
+        contact.phys.tangensOfFrictionAngle = min(math.tan(O.bodies[k].mat.frictionAngle) for k in (contact.id1, contact.id2))
 
 
 def stiffen(factor):
     """Multiply the stiffnesses of the contacts that exist; their dashpots keep the damping ratio."""
-    for contact in O.interactions:
-        if contact.isReal:
-            contact.phys.kn *= factor
-            contact.phys.ks *= factor
-            contact.phys.cn *= math.sqrt(factor)
-            contact.phys.cn_crit *= math.sqrt(factor)
+    for contact in bodies.contacts():
+        contact.phys.kn *= factor
+        contact.phys.ks *= factor
+        contact.phys.cn *= math.sqrt(factor)
+        contact.phys.cn_crit *= math.sqrt(factor)
 
 
 def set_engines(full, scene, goals=None):
@@ -74,7 +72,8 @@ def set_engines(full, scene, goals=None):
     elif full["md_walls"] == "servo":
         controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
         scene.load = walls.ServoLoad(goals, controller)
-        every = _divisor(scene.every, full["md_load_every"])
+        # A divisor, so that the work of the walls is up to date at every sample.
+        every = max(n for n in range(1, full["md_load_every"] + 1) if scene.every % n == 0)
         loading = [hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
     else:
         scene.load = walls.ForceLoad(goals)
@@ -90,12 +89,7 @@ def bind(full, scene):
     """Give the scene the functor and the controller that are in O; after O.load they are other objects."""
     scene.losses.bind()
     if isinstance(scene.load, walls.ServoLoad):
-        scene.load.controller = next(engine for engine in O.engines if isinstance(engine, TriaxialStressController))
-
-
-def _divisor(steps, most):
-    """Return the largest divisor of `steps` that is at most `most`: the work of the walls is then up to date at every sample."""
-    return max(n for n in range(1, most + 1) if steps % n == 0)
+        scene.load.controller = hooks.engine("TriaxialStressController")
 
 
 def run(scene, simulate=hooks.simulate):

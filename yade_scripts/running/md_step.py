@@ -10,6 +10,7 @@ from yade import O
 
 from yade_scripts.theory import spring_limits
 from yade_scripts.parameters import ParameterError
+from yade_scripts.preparing import bodies
 
 
 class StepError(ParameterError, RuntimeError):
@@ -47,45 +48,29 @@ def safe_bound():
 
 def _matrices():
     """Return the diagonal of M (infinite for a blocked coordinate), then C and K (sparse), for (x, y, spin) of every body that can move."""
-    free = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)]
-    number = {body.id: k for k, body in enumerate(free)}
+    free, contacts = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)], bodies.contacts()
     mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
                      for letter, value in zip("xyZ", (body.state.mass, body.state.mass, body.state.inertia[2]))])
-    normal, tangential, dashpots, springs, sticking = _Rows(), _Rows(), [], [], []
-    for contact in O.interactions:
-        if not contact.isReal:
-            continue
-        phys, n = contact.phys, contact.geom.normal
+    column = {body.id: 3 * k for k, body in enumerate(free)}
+    along = _relative(contacts, column, lambda normal: (normal[0], normal[1]))
+    across = _relative(contacts, column, lambda normal: (-normal[1], normal[0]))
+    springs, dashpots = (sparse.diags([getattr(contact.phys, name) for contact in contacts]) for name in ("kn", "cn"))
+    sticking = sparse.diags([contact.phys.ks if contact.phys.tangensOfFrictionAngle > 0 else 0.0 for contact in contacts])
+    return mass, along.T @ dashpots @ along, along.T @ springs @ along + across.T @ sticking @ across
+
+
+def _relative(contacts, column, direction):
+    """Return the sparse matrix that turns the velocities of bodies into the relative ones of the contacts, along direction(normal).
+
+    column: body -> the first of its three columns.
+    """
+    rows, columns, values = [], [], []
+    for row, contact in enumerate(contacts):
+        x, y = direction(contact.geom.normal)
         for body, sign in ((contact.id1, -1), (contact.id2, 1)):
-            if body in number:
+            if body in column:
                 arm = contact.geom.contactPoint - O.bodies[body].state.pos
-                normal.add(number[body], (sign * n[0], sign * n[1], sign * (arm[0] * n[1] - arm[1] * n[0])))
-                tangential.add(number[body], (-sign * n[1], sign * n[0], sign * (arm[0] * n[0] + arm[1] * n[1])))
-        normal.end()
-        tangential.end()
-        springs.append(phys.kn)
-        dashpots.append(phys.cn)
-        sticking.append(phys.ks if phys.tangensOfFrictionAngle > 0 else 0.0)
-    along, across = normal.matrix(len(mass)), tangential.matrix(len(mass))
-    return mass, along.T @ sparse.diags(dashpots) @ along, along.T @ sparse.diags(springs) @ along + across.T @ sparse.diags(sticking) @ across
-
-
-class _Rows:
-    """Builds a sparse matrix that turns velocities of bodies into one relative velocity for each contact."""
-
-    def __init__(self):
-        self.rows, self.columns, self.values, self.count = [], [], [], 0
-
-    def add(self, disk, three):
-        """Add the three entries of one body to the current row."""
-        self.rows += [self.count] * 3
-        self.columns += range(3 * disk, 3 * disk + 3)
-        self.values += three
-
-    def end(self):
-        """End the current row."""
-        self.count += 1
-
-    def matrix(self, columns):
-        """Return the matrix of all rows."""
-        return sparse.csr_matrix((self.values, (self.rows, self.columns)), shape=(self.count, columns))
+                rows += [row] * 3
+                columns += range(column[body], column[body] + 3)
+                values += sign * x, sign * y, sign * (arm[0] * y - arm[1] * x)
+    return sparse.csr_matrix((values, (rows, columns)), shape=(len(contacts), 3 * len(column)))

@@ -2,8 +2,6 @@
 import math
 
 import numpy as np
-from yade import O, utils
-
 from yade_scripts.results.schema import is_sliding
 from yade_scripts.preparing import bodies
 from yade_scripts.running import walls
@@ -14,7 +12,7 @@ class Contacts:
     """The contacts that carry a force, as arrays: normal and tangential forces [N], friction coefficient, overlap [m]."""
 
     def __init__(self):
-        self._loaded = [i for i in O.interactions if i.isReal and i.phys.normalForce.dot(i.geom.normal) > 0]
+        self._loaded = [i for i in bodies.contacts() if i.phys.normalForce.dot(i.geom.normal) > 0]
         rows = [(i.phys.normalForce.norm(), i.phys.shearForce.norm(), i.phys.tangensOfFrictionAngle, i.geom.penetrationDepth)
                 for i in self._loaded]
         self.normal, self.tangential, self.friction, self.overlap = np.array(rows).reshape(-1, 4).T
@@ -28,8 +26,8 @@ class Contacts:
         From the overlap, since the normal force also contains the dashpot's; a parting contact whose dashpot pulls harder than its spring pushes still
         has a spring.
         """
-        springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in O.interactions
-                            if i.isReal and i.geom.penetrationDepth > 0]).reshape(-1, 4)
+        springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in bodies.contacts()
+                            if i.geom.penetrationDepth > 0]).reshape(-1, 4)
         return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
     def sliding(self):
@@ -40,11 +38,6 @@ class Contacts:
 def _plane(vectors):
     """Return the x and y of vectors, as rows."""
     return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
-
-
-def kinetic_energy():
-    """Return the kinetic energy of everything that is free to move [J]."""
-    return utils.kineticEnergy()
 
 
 def weight_energy(gravity):
@@ -59,9 +52,7 @@ def angle(body):
 
 def snapshot(boxed):
     """Return all arrays of schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial box are there."""
-    disks = bodies.disks()
-    contacts = sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2))
-    normals, shear = _plane(i.geom.normal for i in contacts), _plane(i.phys.shearForce for i in contacts)
+    disks, contacts = bodies.disks(), bodies.contacts_by_id()
     return {
         "position": _plane(b.state.pos for b in disks),
         "angle": np.array([angle(b) for b in disks]),
@@ -69,10 +60,9 @@ def snapshot(boxed):
         "body_ids": np.array([b.id for b in disks]),
         "contact_ids": np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2),
         "contact_point": _plane(i.geom.contactPoint for i in contacts),
-        "contact_normal": normals,
+        "contact_normal": _plane(i.geom.normal for i in contacts),
         "contact_friction": np.array([i.phys.tangensOfFrictionAngle for i in contacts]),
         "force_normal": np.array([i.phys.normalForce.dot(i.geom.normal) for i in contacts]),
-        # Along the normal turned by +90 degrees: (n_x, n_y) -> (-n_y, n_x).
-        "force_tangential": normals[:, 0] * shear[:, 1] - normals[:, 1] * shear[:, 0],
+        "force_tangential": np.array([bodies.tangential_force(i) for i in contacts]),
         "box": np.array(walls.faces() if boxed else [math.nan] * 4),
     }

@@ -52,7 +52,11 @@ class Recorder:
         self._write(self.partial)
 
     def _new_file(self, checkpoint_samples):
-        self._write_attributes()
+        self.file.attrs.update({
+            "schema_version": schema.SCHEMA_VERSION, "scene": self.full["scene"], "method": self.full["method"],
+            "parameters": json.dumps(self.full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),
+            "yade_version": config.version, "seed": self.full["seed"], "finished": False, "status": "running", "outcome": "none yet",
+            "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
         self.file.attrs.update(zip(schema.CHECKPOINT_ATTRIBUTES, (checkpoint_samples, 0)))
         for name in self.names:
             column = self.file.create_dataset(f"history/{name}", shape=(0,), maxshape=(None,), dtype=float)
@@ -74,13 +78,6 @@ class Recorder:
     def _elapsed(self):
         """Return (computing time, processor time) [s] of the run, without what an interruption has lost."""
         return tuple(before + now - start for before, now, start in zip(self.seconds, _clocks(), self.started))
-
-    def _write_attributes(self):
-        self.file.attrs.update({
-            "schema_version": schema.SCHEMA_VERSION, "scene": self.full["scene"], "method": self.full["method"],
-            "parameters": json.dumps(self.full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),
-            "yade_version": config.version, "seed": self.full["seed"], "finished": False, "status": "running", "outcome": "none yet",
-            "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
 
     def sample(self):
         """Write one row of the history, at some samples a snapshot. Raise Collapse, StressError or OutOfBounds where the run has to end."""
@@ -110,7 +107,8 @@ class Recorder:
     def _measure(self):
         contacts = observe.Contacts()
         row = {"time": O.time, "cycle": O.time / self.full["period"], "contacts": len(contacts), "sliding_contacts": contacts.sliding(),
-               "kinetic_energy": observe.kinetic_energy(), "unbalanced_force": utils.unbalancedForce()} | dict(zip(("wall_clock", "processor_time"), self._elapsed()))
+               "kinetic_energy": utils.kineticEnergy(), "unbalanced_force": utils.unbalancedForce()}
+        row |= zip(("wall_clock", "processor_time"), self._elapsed())
         row |= self._box()
         row |= self._cd(row) if self.full["method"] == "CD" else self._md(row, contacts)
         return row
@@ -118,8 +116,7 @@ class Recorder:
     def _box(self):
         """Return stresses and strains; without a loaded box they have no meaning and are NaN."""
         if self.scene.load is None:
-            undefined = ("sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma")
-            return dict.fromkeys(undefined, math.nan) | {"wall_work": 0.0}
+            return dict.fromkeys(schema.OF_A_BOX, math.nan) | {"wall_work": 0.0}
         sides = walls.sides()
         if self.first_sides is None:
             self.first_sides = sides

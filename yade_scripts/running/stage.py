@@ -11,9 +11,7 @@ from yade_scripts.scenes import Scene, method
 
 def set_step(full, largest):
     """Set O.dt <= largest [s] so that samples fall on whole steps. Return the number of steps between two samples."""
-    interval = full["period"] / full["records_per_cycle"]
-    every = math.ceil(interval / largest * (1 - 1e-12))
-    O.dt = interval / every
+    every, O.dt = parameters.steps(full, largest)
     return every
 
 
@@ -25,22 +23,20 @@ def largest_step(full):
     return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
 
 
-def set_engines(full, scene, goals=None):
-    """Set O.engines of the row's method; goals(t) -> (sigma1, sigma2) [Pa], if given, load the walls."""
-    method(full).set_engines(full, scene, goals)
-
-
 def load_walls(full, scene, goals):
-    """Set O.engines of the row's method for a scene in the biaxial box. Walls x+ and y+ become free unless a servo moves them."""
+    """Set O.engines of the row's method for a scene in the biaxial box, whose walls are loaded by goals(t) -> (sigma1, sigma2) [Pa].
+
+    Walls x+ and y+ become free unless a servo moves them.
+    """
     if full["method"] == "CD" or full["md_walls"] == "force":
         walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
     if full["method"] == "MD":
         md_step.check(full)
-    set_engines(full, scene, goals)
+    method(full).set_engines(full, scene, goals)
 
 
 def small(full, known):
     """Set step and engines for the bodies just placed, and return their Scene, which has no loaded walls. known: its list of Known."""
     scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], known=known)
-    set_engines(full, scene)
+    method(full).set_engines(full, scene)
     return scene

@@ -32,6 +32,12 @@ def sides():
     return right - left, top - bottom
 
 
+def gamma(first):
+    """Return strain2 - strain1 since the sides were `first`."""
+    x, y = (now / before for now, before in zip(sides(), first))
+    return y - x
+
+
 def depth():
     """Return the depth of the sample [m]."""
     return O.bodies[Z_HIGH].state.pos[2] - O.bodies[Z_LOW].state.pos[2]
@@ -56,6 +62,11 @@ def stresses():
 def mean_stresses():
     """Return (sigma1, sigma2) [Pa]: means over opposite walls, whose stresses differ by the inertia of the disks."""
     return tuple(sum(pair) / 2 for pair in stresses())
+
+
+def stress_error(p0):
+    """Return the largest error of a loaded wall's stress against P0 [Pa], over P0."""
+    return max(abs(stress / p0 - 1) for pair in stresses() for stress in pair)
 
 
 def servo(goal, damping_ratio, mass, kn, max_velocity):

@@ -7,8 +7,8 @@ A scene's file declares
     HORIZON     one sentence: over which time the errors of its known quantities mean something
     LEFT_OUT    what the model leaves out, and why that is safe; of a method that it does not have, why
     DEFAULTS    the general parameters' defaults that it changes
-    PARAMETERS  the parameters that only it has
-    CHART       Chart: what the charts of speed against accuracy try on it; None where nothing exact is known
+    PARAMETERS  the parameters that only it has, if any
+    CHART       Chart: what the charts of speed against accuracy try on it; not where nothing exact is known
     check(full)             if values have to fit each other: ParameterError where they do not
     build(full, folder)     -> Scene; fills YADE's O (bodies, engines, dt) from a full row of parameters; `folder` holds the results and,
                             in states/, the prepared packings
@@ -109,8 +109,11 @@ def names():
 
 
 def module(name):
-    """Return the file of a scene."""
-    return importlib.import_module(f"{__name__}.{name}")
+    """Return the file of a scene, with what it need not declare."""
+    found = importlib.import_module(f"{__name__}.{name}")
+    vars(found).setdefault("PARAMETERS", ())
+    vars(found).setdefault("CHART", None)
+    return found
 
 
 def method(full):

@@ -6,8 +6,6 @@ METHODS = ("MD", "CD")
 HORIZON = "Nothing is known exactly; runs of different methods are compared sample by sample, by statistics once grains rearrange."
 LEFT_OUT = "the third dimension, gravity and the elasticity of the walls, as in the paper"
 DEFAULTS = {}
-PARAMETERS = ()
-CHART = None
 
 # Of a ramp, which has no load maximum to look at before it ends, and of a single cycle: enough to follow single contacts.
 SNAPSHOTS = 40
@@ -18,14 +16,11 @@ def build(full, folder, goals=None):
 
     goals: t -> (sigma1, sigma2) [Pa], where it is not the row's `loading` that is asked for.
     """
-    from yade import O
-
     from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import loading, stage
     from yade_scripts.scenes import Scene
-    path, checksum = prepare.ensure(full, folder)
-    O.load(str(path))
+    checksum = prepare.load(full, folder)
     every = stage.set_step(full, stage.largest_step(full))
     per_cycle, samples = full["records_per_cycle"], full["records_per_cycle"] * full["cycles"]
     snapshots = {per_cycle // 2, samples - per_cycle // 2}

@@ -20,8 +20,6 @@ LEFT_OUT = "motion across the row; the scene is about the sweeps of CD, of which
 # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
                 records_per_cycle=200)
-PARAMETERS = ()
-CHART = None
 
 SOURCE = "damped elastic rod of effective_medium.py (Unger et al. 2002), a theory of long waves, good to a few per cent"
 STRAIN = 1e-5  # of the row at rest under the force: so small that the linear theory holds

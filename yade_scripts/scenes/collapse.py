@@ -10,6 +10,7 @@ deposits).
 import math
 import random
 
+from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
 from yade_scripts.scenes import Chart, converged
 
@@ -32,8 +33,7 @@ SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
 
 def width(full):
     """Return L0 [m]: the width of a column of column_aspect at a solid fraction of 0.8."""
-    area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
-    return math.sqrt(area / (0.8 * full["column_aspect"]))
+    return math.sqrt(parameters.disks_area(full) / (0.8 * full["column_aspect"]))
 
 
 def build(full, folder):

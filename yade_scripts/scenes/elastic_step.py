@@ -14,7 +14,6 @@ METHODS = ("MD", "CD")
 HORIZON = "The end of the step, MD if it takes many times the slowest swing of sample and walls."
 LEFT_OUT = "slip, and contacts that open or close, of which a step of a thousandth of P0 makes few; changes of geometry, of the order P0/k_n"
 DEFAULTS = dict(method="CD", disks=60, delta_sigma=1e-3, md_walls="force", period=0.5, records_per_cycle=10)
-PARAMETERS = ()
 CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 960))
 
 
@@ -30,13 +29,8 @@ def build(full, folder):
     scene = biaxial.build(full, folder, goals)
     sides = walls.sides()
     springs = elastic.strain(p0 * full["delta_sigma"])
-
-    def gamma():
-        x, y = (now / before for now, before in zip(walls.sides(), sides))
-        return y - x
-
     scene.known = [
-        Known("gamma", "1", springs if full["method"] == "MD" else 0.0, gamma, scale=abs(springs),
+        Known("gamma", "1", springs if full["method"] == "MD" else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
               source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; both against the former"),
         Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"], source="the load asked for, against its step")]
     return scene

@@ -6,6 +6,7 @@ of the centre of mass, over the height at which the disks would fill the box wit
 import math
 import random
 
+from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
 from yade_scripts.scenes import Chart, converged
 
@@ -30,9 +31,8 @@ def build(full, folder):
     from yade_scripts.running import stage
     bodies.append_material("disk", full["friction"], full)
     radius, draw, spread = full["radius_mean"], random.Random(full["seed"]), full["radius_spread"]
-    area = full["disks"] * math.pi * radius**2 * (1 + spread**2 / 3)
     pitch = 2.2 * radius * (1 + spread)
-    columns = max(2, round(math.sqrt(area / (0.8 * full["box_aspect"])) / pitch))
+    columns = max(2, round(math.sqrt(parameters.disks_area(full) / (0.8 * full["box_aspect"])) / pitch))
     span, rows = columns * pitch, math.ceil(full["disks"] / columns)
     bodies.append_box((span / 2, -radius), (span / 2 + 2 * radius, radius), full)
     for x in (-radius, span + radius):

@@ -15,8 +15,6 @@ METHODS = ("CD",)
 HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly but the balance that every network has to keep."
 LEFT_OUT = "motion; and springs, whose forces follow from where the grains are, so that there is nothing to walk over"
 DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200)
-PARAMETERS = ()
-CHART = None
 
 
 def check(full):
@@ -33,8 +31,7 @@ def build(full, folder):
     from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import stage
-    path, checksum = prepare.ensure(full, folder)
-    O.load(str(path))
+    checksum = prepare.load(full, folder)
     O.dt = full["cd_dt"]
     scene = Scene(every=1, samples=full["records_per_cycle"] * full["cycles"] + 1, state_sha256=checksum)
     p0 = parameters.pressure(full)

@@ -30,13 +30,8 @@ def build(full, folder):
     floor = bodies.append_floor(full)
     lower, upper = (bodies.append_disk((0, height * radius), radius, mass, "disk", blocked="xzXYZ") for height, mass in ((1, light), (3, heavy)))
     state = O.bodies[upper].state
-
-    def force(*pair):
-        contact = O.interactions[pair] if O.interactions.has(*pair) else None
-        return contact.phys.normalForce.norm() if contact and contact.isReal else 0.0
-
     weight, source = full["gravity"] * heavy, "balance: the weight above"
     return stage.small(full, [
-        Known("lower_force", "N", weight + full["gravity"] * light, lambda: force(floor, lower), source=source),
-        Known("upper_force", "N", weight, lambda: force(lower, upper), source=source),
+        Known("lower_force", "N", weight + full["gravity"] * light, lambda: bodies.normal_force(floor, lower), source=source),
+        Known("upper_force", "N", weight, lambda: bodies.normal_force(lower, upper), source=source),
         Known("sinking", "m", 0.0, lambda: 3 * radius - state.pos[1], scale=radius, source="rigid disks do not give way")])

@@ -34,8 +34,7 @@ SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
 
 def width(full):
     """Return the width [m] of a silo that the disks fill to silo_aspect at a solid fraction of 0.8."""
-    area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
-    return math.sqrt(area / (0.8 * full["silo_aspect"]))
+    return math.sqrt(parameters.disks_area(full) / (0.8 * full["silo_aspect"]))
 
 
 def check(full):

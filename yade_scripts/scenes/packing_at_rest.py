@@ -8,7 +8,6 @@ METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "all loading: what shows is what a method moves where nothing should"
 DEFAULTS = dict(method="CD", disks=60, period=0.1, records_per_cycle=10)
-PARAMETERS = ()
 CHART = Chart(prepared=True, physics=("beta_n",))
 
 
@@ -18,16 +17,8 @@ def build(full, folder):
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder, lambda t: (p0, p0))
     sides = walls.sides()
-
-    def worst():
-        return max(abs(stress / p0 - 1) for pair in walls.stresses() for stress in pair)
-
-    def gamma():
-        x, y = (now / before for now, before in zip(walls.sides(), sides))
-        return y - x
-
     scene.known = [
-        Known("worst_stress_error", "1", 0.0, worst, source="balance: each wall carries P0 on its length"),
-        Known("gamma", "1", 0.0, gamma, scale=p0 * full["depth"] / parameters.stiffness(full),
+        Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0), source="balance: each wall carries P0 on its length"),
+        Known("gamma", "1", 0.0, lambda: walls.gamma(sides), scale=p0 * full["depth"] / parameters.stiffness(full),
               source="the packing is in balance; against P0/k_n, what the springs have given under P0")]
     return scene

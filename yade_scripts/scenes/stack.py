@@ -8,7 +8,6 @@ HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of
 LEFT_OUT = "how a real stack is built: MD starts with its springs compressed by the weights, CD without any forces"
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
                 max_iterations=1000000)
-PARAMETERS = ()
 CHART = Chart(sizes=(4, 16, 64, 256))
 
 
@@ -28,12 +27,7 @@ def build(full, folder):
         bodies.append_disk((0, height + radius - bodies.sag(weight, full)), radius, mass, "disk")
         height = O.bodies[-1].state.pos[1] + radius
 
-    def force(lower):
-        """Return the force of the contact between a disk or the floor and the disk above it [N]; 0 where they have parted."""
-        contact = O.interactions[lower, lower + 1] if O.interactions.has(lower, lower + 1, onlyReal=True) else None
-        return contact.phys.normalForce.norm() if contact else 0.0
-
     def worst():
-        return max(abs(force(k) / weight - 1) for k, weight in enumerate(weights))
+        return max(abs(bodies.normal_force(k, k + 1) / weight - 1) for k, weight in enumerate(weights))
 
     return stage.small(full, [Known("worst_force_error", "1", 0.0, worst, source="balance: each contact carries the weight above it")])

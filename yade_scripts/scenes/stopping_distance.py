@@ -8,7 +8,6 @@ METHODS = ("MD", "CD")
 HORIZON = "From speed/(mu g) on, when it has stopped, for any time."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
-PARAMETERS = ()
 CHART = Chart()
 
 

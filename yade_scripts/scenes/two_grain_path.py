@@ -25,7 +25,6 @@ METHODS = ("MD",)
 HORIZON = "Whole paths, any number of them while nothing slips."
 LEFT_OUT = "inertia and spins, since the disks are led; CD, since the scene is about springs and rigid contacts keep nothing of the way"
 DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
-PARAMETERS = ()
 CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
 SOURCE = "McNamara et al. 2008 and the step's first-order rotation, in the scene's own words"
@@ -58,8 +57,8 @@ def build(full, folder):
     # Between the forces and the motion, so that the velocity at the next force is the one that has brought the disk there.
     O.engines = O.engines[:-1] + [hooks.runner(lead.step, iterPeriod=1, initRun=True)] + O.engines[-1:]
     force, work = path.left(lead.steps // 4)
-    scene.known = [Known("left_force", "k_t R path_depth path_angle", force, lambda: shear_force(O.interactions[0, 1]) / path.force_unit,
-                         scale=path.force_scale, source=SOURCE),
+    scene.known = [Known("left_force", "k_t R path_depth path_angle", force, scale=path.force_scale, source=SOURCE,
+                         measure=lambda: bodies.tangential_force(O.interactions[0, 1]) / path.force_unit),
                    Known("loop_work", "k_t (2 R path_angle)^2/2", work, lambda: lead.work / path.energy_unit, scale=1.0, source=SOURCE)]
     return scene
 
@@ -132,9 +131,3 @@ class Lead:
         leg, part = divmod((self.count - 1) % self.steps + 1, self.steps // 4)
         target = self.path.place(leg % 4, part / (self.steps // 4))
         state.vel = ((target[0] - state.pos[0]) / dt, (target[1] - state.pos[1]) / dt, 0)
-
-
-def shear_force(contact):
-    """Return the force of the spring on the second disk along the normal turned by +90 degrees [N]."""
-    n, force = contact.geom.normal, contact.phys.shearForce
-    return n[0] * force[1] - n[1] * force[0]

@@ -40,8 +40,7 @@ def build(full, folder):
 
     def watch():
         """Store sigma2/P0 when |gamma| first exceeds yield_strain."""
-        x, y = (now / before for now, before in zip(walls.sides(), sides))
-        if not yielded and abs(y - x) > full["yield_strain"]:
+        if not yielded and abs(walls.gamma(sides)) > full["yield_strain"]:
             yielded.append(goals(O.time)[1] / p0)
 
     O.engines = O.engines + [hooks.runner(watch, iterPeriod=scene.every)]

@@ -14,14 +14,15 @@ import math
 
 import numpy as np
 
+from yade_scripts import parameters
+
 # q for sweeps in random order, each contact once (Unger et al. 2002). It would be 1/2 if all contacts used the forces of the sweep before.
 RELAXATION = (4 * math.sqrt(math.e) - 5) / 2
 
 
 def step(full):
-    """Return O.dt [s] of a CD row, for which samples fall on whole steps as in running/stage.py, set_step."""
-    interval = full["period"] / full["records_per_cycle"]
-    return interval / math.ceil(interval / full["cd_dt"] * (1 - 1e-12))
+    """Return O.dt [s] of a CD row."""
+    return parameters.steps(full, full["cd_dt"])[1]
 
 
 def mean_mass(full):

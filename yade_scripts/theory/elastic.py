@@ -19,9 +19,7 @@ def stiffness_matrix():
     size = 3 * len(index) + len(FREE_WALLS)
     wall_rows = {wall: (3 * len(index) + k, axis) for k, (wall, axis) in enumerate(FREE_WALLS)}
     matrix = np.zeros((size, size))
-    for contact in O.interactions:
-        if not contact.isReal:
-            continue
+    for contact in bodies.contacts():
         normal, point = contact.geom.normal, contact.geom.contactPoint
         for direction, stiffness in (((normal[0], normal[1]), contact.phys.kn),
                                      ((-normal[1], normal[0]), contact.phys.ks if contact.phys.tangensOfFrictionAngle > 0 else 0)):

@@ -26,7 +26,6 @@ from yade_scripts.running import queue
 
 @commands.command("benchmark")
 def main(arguments=None):
-    """Run the command line and return the exit status."""
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
     parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
     commands.add_extent(parser)

@@ -24,7 +24,6 @@ from yade_scripts.running import hooks
 from yade_scripts.measuring.benchmark import packing
 
 
-
 def resident():
     """Return the memory that this process uses now [bytes]."""
     return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()

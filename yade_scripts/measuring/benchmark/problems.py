@@ -67,14 +67,14 @@ def packing(folder, disks, seed, mu, start="cold"):
     return Case(f"packing {disks} mu {mu:g} {start} #{seed}", "packing", mu, disks, seed, start, core.read_problem(f"{stem}.npz"))
 
 
-def masses(folder, disks, seed, mu, decades=6):
-    """Return the cold case of `packing` with every mass multiplied by a random factor from 1 to 10^decades, uniform in the logarithm."""
+def masses(folder, disks, seed, mu):
+    """Return the cold case of `packing` with every mass multiplied by a random factor from 1 to 1e6, uniform in the logarithm."""
     case = packing(folder, disks, seed, mu)
-    factor = 10.0**np.random.default_rng(seed).uniform(0, decades, (len(case.problem.inverse_masses), 1))
+    factor = 10.0**np.random.default_rng(seed).uniform(0, 6, (len(case.problem.inverse_masses), 1))
     light = replace(case.problem, inverse_masses=case.problem.inverse_masses / factor)
     # free_velocities contain the load as force times dt over mass; the force must not change.
     light = replace(light, free_velocities=light.free_velocities / factor)
-    return replace(case, name=f"masses over 1e{decades}, {disks} mu {mu:g}", kind="masses", problem=light)
+    return replace(case, name=f"masses over 1e6, {disks} mu {mu:g}", kind="masses", problem=light)
 
 
 def crystal(rows, mu, ratio=1.0, name="crystal"):

@@ -13,7 +13,6 @@ import json
 import math
 import pathlib
 import random
-import resource
 import statistics
 import sys
 import time
@@ -26,16 +25,12 @@ from yade import O, utils
 from yade import wrapper as w
 
 import cd_engine
+from yade_scripts.measuring.benchmark.engine import resident
 
 RADIUS, MASS, FRICTION, GRAVITY = 0.01, 1000 * math.pi * 0.01**2, 0.5, 9.81  # [m], [kg] of a disk of depth 1 m, [1], [m/s^2]
 STEP = 1e-3        # of Contact Dynamics [s]
 YOUNG = 1e7        # of the springs [Pa]
 RUNS = 5           # over which the median is taken
-
-
-def resident():
-    """Return the memory that this process uses now [bytes]."""
-    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def build(rows, columns, order):

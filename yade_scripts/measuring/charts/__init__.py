@@ -5,6 +5,8 @@ A series varies one parameter and keeps the scene's own defaults for the others.
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from yade_scripts import parameters, scenes
 from yade_scripts.measuring import store
 from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative_error
@@ -76,20 +78,11 @@ def names():
     return [name for name in scenes.names() if chart_of(name)]
 
 
-def _solvers():
-    """Return the names of the contact solvers; a fixed list if the engine is not built."""
-    try:
-        from cd_engine import core
-        return core.methods()
-    except ImportError:
-        return ["nsgs", "accelerated"]
-
-
 def series(scene):
     """Return the series of a scene."""
     chart = chart_of(scene)
     stiffer = STIFFER[:2] if chart.prepared else STIFFER
-    laws = ("avoid_ratcheting", "path_independent") if chart.rolling or scene == "two_grain_path" else ()
+    laws = parameters.REGISTRY["tangential_law"].choices[1:] if chart.rolling else ()
     found = [
         Series("MD step", "MD", "md_dt_factor", STEPS),
         Series("MD stiffness", "MD", "stiffening", stiffer),
@@ -98,7 +91,8 @@ def series(scene):
         *(Series(f"MD law {law}", "MD", "md_dt_factor", STEPS, {"tangential_law": law}) for law in laws),
         # Longer steps are fewer but harder to solve, so the cost need not rise with the rank.
         Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True, costlier=False),
-        *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver}) for solver in _solvers()),
+        *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver})
+          for solver in parameters.REGISTRY["method_cd"].choices),
         Series("CD accuracy", "CD", ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
     ]
@@ -116,8 +110,9 @@ def settings(scene, full):
 
 def error(known):
     """Return the largest relative error |measured - exact|/scale of a measurement's rows; NaN where one was not measured."""
-    return max((math.nan if one["measured"] is None else relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in known),
-               key=lambda value: math.inf if math.isnan(value) else value, default=math.nan)
+    errors = [math.nan if one["measured"] is None else relative_error(one["measured"], one["exact"], one["scale"], one["deviation"])
+              for one in known]
+    return float(np.max(errors)) if errors else math.nan
 
 
 def status(known):
@@ -157,9 +152,9 @@ class Work:
                 self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
 
     def _enter(self, setting, reason, late, origin):
-        own = split(setting.row)[0]
-        store.add(self.folder, setting.name, {"scene": self.name, "method": own["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
-                                              "status": STATUS_FAILED + reason, "seconds": []} | origin)
+        store.add(self.folder, setting.name, {
+            "scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
+            "status": STATUS_FAILED + reason, "seconds": []} | origin)
 
     def measure(self, begun):
         """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""

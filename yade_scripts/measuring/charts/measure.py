@@ -37,7 +37,7 @@ def measure(row, folder, limit, allow):
     facts |= {"status": charts.status(known), "error": error if math.isfinite(error) else None, "seconds": seconds, "steps": O.iter,
               "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)}
     if full["method"] == "CD":
-        engine = timing.contact_dynamics()
+        engine = hooks.engine("ContactDynamics")
         facts |= {"sweeps": engine.totalIterations, "unconverged_steps": engine.unconvergedSteps}
     return facts, known
 

@@ -11,19 +11,20 @@ import json
 import math
 import pathlib
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Callable
 
 from yade_scripts import parameters
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
 
-__all__ = ["product"]
+__all__ = ["product"]  # for the maps
 FOLDER = "maps"
 CASE_SECONDS = 180  # of processor time that a case may take
 
 # What a probe can find of a case, from best to worst.
 STABLE, INACCURATE, UNSTABLE, NOT_SOLVED = VERDICTS = ("stable", "inaccurate", "unstable", "not solved")
+TOLERANCES = {"default of runs": 1e-8, "of the engine": 1e-6}  # marks on an axis of tolerances
 
 # Why a case is not stable.
 REASONS = {
@@ -42,6 +43,7 @@ REASONS = {
     "timed out": "no answer within the time a case may take",
 }
 
+
 @dataclass(frozen=True)
 class Outcome:
     """The result of a probe for one case.
@@ -57,6 +59,14 @@ class Outcome:
     def __post_init__(self):
         if self.verdict not in VERDICTS or (self.verdict == STABLE) != (self.reason == "") or self.reason not in ("", *REASONS):
             raise ValueError(f"no outcome: {self.verdict!r} because of {self.reason!r}")
+
+
+def judged(measures, told, *failures):
+    """Return the Outcome of a case: the first of its `failures` (verdict, reason, whether it is so), else stable, with nothing told."""
+    for verdict, reason, so in failures:
+        if so:
+            return Outcome(verdict, reason, told, measures)
+    return Outcome(STABLE, measures=measures)
 
 
 @dataclass(frozen=True)
@@ -85,9 +95,14 @@ class Search:
         return self.at | {self.along: round(value) if isinstance(self.good, int) else float(f"{value:.6g}")}
 
 
+def lines(along, good, bad, precision, accepted=(STABLE,), **others):
+    """Return a Search along `along` for each product of the values of the `others`."""
+    return [Search(at, along, good, bad, precision, accepted) for at in product(**others)]
+
+
 @dataclass(frozen=True)
 class Map:
-    """One map. grid(full), searches(full): the quick or the full lists of cases and searches.
+    """One map. grid(full), searches(full): the quick or the full lists of cases and of lines across the boundary.
 
     group: heading of the report under which it stands, order: its place there. x, y: axes; panels: the parameter with a panel for each value, or ''.
     measures: {name: (unit, meaning)}. criterion: in words, what makes a case stable, inaccurate or unstable.
@@ -138,6 +153,11 @@ def get(name):
 def logarithmic(low, high, count):
     """Return `count` numbers from low to high, evenly spaced in the logarithm and rounded to three digits."""
     return [float(f"{low * (high / low)**(k / (count - 1)):.3g}") for k in range(count)]
+
+
+def whole(values):
+    """Return the values rounded to integers, without repetitions."""
+    return list(dict.fromkeys(round(value) for value in values))
 
 
 @dataclass(frozen=True)
@@ -195,8 +215,9 @@ class Work:
 
     def enter(self, case, outcome, seconds, origin):
         """Store the Outcome of a case."""
-        store.add(self.folder, self._file(case), {"map": self.name, "case": case, "seconds": seconds, "verdict": outcome.verdict, "reason": outcome.reason,
-                                                  "told": outcome.told, "measures": {name: float(value) for name, value in outcome.measures.items()}} | origin)
+        measures = {name: float(value) for name, value in outcome.measures.items()}
+        store.add(self.folder, self._file(case),
+                  {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
 
     def failed(self, name, reason, late, origin):
         """Store a case that ended its process as not solved. name: the case as JSON."""
@@ -228,4 +249,4 @@ class Work:
 
 def outcome(facts):
     """Return the Outcome from stored facts."""
-    return Outcome(facts["verdict"], facts["reason"], facts["told"], facts["measures"])
+    return Outcome(**{one.name: facts[one.name] for one in fields(Outcome)})

@@ -4,27 +4,12 @@ The probe: five touching disks that cannot turn stand on a slope, whose tangent 
 """
 import math
 
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, TOLERANCES, UNSTABLE, judged, lines, logarithmic, product
 from yade_scripts.running.sums import total
 
 FRICTION, DISKS, STEPS, SETTLING, DT = 0.5, 5, 200, 10, 1e-3
 ERROR = 0.1
-
 SIDES = ("steeper", "flatter")
-
-
-def grid(full):
-    """Return the cases of the grid: tolerance by distance from tan(slope) = mu, a panel for each side."""
-    tolerances, distances = ((logarithmic(1e-10, 1e-1, 10), logarithmic(1e-9, 1e-1, 9)) if full
-                             else (logarithmic(1e-9, 1e-1, 5), logarithmic(1e-7, 1e-1, 4)))
-    return product(side=SIDES, tolerance=tolerances, distance=distances)
-
-
-def searches(full):
-    """Return for each tolerance a search of the smallest distance from the angle of friction at which the answer is right."""
-    return [Search(at, "distance", 0.3, 1e-9, 1.05 if full else 1.5)
-            for at in product(side=SIDES, tolerance=logarithmic(1e-8, 1e-1, 8) if full else [1e-6, 1e-3])]
-
 
 MAP = Map(
     group="Where rigid contacts fail", order=6,
@@ -38,7 +23,11 @@ MAP = Map(
            "that the weight would give. Choose a tolerance below the distance from the angle that matters.",
     x=Axis("tolerance", "tolerance"), y=Axis("distance", r"$d=|\tan(\mathrm{slope})/\mu-1|$"), panels="side",
     measures={"speed_error": ("1", "of the mean speed, over mu d g cos(slope) t"), "unconverged": ("1", "share of the steps that missed the tolerance")},
-    grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
+    grid=lambda full: product(side=SIDES, tolerance=logarithmic(1e-10, 1e-1, 10) if full else logarithmic(1e-9, 1e-1, 5),
+                              distance=logarithmic(1e-9, 1e-1, 9) if full else logarithmic(1e-7, 1e-1, 4)),
+    searches=lambda full: lines("distance", 0.3, 1e-9, 1.05 if full else 1.5, side=SIDES,
+                                tolerance=logarithmic(1e-8, 1e-1, 8) if full else [1e-6, 1e-3]),
+    marks=TOLERANCES)
 
 
 def weight(tangent):
@@ -49,7 +38,6 @@ def weight(tangent):
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid
@@ -66,9 +54,6 @@ def probe(case):
     exact = unit if sign > 0 else 0.0
     error = (total(O.bodies[k].state.vel[0] for k in row) / DISKS - exact) / unit
     measures = {"speed_error": error, "unconverged": engine.unconvergedSteps / (STEPS + SETTLING)}
-    if engine.unconvergedSteps:
-        return Outcome(NOT_SOLVED, "non-convergence", rigid.told(engine), measures)
-    if abs(error) <= ERROR:
-        return Outcome(STABLE, measures=measures)
     reason = "false rest" if sign > 0 and error < 0 else "false motion"
-    return Outcome(UNSTABLE if abs(error) > 1 else INACCURATE, reason, rigid.told(engine), measures)
+    return judged(measures, rigid.told(engine), (NOT_SOLVED, "non-convergence", engine.unconvergedSteps),
+                  (UNSTABLE, reason, abs(error) > 1), (INACCURATE, reason, not abs(error) <= ERROR))

@@ -2,23 +2,15 @@
 
 The probe: in a prepared packing with free walls sigma2 rises by 5 % at once.
 """
-from yade_scripts import parameters, results, scenes
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts import parameters, scenes
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, TOLERANCES, UNSTABLE, judged, lines, logarithmic, product
 
 DISKS, STEPS, RISE = 100, 50, 0.05
 STRAIN, LARGE_STRAIN = 1e-6, 1e-3
-FOLDER = results.FOLDER  # of prepared packings
 
 
-def grid(full):
-    """Return the cases of the grid: tolerance by time step."""
-    tolerances, steps = ((logarithmic(1e-9, 1e-1, 9), logarithmic(1e-5, 1e-2, 7)) if full else (logarithmic(1e-7, 1e-1, 4), logarithmic(1e-4, 1e-2, 3)))
-    return product(tolerance=tolerances, dt=steps)
-
-
-def searches(full):
-    """Return for each time step a search of the loosest tolerance at which the packing does not strain."""
-    return [Search(at, "tolerance", 1e-8, 1.0, 1.1 if full else 1.5) for at in product(dt=logarithmic(1e-5, 1e-2, 7) if full else logarithmic(1e-4, 1e-2, 3))]
+def steps(full):
+    return logarithmic(1e-5, 1e-2, 7) if full else logarithmic(1e-4, 1e-2, 3)
 
 
 MAP = Map(
@@ -32,19 +24,19 @@ MAP = Map(
     x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"), panels="",
     measures={"gamma": ("1", "strain2 - strain1 after the last step"), "unconverged": ("1", "share of the steps that missed the tolerance"),
               "sweeps": ("1", "mean number of sweeps a step")},
-    grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
+    grid=lambda full: product(tolerance=logarithmic(1e-9, 1e-1, 9) if full else logarithmic(1e-7, 1e-1, 4), dt=steps(full)),
+    searches=lambda full: lines("tolerance", 1e-8, 1.0, 1.1 if full else 1.5, dt=steps(full)),
+    marks=TOLERANCES)
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import cd, hooks, walls
     full = parameters.complete({"disks": DISKS, "method": "CD", "tolerance": case["tolerance"]})
-    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
-    O.load(str(path))
+    prepare.load(parameters.complete({"disks": DISKS}))
     O.dt = case["dt"]
     before = walls.sides()
     p0 = parameters.pressure(full)
@@ -56,10 +48,5 @@ def probe(case):
     strain = [now / length - 1 for now, length in zip(walls.sides(), before)]
     measures = {"gamma": strain[1] - strain[0], "unconverged": engine.unconvergedSteps / STEPS, "sweeps": engine.totalIterations / STEPS}
     told = rigid.told(engine, min(body.shape.radius for body in bodies.disks()))
-    if abs(measures["gamma"]) > LARGE_STRAIN:
-        return Outcome(UNSTABLE, "false motion", told, measures)
-    if engine.unconvergedSteps:
-        return Outcome(NOT_SOLVED, "non-convergence", told, measures)
-    if abs(measures["gamma"]) > STRAIN:
-        return Outcome(INACCURATE, "false motion", told, measures)
-    return Outcome(STABLE, measures=measures)
+    return judged(measures, told, (UNSTABLE, "false motion", abs(measures["gamma"]) > LARGE_STRAIN),
+                  (NOT_SOLVED, "non-convergence", engine.unconvergedSteps), (INACCURATE, "false motion", abs(measures["gamma"]) > STRAIN))

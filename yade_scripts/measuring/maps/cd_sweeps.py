@@ -2,25 +2,14 @@
 
 The probe: a column of disks is solved by a fixed number of sweeps a step.
 """
-from yade_scripts.measuring.maps import Axis, Map, Search, logarithmic, product
+from yade_scripts.measuring.maps import Axis, Map, lines, logarithmic, product, whole
 
 STEPS = 50
 
 
-def whole(values):
-    """Return the values rounded to integers, without repetitions."""
-    return list(dict.fromkeys(round(value) for value in values))
-
-
-def grid(full):
-    """Return the cases of the grid: sweeps by number of disks, one panel with and one without warm start."""
-    sweeps, disks = ((logarithmic(1, 1e4, 13), logarithmic(1, 100, 9)) if full else (logarithmic(1, 1e3, 7), logarithmic(1, 30, 4)))
-    return product(start=("warm", "cold"), disks=whole(disks), sweeps=whole(sweeps))
-
-
-def searches(full):
-    """Return for each height a search of the fewest sweeps that carry the column."""
-    return [Search(at, "sweeps", 30000, 1, 1.02 if full else 1.2) for at in product(start=("warm", "cold"), disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
+def heights(full):
+    """Return the heights of columns whose boundary is searched."""
+    return whole(logarithmic(2, 100, 6)) if full else [3, 10, 30]
 
 
 MAP = Map(
@@ -33,10 +22,11 @@ MAP = Map(
     x=Axis("sweeps", "sweeps a step"), y=Axis("disks", "disks in the column"), panels="start",
     measures={"force_error": ("1", "largest error of a contact force, relative to the weight above it"),
               "penetration": ("1", "largest overlap over the radius"), "residual": ("1", "error e of the last step")},
-    grid=grid, searches=searches)
+    grid=lambda full: product(start=("warm", "cold"), disks=whole(logarithmic(1, 100, 9) if full else logarithmic(1, 30, 4)),
+                              sweeps=whole(logarithmic(1, 1e4, 13) if full else logarithmic(1, 1e3, 7))),
+    searches=lambda full: lines("sweeps", 30000, 1, 1.02 if full else 1.2, start=("warm", "cold"), disks=heights(full)))
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade_scripts.measuring import rigid
     return rigid.judge(*rigid.stand(case["disks"], STEPS, fixedIterations=case["sweeps"], warmStart=case["start"] == "warm"))

@@ -5,25 +5,13 @@ The probe: thirty disks fall into a trough and settle.
 import math
 import random
 
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, UNSTABLE, judged, lines, logarithmic, product
 from yade_scripts.running.sums import total
 
 COLUMNS, ROWS, DURATION = 6, 5, 20
 GROWTH = 1e-5  # growth of energy over that of the fall that the tolerance can explain
 TOLERANCE = 1e-5
 UNSOLVED = 0.01  # share of the steps
-
-
-def grid(full):
-    """Return the cases of the grid: time step by restitution, a panel for each friction coefficient."""
-    steps = logarithmic(0.003, 3, 10) if full else logarithmic(0.01, 3, 6)
-    return product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] if full else [0.0, 0.5, 0.9], dt=steps)
-
-
-def searches(full):
-    """Return the searches for the longest time step without deep overlaps."""
-    return [Search(at, "dt", 0.003, 10.0, 1.05 if full else 1.2)
-            for at in product(friction=[0.0, 0.5] if full else [0.5], restitution=[0.0, 0.2, 0.4, 0.6, 0.8] if full else [0.0, 0.5])]
 
 
 MAP = Map(
@@ -39,12 +27,15 @@ MAP = Map(
     measures={"penetration": ("1", "largest overlap over the radius"), "energy_balance": ("1", "kinetic, potential and dissipated energy less the first, over the fall's"),
               "energy_gain": ("1", "largest kinetic and potential energy less the first, over the fall's"),
               "unconverged": ("1", "share of the steps that missed the tolerance")},
-    grid=grid, searches=searches,
+    grid=lambda full: product(friction=[0.0, 0.5] if full else [0.5],
+                              restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] if full else [0.0, 0.5, 0.9],
+                              dt=logarithmic(0.003, 3, 10) if full else logarithmic(0.01, 3, 6)),
+    searches=lambda full: lines("dt", 0.003, 10.0, 1.05 if full else 1.2, friction=[0.0, 0.5] if full else [0.5],
+                                restitution=[0.0, 0.2, 0.4, 0.6, 0.8] if full else [0.0, 0.5]),
     marks={"1 ms at R = 1 cm": 1e-3 * math.sqrt(9.81 / 0.01)})
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O, utils
 
     from yade_scripts.measuring import rigid
@@ -58,27 +49,21 @@ def probe(case):
     def energy():
         return utils.kineticEnergy() + rigid.GRAVITY * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
 
-    first, most = energy(), [-math.inf]
-
-    def look():
-        most[0] = max(most[0], energy() - first)
-
+    first, energies = energy(), []
     engine = rigid.engine(dt, tolerance=TOLERANCE, restitution=case["restitution"])
-    O.engines = O.engines + [hooks.runner(look, iterPeriod=1)]
+    O.engines = O.engines + [hooks.runner(lambda: energies.append(energy()), iterPeriod=1)]
     steps = max(1, round(DURATION / case["dt"]))
     hooks.simulate(steps)
     balance = (energy() - first + engine.dissipatedEnergy) / fall
-    measures = {"penetration": engine.deepestPenetration / rigid.RADIUS, "energy_balance": balance, "energy_gain": most[0] / fall,
-                "unconverged": engine.unconvergedSteps / steps}
-    if measures["energy_gain"] > GROWTH or abs(balance) > GROWTH:
-        return Outcome(UNSTABLE, "energy growth", rigid.told(engine), measures)
-    if any(not inside(b.state.pos) for b in bodies.disks()):
-        return Outcome(UNSTABLE, "tunnelled", rigid.told(engine), measures)
-    if measures["penetration"] > rigid.DEEP:
-        return Outcome(INACCURATE, "penetration", rigid.told(engine), measures)
-    if measures["unconverged"] > UNSOLVED:
-        return Outcome(NOT_SOLVED, "non-convergence", rigid.told(engine), measures)
-    return Outcome(STABLE, measures=measures)
+    measures = {"penetration": engine.deepestPenetration / rigid.RADIUS, "energy_balance": balance,
+                "energy_gain": (max(energies) - first) / fall, "unconverged": engine.unconvergedSteps / steps}
+    # In the trough: above its floor and between its walls.
+    inside = all(b.state.pos[1] > 0 and abs(b.state.pos[0]) < COLUMNS * 1.2 * rigid.RADIUS for b in bodies.disks())
+    return judged(measures, rigid.told(engine),
+                  (UNSTABLE, "energy growth", measures["energy_gain"] > GROWTH or abs(balance) > GROWTH),
+                  (UNSTABLE, "tunnelled", not inside),
+                  (INACCURATE, "penetration", measures["penetration"] > rigid.DEEP),
+                  (NOT_SOLVED, "non-convergence", measures["unconverged"] > UNSOLVED))
 
 
 def pour(friction):
@@ -93,9 +78,3 @@ def pour(friction):
     for k in range(COLUMNS * ROWS):
         column, row = k % COLUMNS, k // COLUMNS
         rigid.disk(((2.4 * column + 1.2 + draw.uniform(-0.15, 0.15)) * r - width / 2, (2 + 3 * row) * r))
-
-
-def inside(place):
-    """Tell whether a disk's centre is above the floor and between the walls."""
-    from yade_scripts.measuring import rigid
-    return place[1] > 0 and abs(place[0]) < COLUMNS * 1.2 * rigid.RADIUS

@@ -2,24 +2,11 @@
 
 The probe: a column of disks is solved to a tolerance.
 """
-from yade_scripts.measuring.maps import Axis, Map, Search, logarithmic, product
-from yade_scripts.measuring.maps.cd_sweeps import whole
+from yade_scripts.measuring.maps import Axis, Map, TOLERANCES, lines, logarithmic, product, whole
+from yade_scripts.measuring.maps.cd_sweeps import heights
 
 STEPS = 20
-
 METHODS = ("accelerated", "nsgs")
-
-
-def grid(full):
-    """Return the cases of the grid: tolerance by number of disks, a panel for each solver."""
-    tolerances, disks = ((logarithmic(1e-12, 1e-1, 12), logarithmic(1, 300, 9)) if full else (logarithmic(1e-10, 1e-1, 5), logarithmic(1, 100, 4)))
-    return product(method=METHODS if full else METHODS[:1], disks=whole(disks), tolerance=tolerances)
-
-
-def searches(full):
-    """Return for each height a search of the loosest tolerance whose forces are right."""
-    return [Search(at, "tolerance", 1e-7, 1.0, 1.05 if full else 1.3)
-            for at in product(method=METHODS if full else METHODS[:1], disks=whole(logarithmic(2, 100, 6)) if full else [3, 10, 30])]
 
 
 MAP = Map(
@@ -34,10 +21,12 @@ MAP = Map(
     x=Axis("tolerance", "tolerance"), y=Axis("disks", "disks in the column"), panels="method",
     measures={"force_error": ("1", "largest error of a contact force, relative to the weight above it"),
               "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
-    grid=grid, searches=searches, marks={"default of runs": 1e-8, "of the engine": 1e-6})
+    grid=lambda full: product(method=METHODS[:2 if full else 1], disks=whole(logarithmic(1, 300, 9) if full else logarithmic(1, 100, 4)),
+                              tolerance=logarithmic(1e-12, 1e-1, 12) if full else logarithmic(1e-10, 1e-1, 5)),
+    searches=lambda full: lines("tolerance", 1e-7, 1.0, 1.05 if full else 1.3, method=METHODS[:2 if full else 1], disks=heights(full)),
+    marks=TOLERANCES)
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade_scripts.measuring import rigid
     return rigid.judge(*rigid.stand(case["disks"], STEPS, method=case["method"], tolerance=case["tolerance"]))

@@ -5,7 +5,7 @@ The probe: a disk is pressed on a fixed one by a spring contact, free to move al
 import math
 
 from yade_scripts import parameters
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, STABLE, UNSTABLE, judged, lines, logarithmic, product
 from yade_scripts.theory import spring_limits
 
 STEPS = 1000
@@ -15,23 +15,22 @@ GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
 ERROR = 0.1
 
 RATIOS = (0.25, 0.5, 1.0)
-LAWS = ("standard", "avoid_ratcheting", "path_independent")
+LAWS = parameters.REGISTRY["tangential_law"].choices  # the other ones in the searches only
 
 
-def grid(full):
-    """Return the cases of the grid: omega_n dt by beta_n, a panel for each k_t/k_n. The other tangential laws are in the searches only."""
-    steps, damping = ((logarithmic(0.05, 3, 15), logarithmic(0.01, 0.9, 9)) if full else (logarithmic(0.1, 3, 6), [0.01, 0.1, 0.5]))
-    return product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping, omega_dt=steps, tangential_law=LAWS[:1])
+def damping(full):
+    return logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
 
 
 def searches(full):
     """Return the searches for instability, and for an error of a tenth in decay or frequency of the normal motion."""
-    damping = logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
-    precision = 1.003 if full else 1.03
-    found = [Search(at, "omega_dt", 0.2 if at["beta_n"] < 0.7 else 0.1, 3.5, precision, (STABLE, INACCURATE))
-             for at in product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping, tangential_law=LAWS[:1])
-             + product(kt_over_kn=RATIOS[1:2], beta_n=[0.1], tangential_law=LAWS[1:])]
-    return found + [Search(at, "omega_dt", 0.01, 1.5, 1.03) for at in product(kt_over_kn=RATIOS[1:2], beta_n=damping, tangential_law=LAWS[:1])]
+    def instability(ratio, beta, laws):
+        return lines("omega_dt", 0.2 if beta < 0.7 else 0.1, 3.5, 1.003 if full else 1.03, (STABLE, INACCURATE),
+                     kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
+
+    found = [line for ratio in (RATIOS if full else RATIOS[1:]) for beta in damping(full) for line in instability(ratio, beta, LAWS[:1])]
+    errors = lines("omega_dt", 0.01, 1.5, 1.03, kt_over_kn=0.5, beta_n=damping(full), tangential_law=LAWS[:1])
+    return found + instability(0.5, 0.1, LAWS[1:]) + errors
 
 
 MAP = Map(
@@ -47,12 +46,13 @@ MAP = Map(
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "decay_error": ("1", "of the decay a step of the normal motion, relative"),
               "frequency_error": ("1", "of its frequency, relative")},
-    grid=grid, searches=searches, theory=lambda at: spring_limits.contact_limit(at["beta_n"], at["kt_over_kn"]),
+    grid=lambda full: product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping(full),
+                              omega_dt=logarithmic(0.05, 3, 15) if full else logarithmic(0.1, 3, 6), tangential_law=LAWS[:1]),
+    searches=searches, theory=lambda at: spring_limits.contact_limit(at["beta_n"], at["kt_over_kn"]),
     theory_label=r"$\min(2\sqrt{1+\beta_n^2}-2\beta_n,\ 2/\sqrt{2k_t/k_n})$", theory_along="omega_dt")
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.preparing import bodies
@@ -85,16 +85,12 @@ def probe(case):
     decay, frequency = errors(way, case["omega_dt"], case["beta_n"])
     measures = {"growth": growth, "decay_error": decay, "frequency_error": frequency}
     # Energies below 1e-12 of the first are round-off.
-    if grown > GROWN_IN_ALL or (growth > GROWN and max(energy[-quarter:]) > 1e-12 * speed**2):
-        return Outcome(UNSTABLE, "energy growth", measures=measures)
-    if max(decay, frequency) > ERROR:
-        return Outcome(INACCURATE, "wrong motion", measures=measures)
-    return Outcome(STABLE, measures=measures)
+    grows = grown > GROWN_IN_ALL or (growth > GROWN and max(energy[-quarter:]) > 1e-12 * speed**2)
+    return judged(measures, "", (UNSTABLE, "energy growth", grows), (INACCURATE, "wrong motion", max(decay, frequency) > ERROR))
 
 
 def errors(way, step, damping):
     """Return the relative errors of decay and frequency per step against exp(-z s) and s sqrt(1 - z^2), s = `step` = omega_n dt, z = `damping`. Only
     the first oscillations count, which are far above round-off."""
-    from yade_scripts.theory import spring_limits
     decay, frequency = spring_limits.free_response(way[:max(8, min(len(way), int(6 / (step * max(damping, 0.1)))))])
     return abs(decay / (damping * step) - 1), abs(frequency / (step * math.sqrt(1 - damping**2)) - 1)

@@ -6,32 +6,32 @@ import functools
 import math
 import random
 
-from yade_scripts import parameters, results
-from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts import parameters
+from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 from yade_scripts.running.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
 PUSH = 1e-5  # over the mean overlap
 GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
-FOLDER = results.FOLDER  # of prepared packings
 
 RATIOS = (0.25, 0.5, 1.0)
-LAWS = ("standard", "avoid_ratcheting", "path_independent")
+LAWS = parameters.REGISTRY["tangential_law"].choices
 
 
-def grid(full):
-    """Return the cases of the grid: md_dt_factor by beta_n, a panel for each k_t/k_n."""
-    steps, damping = ((logarithmic(0.1, 1.6, 13), logarithmic(0.01, 0.9, 7)) if full else (logarithmic(0.1, 1.6, 7), [0.01, 0.1, 0.5]))
-    return product(kt_over_kn=RATIOS if full else RATIOS[1:2], beta_n=damping, md_dt_factor=steps, tangential_law=LAWS[:1])
+def ratios(full):
+    return RATIOS if full else RATIOS[1:2]
+
+
+def damping(full):
+    return logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
 
 
 def searches(full):
     """Return the searches for instability."""
-    damping = logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
-    precision = 1.005 if full else 1.03
-    return [Search(at, "md_dt_factor", 0.1, 2.0, precision)
-            for at in product(kt_over_kn=RATIOS if full else RATIOS[1:2], beta_n=damping, tangential_law=LAWS[:1])
-            + product(kt_over_kn=RATIOS[1:2], beta_n=[0.1], tangential_law=LAWS[1:])]
+    def instability(ratio, beta, laws):
+        return lines("md_dt_factor", 0.1, 2.0, 1.005 if full else 1.03, kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
+
+    return instability(ratios(full), damping(full), LAWS[:1]) + instability(0.5, 0.1, LAWS[1:])
 
 
 MAP = Map(
@@ -46,11 +46,12 @@ MAP = Map(
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "theory": ("1", "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices"),
               "bound": ("1", "md_dt_factor that is safe for every packing in which no disk is held more stiffly than here")},
-    grid=grid, searches=searches, marks={"default": 0.2}, theory_label=r"largest eigenvalue of the packing", theory_along="md_dt_factor")
+    grid=lambda full: product(kt_over_kn=ratios(full), beta_n=damping(full), md_dt_factor=logarithmic(0.1, 1.6, 13 if full else 7),
+                              tangential_law=LAWS[:1]),
+    searches=searches, marks={"default": 0.2}, theory_label=r"largest eigenvalue of the packing", theory_along="md_dt_factor")
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O, utils
 
     from yade_scripts.preparing import bodies
@@ -66,7 +67,7 @@ def probe(case):
         md_step.check(full | {"md_dt_factor": case["md_dt_factor"]})
     except parameters.ParameterError as error:
         refusal = str(error)
-    overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in O.interactions if i.isReal]
+    overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in bodies.contacts()]
     speed = PUSH * total(overlaps) / len(overlaps) / unit
     draw = random.Random(1)
     for body in bodies.disks():
@@ -97,14 +98,12 @@ def load(full):
     """Load the prepared packing, the same for all cases. Give its contacts the stiffness ratio and damping of the case, and let them stick."""
     from yade import O
 
-    from yade_scripts.preparing import prepare
+    from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import md
-    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
-    O.load(str(path))
+    prepare.load(parameters.complete({"disks": DISKS}))
     md.set_friction(2.0, 0.0)
     for material in O.materials:
         material.betan = full["beta_n"]
-    for contact in O.interactions:
-        if contact.isReal:
-            contact.phys.ks = full["kt_over_kn"] * contact.phys.kn
-            contact.phys.cn = full["beta_n"] * contact.phys.cn_crit
+    for contact in bodies.contacts():
+        contact.phys.ks = full["kt_over_kn"] * contact.phys.kn
+        contact.phys.cn = full["beta_n"] * contact.phys.cn_crit

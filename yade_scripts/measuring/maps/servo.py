@@ -4,27 +4,20 @@ The probe: the servo applies one triangle of load, recorded like any run, with a
 """
 import functools
 import pathlib
-import statistics
 import tempfile
 
-from yade_scripts import parameters, results, scenes
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+import numpy as np
+
+from yade_scripts import parameters, scenes
+from yade_scripts.results import sealed
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 
 DISKS, SAMPLES, BETA = 100, 20, 0.3
 STRESS_ERROR, STRAIN_ERROR, FLIPPING = 0.05, 0.1, 0.5
-FOLDER = results.FOLDER  # of prepared packings
 
 
-def grid(full):
-    """Return the cases of the grid: gain by largest speed, a panel for each period of the load."""
-    gains, speeds = ((logarithmic(0.25, 8, 11), logarithmic(1e-4, 1e2, 13)) if full else (logarithmic(0.5, 4, 4), logarithmic(1e-3, 1e2, 6)))
-    return product(period=[0.2, 0.02] if full else [0.2], max_velocity=speeds, gain=gains)
-
-
-def searches(full):
-    """Return the searches for the gain at which the walls lock, and for the largest speed below which they are too slow."""
-    gain = [Search(at, "gain", 0.5, 8.0, 1.02 if full else 1.1) for at in product(period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])]
-    return gain + [Search(at, "max_velocity", 1.0, 1e-6, 1.05 if full else 1.5) for at in product(period=[0.2, 0.02] if full else [0.2], gain=[1.0])]
+def periods(full):
+    return [0.2, 0.02] if full else [0.2]
 
 
 MAP = Map(
@@ -44,48 +37,16 @@ MAP = Map(
               "reversals": ("1", "share of the steps at which wall y+ changes direction"), "largest_gamma": ("1", "largest |gamma|"),
               "strain_error": ("1", "of the largest |gamma|, relative to that under gain 1"), "samples": ("1", "taken before the run ended"),
               "theory": ("1", "gain at which walls begin to flip by a theory of equal disks")},
-    grid=grid, searches=searches, marks={"largest that walls.servo sets": 1.0}, theory_label="flipping walls, equal disks", theory_along="gain")
-
-
-class Watch:
-    """Records what the recorder does not: each wall separately, and the path of wall y+ step by step."""
-
-    def __init__(self, scene, full):
-        self.scene, self.p0 = scene, parameters.pressure(full)
-        from yade_scripts.running import walls
-        self.errors, self.means, self.gammas = [], [], []
-        self.sides, self.place, self.direction, self.reversals, self.steps = walls.sides(), None, 0, 0, 0
-
-    def sample(self):
-        """Record gamma and the stress errors over P0 at the time of a recorder's sample."""
-        from yade_scripts.running import walls
-        stresses, goal = walls.stresses(), self.scene.load.goal
-        self.errors.append(max(abs(s - g) for pair, g in zip(stresses, goal) for s in pair) / self.p0)
-        self.means.append(max(abs(sum(pair) / 2 - g) for pair, g in zip(stresses, goal)) / self.p0)
-        strain = [now / first - 1 for now, first in zip(walls.sides(), self.sides)]
-        self.gammas.append(abs(strain[1] - strain[0]))
-
-    def step(self):
-        """Count the changes of direction of wall y+."""
-        from yade import O
-
-        from yade_scripts.running import walls
-        place = O.bodies[walls.Y_HIGH].state.pos[1]
-        if self.place is not None and place != self.place:
-            direction = 1 if place > self.place else -1
-            self.reversals += direction == -self.direction
-            self.direction = direction
-        self.place, self.steps = place, self.steps + 1
+    grid=lambda full: product(period=periods(full), max_velocity=logarithmic(1e-4, 1e2, 13) if full else logarithmic(1e-3, 1e2, 6),
+                              gain=logarithmic(0.25, 8, 11) if full else logarithmic(0.5, 4, 4)),
+    searches=lambda full: (lines("gain", 0.5, 8.0, 1.02 if full else 1.1, period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])
+                           + lines("max_velocity", 1.0, 1e-6, 1.05 if full else 1.5, period=periods(full), gain=[1.0])),
+    marks={"largest that walls.servo sets": 1.0}, theory_label="flipping walls, equal disks", theory_along="gain")
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
-    error, watch = run(case)
-    half = len(watch.errors) // 2
-    reference = reference_gamma(case["period"])
-    measures = {"stress_error": statistics.median(watch.errors[half:]), "mean_stress_error": statistics.median(watch.means[half:]), "reversals": watch.reversals / watch.steps,
-                "largest_gamma": max(watch.gammas), "strain_error": abs(max(watch.gammas) / reference - 1), "samples": len(watch.errors),
-                "theory": watch.limit}
+    error, measures = run(case)
+    measures["strain_error"] = abs(measures["largest_gamma"] / reference_gamma(case["period"]) - 1)
     if measures["mean_stress_error"] > STRESS_ERROR:
         locked = measures["reversals"] > FLIPPING
         return Outcome(UNSTABLE if locked else INACCURATE, "locked walls" if locked else "load missed", error, measures)
@@ -99,8 +60,7 @@ def reference_gamma(period):
     """Return the largest |gamma| for a gain of 1 and walls that may move as fast as they need."""
     from yade import O
     O.reset()
-    _, watch = run({"period": period, "gain": 1.0, "max_velocity": 1.0})
-    return max(watch.gammas)
+    return run({"period": period, "gain": 1.0, "max_velocity": 1.0})[1]["largest_gamma"]
 
 
 def gain_limit(own_gain):
@@ -117,35 +77,33 @@ def gain_limit(own_gain):
 
 
 def run(case):
-    """Run a case. Return (the message of the error that ended it or '', Watch)."""
+    """Run a case. Return (the message of the error that ended it or '', what the map measures but for the strain_error)."""
     from yade import O
 
     from yade_scripts.preparing import bodies, prepare
-    from yade_scripts.running import hooks, loading, recorder, stage, wall_check
-    path, _ = prepare.ensure(parameters.complete({"disks": DISKS}), FOLDER)
-    O.load(str(path))
+    from yade_scripts.running import hooks, loading, recorder, stage, wall_check, walls
+    prepare.load(parameters.complete({"disks": DISKS}))
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
     for material in O.materials:
         material.betan = BETA
-    for contact in O.interactions:
-        if contact.isReal:
-            contact.phys.cn = BETA * contact.phys.cn_crit
+    for contact in bodies.contacts():
+        contact.phys.cn = BETA * contact.phys.cn_crit
     scene = scenes.Scene(every=stage.set_step(full, stage.largest_step(full)), samples=SAMPLES)
     stage.load_walls(full, scene, loading.goals(full, parameters.pressure(full)))
     controller = scene.load.controller
     own_gain = 2 * BETA * (bodies.mean_mass() / parameters.stiffness(full))**0.5 / O.dt
     controller.stressDamping, controller.max_vel = 1 - case["gain"] / own_gain, case["max_velocity"]
-    watch = Watch(scene, full)
-    watch.limit = gain_limit(own_gain)
+    p0, top, errors, places = parameters.pressure(full), O.bodies[walls.Y_HIGH].state, [], []
     with tempfile.TemporaryDirectory() as folder:
         sampler, failure = recorder.Recorder(pathlib.Path(folder) / "servo.h5", full, scene), None
 
         def observe():
-            watch.sample()
+            # Of each wall, where a history has the means of opposite ones.
+            errors.append(max(abs(stress - goal) for pair, goal in zip(walls.stresses(), scene.load.goal) for stress in pair) / p0)
             sampler.sample()
 
         scene.observer = observe
-        O.engines = O.engines + [hooks.runner(watch.step, iterPeriod=1)]
+        O.engines = O.engines + [hooks.runner(lambda: places.append(top.pos[1]), iterPeriod=1)]
         try:
             scenes.method(full).run(scene)
         except wall_check.Collapse:
@@ -153,4 +111,12 @@ def run(case):
         except wall_check.StressError as ended:
             failure = ended
         sampler.close(failure=failure)
-    return "" if failure is None else str(failure), watch
+        with sealed.open_checked(sampler.path) as file:
+            history = {name: data[()] for name, data in file["history"].items()}
+    half, moves = len(errors) // 2, np.sign(np.diff(places))
+    moves = moves[moves != 0]
+    means = np.maximum(*(abs(history[f"sigma{k}"] - history[f"sigma{k}_goal"]) for k in (1, 2))) / p0
+    return "" if failure is None else str(failure), {
+        "stress_error": np.median(errors[half:]), "mean_stress_error": np.median(means[half:]),
+        "reversals": np.count_nonzero(np.diff(moves)) / len(places), "largest_gamma": abs(history["gamma"]).max(), "samples": len(errors),
+        "theory": gain_limit(own_gain)}

@@ -5,26 +5,18 @@ The probe: a disk is thrown at a fixed box, with springs or as a rigid body.
 import math
 
 from yade_scripts import parameters
-from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, Search, UNSTABLE, logarithmic, product
+from yade_scripts.measuring.maps import Axis, INACCURATE, Map, STABLE, UNSTABLE, judged, lines, logarithmic, product
 
 DISTANCES = (2.13, 2.38, 2.63, 2.88)  # start from the wall, in displacements of a step, to vary when in a step the disk arrives
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
 NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for flights that begin within half a step of the wall
 SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}}
 DEPTH = 0.5
-
 KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
 
 
-def grid(full):
-    """Return the cases of the grid: speed by thickness, a panel for each method with its settings."""
-    speeds, thicknesses = (logarithmic(0.01, 100, 13), logarithmic(0.01, 10, 4)) if full else (logarithmic(0.01, 100, 5), [0.1, 1.0])
-    return product(kind=KINDS, thickness=thicknesses, speed=speeds)
-
-
-def searches(full):
-    """Return the searches for the speed at which the disk passes through."""
-    return [Search(at, "speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE)) for at in product(kind=KINDS, thickness=logarithmic(0.01, 10, 4) if full else [0.1, 1.0])]
+def thicknesses(full):
+    return logarithmic(0.01, 10, 4) if full else [0.1, 1.0]
 
 
 def turning(at):
@@ -43,12 +35,13 @@ MAP = Map(
            "overlap below a tenth of R, k_n must exceed 100 m v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
     measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},
-    grid=grid, searches=searches, theory=turning,
-    theory_label="springs: the centre\npasses the mid-plane", theory_along="speed")
+    grid=lambda full: product(kind=KINDS, thickness=thicknesses(full), speed=logarithmic(0.01, 100, 13 if full else 5)),
+    searches=lambda full: lines("speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE), kind=KINDS,
+                                thickness=thicknesses(full)),
+    theory=turning, theory_label="springs: the centre\npasses the mid-plane", theory_along="speed")
 
 
 def probe(case):
-    """Measure a case inside YADE and return its Outcome."""
     from yade import O
 
     from yade_scripts.measuring import rigid
@@ -61,11 +54,8 @@ def probe(case):
         flights.append(throw(case, case["thickness"] * rigid.RADIUS / 2 + rigid.RADIUS, distance))
     measures = {"through": sum(beyond for beyond, _, _ in flights) / len(flights), "penetration": max(depth for _, depth, _ in flights) / rigid.RADIUS}
     told = next((said for _, _, said in flights if said), "")
-    if measures["through"]:
-        return Outcome(UNSTABLE, "tunnelled", told, measures)
-    if measures["penetration"] > DEPTH:
-        return Outcome(INACCURATE, "penetration", told, measures)
-    return Outcome(STABLE, measures=measures)
+    return judged(measures, told, (UNSTABLE, "tunnelled", measures["through"]),
+                  (INACCURATE, "penetration", measures["penetration"] > DEPTH))
 
 
 def springs(case, contact, distance):
@@ -80,15 +70,11 @@ def springs(case, contact, distance):
     dt = full["md_dt_factor"] * math.sqrt(rigid.MASS / parameters.stiffness(full))
     velocity = case["speed"] * rigid.RADIUS * math.sqrt(parameters.stiffness(full) / rigid.MASS)
     disk = rigid.disk((0, contact + distance * velocity * dt), velocity=(0, -velocity))
-    state, lowest = O.bodies[disk].state, [math.inf]
-
-    def look():
-        lowest[0] = min(lowest[0], state.pos[1])
-
-    O.engines = md.contact_engines(full) + [md.integrator(full), hooks.runner(look, iterPeriod=1)]
+    state, heights = O.bodies[disk].state, []
+    O.engines = md.contact_engines(full) + [md.integrator(full), hooks.runner(lambda: heights.append(state.pos[1]), iterPeriod=1)]
     O.dt = dt
     hooks.simulate(MD_STEPS)
-    return state.pos[1] < 0, max(0.0, contact - lowest[0]), ""
+    return state.pos[1] < 0, max(0.0, contact - min(heights)), ""
 
 
 def rigidly(case, contact, distance):
