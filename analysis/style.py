@@ -51,7 +51,7 @@ def source(runs):
     """Return where a figure comes from: number of runs and packings, commit, YADE, and the solver's tolerance with the share of steps that missed it."""
     commits = sorted({run.attributes["git_commit"] for run in runs})
     states = len({run.attributes["state_sha256"] for run in runs} - {""})
-    return (f"{len(runs)} runs" + (f" from {states} packing{'s' * (states > 1)}" if states else "")
+    return (f"{len(runs)} run{'s' * (len(runs) > 1)}" + (f" from {states} packing{'s' * (states > 1)}" if states else "")
             + f", {provenance.words(commits)}, YADE {runs[0].attributes['yade_version']}"
             + _solved([run for run in runs if run.method == "CD"]))
 
