@@ -1,6 +1,7 @@
 """The table of the first page: how much each cause parts springs (MD) from rigid contacts (CD), computed from the published tables."""
 
 import numpy as np
+import pandas
 
 from analysis import publish
 from analysis.studies import collapse, ratcheting
@@ -19,6 +20,8 @@ def table(folder):
         try:
             found = cell(publish.read_table(path) if name == "collapse" else publish.finished(publish.read_table(path))) if path.is_file() else NOT_RUN
         except (AttributeError, KeyError, StopIteration) as error:  # the first two: pandas' two ways to miss a column
+            if isinstance(error, AttributeError) and not isinstance(error.obj, pandas.DataFrame):
+                raise
             raise ResultError(path, f"is of another version of the study ({error})", f"make it again: make study STUDY={name}") from None
         return NOT_RUN if NOT_RUN in found else found
 
@@ -89,10 +92,11 @@ def _limit_of_a_rate(rows):
 
 
 def _stiffness_of_a_rate(rows):
-    (power, error), _ = ratcheting.law(rows, "rate", 1)
-    rates = rows[(rows.method == "MD") & (rows["load over limit"] < 1) & (rows.dSigma == ratcheting.LOAD)].groupby("k_n over the usual")["rate"].median()
-    return (f"at equal load over the limit, below it, MD's strain a cycle goes as k_n to the power {power:.2f} (standard error {error:.2f}; {rows.seed.nunique()} packings): "
-            + ", ".join(f"{rate:.0e} with {'' if stiffer == 1 else f'{stiffer:g} '}k_n" for stiffer, rate in rates.items()))
+    springs = ratcheting.slow(rows)
+    far = springs["load over limit"] < ratcheting.NEAR
+    texts = [f"{power:.2f} (standard error {error:.2f}; {len(own)} runs) {words}" for words, own in ((f"up to {ratcheting.NEAR} of the limit", springs[far]), ("above", springs[~far]))
+             for power, error in [ratcheting.power(own, "rate")]]
+    return "below the limit, at equal load over it, MD's strain of a late cycle goes as k_n to the power " + " and ".join(texts)
 
 
 def _tolerance_of_a_rate(rows):
