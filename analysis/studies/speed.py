@@ -38,7 +38,9 @@ def summarize(runs):
     step, relative, with its standard error.
     """
     cycled, filled = ([run for run in runs if run.parameters["scene"] == scene] for scene in (CYCLE_SCENE, FILLING_SCENE))
-    truth = {run.parameters["seed"]: _strain(run) for run in cycled if run.parameters["md_dt_factor"] == FINEST and run.method == "MD"}
+    # The last one, of the smallest step, stays.
+    soft = sorted((run for run in cycled if run.method == "MD" and run.parameters["stiffening"] == 1), key=lambda run: -run.parameters["md_dt_factor"])
+    truth = {run.parameters["seed"]: _strain(run) for run in soft}
     return ([_cycle(key, group, truth) for key, group in summary.groups(cycled, _key).items()]
             + [_filling(key, group, filled) for key, group in summary.groups(filled, _key).items()])
 
