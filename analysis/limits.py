@@ -17,13 +17,16 @@ def stress_ratio(load, stress_path):
     return load / (2 - load) if stress_path == "mean" else load
 
 
-def static_limit(run):
-    """Return the largest sigma2/P0 on the run's stress path (yade_scripts/theory/statics.py); NaN where the contacts do not hold the walls at all."""
-    first, path = run.snapshots[0], run.parameters["stress_path"]
-    key = first["contact_point"].tobytes(), run.pressure, path
+def static_limit(run, snapshot=0):
+    """Return the largest sigma2/P0 on the run's stress path that the contacts of a snapshot can carry (yade_scripts/theory/statics.py).
+
+    NaN where they do not hold the walls at all.
+    """
+    contacts, path = run.snapshots[snapshot], run.parameters["stress_path"]
+    key = contacts["contact_point"].tobytes(), run.pressure, path
     if key not in _known:
         try:
-            _known[key] = statics.limit_loads(first, run.pressure, run.attributes["depth"], path)[1]
+            _known[key] = statics.limit_loads(contacts, run.pressure, run.attributes["depth"], path)[1]
         except ResultError:
             _known[key] = np.nan
     return _known[key]

@@ -85,9 +85,9 @@ def integral(y, x):
     return np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2)
 
 
-def change(run, name):
-    """Return the last minus the first value of a history field: of an energy [J], what the run added."""
-    values = run.values(name)
+def change(run, name, part=slice(None)):
+    """Return the last minus the first value of a history field over the samples `part`: of an energy [J], what was added."""
+    values = run.values(name)[part]
     return values[-1] - values[0]
 
 
@@ -107,16 +107,18 @@ def work_error(run):
     return (wall_work(run) - (summed[-1] - summed[0])) / largest if largest else np.nan
 
 
-def balance_error(run):
-    """Return (work of the walls - stored - kinetic - dissipated) over the largest work; dissipation summed where it happens.
+def balance_error(run, part=slice(None)):
+    """Return (work of the walls - stored - kinetic - dissipated) over the largest work, in the samples `part`; dissipation summed where it
+    happens.
 
     CD: by the engine. MD: friction and dashpots, summed in every step; NaN where nobody sums the friction, and `dissipated_energy` is the rest of
     this balance.
     """
     if run.method == "MD" and not np.isfinite(run.history["friction_dissipation"]).all():
         return np.nan
-    largest = np.abs(run.values("wall_work")).max()
-    missing = change(run, "wall_work") - sum(change(run, part) for part in ("stored_energy", "kinetic_energy", "dissipated_energy"))
+    largest = np.abs(run.values("wall_work")[part]).max()
+    found = sum(change(run, name, part) for name in ("stored_energy", "kinetic_energy", "dissipated_energy"))
+    missing = change(run, "wall_work", part) - found
     return missing / largest if largest else np.nan
 
 

@@ -1,5 +1,5 @@
-"""Compares the numbers in a text with known values: every number in the text must be known, be its value rounded to the digits written, and stand first in the
-text where it stands in the order of the known ones, so that two numbers that have changed places are found."""
+"""Compares the numbers in a text with known values: every number must be known, and be its value rounded to the digits written. Known
+numbers stand in the order of the text, so that two that have changed places are found."""
 import re
 from decimal import Decimal
 
@@ -26,5 +26,6 @@ def wrong(text, known, given=()):
     found = [f"{number}: nothing in the tables stands behind it" for number in dict.fromkeys(written(text)) if number not in known and number not in given]
     found += [f"{number} is not in the text" for number in known if number not in written(text)]
     first = [number for number in dict.fromkeys(written(text)) if number in known]
-    found += [f"{number} stands where {other} is expected" for number, other in zip(first, (number for number in known if number in first)) if number != other][:1]
+    swapped = [pair for pair in zip(first, (number for number in known if number in first)) if pair[0] != pair[1]]
+    found += [f"{number} stands where {other} is expected" for number, other in swapped[:1]]
     return found + [f"{number}: the table says {value:g}" for number, values in known.items() for value in np.atleast_1d(values) if not agrees(number, value)]

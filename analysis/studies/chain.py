@@ -125,4 +125,5 @@ def numbers(table):
     return {"35.7": memory.swing_period_measured, "35.4": memory.swing_period_theory, "35.5": overlap.swing_period_measured,
             "70": memory.swing_decay_measured, "64": [overlap.swing_decay_measured, memory.swing_decay_theory],
             "1.7": 100 * (elastic.swing_period_measured / elastic.swing_period_theory - 1).abs().max(),
-            "156": row[CREEPS, 40].furthest_over_rest, "20": row[OVERSHOOTS, 40].furthest_over_rest, "2.0e-8": row[SOLVED, 0].furthest_over_rest}
+            "156": row[CREEPS, 40].furthest_over_rest, "20": row[OVERSHOOTS, 40].furthest_over_rest,
+            "2.0e-8": row[SOLVED, 0].furthest_over_rest}

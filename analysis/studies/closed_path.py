@@ -91,4 +91,5 @@ def numbers(table):
     """Return the numbers of the text, from the summary table."""
     most = {law: rows[["left_force", "loop_work"]].abs().max() for law, rows in table.groupby("law")}
     return {"0.050": [most["standard"].left_force, most["avoid_ratcheting"].loop_work], "0.0025": most["standard"].loop_work,
-            "2e-5": most["avoid_ratcheting"].left_force, "2e-14": most["path_independent"].left_force, "5e-13": most["path_independent"].loop_work}
+            "2e-5": most["avoid_ratcheting"].left_force, "2e-14": most["path_independent"].left_force,
+            "5e-13": most["path_independent"].loop_work}

@@ -39,10 +39,12 @@ def summarize(runs):
 
 def _row(run):
     full, collapsed = run.parameters, run.collapsed
-    return {"method": run.method, "case": case(full), "dSigma": full["delta_sigma"], "seed": full["seed"], "static limit": limits.static_limit(run),
-            "load over limit": limits.load_over_limit(run), "collapses after": float(run.values("cycle")[-1]) if collapsed else np.nan,
-            "seconds": float(run.values("time")[-1]) if collapsed else np.nan, "stands": np.nan if collapsed else float(run.values("cycle")[-1]),
-            "gamma at the end": float(run.values("gamma")[-1]), "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "",
+    return {"method": run.method, "case": case(full), "dSigma": full["delta_sigma"], "seed": full["seed"],
+            "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
+            "collapses after": float(run.values("cycle")[-1]) if collapsed else np.nan,
+            "seconds": float(run.values("time")[-1]) if collapsed else np.nan,
+            "stands": np.nan if collapsed else float(run.values("cycle")[-1]), "gamma at the end": float(run.values("gamma")[-1]),
+            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "",
             "balance error": float(observables.balance_error(run)), "outcome": run.outcome}
 
 
@@ -128,9 +130,12 @@ def numbers(table):
     changes = {load: np.concatenate([change.loc[load].replace([np.inf, 0], np.nan).dropna() for change in finer]) for load in LOADS}
     lives = _lives(table)
     assert np.isfinite(lives["springs"]).all() and (lives[["springs, 2 s", "rigid, 2 s"]] < 2).all().all() and (soft > 1).all() and not lives.isna().any().any()
-    return {"6": len(soft.loc[0.3]), "2.02": soft.loc[0.3].median(), "1.42": soft.loc[0.3].min(), "2": np.isinf(soft.loc[0.3]).sum(), "1.29": soft.loc[0.4].median(),
-            "1.08": soft.loc[0.4].min(), "1.49": soft.loc[0.4].max(), "1.05": [hard.loc[0.3].median(), slow.median()], "0.68": hard.loc[0.3].min(), "3.08": hard.loc[0.3].max(),
-            "1.06": [hard.loc[0.4].median(), hard.median()], "0.98": hard.loc[0.4].min(), "1.39": hard.loc[0.4].max(), "1.46": soft.median(), "12": [len(soft), (servo > 1).sum()],
-            "1.59": stiffer["springs"][0.3], "1.01": stiffer["springs"][0.4], "0.90": stiffer["rigid"][0.4], "0.95": medians[0.3][0], "1.00": medians[0.3][1],
-            "0.92": medians[0.3][2:4], "0.88": medians[0.3][4], "0.37": changes[0.3].min(), "2.41": changes[0.3].max(), "0.97": min(medians[0.4]), "1.02": max(medians[0.4]),
-            "0.79": changes[0.4].min(), "1.26": changes[0.4].max(), "3": np.isinf(servo).sum(), "0.60": lives["springs, 2 s"].median()}
+    return {"6": len(soft.loc[0.3]), "2.02": soft.loc[0.3].median(), "1.42": soft.loc[0.3].min(), "2": np.isinf(soft.loc[0.3]).sum(),
+            "1.29": soft.loc[0.4].median(), "1.08": soft.loc[0.4].min(), "1.49": soft.loc[0.4].max(),
+            "1.05": [hard.loc[0.3].median(), slow.median()], "0.68": hard.loc[0.3].min(), "3.08": hard.loc[0.3].max(),
+            "1.06": [hard.loc[0.4].median(), hard.median()], "0.98": hard.loc[0.4].min(), "1.39": hard.loc[0.4].max(),
+            "1.46": soft.median(), "12": [len(soft), (servo > 1).sum()], "1.59": stiffer["springs"][0.3], "1.01": stiffer["springs"][0.4],
+            "0.90": stiffer["rigid"][0.4], "0.95": medians[0.3][0], "1.00": medians[0.3][1], "0.92": medians[0.3][2:4],
+            "0.88": medians[0.3][4], "0.37": changes[0.3].min(), "2.41": changes[0.3].max(), "0.97": min(medians[0.4]),
+            "1.02": max(medians[0.4]), "0.79": changes[0.4].min(), "1.26": changes[0.4].max(), "3": np.isinf(servo).sum(),
+            "0.60": lives["springs, 2 s"].median()}

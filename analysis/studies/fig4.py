@@ -28,20 +28,17 @@ def _row(run):
     gamma, sigma2 = run.values("gamma"), run.values("sigma2")
     snapshot, _ = observables.snapshot_at_load_maximum(run)
     scale, (slipped, shared) = observables.work_scale(run), slip.of(run)
-    return {
-        "method": run.method, "stress path": run.parameters["stress_path"], "seed": run.parameters["seed"], "static limit": limits.static_limit(run),
-        "outcome": run.outcome,
-        "largest |gamma|": float(np.abs(gamma).max()), "remanent gamma": float(observables.permanent_strain(gamma)),
-        "loop width": observables.loop_width(gamma, sigma2), "dissipated/P0V0": float(observables.change(run, "dissipated_energy") / scale),
-        "work/P0V0": float(observables.change(run, "wall_work") / scale),
-        "balance error": float(observables.balance_error(run)), "work by stress and strain, error": float(observables.work_error(run)),
-        "at Coulomb's limit at the maximum": int(observables.sliding(snapshot).sum()), "slip of a contact/R": slipped,
-        # Of rigid contacts at rest slip is the error of the solver, which all of them share.
-        "contacts that slip": shared if run.method == "MD" else "",
-        "coordination at the maximum": float(observables.coordination(snapshot)),
-        "stress error/P0": float(observables.stress_error(run)),
-        "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "",
-    }
+    return {"method": run.method, "stress path": run.parameters["stress_path"], "seed": run.parameters["seed"],
+            "static limit": limits.static_limit(run), "outcome": run.outcome, "largest |gamma|": float(np.abs(gamma).max()),
+            "remanent gamma": float(observables.permanent_strain(gamma)), "loop width": observables.loop_width(gamma, sigma2),
+            "dissipated/P0V0": float(observables.change(run, "dissipated_energy") / scale),
+            "work/P0V0": float(observables.change(run, "wall_work") / scale), "balance error": float(observables.balance_error(run)),
+            "work by stress and strain, error": float(observables.work_error(run)),
+            "at Coulomb's limit at the maximum": int(observables.sliding(snapshot).sum()), "slip of a contact/R": slipped,
+            "contacts that slip": shared if run.method == "MD" else "",
+            "coordination at the maximum": float(observables.coordination(snapshot)),
+            "stress error/P0": float(observables.stress_error(run)),
+            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
 
 
 TITLES = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}
@@ -61,7 +58,8 @@ def draw(runs, rows, path):
         if path_held == "constant":
             _inset(axis, [run for run in own if run.method == "CD"])
     axes[0, 0].set_ylabel(r"$\sigma_2/P_0$")
-    axes[0, -1].legend(**dict(loc="lower center", bbox_to_anchor=(0.27, 0)) if len(paths) > 1 else dict(loc="upper right", bbox_to_anchor=(0.92, 1)))
+    place = ("lower center", (0.27, 0)) if len(paths) > 1 else ("upper right", (0.92, 1))
+    axes[0, -1].legend(loc=place[0], bbox_to_anchor=place[1])
     style.finish(fig, path, "One load by 0.2 P0 and back from the same packings, a line each: solid loading, dashed unloading. Left sigma1 is held, right the mean stress."
                  if len(paths) > 1 else "One load by 0.2 P0 and back from the same packings, sigma1 held: solid loading, dashed unloading.", runs)
 

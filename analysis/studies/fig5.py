@@ -151,7 +151,8 @@ POINTS = (
     (7, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part",
      "MD strains from the start: dense packings pass |gamma| = 1e-4 at 1.07 P0 and 1e-2 at 1.49 P0 with sigma1 held (medians). But then the area first shrinks, in 15 "
      "of 15 runs."),
-    (8, "A sudden compression is perceived [...], after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5", "not decided",
+    (8, "A sudden compression is perceived [...], after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5",
+     "not decided",
      "Not compared: the paper names N = 2700 and cycles here, but refers to the ramp of its eq. 1, which has none."),
     (9, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5", "disagrees",
      "When MD reaches |gamma| = 0.2, CD has passed 1e-2 in 25 of 25 pairs, on either stress path."),

@@ -67,8 +67,9 @@ def _row(key, group):
     values = np.array([float(run.extra[QUANTITY[scene]]) for run in group])
     steps = [run.values("time")[-1] / run.parameters["cd_dt"] for run in group]
     cd = method == "CD"
-    return {"scene": scene, "disks": disks, "method": method, "step": first if cd else second, "setting": second if cd else first, "gap_correction": gap,
-            "seeds": len(group), "value": float(values.mean()), "deviation": float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan,
+    return {"scene": scene, "disks": disks, "method": method, "step": first if cd else second, "setting": second if cd else first,
+            "gap_correction": gap, "seeds": len(group), "value": float(values.mean()),
+            "deviation": float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan,
             "seconds": float(np.median([run.values("processor_time")[-1] for run in group])),
             "overlap": float(max(run.values("max_penetration").max() / run.parameters["radius_mean"] for run in group)),
             "unsolved": sum(run.values("unconverged_steps")[-1] for run in group) / sum(steps) if cd else 0.0}

@@ -138,5 +138,6 @@ POINTS = ()
 def numbers(table):
     """Return the numbers of the text, from the summary table."""
     row = table.iloc[0]
-    return {"775": row["contacts MD"], "765": row["contacts CD"], "14": row["in MD only"], "4": row["in CD only"], "0.9988": row.correlation,
-            "3.5": 100 * row["rms difference"], "128": row["at the Coulomb limit MD"], "111": row["at the Coulomb limit CD"]}
+    return {"775": row["contacts MD"], "765": row["contacts CD"], "14": row["in MD only"], "4": row["in CD only"],
+            "0.9988": row.correlation, "3.5": 100 * row["rms difference"], "128": row["at the Coulomb limit MD"],
+            "111": row["at the Coulomb limit CD"]}

@@ -14,8 +14,9 @@ QUESTION = ("How much do k_t/k_n, damping, size distribution, preparation, wall 
 ORDER = 4  # in the report
 BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, cycles=10, md_dt_factor=0.3, delta_sigma=0.4, md_walls="force", wall_mass_ratio=1.0)
 # Springs with strong damping need shorter steps.
-PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4, md_dt_factor=0.08), dict(radius_spread=0.1),
-            dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02), dict(preparation_friction=0.1),
+PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4, md_dt_factor=0.08),
+            dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
+            dict(preparation_friction=0.1),
             dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))
 SEEDS = range(1, 7)
@@ -98,9 +99,11 @@ def numbers(table):
     tangential = rows.loc[["kt_over_kn = 0.25", "kt_over_kn = 1.0"]]
     assert tangential["least ratio"].min() > 0.8 and tangential["largest ratio"].max() < 1.2
     damped = "beta_n = 0.4, md_dt_factor = 0.08"
-    return {"6": [rows.packings["none"], rows.packings["preparation_friction = 0.1"]], "1.2e-3": rows["least |gamma|"]["none"], "3.8e-3": rows["most |gamma|"]["none"],
-            "13": middle["preparation_friction = 0.1"], "2.4": low["preparation_friction = 0.1"], "36": high["preparation_friction = 0.1"],
-            "0.24": low[sizes].min(), "5.7": high[sizes].max(), "0.31": low["beta_n = 0.02"], "3.7": high["beta_n = 0.02"], "0.37": low[damped], "6.7": high[damped],
-            "0.63": low["kt_over_kn = 0.1"], "1.6": [high["kt_over_kn = 0.1"], high["wall_mass_ratio = 200.0"]], "1.3": middle["wall_mass_ratio = 200.0"],
-            "1.1": low["wall_mass_ratio = 200.0"], "0.82": middle["md_walls = servo"], "0.62": low["md_walls = servo"], "0.91": high["md_walls = servo"], "3": rows.packings["period = 2.0"],
-            "0.56": low["period = 2.0"], "0.88": high["period = 2.0"], "0.9": 100 * max(high["md_dt_factor = 0.1"] - 1, 1 - low["md_dt_factor = 0.1"])}
+    return {"6": [rows.packings["none"], rows.packings["preparation_friction = 0.1"]], "1.2e-3": rows["least |gamma|"]["none"],
+            "3.8e-3": rows["most |gamma|"]["none"], "13": middle["preparation_friction = 0.1"], "2.4": low["preparation_friction = 0.1"],
+            "36": high["preparation_friction = 0.1"], "0.24": low[sizes].min(), "5.7": high[sizes].max(), "0.31": low["beta_n = 0.02"],
+            "3.7": high["beta_n = 0.02"], "0.37": low[damped], "6.7": high[damped], "0.63": low["kt_over_kn = 0.1"],
+            "1.6": [high["kt_over_kn = 0.1"], high["wall_mass_ratio = 200.0"]], "1.3": middle["wall_mass_ratio = 200.0"],
+            "1.1": low["wall_mass_ratio = 200.0"], "0.82": middle["md_walls = servo"], "0.62": low["md_walls = servo"],
+            "0.91": high["md_walls = servo"], "3": rows.packings["period = 2.0"], "0.56": low["period = 2.0"],
+            "0.88": high["period = 2.0"], "0.9": 100 * max(high["md_dt_factor = 0.1"] - 1, 1 - low["md_dt_factor = 0.1"])}

@@ -45,8 +45,10 @@ def _row(key, pair):
 
 
 def draw(runs, rows, path):
-    """Draw packing by packing the largest strain of both methods: without friction against the load over the limit, with friction against P0/k_n; and the
-    freedom of the forces."""
+    """Draw packing by packing the largest strain of both methods, and the freedom of the forces.
+
+    The strain is drawn against the load over the limit without friction, against P0/k_n with friction.
+    """
     rows = [row for row in rows if row["dSigma"] == LOAD]
     groups = summary.groups(rows, lambda row: row["friction"])
     fig, axes = plt.subplots(1, len(groups) + 1, figsize=(3.7 * (len(groups) + 1), 3.9), squeeze=False)
@@ -56,9 +58,10 @@ def draw(runs, rows, path):
         strains = {method: [row[f"largest |gamma|, {method}"] for row in own] for method in ("MD", "CD")}
         axis.vlines(x, strains["CD"], strains["MD"], color="#BBBBBB", lw=0.7, zorder=1)
         for method, values in strains.items():
-            axis.plot(x, values, ls="", marker=style.MARKER[method], ms=4.5, mfc="none" if method == "CD" else None, color=style.COLOUR[method],
-                      label={"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[method])
-        axis.set(yscale="log", xlabel="$P_0/k_n$" if friction else "load over the static limit", title=rf"with friction, $\mu$ = {friction:g}" if friction else "without friction")
+            axis.plot(x, values, ls="", marker=style.MARKER[method], ms=4.5, mfc="none" if method == "CD" else None,
+                      color=style.COLOUR[method], label={"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[method])
+        axis.set(yscale="log", xlabel="$P_0/k_n$" if friction else "load over the static limit",
+                 title=rf"with friction, $\mu$ = {friction:g}" if friction else "without friction")
         if friction:
             axis.set_xscale("log")
         else:

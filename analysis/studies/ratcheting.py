@@ -5,23 +5,24 @@ import numpy as np
 
 from analysis import cycles, limits, observables, style, summary
 from yade_scripts.tables import product
-from yade_scripts.theory import statics
 
 TITLE = "Ratcheting: stiffness of the springs, or rearrangement?"
-QUESTION = ("Does the strain that remains after every cycle vanish as springs get stiffer, as rigid contacts say, or does it belong to the packing? Below its static "
-            "limit a packing strains by the deformation of its contacts (type I of Roux and Combe, arXiv:0901.2846, which goes as 1/k_n) or by their rearrangement "
-            "(type II, which does not). What is said there of one load is asked here of what remains after a cycle.")
+QUESTION = ("Does the strain that remains after every cycle vanish as springs get stiffer, as rigid contacts say, or does it belong to "
+            "the packing? Below its static limit a packing strains by the deformation of its contacts (type I of Roux and Combe, "
+            "arXiv:0901.2846, which goes as 1/k_n) or by their rearrangement (type II, which does not). They say it of a load that "
+            "rises; here it is asked of what remains after a cycle.")
 ORDER = 2.5  # in the report
 # sigma1 = P0; sigma2/sigma1 rises to 1.4, which is 0.80 to 1.04 of the static limits of these packings.
 LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0)
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
-# Soft springs answer more slowly: with 0.5 s they lag behind the load. The periods are as long for them, or longer, in terms of their own times.
+# Soft springs answer more slowly: with 0.5 s they lag behind the load. Of 1 and 10 k_n the periods go as 1/sqrt(k_n).
 PERIODS = {1: 2.0, 10: 0.63, 100: 0.5}
 RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-9, method_cd="auto", **LOADING)
 STIFFER, LOAD, SEEDS = (1, 10, 100), 0.4, range(1, 11)
 PAIRS = {"from k_n to 10 k_n": STIFFER[:2], "from 10 to 100 k_n": STIFFER[1:]}
 NEAR = 0.96    # of the limit
 LOOSER = 1e-6  # a tolerance for comparison
+FIRST_PEAK, LAST_PEAK = 1, 2  # snapshots of runs of several cycles; 0 is the start
 ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], delta_sigma=LOAD, cycles=4) for stiffer in STIFFER[:2]]
         + product(delta_sigma=LOAD, cycles=4, **RIGID),
         "full": [row for stiffer, period in PERIODS.items()
@@ -34,32 +35,33 @@ ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], de
 def summarize(runs):
     """Return one row a run: the first cycle's strain, the rate of the last half of the cycles, and how many contacts change.
 
-    changed: contacts that carry at one of the first and the last peak of the load, not at both, over those at the first. limit at the last load: of the
-    contacts that carry there; for rigid grains, whose packing may have found others.
+    changed: contacts that carry at the first or the last peak of the load, not at both, over those at the first. limit at the last load:
+    the static limit by the contacts at the last peak, of rigid grains.
     """
     return [_row(run) for run in runs]
 
 
 def _row(run):
-    full, found = run.parameters, cycles.of(run)
-    _, first, last = run.snapshots[:3]
-    return {"method": run.method, "period": full["period"], "k_n over the usual": full["stiffening"], "tolerance": full["tolerance"] if run.method == "CD" else np.nan, "dSigma": full["delta_sigma"],
-            "seed": full["seed"], "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
-            "first cycle": float(abs(found.rate[0])) if found else np.nan, "rate": abs(cycles.late_rate(found)), "gamma at the end": float(run.values("gamma")[-1]),
-            "last quarter's rate over the one before": cycles.last_quarter(found), "contacts changed": _changed(first, last),
-            "limit at the last load": statics.limit_loads(last, run.pressure, run.attributes["depth"])[1] if run.method == "CD" else np.nan,
-            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "", "balance error": float(observables.balance_error(run)),
+    full, found, rigid = run.parameters, cycles.of(run), run.method == "CD"
+    return {"method": run.method, "period": full["period"], "k_n over the usual": full["stiffening"],
+            "tolerance": full["tolerance"] if rigid else np.nan, "dSigma": full["delta_sigma"], "seed": full["seed"],
+            "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
+            "first cycle": float(abs(found.rate[0])) if found else np.nan, "rate": abs(cycles.late_rate(found)),
+            "gamma at the end": float(run.values("gamma")[-1]), "last quarter's rate over the one before": cycles.last_quarter(found),
+            "contacts changed": changed(*run.snapshots[FIRST_PEAK:LAST_PEAK + 1]),
+            "limit at the last load": limits.static_limit(run, LAST_PEAK) if rigid else np.nan,
+            "unsolved steps": observables.unconverged_steps(run) if rigid else "", "balance error": float(observables.balance_error(run)),
             "outcome": run.outcome}
 
 
-def _changed(first, last):
-    """Return how many contacts carry a force in one of two snapshots, not in both, over those of the first."""
-    before, after = ({tuple(ids) for ids, force in zip(snapshot["contact_ids"].tolist(), snapshot["force_normal"]) if force > 0} for snapshot in (first, last))
-    return len(before ^ after) / len(before)
+def changed(first, last):
+    """Return how many contacts carry a force in one of two snapshots and not in the other, over those that do in the first."""
+    before, after = observables.matched_forces(first, last) > 0
+    return float((before != after).sum() / before.sum())
 
 
 def draw(runs, rows, path):
-    """Draw the strain of the first cycle and of a late one against the load over the static limit, and the latter against the contacts that change."""
+    """Draw the strain of the first and of a late cycle against the load over the limit, and the latter against the contacts that change."""
     fig, axes = plt.subplots(1, 3, figsize=(12, 4.2), sharey=True)
     x = "load over limit"
     panels = ((x, "first cycle", r"largest $\sigma_2/\sigma_1$ over its static limit", "first cycle"),
@@ -68,20 +70,21 @@ def draw(runs, rows, path):
     shades = dict(zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7")))
     for axis, (across, up, label, title) in zip(axes, panels):
         for stiffer, colour in shades.items():
-            own = [row for row in rows if row["method"] == "MD" and (row["k_n over the usual"], row["period"]) == (stiffer, PERIODS[stiffer])]
+            own = [row for row in rows if (row["method"], row["k_n over the usual"], row["period"]) == ("MD", stiffer, PERIODS[stiffer])]
             axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["MD"], ms=4.5, color=colour,
                       label=f"springs of {'' if stiffer == 1 else f'{stiffer:g} '}$k_n$")
         own = [row for row in rows if row["method"] == "CD" and row["tolerance"] != LOOSER]
         if across == x:
-            axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["CD"], ms=4.5, color=style.COLOUR["CD"], mfc="none",
-                      label="rigid contacts")
+            axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["CD"], ms=4.5, mfc="none",
+                      color=style.COLOUR["CD"], label="rigid contacts")
             axis.axvline(1, color="k", lw=0.7, ls=":")
         else:
             axis.set_xscale("log")
         axis.set(yscale="log", xlabel=label, title=title)
     axes[0].set_ylabel(r"strain of a cycle $|\Delta\gamma|$")
     axes[0].legend(loc="center left")
-    style.finish(fig, path, "A point a packing: 10 seeds, each prepared with three stiffnesses, whose limits differ. Rigid contacts are put into all of them.", runs)
+    style.finish(fig, path, "A point a packing. Each seed is prepared with three stiffnesses, whose limits differ; rigid contacts are put "
+                 "into all of these packings.", runs)
 
 
 ANSWER = """
@@ -120,7 +123,7 @@ def slow(table):
 
 
 def power(rows, name):
-    """Return (b, standard error) of name ~ k_n^b exp(c load/limit), by least squares; the errors by leaving out one seed at a time (jackknife).
+    """Return (b, standard error) of name ~ k_n^b exp(c load/limit), by least squares; the error by the jackknife over the seeds.
 
     Stiffer packings are nearer to their limits, so that both have to be fitted at once.
     """
@@ -145,19 +148,23 @@ def numbers(table):
     softer, harder = (power(springs[springs[stiffer].isin(pair)], rate) for pair in PAIRS.values())
     slows = springs["last quarter's rate over the one before"]
     md = table[table.method == "MD"].set_index("seed")
-    haste = {k: {name: md[(md[stiffer] == k) & (md.period == LOADING["period"])][name] / md[(md[stiffer] == k) & (md.period == PERIODS[k])][name]
-                 for name in (first, rate)} for k in STIFFER[:2]}
+    hasty, usual = ({k: md[(md[stiffer] == k) & (md.period == periods[k])][[first, rate]] for k in STIFFER[:2]}
+                    for periods in (dict.fromkeys(STIFFER, LOADING["period"]), PERIODS))
+    haste = {k: hasty[k] / usual[k] for k in hasty}
     pairs = beyond.merge(md[md.period == md[stiffer].map(PERIODS)].reset_index(), on=[stiffer, "seed"], suffixes=("", " MD"))
     ratio = (pairs[f"{first} MD"] / pairs[first]).groupby(pairs[stiffer])
     together = [part[rate].corr(part["contacts changed"], method="spearman") for _, part in springs.groupby(stiffer)]
     assert (ratio.size() == [1, 3]).all() and (beyond["limit at the last load"] > 1 + LOAD).all()
-    return {"0.96": NEAR, "-1.03": first_far[0], "0.05": first_far[1], "-0.98": late_far[0], "0.13": late_far[1], "-0.76": first_near[0], "0.19": first_near[1],
-            "-0.42": late_near[0], "0.17": [late_near[1], harder[1]], "26": [len(springs), len(slows)], "10": [springs.seed.nunique(), len(haste[1][rate])],
-            "-0.92": first_all[0], "0.09": first_all[1], "-0.75": late_all[0], "0.14": late_all[1], "-0.78": softer[0], "0.22": softer[1], "-0.62": harder[0],
-            "0.74": slows.median(), "0.60": slows.quantile(0.25), "0.89": slows.quantile(0.75), "3.1": haste[1][rate].median(), "0.4": haste[1][rate].min(),
+    return {"0.96": NEAR, "-1.03": first_far[0], "0.05": first_far[1], "-0.98": late_far[0], "0.13": late_far[1], "-0.76": first_near[0],
+            "0.19": first_near[1], "-0.42": late_near[0], "0.17": [late_near[1], harder[1]], "26": [len(springs), len(slows)],
+            "10": [springs.seed.nunique(), len(haste[1][rate])], "-0.92": first_all[0], "0.09": first_all[1], "-0.75": late_all[0],
+            "0.14": late_all[1], "-0.78": softer[0], "0.22": softer[1], "-0.62": harder[0], "0.74": slows.median(),
+            "0.60": slows.quantile(0.25), "0.89": slows.quantile(0.75), "3.1": haste[1][rate].median(), "0.4": haste[1][rate].min(),
             "5.6": haste[1][rate].max(), "1.15": haste[1][first].median(), "1.05": haste[10][rate].median(),
-            "19": [len(rests), (rests[end].abs() < 1e-6).sum()], "6.4e-10": rests[rate].max(), "3": [len(yields), beyond.seed.nunique(), ratio.size()[100]],
-            "7": len(near), "1.8e-5": yields.min(), "2.9e-4": yields.max(), "2.1e-10": rigid[rigid[stiffer] == 1][rate].median(), "5.1e-7": loose[rate].median(),
-            "1.04": beyond[load].max(), "3.1e-4": beyond[first].min(), "1.2e-3": beyond[first].max(), "4": len(beyond), "1.06": ratio.min()[100],
-            "1.19": ratio.max()[100], "1.74": ratio.max()[10], "2.3e-8": beyond[rate].max(), "1.42": beyond["limit at the last load"].min(),
-            "1.45": beyond["limit at the last load"].max(), "0.82": min(together), "0.88": max(together)}
+            "19": [len(rests), (rests[end].abs() < 1e-6).sum()], "6.4e-10": rests[rate].max(),
+            "3": [len(yields), beyond.seed.nunique(), ratio.size()[100]], "7": len(near), "1.8e-5": yields.min(), "2.9e-4": yields.max(),
+            "2.1e-10": rigid[rigid[stiffer] == 1][rate].median(), "5.1e-7": loose[rate].median(), "1.04": beyond[load].max(),
+            "3.1e-4": beyond[first].min(), "1.2e-3": beyond[first].max(), "4": len(beyond), "1.06": ratio.min()[100],
+            "1.19": ratio.max()[100], "1.74": ratio.max()[10], "2.3e-8": beyond[rate].max(),
+            "1.42": beyond["limit at the last load"].min(), "1.45": beyond["limit at the last load"].max(), "0.82": min(together),
+            "0.88": max(together)}

@@ -7,18 +7,18 @@ from analysis import cycles, limits, observables, style, summary
 from yade_scripts.tables import product
 
 TITLE = "How many disks does it take?"
-QUESTION = ("The paper's sample has 400 disks. Do the static limit of the packings, the load at which rigid contacts and springs yield, and the strain a cycle of "
-            "springs change with the number of disks, and how far do packings of one size differ?")
+QUESTION = ("The paper's sample has 400 disks. Do the static limit of the packings, the load at which rigid contacts and springs yield, "
+            "and the strain a cycle of springs change with the number of disks, and how far do packings of one size differ?")
 ORDER = 12  # in the report
 RAMP = dict(loading="ramp", period=1.0, records_per_cycle=50, wall_mass_ratio=1.0, ramp_rate=0.1, cycles=15)
-CYCLES = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0, delta_sigma=0.4)
+CYCLES = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0, delta_sigma=0.4, cycles=20)
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force")
 RIGID = dict(method="CD", cd_dt=2e-3, tolerance=1e-7)
 PACKINGS = {100: 10, 400: 10, 1600: 3}  # how many of each number of disks
-# Of 1600 disks springs get one: on the others this step is too long for them (a small disk with many contacts).
+# Springs get one of the packings of 1600 disks: two others refuse this step as too long (a small disk with many contacts).
 WITH_SPRINGS = {100: 10, 400: 10, 1600: 1}
 ROWS = {"quick": [row for disks in (100, 400) for row in product(disks=disks, **RAMP | dict(ramp_rate=0.5, cycles=3), **RIGID)],
-        "full": [row for counts, base in ((PACKINGS, RAMP | RIGID), (WITH_SPRINGS, RAMP | SPRINGS), (WITH_SPRINGS, CYCLES | SPRINGS | dict(cycles=20)))
+        "full": [row for counts, base in ((PACKINGS, RAMP | RIGID), (WITH_SPRINGS, RAMP | SPRINGS), (WITH_SPRINGS, CYCLES | SPRINGS))
                  for disks, count in counts.items() for row in product(disks=disks, seed=range(1, count + 1), **base)]}
 THRESHOLD = 1e-3  # |gamma| at which a packing counts as yielding
 
@@ -38,8 +38,9 @@ def _row(disks, seed, group):
         load = observables.critical_load(ramps[method], THRESHOLD) if method in ramps else np.nan
         row |= {f"yields at, {method}": load, f"yields over the limit at, {method}": load / limit}
     found = cycles.of(cycled) if cycled else None
-    return row | {"load over limit of the cycles": limits.load_over_limit(cycled) if cycled else np.nan, "first cycle": float(abs(found.rate[0])) if found else np.nan,
-                  "rate": abs(cycles.late_rate(found)), "unsolved steps": observables.unconverged_steps(ramps["CD"]) if "CD" in ramps else ""}
+    return row | {"load over limit of the cycles": limits.load_over_limit(cycled) if cycled else np.nan,
+                  "first cycle": float(abs(found.rate[0])) if found else np.nan, "rate": abs(cycles.late_rate(found)),
+                  "unsolved steps": observables.unconverged_steps(ramps["CD"]) if "CD" in ramps else ""}
 
 
 def draw(runs, rows, path):
@@ -68,13 +69,13 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-With more disks packings of one recipe become more alike; what they do does not change much. The static limit is 1.58 P0 (median of 10
-packings of 100 disks; 1.42 to 1.79), 1.49 P0 (10 of 400; 1.41 to 1.74) and 1.58 P0 (3 of 1600; 1.55 to 1.58). Under a ramp rigid contacts
-pass |gamma| = 1e-3 at 0.99 to 1.08 of the limit with 100 disks, at 1.00 to 1.08 with 400 and at 1.01 to 1.02 with 1600; springs at 0.78
-to 0.87, at 0.79 to 0.91 and at 0.85 (one packing of 1600). The strain of springs under cycles follows the load over the limit: below 0.9
-of it a late cycle strains 100 disks by 2.1e-6 (median of 5 packings), 400 by 1.1e-5 (of 3) and 1600 by 2.1e-5 (one), too few to tell
-whether the size or the packing does it. Cycles of 0.5 s are hasty for these springs: see the study of ratcheting. 6400 disks were not
-run.
+The number of disks changes little that these few packings show. The static limit is 1.58 P0 (median of 10 packings of 100 disks; 1.42 to
+1.79), 1.49 P0 (10 of 400; 1.41 to 1.74) and 1.58 P0 (3 of 1600; 1.55 to 1.58). Under a ramp rigid contacts pass |gamma| = 1e-3 at 0.99 to
+1.08 of the limit with 100 disks, at 1.00 to 1.08 with 400 and at 1.01 to 1.02 with 1600; springs at 0.78 to 0.87, at 0.79 to 0.91 and at
+0.85 (one packing of 1600). The strain of springs under cycles follows the load over the limit: below 0.9 of it a late cycle strains 100
+disks by 2.1e-6 (median of 5 packings), 400 by 1.1e-5 (of 3) and 1600 by 2.1e-5 (one), too few to tell whether the size or the packing
+does it. Cycles of 0.5 s are hasty for these springs: see the study of ratcheting. The 3 packings of 1600 disks lie closer together than
+those of 400, which 3 cannot prove. On two of them MD's step was refused as unstable. 6400 disks were not run.
 """
 GIVEN = ("100", "400", "1600", "6400", "1e-3", "0.9", "0.5")
 POINTS = ()
@@ -86,9 +87,11 @@ def numbers(table):
     limit, (md, cd) = "static limit", ((f"yields over the limit at, {method}") for method in ("MD", "CD"))
     low = {disks: part[part["load over limit of the cycles"] < 0.9].rate for disks, part in sizes.items()}
     assert len(low[1600]) == 1 and sizes[1600][md].count() == 1
-    return {"1.58": [sizes[100][limit].median(), sizes[1600][limit].median(), sizes[1600][limit].max()], "10": [len(sizes[100]), len(sizes[400])],
-            "1.42": sizes[100][limit].min(), "1.79": sizes[100][limit].max(), "1.49": sizes[400][limit].median(), "1.41": sizes[400][limit].min(),
-            "1.74": sizes[400][limit].max(), "3": [len(sizes[1600]), len(low[400])], "1.55": sizes[1600][limit].min(), "0.99": sizes[100][cd].min(),
-            "1.08": [sizes[100][cd].max(), sizes[400][cd].max()], "1.00": sizes[400][cd].min(), "1.01": sizes[1600][cd].min(), "1.02": sizes[1600][cd].max(),
-            "0.78": sizes[100][md].min(), "0.87": sizes[100][md].max(), "0.79": sizes[400][md].min(), "0.91": sizes[400][md].max(),
-            "0.85": sizes[1600][md].max(), "2.1e-6": low[100].median(), "5": len(low[100]), "1.1e-5": low[400].median(), "2.1e-5": low[1600].median()}
+    return {"1.58": [sizes[100][limit].median(), sizes[1600][limit].median(), sizes[1600][limit].max()],
+            "10": [len(sizes[100]), len(sizes[400])], "1.42": sizes[100][limit].min(), "1.79": sizes[100][limit].max(),
+            "1.49": sizes[400][limit].median(), "1.41": sizes[400][limit].min(), "1.74": sizes[400][limit].max(),
+            "3": [len(sizes[1600]), len(low[400])], "1.55": sizes[1600][limit].min(), "0.99": sizes[100][cd].min(),
+            "1.08": [sizes[100][cd].max(), sizes[400][cd].max()], "1.00": sizes[400][cd].min(), "1.01": sizes[1600][cd].min(),
+            "1.02": sizes[1600][cd].max(), "0.78": sizes[100][md].min(), "0.87": sizes[100][md].max(), "0.79": sizes[400][md].min(),
+            "0.91": sizes[400][md].max(), "0.85": sizes[1600][md].max(), "2.1e-6": low[100].median(), "5": len(low[100]),
+            "1.1e-5": low[400].median(), "2.1e-5": low[1600].median()}

@@ -1,4 +1,4 @@
-"""What an answer of a given accuracy costs by either method, held against the rigid truth and against that of springs of a given stiffness."""
+"""What an answer of a given accuracy costs by either method, held against rigid grains and against springs of a given stiffness."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -7,8 +7,9 @@ from analysis import observables, style, summary
 from yade_scripts.tables import product
 
 TITLE = "Speed against accuracy, by both truths"
-QUESTION = ("What does one load cycle of 400 disks cost by either method, if rigid grains are the truth, and what if springs of k_n are? And what does the height of a filling "
-            "cost? Stiffness and step of the springs are varied together, so that the cheapest way to each error is among them.")
+QUESTION = ("What does one load cycle of 400 disks cost by either method, if rigid grains are the truth, and what if springs of k_n "
+            "are? And what does the height of a filling cost? In the cycle stiffness and step of the springs are varied together, so "
+            "that the cheapest way to each error is among them.")
 ORDER = 19  # in the report
 # Few samples, since their recording counts as time of computing.
 CYCLE = dict(loading="cosine", period=1.0, records_per_cycle=20, wall_mass_ratio=1.0, delta_sigma=0.2)
@@ -21,7 +22,8 @@ PAIRS = ((75, 5e-3), (19, 2.5e-3), (5, 1.25e-3))
 FILLING = dict(scene="filling", disks=500, period=1.0, seed=range(1, 9))
 FILLED = ((2.5e-4, 1e-3), (5e-4, 1e-4), (1e-3, 1e-3), (2e-3, 1e-2), (4e-3, 1e-2))
 ROWS = {"quick": product(md_dt_factor=STEPS[:2], **SPRINGS) + product(tolerance=(1e-2, 1e-6), cd_dt=5e-3, **RIGID),
-        "full": product(stiffening=STIFFER, md_dt_factor=STEPS, seed=SEEDS, **SPRINGS) + product(md_dt_factor=FINER, seed=SEEDS, **SPRINGS) + product(md_dt_factor=FINEST, seed=SEEDS, **SPRINGS | dict(records_per_cycle=200))
+        "full": product(stiffening=STIFFER, md_dt_factor=STEPS, seed=SEEDS, **SPRINGS) + product(md_dt_factor=FINER, seed=SEEDS, **SPRINGS)
+        + product(md_dt_factor=FINEST, seed=SEEDS, **SPRINGS | dict(records_per_cycle=200))
         + product(cd_dt=(5e-3, 1e-3), tolerance=(1e-2, 1e-4, 1e-6, 1e-8), seed=SEEDS, **RIGID)
         + [row for sweeps, step in PAIRS
            for row in product(fixed_iterations=sweeps, cd_dt=step, solver_seed=1, reference_overlaps=False, seed=SEEDS, **RIGID)]
@@ -33,13 +35,13 @@ CYCLE_SCENE, FILLING_SCENE = "biaxial", "filling"
 def summarize(runs):
     """Return one row a setting, over the packings, with its errors and its processor time [s] (medians).
 
-    rigid error, elastic error: of |gamma| at the largest load, against rigid grains (which do not strain below the static limit) and against springs of
-    k_n with a hundredth of the usual step, both over the strain of the latter; of the mean height of the filling, against rigid contacts with the smallest
-    step, relative, with its standard error.
+    In the cycle the errors are of |gamma| at the largest load: against rigid grains, which do not strain below the static limit (rigid
+    error), and against springs of k_n with the smallest step (elastic error), both over the strain of the latter. In the filling the error
+    is that of the mean height against rigid contacts with the smallest step, relative, with its standard error.
     """
     cycled, filled = ([run for run in runs if run.parameters["scene"] == scene] for scene in (CYCLE_SCENE, FILLING_SCENE))
-    # The last one, of the smallest step, stays.
-    soft = sorted((run for run in cycled if run.method == "MD" and run.parameters["stiffening"] == 1), key=lambda run: -run.parameters["md_dt_factor"])
+    soft = [run for run in cycled if run.method == "MD" and run.parameters["stiffening"] == 1]
+    soft.sort(key=lambda run: -run.parameters["md_dt_factor"])  # of the runs of a seed the last one, of the smallest step, stays
     truth = {run.parameters["seed"]: _strain(run) for run in soft}
     return ([_cycle(key, group, truth) for key, group in summary.groups(cycled, _key).items()]
             + [_filling(key, group, filled) for key, group in summary.groups(filled, _key).items()])
@@ -60,7 +62,8 @@ def _strain(run):
 
 def _named(scene, key, group):
     method, stiffness, step, tolerance, sweeps = key
-    return {"scene": scene, "method": method, "springs over k_n": stiffness or "", "step": step, "tolerance": tolerance or "", "sweeps a step": sweeps or "", "runs": len(group),
+    return {"scene": scene, "method": method, "springs over k_n": stiffness or "", "step": step, "tolerance": tolerance or "",
+            "sweeps a step": sweeps or "", "runs": len(group),
             "seconds": float(np.median([run.values("processor_time")[-1] for run in group]))}
 
 
@@ -68,46 +71,50 @@ def _cycle(key, group, truth):
     strains = [(_strain(run), truth.get(run.parameters["seed"], np.nan)) for run in group]
     rigid, elastic = ([found / true for found, true in strains], [abs(found - true) / true for found, true in strains])
     return _named(CYCLE_SCENE, key, group) | {
-        "rigid error": float(np.median(rigid)), "least rigid error": min(rigid), "largest rigid error": max(rigid), "elastic error": float(np.median(elastic)),
-        "|gamma|": float(np.median([strain for strain, _ in strains])), "unsolved steps": max(observables.unconverged_steps(run) for run in group) if key[0] == "CD" else ""}
+        "rigid error": float(np.median(rigid)), "least rigid error": min(rigid), "largest rigid error": max(rigid),
+        "elastic error": float(np.median(elastic)), "|gamma|": float(np.median([strain for strain, _ in strains])),
+        "unsolved steps": max(observables.unconverged_steps(run) for run in group) if key[0] == "CD" else ""}
 
 
 def _filling(key, group, filled):
     heights = {run.parameters["seed"]: float(run.extra["height"]) for run in filled if _key(run) == ("CD", 0.0, *FILLED[0], 0)}
     pairs = np.array([float(run.extra["height"]) / heights.get(run.parameters["seed"], np.nan) - 1 for run in group])
-    return _named(FILLING_SCENE, key, group) | {"rigid error": float(pairs.mean()), "standard error": float(pairs.std(ddof=1) / np.sqrt(len(pairs)))}
+    deviation = float(pairs.std(ddof=1) / np.sqrt(len(pairs))) if len(pairs) > 1 else np.nan
+    return _named(FILLING_SCENE, key, group) | {"rigid error": float(pairs.mean()), "standard error": deviation}
 
 
 def draw(runs, rows, path):
-    """Draw error against processor time: a cycle against either truth, and the filling. Lines: the least error of any springs that cost at most so much."""
-    panels = [(CYCLE_SCENE, "rigid error", "one cycle; rigid grains are the truth", r"error of $|\gamma|$ / that of springs of $k_n$"),
-              (CYCLE_SCENE, "elastic error", r"one cycle; springs of $k_n$ are the truth", r"error of $|\gamma|$ / that of springs of $k_n$"),
+    """Draw error against processor time: a cycle by both truths, and the filling. Lines: the least error of springs that cost no more."""
+    strain = r"error of $|\gamma|$ / that of springs of $k_n$"
+    panels = [(CYCLE_SCENE, "rigid error", "one cycle; rigid grains are the truth", strain),
+              (CYCLE_SCENE, "elastic error", r"one cycle; springs of $k_n$ are the truth", strain),
               (FILLING_SCENE, "rigid error", "filling; rigid grains are the truth", "error of the height")]
     panels = [panel for panel in panels if any(row["scene"] == panel[0] for row in rows)]
     fig, axes = plt.subplots(1, len(panels), figsize=(3.7 * len(panels), 4.2), squeeze=False)
     for axis, (scene, name, title, label) in zip(axes[0], panels):
         own = [row for row in rows if row["scene"] == scene and abs(row[name]) > 0]
-        _springs(axis, [row for row in own if row["method"] == "MD"], name)
-        for look, part in ({"marker": style.MARKER["CD"], "label": "rigid contacts (CD)"}, [row for row in own if row["method"] == "CD" and not row["sweeps a step"]]), (
-                {"marker": "^", "label": "CD, few sweeps a step"}, [row for row in own if row["sweeps a step"]]):
-            if part:
-                axis.errorbar([row["seconds"] for row in part], [abs(row[name]) for row in part], [row.get("standard error", 0) for row in part], ls="", ms=5, mfc="none",
-                              elinewidth=0.7, color=style.COLOUR["CD"], **look)
+        springs = [row for row in own if row["method"] == "MD"]
+        for stiffness, colour in style.shades(row["springs over k_n"] for row in springs).items():
+            _points(axis, [row for row in springs if row["springs over k_n"] == stiffness], name, marker=style.MARKER["MD"], color=colour,
+                    label=f"springs, {stiffness:g} $k_n$")
+        ordered = sorted((row["seconds"], abs(row[name])) for row in springs)
+        least = np.minimum.accumulate([error for _, error in ordered])
+        axis.step([seconds for seconds, _ in ordered], least, where="post", color="#888888", lw=0.8)
+        rigid = [row for row in own if row["method"] == "CD"]
+        for few, marker, words in ((False, style.MARKER["CD"], "rigid contacts (CD)"), (True, "^", "CD, few sweeps a step")):
+            _points(axis, [row for row in rigid if bool(row["sweeps a step"]) == few], name, marker=marker, color=style.COLOUR["CD"],
+                    mfc="none", label=words)
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
         axis.legend(fontsize=7, loc="upper right" if scene == FILLING_SCENE else "best")
-    style.finish(fig, path, "A point a setting: springs by stiffness (colour) and step, rigid contacts by step and tolerance. Bars: standard error over 8 fillings.", runs)
+    style.finish(fig, path, "A point a setting: springs by stiffness (colour) and step, rigid contacts by step and tolerance. Bars: standard "
+                 "error over the fillings.", runs)
 
 
-def _springs(axis, rows, name):
-    """Draw springs, a colour a stiffness, and the least error that they reach within a time."""
-    for stiffness, colour in style.shades(row["springs over k_n"] for row in rows).items():
-        part = [row for row in rows if row["springs over k_n"] == stiffness]
-        axis.errorbar([row["seconds"] for row in part], [abs(row[name]) for row in part], [row.get("standard error", 0) for row in part], ls="", marker=style.MARKER["MD"],
-                      ms=5, elinewidth=0.7, color=colour, label=f"springs, {stiffness:g} $k_n$")
-    ordered = sorted((row["seconds"], abs(row[name])) for row in rows)
-    if ordered:
-        seconds, errors = np.array(ordered).T
-        axis.step(seconds, np.minimum.accumulate(errors), where="post", color="#888888", lw=0.8)
+def _points(axis, rows, name, **look):
+    """Draw the errors of some settings with their standard errors, where these are known."""
+    if rows:
+        axis.errorbar([row["seconds"] for row in rows], [abs(row[name]) for row in rows], [row.get("standard error", 0) for row in rows],
+                      ls="", ms=5, elinewidth=0.7, **look)
 
 
 ANSWER = """
@@ -139,9 +146,12 @@ def numbers(table):
     coarse = filled[(filled.method == "CD") & (filled.step == 2e-3)].iloc[0]
     box = filled[filled["springs over k_n"] == 2.5].iloc[0]
     loose = rigid.loc[5e-3, 1e-6]
-    assert rigid[rigid.index.get_level_values("tolerance") <= 1e-6]["elastic error"].min() > 0.98 and springs.loc[100.0]["rigid error"].min() > 0.9 * stiff["rigid error"]
-    return {"4.4e-4": springs.loc[1.0, FINEST]["|gamma|"], "0.012": springs.loc[100.0]["rigid error"].median(), "12.6": stiff.seconds, "0.017": loose["rigid error"],
-            "0.44": loose.seconds, "29": stiff.seconds / loose.seconds, "2.9e-5": rigid.loc[5e-3, 1e-8]["rigid error"], "1e-5": soft["elastic error"],
-            "1.7": soft.seconds, "0.88": springs.loc[10.0, STEPS[0]]["elastic error"], "0.002": sweeps["elastic error"].min(),
-            "0.053": sweeps["elastic error"].max(), "0.39": sweeps.seconds.min(), "0.50": sweeps.seconds.max(), "1.3": 100 * abs(coarse["rigid error"]),
-            "0.3": 100 * coarse["standard error"], "0.34": coarse.seconds, "1.4": 100 * abs(box["rigid error"]), "1.78": box.seconds, "5.2": box.seconds / coarse.seconds}
+    assert rigid[rigid.index.get_level_values("tolerance") <= 1e-6]["elastic error"].min() > 0.98
+    assert springs.loc[100.0]["rigid error"].min() > 0.9 * stiff["rigid error"]
+    return {"4.4e-4": springs.loc[1.0, FINEST]["|gamma|"], "0.012": springs.loc[100.0]["rigid error"].median(), "12.6": stiff.seconds,
+            "0.017": loose["rigid error"], "0.44": loose.seconds, "29": stiff.seconds / loose.seconds,
+            "2.9e-5": rigid.loc[5e-3, 1e-8]["rigid error"], "1e-5": soft["elastic error"], "1.7": soft.seconds,
+            "0.88": springs.loc[10.0, STEPS[0]]["elastic error"], "0.002": sweeps["elastic error"].min(),
+            "0.053": sweeps["elastic error"].max(), "0.39": sweeps.seconds.min(), "0.50": sweeps.seconds.max(),
+            "1.3": 100 * abs(coarse["rigid error"]), "0.3": 100 * coarse["standard error"], "0.34": coarse.seconds,
+            "1.4": 100 * abs(box["rigid error"]), "1.78": box.seconds, "5.2": box.seconds / coarse.seconds}

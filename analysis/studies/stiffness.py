@@ -153,14 +153,15 @@ def numbers(table):
     def spread(medium, name):
         """Least, median and largest of all settings and packings over MD's of the same packing and stiffness."""
         own = main[main.medium == medium]
-        values = [row[f"{name}, packing {seed}"] / md.loc[row.springs_over_kn][f"{name}, packing {seed}"] for _, row in own.iterrows() for seed in seeds]
-        return min(values), np.median(values), max(values)
+        columns = [f"{name}, packing {seed}" for seed in seeds]
+        values = (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
+        return values.min(), np.median(values), values.max()
 
     checks = table[(table.comparison == "check") & (table.medium == MD) & (table.kt_over_kn < 0.5)]
     softer = checks.largest / checks.compared_largest
     largest, remanent = powers("largest"), powers("remanent")
     springs, kept, rigid, rigid_kept = (spread(medium, name) for medium in (AS_SPRINGS, AS_RIGID) for name in ("largest", "remanent"))
-    return {"5": [md.packings.min(), md.packings.max()], "-0.94": max(largest), "-1.01": min(largest), "4.5e-4": md.largest.iloc[0], "5.1e-6": md.largest.iloc[-1],
-            "-0.87": max(remanent), "-0.98": min(remanent), "0.96": springs[0], "1.13": springs[2], "1.05": [springs[1], kept[2], softer.min()], "0.89": kept[0],
-            "0.97": kept[1], "0.65": rigid[0], "0.88": rigid[2], "0.79": rigid[1], "0.01": rigid_kept[0], "0.43": rigid_kept[2], "0.12": rigid_kept[1],
-            "1.07": softer.max()}
+    return {"5": [md.packings.min(), md.packings.max()], "-0.94": max(largest), "-1.01": min(largest), "4.5e-4": md.largest.iloc[0],
+            "5.1e-6": md.largest.iloc[-1], "-0.87": max(remanent), "-0.98": min(remanent), "0.96": springs[0], "1.13": springs[2],
+            "1.05": [springs[1], kept[2], softer.min()], "0.89": kept[0], "0.97": kept[1], "0.65": rigid[0], "0.88": rigid[2],
+            "0.79": rigid[1], "0.01": rigid_kept[0], "0.43": rigid_kept[2], "0.12": rigid_kept[1], "1.07": softer.max()}

@@ -7,17 +7,19 @@ from analysis import cycles, limits, observables, style
 from yade_scripts.tables import product
 
 TITLE = "A thousand cycles"
-QUESTION = ("Forty cycles do not tell whether a rate that falls will end. What do springs do in a thousand, and does their energy balance hold so long?")
+QUESTION = ("Forty cycles do not tell whether a rate that falls will end. What do springs do in a thousand, and does their energy "
+            "balance hold so long?")
 ORDER = 9.5  # in the report
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # last cycles of the windows
-BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, md_dt_factor=0.3, md_walls="force", wall_mass_ratio=1.0, delta_sigma=0.4)
+BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, md_dt_factor=0.3, md_walls="force", wall_mass_ratio=1.0,
+            delta_sigma=0.4)
 ROWS = {"quick": product(cycles=20, **BASE), "full": product(cycles=1000, **BASE)}
 
 
 def summarize(runs):
     """Return one row a run and window of cycles: strain and rate there, and the error of the energy balance up to its end.
 
-    balance error: what the work of the walls exceeds stored, kinetic and dissipated energy by, over the work up to there.
+    balance error: over the work of the walls up to there.
     """
     return [row for run in runs for row in _rows(run)]
 
@@ -26,14 +28,13 @@ def _rows(run):
     found, ends = cycles.of(run), cycles.ends(run)
     edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
     windows = [(first + 1, last) for first, last in zip(edges[:-1], edges[1:])]
-    work, energies = run.values("wall_work")[ends], [run.values(name)[ends] for name in ("stored_energy", "kinetic_energy", "dissipated_energy")]
-    missing = (work - work[0]) - sum(energy - energy[0] for energy in energies)
+    parts = [slice(first - 1, last) for first, last in windows]
     return [{"seed": run.parameters["seed"], "load over limit": limits.load_over_limit(run), "from cycle": first, "to cycle": last,
-             "|gamma|": float(abs(found.permanent[last - 1])), "rate": float(rate), "largest cycle": float(np.abs(found.rate[first - 1:last]).max()),
-             "median cycle": float(np.median(np.abs(found.rate[first - 1:last]))), "dissipated/P0V0 a cycle": float(found.dissipated[first - 1:last].mean()),
-             "sliding at most": float(found.sliding_max[first - 1:last].max()), "2M/N": float(found.contacts[last - 1]),
-             "balance error": float(missing[last] / work[last]), "outcome": run.outcome}
-            for (first, last), rate in zip(windows, found.rates(windows))]
+             "|gamma|": float(abs(found.permanent[last - 1])), "rate": float(rate), "largest cycle": float(np.abs(found.rate[part]).max()),
+             "median cycle": float(np.median(np.abs(found.rate[part]))), "dissipated/P0V0 a cycle": float(found.dissipated[part].mean()),
+             "sliding at most": float(found.sliding_max[part].max()), "2M/N": float(found.contacts[last - 1]),
+             "balance error": float(observables.balance_error(run, slice(0, ends[last] + 1))), "outcome": run.outcome}
+            for (first, last), part, rate in zip(windows, parts, found.rates(windows))]
 
 
 def draw(runs, rows, path):
@@ -43,11 +44,13 @@ def draw(runs, rows, path):
         found = cycles.of(run)
         left.plot(found.number, np.abs(found.permanent), color=style.COLOUR["MD"])
         right.plot(found.number, np.abs(found.rate), ls="", marker=".", ms=2, color="#999999", label="single cycles")
-    right.plot([np.sqrt(row["from cycle"] * row["to cycle"]) for row in rows], [abs(row["rate"]) for row in rows], "o-", ms=4, color=style.COLOUR["MD"], label="means")
+    right.plot([np.sqrt(row["from cycle"] * row["to cycle"]) for row in rows], [abs(row["rate"]) for row in rows], "o-", ms=4,
+               color=style.COLOUR["MD"], label="means")
     left.set(xscale="log", xlabel="cycle", ylabel=r"accumulated strain $|\gamma|$")
     right.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"strain of a cycle $|\Delta\gamma|$")
     right.legend()
-    style.finish(fig, path, "One packing, springs of $k_n$, cycles of 0.5 s. Means are over the cycles 1, 2, 3 to 5, 6 to 10, 11 to 20 and so on.", runs)
+    style.finish(fig, path, "One packing, springs of $k_n$, cycles of 0.5 s. Means are over the cycles 1, 2, 3 to 5, 6 to 10, 11 to 20 "
+                 "and so on.", runs)
 
 
 ANSWER = """
@@ -57,7 +60,7 @@ the first cycle. The rate falls from 1.8e-5 a cycle in cycles 6 to 10 to 3.0e-6 
 is 2.2e-7, while single cycles go to and fro by 1.4e-6 (median). So whether a packing shakes down cannot be said after 40 cycles. This is
 one packing under one tangential law, with cycles of 0.5 s, which are a little hasty for springs of k_n.
 
-The energy balance misses 2.5e-5 of the work after 100 cycles and 3.6e-5 after 1000.
+The energy balance misses 2.4e-5 of the work after 100 cycles and 3.5e-5 after 1000.
 """
 GIVEN = ("6", "10", "51", "100", "201", "500", "40", "0.5", "1000")
 POINTS = ()
@@ -67,5 +70,6 @@ def numbers(table):
     """Return the numbers of the text, from the summary table."""
     at = table.set_index("to cycle")
     rate, strain, error = at.rate.abs(), at["|gamma|"], at["balance error"].abs()
-    return {"0.87": at["load over limit"].iloc[0], "1.0e-3": rate[1], "1.8e-5": rate[10], "3.0e-6": rate[100], "1.6e-3": [strain[500] - strain[200], strain[100]],
-            "2.4e-5": at["largest cycle"][500], "2.2e-7": rate[1000], "1.4e-6": at["median cycle"][1000], "2.5e-5": error[100], "3.6e-5": error[1000]}
+    return {"0.87": at["load over limit"].iloc[0], "1.0e-3": rate[1], "1.8e-5": rate[10], "3.0e-6": rate[100],
+            "1.6e-3": [strain[500] - strain[200], strain[100]], "2.4e-5": [at["largest cycle"][500], error[100]], "2.2e-7": rate[1000],
+            "1.4e-6": at["median cycle"][1000], "3.5e-5": error[1000]}

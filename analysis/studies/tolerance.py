@@ -111,6 +111,7 @@ def numbers(table):
     solved = table[table.effort == BY_TOLERANCE].set_index("value").sort_index()
     swept = table[table.effort == BY_SWEEPS].set_index("value").sort_index()
     md, best, worst = table[table.effort == MD].iloc[0], solved.iloc[0], solved.iloc[-1]
-    return {"7.8e-4": worst[largest], "9.2e-11": best[largest], "8.0e-4": worst[width], "1.3e-10": best[width], "3": [worst.packings, solved.loc[1e-8].packings],
-            "1.2e-3": worst.largest, "3.5e-8": solved.loc[1e-8].largest, "0.79": solved.loc[1e-3][largest] / md[largest], "3.9e-4": md[largest],
-            "4000": best.steps - best.unsolved_steps, "8.1e-4": swept.iloc[0][largest], "2.0e-7": swept.iloc[-1][largest]}
+    return {"7.8e-4": worst[largest], "9.2e-11": best[largest], "8.0e-4": worst[width], "1.3e-10": best[width],
+            "3": [worst.packings, solved.loc[1e-8].packings], "1.2e-3": worst.largest, "3.5e-8": solved.loc[1e-8].largest,
+            "0.79": solved.loc[1e-3][largest] / md[largest], "3.9e-4": md[largest], "4000": best.steps - best.unsolved_steps,
+            "8.1e-4": swept.iloc[0][largest], "2.0e-7": swept.iloc[-1][largest]}

@@ -74,9 +74,9 @@ void TimeStep::locateBodies(const World& world, double dt)
 	});
 }
 
-// The face through which the centre of disk b has entered boundary a in the first half of the step, if it has. Two earlier positions must give the
-// same face: at the end of the last step contact was not required, and half a step before it the disk may not have been, if its velocity is new. A
-// disk that cannot move along the normal goes on as prescribed.
+// The face through which the centre of disk b has entered boundary a in the first half of the step, if it has. Two earlier positions must
+// give the same face: at the end of the last step contact was not required, and half a step before it the disk may not have been, if its
+// velocity is new. A disk that cannot move along the normal goes on as prescribed.
 bool TimeStep::isThrough(const Pair& pair, const World& world, const Touch& touch, double dt, Foot& face) const
 {
 	const Place &a = places[pair.a], &b = places[pair.b];
