@@ -90,31 +90,38 @@ def draw(runs, rows, path):
               (CYCLE_SCENE, "elastic error", r"one cycle; springs of $k_n$ are the truth", strain),
               (FILLING_SCENE, "rigid error", "filling; rigid grains are the truth", "error of the height")]
     panels = [panel for panel in panels if any(row["scene"] == panel[0] for row in rows)]
-    fig, axes = plt.subplots(1, len(panels), figsize=(3.7 * len(panels), 4.2), squeeze=False)
+    fig, axes = plt.subplots(1, len(panels), figsize=(3.7 * len(panels) + 1.5, 4.2), squeeze=False)
+    looks, drawn = _looks(rows), {}
     for axis, (scene, name, title, label) in zip(axes[0], panels):
         own = [row for row in rows if row["scene"] == scene and abs(row[name]) > 0]
-        springs = [row for row in own if row["method"] == "MD"]
-        for stiffness, colour in style.shades(row["springs over k_n"] for row in springs).items():
-            _points(axis, [row for row in springs if row["springs over k_n"] == stiffness], name, marker=style.MARKER["MD"], color=colour,
-                    label=f"springs, {stiffness:g} $k_n$")
-        ordered = sorted((row["seconds"], abs(row[name])) for row in springs)
+        for series, look in looks.items():
+            points = [row for row in own if _series(row) == series]
+            if points:
+                drawn[series] = axis.errorbar([row["seconds"] for row in points], [abs(row[name]) for row in points],
+                                              [row.get("standard error", 0) for row in points], ls="", ms=5, elinewidth=0.7, **look)
+        ordered = sorted((row["seconds"], abs(row[name])) for row in own if row["method"] == "MD")
         least = np.minimum.accumulate([error for _, error in ordered])
         axis.step([seconds for seconds, _ in ordered], least, where="post", color="#888888", lw=0.8)
-        rigid = [row for row in own if row["method"] == "CD"]
-        for few, marker, words in ((False, style.MARKER["CD"], "rigid contacts (CD)"), (True, "^", "CD, few sweeps a step")):
-            _points(axis, [row for row in rigid if bool(row["sweeps a step"]) == few], name, marker=marker, color=style.COLOUR["CD"],
-                    mfc="none", label=words)
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
-        axis.legend(fontsize=7, loc="upper right" if scene == FILLING_SCENE else "best")
+    axes[0, -1].legend([drawn[series] for series in looks], [look["label"] for look in looks.values()], loc="center left",
+                       bbox_to_anchor=(1.0, 0.5))
     style.finish(fig, path, "A point a setting: springs by stiffness (colour) and step, rigid contacts by step and tolerance. Bars: standard "
                  "error over the fillings.", runs)
 
 
-def _points(axis, rows, name, **look):
-    """Draw the errors of some settings with their standard errors, where these are known."""
-    if rows:
-        axis.errorbar([row["seconds"] for row in rows], [abs(row[name]) for row in rows], [row.get("standard error", 0) for row in rows],
-                      ls="", ms=5, elinewidth=0.7, **look)
+def _series(row):
+    return row["method"], row["springs over k_n"], bool(row["sweeps a step"])
+
+
+def _looks(rows):
+    """Return {series: its marker, colour and name}: springs by stiffness, CD solved to a tolerance, CD with few sweeps."""
+    found = {_series(row) for row in rows}
+    shades = style.shades(stiffness for method, stiffness, _ in found if method == "MD")
+    looks = {("MD", stiffness, False): dict(marker=style.MARKER["MD"], color=colour, label=f"springs, {stiffness:g} $k_n$")
+             for stiffness, colour in shades.items()}
+    for few, marker, words in ((False, style.MARKER["CD"], "rigid contacts (CD)"), (True, "^", "CD, few sweeps a step")):
+        looks["CD", "", few] = dict(marker=marker, color=style.COLOUR["CD"], mfc="none", label=words)
+    return {series: look for series, look in looks.items() if series in found}
 
 
 ANSWER = """
