@@ -39,6 +39,13 @@ def test_a_table_of_another_version_is_named(tmp_path):
         causes.table(tmp_path)
 
 
+def test_a_mistake_of_our_own_is_no_table_of_another_version(tmp_path, monkeypatch):
+    publish.write_table(tmp_path / "fig4.csv", [{"method": "MD"}])
+    monkeypatch.setattr(causes, "CELLS", {"Stress path": (("fig4", lambda rows: None.largest),)})
+    with pytest.raises(AttributeError):
+        causes.table(tmp_path)
+
+
 @pytest.mark.parametrize("cause", causes.CELLS)
 def test_every_cause_has_a_text_for_each_process(cause):
     assert len(causes.CELLS[cause]) == len(causes.PROCESSES)

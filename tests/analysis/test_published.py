@@ -75,6 +75,14 @@ def test_the_short_answer_has_the_numbers_of_the_studies():
         assert not missing, (name, missing)
 
 
+def test_which_method_when_has_the_numbers_of_the_studies():
+    readme = (FOLDER.parents[1] / "README.md").read_text(encoding="utf-8")
+    advice = re.search(r"## Which method when\n(.*?)- `/usr/bin", readme, re.S)[1]
+    studied = [studies.module(name) for name in ("speed", "flows", "ratcheting")]
+    known = {number for study in studied for number in [*numbers.written(study.ANSWER), *study.GIVEN]}
+    assert set(numbers.written(advice)) - known == {"2e6"}  # k_n itself, in N/m
+
+
 def test_a_wrong_number_would_be_found():
     known = {"5": [5, 5], "4.3e-4": 4.34e-4}
     assert numbers.wrong("On 5 packings 4.3e-4 at 1e-8 (Fig. 4).", known, ("1e-8",)) == []
