@@ -97,7 +97,7 @@ def gains(rows, disks):
 def draw(runs, rows, path):
     """Draw the error with its uncertainty against the cost, one panel a scene; larger markers for more disks."""
     names = [scene for scene in QUANTITY if any(row["scene"] == scene for row in rows)]
-    fig, panels = style.plt.subplots(1, len(names), figsize=(2.9 * len(names), 3.9), sharey=True, squeeze=False)
+    fig, panels = style.plt.subplots(1, len(names), figsize=(max(4.5, 2.9 * len(names)), 3.9), sharey=True, squeeze=False)
     sizes = sorted({row["disks"] for row in rows})
     for axes, scene in zip(panels[0], names):
         axes.axhspan(-100 * WITHIN, 100 * WITHIN, color="#EEEEEE", zorder=0)

@@ -67,7 +67,8 @@ def draw(runs, rows, path):
     panels = ((x, "first cycle", r"largest $\sigma_2/\sigma_1$ over its static limit", "first cycle"),
               (x, "rate", r"largest $\sigma_2/\sigma_1$ over its static limit", "a cycle of the last half"),
               ("contacts changed", "rate", "contacts that change from the first to the last peak", "a cycle of the last half, springs"))
-    shades = dict(zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7")))
+    shades = {stiffer: colour for stiffer, colour in zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7"))
+              if any((row["method"], row["k_n over the usual"]) == ("MD", stiffer) for row in rows)}
     for axis, (across, up, label, title) in zip(axes, panels):
         for stiffer, colour in shades.items():
             own = [row for row in rows if (row["method"], row["k_n over the usual"], row["period"]) == ("MD", stiffer, PERIODS[stiffer])]

@@ -45,26 +45,27 @@ def _row(disks, seed, group):
 
 def draw(runs, rows, path):
     """Draw a point a packing against the number of disks: static limit; loads at yield over it; strain a cycle."""
-    fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.5, 3.7))
     disks = np.array([row["disks"] for row in rows])
-    panels = ((left, (("static limit", "k", "D", None),)),
-              (middle, tuple((f"yields over the limit at, {method}", style.COLOUR[method], style.MARKER[method], name)
-                             for method, name in (("MD", "springs (MD)"), ("CD", "rigid contacts (CD)")))),
-              (right, (("first cycle", "#56B4E9", "^", "first cycle"), ("rate", style.COLOUR["MD"], "o", "a cycle of the last ten"))))
-    for axis, several in panels:
+    panels = ((r"static limit, $\sigma_2/P_0$", "linear", (("static limit", "k", "D", None),)),
+              (r"load at $|\gamma| = 10^{-3}$ over the static limit", "linear",
+               tuple((f"yields over the limit at, {method}", style.COLOUR[method], style.MARKER[method], name)
+                     for method, name in (("MD", "springs (MD)"), ("CD", "rigid contacts (CD)")))),
+              (r"$|\Delta\gamma|$ a cycle of springs, $\Delta\sigma = 0.4$", "log",
+               (("first cycle", "#56B4E9", "^", "first cycle"), ("rate", style.COLOUR["MD"], "o", "a cycle of the last ten"))))
+    panels = [panel for panel in panels if any(np.isfinite(row[name]) for row in rows for name, *_ in panel[2])]
+    fig, axes = plt.subplots(1, len(panels), figsize=(3.5 * len(panels), 3.7), squeeze=False)
+    for axis, (words, scale, several) in zip(axes[0], panels):
         for shift, (name, colour, marker, label) in zip((0.96, 1.04), several):
-            axis.plot(shift * disks, [row[name] for row in rows], ls="", marker=marker, ms=4.5, mfc="none", color=colour, label=label)
-            for size in sorted(set(disks)):
-                middle_value = np.nanmedian([row[name] for row in rows if row["disks"] == size])
-                axis.plot([size / 1.25, size * 1.25], [middle_value] * 2, color=colour, lw=1)
-        axis.set(xscale="log", xlabel="disks")
+            values = np.array([row[name] for row in rows])
+            if np.isfinite(values).any():
+                axis.plot(shift * disks, values, ls="", marker=marker, ms=4.5, mfc="none", color=colour, label=label)
+            for size in set(disks[np.isfinite(values)]):
+                axis.plot([size / 1.25, size * 1.25], [np.nanmedian(values[disks == size])] * 2, color=colour, lw=1)
+        axis.set(xscale="log", yscale=scale, xlabel="disks", ylabel=words)
         axis.set_xticks(sorted(set(disks)), [str(size) for size in sorted(set(disks))], minor=False)
         axis.minorticks_off()
         if len(several) > 1:
             axis.legend()
-    left.set_ylabel(r"static limit, $\sigma_2/P_0$")
-    middle.set_ylabel(r"load at $|\gamma| = 10^{-3}$ over the static limit")
-    right.set(yscale="log", ylabel=r"$|\Delta\gamma|$ a cycle of springs, $\Delta\sigma = 0.4$")
     style.finish(fig, path, "A point a packing, a line the median of a size. Cycles of 0.5 s.", runs)
 
 
