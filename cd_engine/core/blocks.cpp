@@ -9,7 +9,7 @@ void Blocks::cut(const std::vector<Link>& links, const std::vector<uint8_t>& fre
 {
 	solvable.clear();
 	for (std::size_t i = 0; i < links.size(); i++)
-		if (links[i].part != Part::none)
+		if (links[i].solvable)
 			solvable.push_back(static_cast<int32_t>(i));
 	if (solvable.size() < worthwhile) {
 		contacts.swap(solvable);

@@ -6,20 +6,13 @@
 // 2.5 times the sweeps.
 #pragma once
 
+#include "partition.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace cd {
-
-enum class Part : int32_t { none, loose, grouped }; // how a sweep treats a contact; none: not at all, since neither body can move along the normal
-
-// All that the order of the sweeps and the grouping need to know about a contact.
-struct Link {
-	int32_t a, b;
-	Part part;
-	bool operator==(const Link& other) const { return a == other.a && b == other.b && part == other.part; }
-};
 
 class Blocks {
     public:

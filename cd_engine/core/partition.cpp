@@ -32,9 +32,8 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 	const auto contacts = [&](std::size_t from, std::size_t to) {
 		bool same = known;
 		for (std::size_t i = from; i < to; i++) {
-			const ContactRow& c = system.contacts[i];
-			const Link link { c.a, c.b, c.wnn > 0 };
-			same = same && links[i].a == link.a && links[i].b == link.b && links[i].solvable == link.solvable;
+			const Link link = linkOf(system.contacts[i]);
+			same = same && links[i] == link;
 			links[i] = link;
 		}
 		return same;

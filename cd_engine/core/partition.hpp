@@ -7,6 +7,14 @@
 
 namespace cd {
 
+// What islands and the order of the sweeps need to know about a contact. solvable: whether a body can move along the normal.
+struct Link {
+	int32_t a, b;
+	bool solvable;
+	bool operator==(const Link& other) const { return a == other.a && b == other.b && solvable == other.solvable; }
+};
+inline Link linkOf(const ContactRow& c) { return { c.a, c.b, c.wnn > 0 }; }
+
 class Partition {
     public:
 	// Finds the islands of this system. Returns false if its contacts and freedoms, and so its islands, are those of the last system.
@@ -17,6 +25,7 @@ class Partition {
 		int32_t contacts = 0; // number of contacts
 	};
 
+	std::vector<Link> links; // one a contact
 	std::vector<Island> islands; // in the order of their first contacts
 	std::vector<int32_t> ofContact; // island of each contact; -1: neither body can move along the normal
 	std::vector<int32_t> ofBody; // island of each body; -1: the body cannot move or touches nothing
@@ -27,17 +36,10 @@ class Partition {
 	int32_t nameOf(const Island& island) const { return name[mobileOf(links[island.first])]; }
 
     private:
-	struct Link {
-		int32_t a, b;
-		bool solvable;
-	};
-
 	bool sameLinks(const ContactSystem&, Threads*);
 	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	int32_t root(int32_t body);
 	void number();
-
-	std::vector<Link> links; // one a contact, from the last update
 };
 
 int freedoms(const BodyVelocity&);

@@ -40,25 +40,14 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     , threads(t)
 {
 	bool sameMasses = true;
-	const bool same = classifyBodies(sameMasses) && sameLinks();
-	if (!same)
+	const bool same = classifyBodies(sameMasses) && packed.partition.links.size() == system.contacts.size() && sameLeftOut() && fill();
+	if (!same) {
 		groupContacts();
+		fill();
+	}
 	if (!same || !sameMasses)
 		findCarried();
 	twisted = anyOf(threads, system.bodies.size(), [&](std::size_t i) { return system.bodies[i].twisted > 0 && packed.place[i] >= 0; });
-	const std::size_t bodies = packed.bodyAt.size();
-	packed.groups.resize(packed.grouping.groups());
-	packed.loose.resize(packed.grouping.loose.size());
-	packed.bodies.resize(bodies + 4 * packed.blocks.count());
-	packed.freeBodies.resize(bodies);
-	packed.masses.resize(bodies);
-	packed.freeSpins.resize(bodies);
-	packed.blockSums.resize(packed.blocks.count());
-	inEveryBlock([&](std::size_t block) {
-		fillGroups(block);
-		fillLoose(block);
-		packBodies(block);
-	});
 	restoreVelocities();
 }
 

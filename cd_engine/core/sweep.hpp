@@ -61,6 +61,7 @@ class Sweep {
 	// A contact that is solved alone: it couples n and t, or one of its bodies has no uniform inverse mass (BodyKind).
 	struct Loose {
 		ContactRow row; // a, b: packed bodies; arms divided by k
+		bool groupable; // although no group had a place for it
 		double wa[3], wb[3]; // inverse masses of x, y and spin
 		double beforePn, beforePt;
 	};
@@ -90,7 +91,6 @@ class Sweep {
 		std::vector<int32_t> metIn; // the last block that gave it a packed number; 0 for movable bodies
 		std::vector<int32_t> bodyAt; // of each packed body: its number in the system
 		std::vector<BodyKind> kinds; // of each body of the system
-		std::vector<Link> links; // of each contact of the system
 		std::vector<Ends> ends;
 		std::vector<PackedBody> bodies, bodiesBefore; // the last ones are immobile, for the empty lanes of each block
 		std::vector<PackedBody> freeBodies; // their free velocities; w: the velocity by external forces, BodyVelocity::pushed [m/s]
@@ -119,14 +119,17 @@ class Sweep {
 	static std::unique_ptr<Packed>& spare();
 
 	bool classifyBodies(bool& sameMasses); // returns whether they are of the same kinds as in the last problem
-	Link link(const ContactRow&) const;
-	bool sameLinks() const;
+	bool groupable(const ContactRow&) const;
+	bool sameLeftOut() const;
 	void groupContacts();
 	void numberBodies();
+	void numberMembers();
 	// An immobile body for the empty lanes of a block, in memory lines that no other block uses.
 	int32_t nobody(std::size_t block) const { return static_cast<int32_t>(packed.bodyAt.size() + 4 * block); }
-	void fillGroups(std::size_t block);
-	void fillLoose(std::size_t block);
+	// Fill in this problem's numbers. Return false if its contacts are not those that were grouped, so that the groups must be made anew.
+	bool fill();
+	bool fillGroups(std::size_t block);
+	bool fillLoose(std::size_t block);
 	void packBodies(std::size_t block);
 	template <class Work> void inEveryBlock(const Work&) const;
 	template <class Work> void colourByColour(const Work&) const;

@@ -2,6 +2,7 @@
 #include "sweep.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -36,28 +37,24 @@ bool Sweep::classifyBodies(bool& sameMasses)
 	return same.kinds;
 }
 
-inline Link Sweep::link(const ContactRow& c) const
+inline bool Sweep::groupable(const ContactRow& c) const
 {
 	const BodyKind &A = packed.kinds[c.a], &B = packed.kinds[c.b];
-	const bool groupable = c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
-	return { c.a, c.b, !(c.wnn > 0) ? Part::none : groupable ? Part::grouped : Part::loose };
+	return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
 }
 
-bool Sweep::sameLinks() const
+// Whether the contacts that no sweep solves, if there are any, are still the same.
+bool Sweep::sameLeftOut() const
 {
-	return packed.links.size() == system.contacts.size()
-	    && !anyOf(threads, packed.links.size(), [&](std::size_t i) { return !(packed.links[i] == link(system.contacts[i])); });
+	const std::vector<Link>& links = packed.partition.links;
+	return packed.blocks.contacts.size() == links.size()
+	    || !anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable && !(links[i] == linkOf(system.contacts[i])); });
 }
 
 void Sweep::groupContacts()
 {
-	packed.links.resize(system.contacts.size());
-	forRanges(threads, system.contacts.size(), [&](std::size_t from, std::size_t to) {
-		for (std::size_t i = from; i < to; i++)
-			packed.links[i] = link(system.contacts[i]);
-	});
 	packed.partition.update(system, threads);
-	packed.blocks.cut(packed.links, packed.partition.freedom);
+	packed.blocks.cut(packed.partition.links, packed.partition.freedom);
 	numberBodies();
 	packed.builder.begin(packed.bodyAt.size(), system.contacts.size(), packed.grouping);
 	for (std::size_t block = 0; block < packed.blocks.count(); block++) {
@@ -65,8 +62,8 @@ void Sweep::groupContacts()
 		packed.begin[block].loose = packed.grouping.loose.size();
 		for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++) {
 			const int32_t i = packed.blocks.contacts[k];
-			const Link& c = packed.links[i];
-			if (c.part == Part::grouped)
+			const ContactRow& c = system.contacts[i];
+			if (groupable(c))
 				packed.builder.add(i, packed.ends[i].a, packed.kinds[c.a].movable, packed.ends[i].b, packed.kinds[c.b].movable);
 			else
 				packed.grouping.loose.push_back(i);
@@ -75,7 +72,22 @@ void Sweep::groupContacts()
 	}
 	packed.begin.back().group = packed.grouping.groups();
 	packed.begin.back().loose = packed.grouping.loose.size();
+	numberMembers();
 	numberSums();
+}
+
+void Sweep::numberMembers()
+{
+	packed.groups.resize(packed.grouping.groups());
+	for (std::size_t block = 0; block < packed.blocks.count(); block++)
+		for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++) {
+			const int32_t member = packed.grouping.members[k], empty = nobody(block);
+			packed.groups[k / Group::lanes].a[k % Group::lanes] = member < 0 ? empty : packed.ends[member].a;
+			packed.groups[k / Group::lanes].b[k % Group::lanes] = member < 0 ? empty : packed.ends[member].b;
+		}
+	packed.loose.resize(packed.grouping.loose.size());
+	for (std::size_t i = 0; i < packed.loose.size(); i++)
+		packed.loose[i].groupable = groupable(system.contacts[packed.grouping.loose[i]]);
 }
 
 // Numbers the bodies in the order in which the contacts meet them, so that bodies of near contacts are near in memory.
@@ -84,7 +96,7 @@ void Sweep::numberBodies()
 	const Blocks& blocks = packed.blocks;
 	packed.place.assign(system.bodies.size(), -1);
 	packed.metIn.assign(system.bodies.size(), -1);
-	packed.ends.resize(packed.links.size());
+	packed.ends.resize(system.contacts.size());
 	packed.begin.resize(blocks.count() + 1);
 	int32_t met = 0;
 	for (std::size_t block = 0; block < blocks.count(); block++) {
@@ -102,8 +114,8 @@ void Sweep::numberBodies()
 		};
 		for (int32_t k = blocks.block[block]; k < blocks.block[block + 1]; k++) {
 			const int32_t i = blocks.contacts[k];
-			packed.ends[i].a = number(packed.links[i].a);
-			packed.ends[i].b = number(packed.links[i].b);
+			packed.ends[i].a = number(system.contacts[i].a);
+			packed.ends[i].b = number(system.contacts[i].b);
 		}
 	}
 	packed.begin.back().body = met;
@@ -116,23 +128,39 @@ void Sweep::findCarried()
 	forEachCarried(system, [&](int32_t light, int32_t heavy) { packed.carried.emplace_back(packed.place[light], packed.place[heavy]); });
 }
 
-void Sweep::fillGroups(std::size_t block)
+bool Sweep::fill()
 {
-	const int32_t empty = nobody(block);
+	const std::size_t bodies = packed.bodyAt.size();
+	packed.bodies.resize(bodies + 4 * packed.blocks.count());
+	packed.freeBodies.resize(bodies);
+	packed.masses.resize(bodies);
+	packed.freeSpins.resize(bodies);
+	packed.blockSums.resize(packed.blocks.count());
+	std::atomic<bool> same { true };
+	inEveryBlock([&](std::size_t block) {
+		if (same && fillGroups(block) && fillLoose(block))
+			packBodies(block);
+		else
+			same = false;
+	});
+	return same;
+}
+
+bool Sweep::fillGroups(std::size_t block)
+{
 	const int32_t* member = packed.grouping.members.data() + packed.begin[block].group * Group::lanes;
 	for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
 		Group& g = packed.groups[k];
+		bool same = true;
 		double wnn[Group::lanes], wtt[Group::lanes];
 		for (int lane = 0; lane < Group::lanes; lane++, member++) {
 			if (*member < 0) {
-				g.a[lane] = g.b[lane] = empty;
 				g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
 				wnn[lane] = wtt[lane] = std::numeric_limits<double>::infinity();
 				continue;
 			}
 			const ContactRow& c = system.contacts[*member];
-			g.a[lane] = packed.ends[*member].a;
-			g.b[lane] = packed.ends[*member].b;
+			same = same && packed.bodyAt[g.a[lane]] == c.a && packed.bodyAt[g.b[lane]] == c.b && groupable(c);
 			g.nx[lane] = c.nx;
 			g.ny[lane] = c.ny;
 			g.at[lane] = c.at * packed.kinds[c.a].inverseRadius;
@@ -144,19 +172,25 @@ void Sweep::fillGroups(std::size_t block)
 			wnn[lane] = c.wnn;
 			wtt[lane] = c.wtt;
 		}
+		if (!same)
+			return false;
 		for (int lane = 0; lane < Group::lanes; lane++) {
 			g.inverseWnn[lane] = 1 / wnn[lane];
 			g.inverseWtt[lane] = 1 / wtt[lane];
 		}
 	}
+	return true;
 }
 
-void Sweep::fillLoose(std::size_t block)
+bool Sweep::fillLoose(std::size_t block)
 {
+	bool same = true;
 	for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
 		Loose& l = packed.loose[i];
 		const int32_t contact = packed.grouping.loose[i];
 		l.row = system.contacts[contact];
+		same = same && l.row.wnn > 0 && l.groupable == groupable(l.row) && packed.bodyAt[packed.ends[contact].a] == l.row.a
+		    && packed.bodyAt[packed.ends[contact].b] == l.row.b;
 		const auto fill = [&](int32_t& body, int32_t place, double& n, double& t, double* w) {
 			std::copy_n(system.bodies[body].w, 3, w);
 			const BodyKind& kind = packed.kinds[body];
@@ -168,6 +202,7 @@ void Sweep::fillLoose(std::size_t block)
 		fill(l.row.a, packed.ends[contact].a, l.row.an, l.row.at, l.wa);
 		fill(l.row.b, packed.ends[contact].b, l.row.bn, l.row.bt, l.wb);
 	}
+	return same;
 }
 
 void Sweep::packBodies(std::size_t block)

@@ -166,10 +166,7 @@ TEST_CASE("blocks hold every contact once in the order given, and those of a col
 	for (int i = 0; i < contacts; i++) {
 		const int near = static_cast<int>(static_cast<long>(i) * (disks - 40) / contacts);
 		const int a = i % 50 == 0 ? wall : i % 20 == 0 ? floor : near + static_cast<int>(random() % 20);
-		links.push_back({ a, near + 20 + static_cast<int>(random() % 20),
-		    i % 7 == 0	      ? Part::loose
-			: i % 11 == 0 ? Part::none
-				      : Part::grouped });
+		links.push_back({ a, near + 20 + static_cast<int>(random() % 20), i % 7 == 0 || i % 11 != 0 });
 	}
 	for (const int n : { 100, contacts, static_cast<int>(Blocks::worthwhile) }) {
 		CAPTURE(n);
@@ -178,7 +175,7 @@ TEST_CASE("blocks hold every contact once in the order given, and those of a col
 		blocks.cut(some, freedom);
 		std::multiset<int32_t> seen(blocks.contacts.begin(), blocks.contacts.end());
 		CHECK(seen.size()
-		    == static_cast<std::size_t>(std::count_if(some.begin(), some.end(), [](const Link& l) { return l.part != Part::none; })));
+		    == static_cast<std::size_t>(std::count_if(some.begin(), some.end(), [](const Link& l) { return l.solvable; })));
 		CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
 		CHECK((n == contacts) == (blocks.count() > 1)); // the others have too few that can be solved
 		if (n == contacts) {
