@@ -4,7 +4,6 @@
 
 #include "solver.hpp"
 #include "start.hpp"
-#include "verdict.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -169,8 +168,8 @@ namespace judging {
 		    , method(by)
 		    , start(problem, asked.threads)
 		    , fixed(asked.fixedIterations > 0)
-		    , solvable(surelySolvable(problem, asked.threads))
-		    , guess(asked.guessSolved ? weighted(problem, asked.threads) : 0)
+		    , solvable(start.solvable)
+		    , guess(asked.guessSolved ? start.weight : 0)
 		    , part(asked)
 		{
 			part.start = &start;

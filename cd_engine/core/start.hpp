@@ -1,4 +1,5 @@
-// The initial state that every method changes: free velocities and first guess. It is stored so that another method can start there, too.
+// The initial state that every method changes: free velocities and first guess. It is stored so that another method can start there, too. What is
+// asked of it is found in the same pass over bodies and contacts.
 #pragma once
 
 #include "contact_system.hpp"
@@ -6,8 +7,11 @@
 #include "handed_on.hpp"
 #include "solver.hpp"
 #include "threads.hpp"
+#include "verdict.hpp"
 
+#include <cmath>
 #include <cstring>
+#include <functional>
 #include <optional>
 
 namespace cd {
@@ -19,19 +23,38 @@ class Start {
 	{
 		velocities.values.resize(3 * s.bodies.size());
 		impulses.values.resize(2 * s.contacts.size());
-		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
-			for (std::size_t i = from; i < to; i++)
-				std::memcpy(&velocities.values[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
-		});
-		forRanges(threads, s.contacts.size(), [&](std::size_t from, std::size_t to) {
+		const auto copyBodies = [&](std::size_t from, std::size_t to) {
+			bool driven = false;
 			for (std::size_t i = from; i < to; i++) {
-				impulses.values[2 * i] = s.contacts[i].pn;
-				impulses.values[2 * i + 1] = s.contacts[i].pt;
+				std::memcpy(&velocities.values[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
+				driven = driven || isDriven(s.bodies[i]);
 			}
-		});
+			return driven;
+		};
+		struct Sum {
+			double square;
+			bool pushed;
+		};
+		const auto copyContacts = [&](std::size_t from, std::size_t to) {
+			Sum sum { 0, false };
+			for (std::size_t i = from; i < to; i++) {
+				const ContactRow& c = s.contacts[i];
+				impulses.values[2 * i] = c.pn;
+				impulses.values[2 * i + 1] = c.pt;
+				sum.square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
+				sum.pushed = sum.pushed || !(c.bias >= 0);
+			}
+			return sum;
+		};
+		const bool driven = reduceRanges<bool>(threads, s.bodies.size(), copyBodies, std::logical_or<bool>());
+		const Sum sum = reduceRanges<Sum>(threads, s.contacts.size(), copyContacts,
+		    [](const Sum& a, const Sum& b) { return Sum { a.square + b.square, a.pushed || b.pushed }; });
+		weight = std::sqrt(sum.square);
+		solvable = !driven && !sum.pushed;
 	}
 	explicit Start(const DelassusSystem& s, Threads* t)
-	    : threads(t)
+	    : weight(weighted(s))
+	    , threads(t)
 	{
 		impulses.values = s.p;
 	}
@@ -56,6 +79,9 @@ class Start {
 	void guess(DelassusSystem& s) const { s.p = impulses.values; }
 
 	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none for a matrix
+
+	double weight = 0; // of the guess: weighted()
+	bool solvable = false; // surelySolvable()
 
     private:
 	Threads* const threads;

@@ -362,7 +362,7 @@ double weighted(const ContactSystem& system, Threads* threads)
 	return std::sqrt(reduceRanges<double>(threads, system.contacts.size(), sum, std::plus<double>()));
 }
 
-double weighted(const DelassusSystem& system, Threads*)
+double weighted(const DelassusSystem& system)
 {
 	double square = 0;
 	for (std::size_t i = 0; i < system.contacts(); i++) {
@@ -374,11 +374,7 @@ double weighted(const DelassusSystem& system, Threads*)
 
 bool surelySolvable(const ContactSystem& system, Threads* threads)
 {
-	const auto isDriven = [&](std::size_t i) {
-		const BodyVelocity& b = system.bodies[i];
-		return (!(b.w[0] > 0) && b.v[0] != 0) || (!(b.w[1] > 0) && b.v[1] != 0) || (!(b.w[2] > 0) && b.v[2] != 0);
-	};
-	return !anyOf(threads, system.bodies.size(), isDriven)
+	return !anyOf(threads, system.bodies.size(), [&](std::size_t i) { return isDriven(system.bodies[i]); })
 	    && !anyOf(threads, system.contacts.size(), [&](std::size_t i) { return !(system.contacts[i].bias >= 0); });
 }
 

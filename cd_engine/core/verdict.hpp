@@ -51,11 +51,15 @@ double growth(const DelassusSystem& system);
 
 // The norm of the impulses that `guess` is: sqrt(sum W_nn |p|^2).
 double weighted(const ContactSystem& system, Threads* = nullptr);
-double weighted(const DelassusSystem& system, Threads* = nullptr);
+double weighted(const DelassusSystem& system);
 
+// Whether a blocked freedom of a body moves.
+inline bool isDriven(const BodyVelocity& b)
+{
+	return (!(b.w[0] > 0) && b.v[0] != 0) || (!(b.w[1] > 0) && b.v[1] != 0) || (!(b.w[2] > 0) && b.v[2] != 0);
+}
 // Whether a motion is known that keeps every contact from overlapping further, so that a solution exists: if no blocked freedom moves and no bias is
 // negative, zero velocities are such a motion. Costs a look at every body and contact.
 bool surelySolvable(const ContactSystem& system, Threads* = nullptr);
-inline bool surelySolvable(const DelassusSystem&, Threads* = nullptr) { return false; } // a matrix does not tell
 
 } // namespace cd
