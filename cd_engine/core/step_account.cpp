@@ -144,7 +144,7 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 		const ContactRow& c = system.contacts[i];
 		if (SleepingIsland* const asleep = asleepAt(c)) {
 			asleep->contacts++;
-			asleep->deepest = std::max(asleep->deepest, -gaps[rowPair[i]]);
+			asleep->deepest = std::max(asleep->deepest, -gapOf(world, rowPair[i]));
 			asleep->disturbed = asleep->disturbed || i >= assembled; // a contact that was added later is none in the next step
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c);

@@ -154,7 +154,7 @@ inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t i
 {
 	const Pair& pair = world.pairs[index];
 	const Touch& touch = touches[index];
-	const double gap = gaps[index];
+	const double gap = gapOf(world, index);
 	rowPair[row] = static_cast<int32_t>(index);
 	ContactRow c; // stays in registers: what is stored and read again at once waits for the store
 	const Place& place = places[pair.a];
@@ -228,7 +228,6 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 {
 	const Cut cut(world.awake.size());
 	touches.resize(world.pairs.size());
-	gaps.resize(world.pairs.size());
 	solved.assign(world.pairs.size(), 0);
 	forEach(&threads, cut.parts, [&](std::size_t part) {
 		Seen of;
@@ -243,7 +242,7 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 			of.through = of.through || (places[pair.a].radius == 0 && isThrough(pair, world, touch, settings.dt, face));
 			const bool apart = pair.reference > 0 && touch.overlap <= 0; // their surfaces are apart
 			of.apart = of.apart || apart;
-			const double gap = gaps[i] = apart ? -touch.overlap : pair.reference - touch.overlap;
+			const double gap = apart ? -touch.overlap : pair.reference - touch.overlap;
 			if (mayClose(pair, world, gap, settings.dt) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt))) {
 				solved[i] = 1;
 				of.contacts++;
@@ -328,9 +327,10 @@ bool TimeStep::outruns(const World& world, double dt, StepReport& report)
 bool TimeStep::within(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
-	if (gaps[index] > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
+	const double gap = gapOf(world, index);
+	if (gap > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
 		return false;
-	return gaps[index] <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
+	return gap <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
 }
 
 // Whether the solution lets a pair that was left out cross its gap within the step.
@@ -343,7 +343,8 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	const Touch& touch = touches[index];
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
-	return gaps[index] + turning(pair, world, touch, gaps[index], dt) + dt * un < 0;
+	const double gap = gapOf(world, index);
+	return gap + turning(pair, world, touch, gap, dt) + dt * un < 0;
 }
 
 bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
@@ -363,7 +364,7 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 			resizeRows(rows + 1, settings);
 			fillRow(rows - 1, world, i, settings);
 			solved[i] = 1;
-			deepest = std::max(deepest, -gaps[i]);
+			deepest = std::max(deepest, -gapOf(world, i));
 			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
 			ContactRow& c = system.contacts[rows - 1];
 			double un, ut;

@@ -69,6 +69,7 @@ class TimeStep {
 	// Of the last step: the pairs that had a contact, and where a pair that the step looked at touches or would touch.
 	const std::vector<int32_t>& pairs() const { return rowPair; }
 	const Touch& touchOf(int32_t pair) const { return touches[pair]; }
+	double gapOf(const World& world, std::size_t pair) const { return world.pairs[pair].reference - touches[pair].overlap; } // [m]
 	// The pairs whose reference overlap ended in the last step.
 	const std::vector<int32_t>& overlapsForgotten() const { return forgotten; }
 	// Hashes of the loads of the bodies, if they were recorded.
@@ -158,8 +159,7 @@ class TimeStep {
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<char> solved; // whether a pair has a contact in the system
-	std::vector<double> gaps; // of the pairs looked at [m]
-	std::vector<Touch> touches; // of the same
+	std::vector<Touch> touches; // of the pairs looked at
 	struct Share { // what a contact's impulse does to its bodies
 		int32_t a, b; // bodies; a < 0: none
 		double x, y, turnA, turnB; // impulse on b [N s], moments about the centres of both [N m s]
