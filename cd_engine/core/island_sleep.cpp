@@ -18,9 +18,9 @@ namespace {
 } // namespace
 
 // Marks the islands in which nothing moved before the step. Returns whether there are any.
-bool IslandSolver::findStill(const ContactSystem& system, const std::vector<double>& before)
+bool IslandSolver::findStill(const ContactSystem& system, const std::vector<Body>& before)
 {
-	const auto moves = [&](std::size_t i) { return before[3 * i] != 0 || before[3 * i + 1] != 0 || before[3 * i + 2] != 0; };
+	const auto moves = [&](std::size_t i) { return before[i].v[0] != 0 || before[i].v[1] != 0 || before[i].v[2] != 0; };
 	for (Island& island : islands)
 		island.still = true;
 	bool immobileMoves = false;
@@ -181,7 +181,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 			continue;
 		for (int j = 0; j < 3; j++)
 			if (part.bodies[i].w[j] > 0) {
-				const double v = stillness.before[3 * static_cast<std::size_t>(partBodies[i]) + j];
+				const double v = stillness.before[partBodies[i]].v[j];
 				effort.stopped += 0.5 * v * part.bodies[i].v[j] / part.bodies[i].w[j];
 				effort.stoppedMoving = effort.stoppedMoving || v != 0;
 			}

@@ -67,7 +67,7 @@ class IslandSolver {
 	SolverReport conclude(ContactSystem&, Status, double tolerance, const Sleepers*);
 
 	// island_sleep.cpp
-	bool findStill(const ContactSystem&, const std::vector<double>& before);
+	bool findStill(const ContactSystem&, const std::vector<Body>& before);
 	void recognise(const ContactSystem&, const Stillness&, double tolerance);
 	void reportSleep(const ContactSystem&, Sleepers&);
 	void countSleepersOn(Effort&, const Sleepers&);

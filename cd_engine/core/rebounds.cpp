@@ -77,7 +77,7 @@ bool Rebounds::giveUp(ContactSystem& system, int32_t row)
 	return askAgain(system);
 }
 
-bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, const std::vector<double>& free, double tolerance)
+bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, const std::vector<double>& free, double tolerance)
 {
 	if (parent.empty())
 		findIslands(system);
@@ -90,7 +90,7 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<double>& before, c
 			const double change = body.v[k] - free[3 * i + k];
 			if (!(body.w[k] > 0) || change == 0)
 				continue;
-			account.sinceBefore += 0.5 * change * (body.v[k] + before[3 * i + k]) / body.w[k];
+			account.sinceBefore += 0.5 * change * (body.v[k] + before[i].v[k]) / body.w[k];
 			account.sinceFree += 0.5 * change * (body.v[k] + free[3 * i + k]) / body.w[k];
 			account.scale += change * change / body.w[k];
 			account.energy += 0.5 * body.v[k] * body.v[k] / body.w[k];

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "contact_system.hpp"
+#include "world.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -36,10 +37,10 @@ class Rebounds {
 	bool any() const;
 
 	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
-	// changed a bias. To be called again after the next solution. `before`: the velocities before the step, `free`: those that the external
+	// changed a bias. To be called again after the next solution. `before`: the bodies before the step, `free`: the velocities that the external
 	// forces alone would leave. Islands are lowered only if the energy grows both over the whole step and over the impulses alone. If only one of
 	// the two grows, the work of the forces in the step causes it, not the rebounds.
-	bool lower(ContactSystem&, const std::vector<double>& before, const std::vector<double>& free, double tolerance);
+	bool lower(ContactSystem&, const std::vector<Body>& before, const std::vector<double>& free, double tolerance);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "contact_system.hpp"
+#include "world.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -26,7 +27,7 @@ int fingerprint(const double gained[3]);
 // What a step needs to know about rest; without it nothing sleeps.
 struct Stillness {
 	Sleepers& sleepers; // islands left out of the system, and islands found asleep in it
-	const std::vector<double>& before; // the bodies' velocities before the step, three a body
+	const std::vector<Body>& before; // the bodies before the step
 	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: no trial
 	// Hashes of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is no trial.
 	const std::vector<int>&loads, &loadsBefore;

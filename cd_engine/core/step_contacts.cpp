@@ -41,14 +41,12 @@ double reachOf(const Body& b, double way)
 void TimeStep::freeVelocities(const World& world, double dt)
 {
 	system.bodies.resize(world.bodies.size());
-	before.resize(3 * world.bodies.size());
 	forRanges(&threads, world.bodies.size(), [&](size_t from, size_t to) {
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
 			BodyVelocity& s = system.bodies[i];
 			for (int k = 0; k < 3; k++) {
 				s.w[k] = b.inverseMass[k];
-				before[3 * i + k] = b.v[k];
 				s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
 			}
 			const double ax = b.inverseMass[0] * b.force[0], ay = b.inverseMass[1] * b.force[1];

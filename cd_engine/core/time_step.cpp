@@ -60,7 +60,7 @@ void TimeStep::firstGuess(const World& world)
 }
 
 // Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable.
-bool TimeStep::lowerRebounds(const StepSettings& settings, const StepReport& report)
+bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, const StepReport& report)
 {
 	const Status status = report.solver.status;
 	if (!rebounds.any())
@@ -68,7 +68,7 @@ bool TimeStep::lowerRebounds(const StepSettings& settings, const StepReport& rep
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
-	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, before, free, settings.solver.tolerance);
+	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, world.bodies, free, settings.solver.tolerance);
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -78,7 +78,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	if (sleepers.wake(system.contacts, world))
 		return false;
 	static const std::vector<int> unknown;
-	const Stillness stillness { sleepers, before, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
+	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
 	double tolerance = settings.solver.tolerance;
 	int first = 0; // iterations of the first solution
 	int most = settings.solver.maxIterations;
@@ -109,7 +109,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
 		if (settings.restitution > 0) {
 			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
-			if (!lowerRebounds(settings, report)) {
+			if (!lowerRebounds(world, settings, report)) {
 				if (less && rebounds.energyRemains())
 					report.solver.status = exactly;
 				return true;

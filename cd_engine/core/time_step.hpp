@@ -109,7 +109,7 @@ class TimeStep {
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void firstGuess(const World&);
-	bool lowerRebounds(const StepSettings&, const StepReport&);
+	bool lowerRebounds(const World&, const StepSettings&, const StepReport&);
 	static bool end(StepReport&);
 	void finishContacts(World&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);
@@ -139,7 +139,6 @@ class TimeStep {
 	IslandSolver solveIslands;
 	Rebounds rebounds;
 	ContactSystem system;
-	std::vector<double> before; // velocities of the bodies before the step
 	std::vector<double> free; // with restitution: the velocities that external forces alone would leave
 	std::vector<int> fingerprints; // hashes of what forces add to the velocities, if recorded
 	std::vector<Place> places; // of the bodies at the mid-configuration
