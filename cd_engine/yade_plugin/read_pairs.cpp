@@ -217,9 +217,9 @@ SceneLink::Held SceneLink::heldIn(const Forces& f) const
 	const Vector3r& n = at<Vector3r>(f.geom, layout.geom_normal);
 	const Vector3r& fn = at<Vector3r>(f.phys, layout.phys_normalForce);
 	const Vector3r& ft = at<Vector3r>(f.phys, layout.phys_shearForce);
-	h.any = true;
-	h.nx = n[0];
-	h.ny = n[1];
+	h.since = -1;
+	h.touch.nx = n[0];
+	h.touch.ny = n[1];
 	for (const int k : { 0, 1 }) {
 		h.fn[k] = fn[k];
 		h.ft[k] = ft[k];
@@ -230,13 +230,14 @@ SceneLink::Held SceneLink::heldIn(const Forces& f) const
 // The present force of the contact, along its own normal, times dt.
 std::array<double, 2> SceneLink::impulseIn(const Held& h, double dt)
 {
-	if (!h.any)
+	if (!h.any())
 		return { 0, 0 };
-	const double normal = h.nx * h.fn[0] + h.ny * h.fn[1], tangential = h.nx * h.ft[1] - h.ny * h.ft[0];
+	const double nx = h.touch.nx, ny = h.touch.ny;
+	const double normal = nx * h.fn[0] + ny * h.fn[1], tangential = nx * h.ft[1] - ny * h.ft[0];
 	if (!(normal > 0) || !std::isfinite(tangential))
 		return { 0, 0 }; // springs may pull; a rigid contact does not
 	// n is a unit vector only to its last digit. Without this division, forces that are stored and read again would grow by that step by step.
-	const double square = h.nx * h.nx + h.ny * h.ny;
+	const double square = nx * nx + ny * ny;
 	return { dt * normal / square, dt * tangential / square };
 }
 
@@ -275,7 +276,8 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 		if (found == held[now])
 			continue;
 		held[now] = found;
-		held[now].since = found.any ? at<long>(interactions[now], layout.interaction_iterMadeReal) : -1;
+		if (found.any())
+			held[now].since = at<long>(interactions[now], layout.interaction_iterMadeReal);
 		if (sleepers)
 			sleepers->disturb(world.pairs[now]);
 	}
@@ -310,7 +312,7 @@ void SceneLink::takeOverlaps()
 		};
 		if (!(pair.reference <= mostOverlap * radius))
 			throw SceneError("ContactDynamics: " + what() + ", more than springs leave behind. Move them apart");
-		if (pair.reference > visible * radius && !held[&pair - world.pairs.data()].any && told.insert("overlap").second)
+		if (pair.reference > visible * radius && !held[&pair - world.pairs.data()].any() && told.insert("overlap").second)
 			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
 			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
 	}

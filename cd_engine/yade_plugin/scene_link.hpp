@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <set>
 #include <string>
@@ -113,15 +114,18 @@ class SceneLink {
 	};
 	// A contact's force as YADE keeps it, in components along x and y. A warm start needs nothing else.
 	struct Held {
-		bool any = false; // false: the contact carries nothing, and the other members have no meaning
-		double nx, ny, fn[2], ft[2]; // normal; normal and tangential force [N]
-		cd::Touch touch; // with the step's own normal
-		long since = -1; // iteration in which it became loaded
+		static constexpr long nothing = std::numeric_limits<long>::min();
+		long since = nothing; // iteration in which it became loaded; `nothing`: it carries nothing, and the other members have no meaning
+		cd::Touch touch;
+		double fn[2], ft[2]; // normal and tangential force [N]
 
+		bool any() const { return since != nothing; }
 		bool operator==(const Held& o) const
 		{
-			return any == o.any
-			    && (!any || (nx == o.nx && ny == o.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0] && ft[1] == o.ft[1]));
+			return any() == o.any()
+			    && (!any()
+				|| (touch.nx == o.touch.nx && touch.ny == o.touch.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0]
+				    && ft[1] == o.ft[1]));
 		}
 	};
 

@@ -127,7 +127,7 @@ void SceneLink::writeContact(std::size_t index)
 	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(h.touch.cx, h.touch.cy, layer);
 	at<double>(g, layout.geom_penetrationDepth) = h.touch.overlap;
 	at<double>(p, layout.phys_tangensOfFrictionAngle) = world.pairs[index].mu;
-	at<Vector3r>(g, layout.geom_normal) = Vector3r(h.nx, h.ny, 0);
+	at<Vector3r>(g, layout.geom_normal) = Vector3r(h.touch.nx, h.touch.ny, 0);
 	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(h.fn[0], h.fn[1], 0);
 	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(h.ft[0], h.ft[1], 0);
 }
@@ -195,18 +195,19 @@ void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
 			const cd::Pair& pair = world.pairs[i];
 			Held& h = held[i];
 			if (!(pair.pn > 0)) {
-				if (h.any)
+				if (h.any())
 					step.sleepers.disturb(pair);
-				h.any = false;
+				h.since = Held::nothing;
 				continue;
 			}
 			const cd::Touch& touch = step.touchOf(i);
+			const bool same = h.any() && h.touch.nx == touch.nx && h.touch.ny == touch.ny
+			    && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt };
 			h.touch = touch;
-			if (h.any && h.nx == touch.nx && h.ny == touch.ny && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt })
+			if (same)
 				continue;
 			const double fn = pair.pn * rate, ft = pair.pt * rate;
-			const long since = h.any ? h.since : iteration;
-			h = { true, touch.nx, touch.ny, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx }, touch, since };
+			h = { h.any() ? h.since : iteration, touch, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx } };
 			step.sleepers.disturb(pair);
 		}
 	});
@@ -227,7 +228,7 @@ void SceneLink::publishScene(yade::Scene* scene)
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + early < world.pairs.size())
 			prefetchContact(forces[i + early]);
-		if (held[i].any) {
+		if (held[i].any()) {
 			if (!interactions[i])
 				insert(container, i);
 			if (!forces[i].geom)
