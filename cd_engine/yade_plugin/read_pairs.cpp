@@ -90,27 +90,28 @@ void SceneLink::turn(std::size_t index) const
 	interaction->swapOrder();
 }
 
-// Pairs that were listed before keep their data.
+// Pairs that were listed before keep their data, which move in place: both lists have the same order, so none overtakes another.
 void SceneLink::keepPairs()
 {
-	const auto rearrange = [this](auto& of, auto& next) {
-		next.clear();
-		for (const cd::NearPair& pair : pairs) {
-			next.emplace_back();
-			if (pair.from >= 0)
-				next.back() = std::move(of[pair.from]);
-		}
-		of.swap(next);
-	};
 	cd::findAgain(pairs, before, left);
-	for (const int32_t i : left)
+	for (const int32_t i : left) {
 		if (interactions[i])
 			parted.push_back(interactions[i]);
-	rearrange(interactions, scratch.interactions);
-	rearrange(forces, scratch.forces);
-	rearrange(held, scratch.held);
-	rearrange(spare, scratch.spare);
-	recycle(scratch.spare); // of pairs that no longer exist
+		recycle(std::move(spare[i]));
+	}
+	const auto rearrange = [this](auto& of) {
+		std::size_t kept = 0;
+		for (const cd::NearPair& pair : pairs)
+			if (pair.from >= 0)
+				of[kept++] = std::move(of[pair.from]);
+		of.resize(pairs.size());
+		for (std::size_t k = pairs.size(); k-- > kept;) // below, all have their places
+			of[k] = pairs[k].from >= 0 ? std::move(of[--kept]) : typename std::decay_t<decltype(of)>::value_type {};
+	};
+	rearrange(interactions);
+	rearrange(forces);
+	rearrange(held);
+	rearrange(spare);
 }
 
 // Gives the pairs the interactions that the scene has for them. Interactions without a pair lose their forces.

@@ -197,12 +197,6 @@ class SceneLink {
 	double heldStep = 0; // length of the last step held [s]
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new objects costs more than all else
 	std::vector<Spare> pool; // of pairs that no longer exist, for reuse
-	struct {
-		std::vector<yade::Interaction*> interactions;
-		std::vector<Forces> forces;
-		std::vector<Held> held;
-		std::vector<Spare> spare;
-	} scratch;
 	Vector3r gravity = Vector3r::Zero();
 	double layer = 0; // z of the disks [m]
 	int layerId = -1; // the disk from which z was taken
