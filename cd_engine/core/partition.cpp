@@ -1,6 +1,7 @@
 #include "partition.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 
 namespace cd {
@@ -16,30 +17,22 @@ int32_t Partition::root(int32_t body)
 
 bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
-	const bool known = freedom.size() == system.bodies.size() && links.size() == system.contacts.size();
-	freedom.resize(system.bodies.size());
-	links.resize(system.contacts.size());
-	const auto both = [](bool a, bool b) { return a && b; };
-	const auto bodies = [&](std::size_t from, std::size_t to) {
-		bool same = known;
-		for (std::size_t i = from; i < to; i++) {
-			const auto free = static_cast<uint8_t>(freedoms(system.bodies[i]));
-			same = same && freedom[i] == free;
-			freedom[i] = free;
-		}
-		return same;
+	const auto same = [threads](auto& of, const auto& all, const auto& now) { // and makes them so
+		const bool known = of.size() == all.size();
+		of.resize(all.size());
+		const auto renew = [&](std::size_t from, std::size_t to) {
+			bool same = known;
+			for (std::size_t i = from; i < to; i++) {
+				const auto one = now(all[i]);
+				same = same && of[i] == one;
+				of[i] = one;
+			}
+			return same;
+		};
+		return reduceRanges<bool>(threads, of.size(), renew, std::logical_and<bool>());
 	};
-	const auto contacts = [&](std::size_t from, std::size_t to) {
-		bool same = known;
-		for (std::size_t i = from; i < to; i++) {
-			const Link link = linkOf(system.contacts[i]);
-			same = same && links[i] == link;
-			links[i] = link;
-		}
-		return same;
-	};
-	const bool sameBodies = reduceRanges<bool>(threads, freedom.size(), bodies, both);
-	return reduceRanges<bool>(threads, links.size(), contacts, both) && sameBodies;
+	const bool bodies = same(freedom, system.bodies, [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); });
+	return same(links, system.contacts, linkOf) && bodies;
 }
 
 bool Partition::update(const ContactSystem& system, Threads* threads)

@@ -89,7 +89,7 @@ void Sweep::store()
 			b.v[0] = v.vx;
 			b.v[1] = v.vy;
 			// Adds only the change, so that a spin that nothing changes stays the same to the last bit.
-			b.v[2] = packed.freeSpins[i] + (v.spin - packed.freeBodies[i].spin) * packed.kinds[packed.bodyAt[i]].inverseRadius;
+			b.v[2] += (v.spin - packed.freeBodies[i].spin) * packed.kinds[packed.bodyAt[i]].inverseRadius;
 		}
 	});
 }

@@ -61,7 +61,6 @@ class Sweep {
 	// A contact that is solved alone: it couples n and t, or one of its bodies has no uniform inverse mass (BodyKind).
 	struct Loose {
 		ContactRow row; // a, b: packed bodies; arms divided by k
-		bool groupable; // although no group had a place for it
 		double wa[3], wb[3]; // inverse masses of x, y and spin
 		double beforePn, beforePt;
 	};
@@ -76,9 +75,11 @@ class Sweep {
 	struct Begin {
 		std::size_t group, loose, body, sum;
 	};
-	// Of a contact: its packed bodies, and the sum for the error that it adds to, which is the sum of its island in its block.
+	// Of a contact: its packed bodies; the sum for the error that it adds to, which is that of its island in its block; whether it may be in a
+	// group.
 	struct Ends {
 		int32_t a, b, sum;
+		bool groupable;
 	};
 	// Results of a sweep with momentum in one block.
 	struct alignas(128) BlockSums {
@@ -95,7 +96,6 @@ class Sweep {
 		std::vector<PackedBody> bodies, bodiesBefore; // the last ones are immobile, for the empty lanes of each block
 		std::vector<PackedBody> freeBodies; // their free velocities; w: the velocity by external forces, BodyVelocity::pushed [m/s]
 		std::vector<double> masses; // of the same [kg]; 0: it cannot move along x or y
-		std::vector<double> freeSpins; // of the same [rad/s]
 		std::vector<Group> groups;
 		std::vector<GroupBefore> groupsBefore;
 		std::vector<Loose> loose;
@@ -120,10 +120,10 @@ class Sweep {
 
 	bool classifyBodies(bool& sameMasses); // returns whether they are of the same kinds as in the last problem
 	bool groupable(const ContactRow&) const;
+	bool isGrouped(int32_t contact, const ContactRow&) const;
 	bool sameLeftOut() const;
 	void groupContacts();
 	void numberBodies();
-	void numberMembers();
 	// An immobile body for the empty lanes of a block, in memory lines that no other block uses.
 	int32_t nobody(std::size_t block) const { return static_cast<int32_t>(packed.bodyAt.size() + 4 * block); }
 	// Fill in this problem's numbers. Return false if its contacts are not those that were grouped, so that the groups must be made anew.

@@ -43,6 +43,13 @@ inline bool Sweep::groupable(const ContactRow& c) const
 	return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
 }
 
+// Whether this is the contact that was grouped under its number.
+inline bool Sweep::isGrouped(int32_t contact, const ContactRow& c) const
+{
+	const Ends& e = packed.ends[contact];
+	return packed.bodyAt[e.a] == c.a && packed.bodyAt[e.b] == c.b && c.wnn > 0 && groupable(c) == e.groupable;
+}
+
 // Whether the contacts that no sweep solves, if there are any, are still the same.
 bool Sweep::sameLeftOut() const
 {
@@ -63,7 +70,8 @@ void Sweep::groupContacts()
 		for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++) {
 			const int32_t i = packed.blocks.contacts[k];
 			const ContactRow& c = system.contacts[i];
-			if (groupable(c))
+			packed.ends[i].groupable = groupable(c);
+			if (packed.ends[i].groupable)
 				packed.builder.add(i, packed.ends[i].a, packed.kinds[c.a].movable, packed.ends[i].b, packed.kinds[c.b].movable);
 			else
 				packed.grouping.loose.push_back(i);
@@ -72,22 +80,7 @@ void Sweep::groupContacts()
 	}
 	packed.begin.back().group = packed.grouping.groups();
 	packed.begin.back().loose = packed.grouping.loose.size();
-	numberMembers();
 	numberSums();
-}
-
-void Sweep::numberMembers()
-{
-	packed.groups.resize(packed.grouping.groups());
-	for (std::size_t block = 0; block < packed.blocks.count(); block++)
-		for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++) {
-			const int32_t member = packed.grouping.members[k], empty = nobody(block);
-			packed.groups[k / Group::lanes].a[k % Group::lanes] = member < 0 ? empty : packed.ends[member].a;
-			packed.groups[k / Group::lanes].b[k % Group::lanes] = member < 0 ? empty : packed.ends[member].b;
-		}
-	packed.loose.resize(packed.grouping.loose.size());
-	for (std::size_t i = 0; i < packed.loose.size(); i++)
-		packed.loose[i].groupable = groupable(system.contacts[packed.grouping.loose[i]]);
 }
 
 // Numbers the bodies in the order in which the contacts meet them, so that bodies of near contacts are near in memory.
@@ -131,10 +124,11 @@ void Sweep::findCarried()
 bool Sweep::fill()
 {
 	const std::size_t bodies = packed.bodyAt.size();
+	packed.groups.resize(packed.grouping.groups());
+	packed.loose.resize(packed.grouping.loose.size());
 	packed.bodies.resize(bodies + 4 * packed.blocks.count());
 	packed.freeBodies.resize(bodies);
 	packed.masses.resize(bodies);
-	packed.freeSpins.resize(bodies);
 	packed.blockSums.resize(packed.blocks.count());
 	std::atomic<bool> same { true };
 	inEveryBlock([&](std::size_t block) {
@@ -148,6 +142,7 @@ bool Sweep::fill()
 
 bool Sweep::fillGroups(std::size_t block)
 {
+	const int32_t empty = nobody(block);
 	const int32_t* member = packed.grouping.members.data() + packed.begin[block].group * Group::lanes;
 	for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
 		Group& g = packed.groups[k];
@@ -155,12 +150,15 @@ bool Sweep::fillGroups(std::size_t block)
 		double wnn[Group::lanes], wtt[Group::lanes];
 		for (int lane = 0; lane < Group::lanes; lane++, member++) {
 			if (*member < 0) {
+				g.a[lane] = g.b[lane] = empty;
 				g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
 				wnn[lane] = wtt[lane] = std::numeric_limits<double>::infinity();
 				continue;
 			}
 			const ContactRow& c = system.contacts[*member];
-			same = same && packed.bodyAt[g.a[lane]] == c.a && packed.bodyAt[g.b[lane]] == c.b && groupable(c);
+			same = same && isGrouped(*member, c);
+			g.a[lane] = packed.ends[*member].a;
+			g.b[lane] = packed.ends[*member].b;
 			g.nx[lane] = c.nx;
 			g.ny[lane] = c.ny;
 			g.at[lane] = c.at * packed.kinds[c.a].inverseRadius;
@@ -184,13 +182,12 @@ bool Sweep::fillGroups(std::size_t block)
 
 bool Sweep::fillLoose(std::size_t block)
 {
-	bool same = true;
 	for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
 		Loose& l = packed.loose[i];
 		const int32_t contact = packed.grouping.loose[i];
 		l.row = system.contacts[contact];
-		same = same && l.row.wnn > 0 && l.groupable == groupable(l.row) && packed.bodyAt[packed.ends[contact].a] == l.row.a
-		    && packed.bodyAt[packed.ends[contact].b] == l.row.b;
+		if (!isGrouped(contact, l.row))
+			return false;
 		const auto fill = [&](int32_t& body, int32_t place, double& n, double& t, double* w) {
 			std::copy_n(system.bodies[body].w, 3, w);
 			const BodyKind& kind = packed.kinds[body];
@@ -202,7 +199,7 @@ bool Sweep::fillLoose(std::size_t block)
 		fill(l.row.a, packed.ends[contact].a, l.row.an, l.row.at, l.wa);
 		fill(l.row.b, packed.ends[contact].b, l.row.bn, l.row.bt, l.wb);
 	}
-	return same;
+	return true;
 }
 
 void Sweep::packBodies(std::size_t block)
@@ -211,7 +208,6 @@ void Sweep::packBodies(std::size_t block)
 		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
 		packed.bodies[i].w = b.w[0];
 		packed.freeBodies[i] = { b.v[0], b.v[1], b.v[2] * packed.kinds[packed.bodyAt[i]].radius, b.pushed };
-		packed.freeSpins[i] = b.v[2];
 		const double inverse = std::max(b.w[0], b.w[1]);
 		packed.masses[i] = inverse > 0 ? 1 / inverse : 0;
 	}
