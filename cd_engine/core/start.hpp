@@ -9,6 +9,7 @@
 #include "threads.hpp"
 #include "verdict.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -23,34 +24,30 @@ class Start {
 	{
 		velocities.values.resize(3 * s.bodies.size());
 		impulses.values.resize(2 * s.contacts.size());
-		const auto copyBodies = [&](std::size_t from, std::size_t to) {
-			bool driven = false;
+		std::atomic<bool> driven { false };
+		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
 				std::memcpy(&velocities.values[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
-				driven = driven || isDriven(s.bodies[i]);
+				if (isDriven(s.bodies[i]))
+					driven = true;
 			}
-			return driven;
-		};
-		struct Sum {
-			double square;
-			bool pushed;
-		};
-		const auto copyContacts = [&](std::size_t from, std::size_t to) {
-			Sum sum { 0, false };
+		});
+		const auto keep = [&](std::size_t from, std::size_t to) {
+			double square = 0;
+			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
 				const ContactRow& c = s.contacts[i];
 				impulses.values[2 * i] = c.pn;
 				impulses.values[2 * i + 1] = c.pt;
-				sum.square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
-				sum.pushed = sum.pushed || !(c.bias >= 0);
+				square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
+				pushed = pushed || !(c.bias >= 0);
 			}
-			return sum;
+			if (pushed)
+				driven = true;
+			return square;
 		};
-		const bool driven = reduceRanges<bool>(threads, s.bodies.size(), copyBodies, std::logical_or<bool>());
-		const Sum sum = reduceRanges<Sum>(threads, s.contacts.size(), copyContacts,
-		    [](const Sum& a, const Sum& b) { return Sum { a.square + b.square, a.pushed || b.pushed }; });
-		weight = std::sqrt(sum.square);
-		solvable = !driven && !sum.pushed;
+		weight = std::sqrt(reduceRanges<double>(threads, s.contacts.size(), keep, std::plus<double>()));
+		solvable = !driven;
 	}
 	explicit Start(const DelassusSystem& s, Threads* t)
 	    : weight(weighted(s))
@@ -80,7 +77,7 @@ class Start {
 
 	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none for a matrix
 
-	double weight = 0; // of the guess: weighted()
+	double weight = 0; // of the guess: sqrt(sum W_nn |p|^2)
 	bool solvable = false; // surelySolvable()
 
     private:

@@ -349,19 +349,6 @@ Verdict judge(const DelassusSystem& system, double guess, double tolerance, int 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }
 double growth(const DelassusSystem& system) { return growthOf(form(system)); }
 
-double weighted(const ContactSystem& system, Threads* threads)
-{
-	const auto sum = [&](std::size_t from, std::size_t to) {
-		double square = 0;
-		for (std::size_t i = from; i < to; i++) {
-			const ContactRow& c = system.contacts[i];
-			square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
-		}
-		return square;
-	};
-	return std::sqrt(reduceRanges<double>(threads, system.contacts.size(), sum, std::plus<double>()));
-}
-
 double weighted(const DelassusSystem& system)
 {
 	double square = 0;
