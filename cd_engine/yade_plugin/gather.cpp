@@ -44,7 +44,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	if (searched)
 		findPairs();
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
-	guess(dt, impulses, &step.threads);
+	guess(dt, impulses, read || searched || reordered, &step.threads);
 }
 
 void SceneLink::findPairs()
@@ -78,7 +78,7 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 	search.needed(world, dt, 0, {});
 	findPairs();
 	gatherPairs(scene, memory, true, true, true, none);
-	guess(dt, impulses, nullptr);
+	guess(dt, impulses, true, nullptr);
 }
 
 } // namespace cd_engine

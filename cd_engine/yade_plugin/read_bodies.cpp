@@ -185,7 +185,6 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	world.bodies[id].friction = known.friction;
 	constexpr int bounded = 1; // YADE's bit of Body.flags
 	world.masks[id] = known.inPlane && (at<int>(body, layout.body_flags) & bounded) != 0 ? at<int>(body, layout.body_groupMask) : 0;
-	surfaces[id] = { known.friction, world.bodies[id].radius };
 }
 
 // Prefetches the memory lines of a body's objects that a step reads.
@@ -213,7 +212,6 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	for (std::size_t id = container.size(); id < bodies.size(); id++)
 		gone.push_back(static_cast<int>(id));
 	bodies.resize(count);
-	surfaces.resize(count);
 	world.bodies.resize(count);
 	world.shapes.resize(count);
 	world.masks.resize(count, 0);

@@ -141,8 +141,9 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 		interactions[k] = listed[before[pairs[k].from].from].get();
 		turn(k);
 	}
-	recycle(spare);
-	spare.resize(pairs.size());
+	for (Spare& s : spare)
+		recycle(std::move(s));
+	spare.assign(pairs.size(), {});
 	forces.assign(pairs.size(), {});
 	held.assign(pairs.size(), {});
 }
@@ -212,20 +213,12 @@ void SceneLink::findForces(std::size_t index)
 
 SceneLink::Held SceneLink::heldIn(const Forces& f) const
 {
-	Held h;
 	if (!f.geom)
-		return h;
+		return {};
 	const Vector3r& n = at<Vector3r>(f.geom, layout.geom_normal);
 	const Vector3r& fn = at<Vector3r>(f.phys, layout.phys_normalForce);
 	const Vector3r& ft = at<Vector3r>(f.phys, layout.phys_shearForce);
-	h.since = -1;
-	h.touch.nx = n[0];
-	h.touch.ny = n[1];
-	for (const int k : { 0, 1 }) {
-		h.fn[k] = fn[k];
-		h.ft[k] = ft[k];
-	}
-	return h;
+	return { -1, { n[0], n[1], 0, 0, 0 }, { fn[0], fn[1] }, { ft[0], ft[1] } };
 }
 
 // The present force of the contact, along its own normal, times dt.
@@ -285,15 +278,16 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 	return true;
 }
 
-// Sets the friction and the first guess of every pair that is awake.
-void SceneLink::guess(double dt, bool impulses, cd::Threads* threads)
+// Sets the first guess of every pair that is awake and, where bodies or pairs are new, its friction.
+void SceneLink::guess(double dt, bool impulses, bool anew, cd::Threads* threads)
 {
 	assert(isSelection(world.awake, world.pairs.size()));
 	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t k = from; k < to; k++) {
 			const int32_t i = world.awake[k];
 			cd::Pair& pair = world.pairs[i];
-			pair.mu = std::min(surfaces[pair.a].friction, surfaces[pair.b].friction); // the smaller angle of the two, as YADE
+			if (anew)
+				pair.mu = std::min(world.bodies[pair.a].friction, world.bodies[pair.b].friction); // the smaller angle of the two, as YADE
 			const std::array<double, 2> guess = impulses ? impulseIn(held[i], dt) : std::array<double, 2> { 0, 0 };
 			pair.pn = guess[0];
 			pair.pt = withinCone(guess[1], pair.mu * guess[0]);

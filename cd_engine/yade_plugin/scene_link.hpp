@@ -98,11 +98,6 @@ class SceneLink {
 		int placed = 0; // number of steps in a row before which somebody has set its position
 		double frictionAngle = 0, friction = 0; // [rad] and its tangent
 	};
-	// What every pair needs to know of its bodies, together in little memory.
-	struct Surface {
-		double friction; // coefficient
-		double radius; // of a disk [m]; 0: a boundary
-	};
 
 	struct Spare {
 		boost::shared_ptr<yade::IGeom> geom;
@@ -157,11 +152,10 @@ class SceneLink {
 	void listPairs(const Memory&);
 	bool readForces(cd::Sleepers*);
 	Held heldIn(const Forces&) const;
-	void guess(double dt, bool impulses, cd::Threads*);
+	void guess(double dt, bool impulses, bool anew, cd::Threads*);
 	void findForces(std::size_t pair);
 	bool checkForces(std::size_t pair);
 	static std::array<double, 2> impulseIn(const Held&, double dt);
-	void recycle(std::vector<Spare>&);
 	void recycle(Spare&&);
 	Spare takeSpare();
 	void makeReal(std::size_t pair);
@@ -178,7 +172,6 @@ class SceneLink {
 	std::array<const void*, 3> vtables {}; // of the classes of shapes that have been met
 	const void* frictMat = nullptr; // vtable of this class, if it has been met
 	std::vector<KnownBody> bodies;
-	std::vector<Surface> surfaces; // of the bodies
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearch search;

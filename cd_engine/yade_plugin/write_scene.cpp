@@ -21,13 +21,6 @@ namespace {
 
 // Keeps the objects of forgotten pairs, so that contacts that come and go allocate no memory. Objects that somebody else holds, or that springs have
 // made, are not kept, because stiffnesses stay with their pair.
-void SceneLink::recycle(std::vector<Spare>& of)
-{
-	for (Spare& s : of)
-		recycle(std::move(s));
-	of.clear();
-}
-
 void SceneLink::recycle(Spare&& s)
 {
 	if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isA(s.geom.get(), "ScGeom") && isA(s.phys.get(), "FrictPhys")
@@ -97,8 +90,8 @@ void SceneLink::makeReal(std::size_t index)
 	phys = spare[index].phys;
 	forces[index] = { geom.get(), phys.get(), true };
 	const cd::Pair& pair = world.pairs[index];
-	const double radiusB = surfaces[pair.b].radius;
-	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : surfaces[pair.a].radius;
+	const double radiusB = world.bodies[pair.b].radius;
+	at<double>(geom.get(), layout.geom_refR1) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].radius;
 	at<double>(geom.get(), layout.geom_refR2) = radiusB;
 	at<Vector3r>(geom.get(), layout.geom_shearInc) = Vector3r::Zero();
 	at<Vector3r>(geom.get(), layout.geom_normal) = Vector3r::Zero(); // YADE does not initialise it; no contact has a zero normal
