@@ -176,7 +176,7 @@ void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yad
 	if (!known.shape)
 		refuseBody(id, "has no shape", "Set " + ofBody(id) + ".shape to a Sphere, Box or Wall, or erase the body");
 	checkMotion(id);
-	std::copy_n(&at<double>(known.state, layout.state_orientation), 4, known.orientation);
+	std::copy_n(&at<double>(known.state, layout.state_orientation), 4, orientations[id].data());
 	readShape(id, world.bodies[id]);
 	readFriction(id, pointer<yade::Material>(body, layout.body_material));
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
@@ -212,6 +212,7 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	for (std::size_t id = container.size(); id < bodies.size(); id++)
 		gone.push_back(static_cast<int>(id));
 	bodies.resize(count);
+	orientations.resize(count);
 	world.bodies.resize(count);
 	world.shapes.resize(count);
 	world.masks.resize(count, 0);

@@ -77,7 +77,7 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 	if (!extents.allFinite() || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
 		refuseBody(id, "is a box with the extents " + text(extents[0]) + ", " + text(extents[1]) + ", " + text(extents[2]) + " m",
 		    "Set " + ofBody(id) + ".shape.extents, the halves of its edges, to numbers that are not negative");
-	const double* const q = known.orientation;
+	const auto& q = orientations[id];
 	const double norm = q[2] * q[2] + q[3] * q[3];
 	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
 		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: " + ofBody(id) + ".state.ori");
@@ -93,7 +93,7 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 // Computes the orientation of a box in the plane.
 void SceneLink::orient(int id)
 {
-	const double* const q = bodies[id].orientation;
+	const auto& q = orientations[id];
 	const double norm = q[2] * q[2] + q[3] * q[3];
 	world.shapes[id].cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
 	world.shapes[id].sine = 2 * q[2] * q[3] / norm;

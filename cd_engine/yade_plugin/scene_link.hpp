@@ -91,7 +91,6 @@ class SceneLink {
 		boost::weak_ptr<yade::Body> identity;
 		void *body = nullptr, *shape = nullptr;
 		char* state = nullptr;
-		double orientation[4] = { 0, 0, 0, 1 }; // quaternion x, y, z, w
 		bool exists = false;
 		bool inPlane = false; // in the plane of the disks: takes part in contacts
 		bool boundary = false;
@@ -172,6 +171,7 @@ class SceneLink {
 	std::array<const void*, 3> vtables {}; // of the classes of shapes that have been met
 	const void* frictMat = nullptr; // vtable of this class, if it has been met
 	std::vector<KnownBody> bodies;
+	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearch search;

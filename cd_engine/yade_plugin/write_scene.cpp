@@ -147,7 +147,7 @@ void SceneLink::writeMotion(std::size_t id)
 	velocity[0] = body.v[0];
 	velocity[1] = body.v[1];
 	at<Vector3r>(state, layout.state_angVel)[2] = body.v[2];
-	std::copy_n(bodies[id].orientation, 4, &at<double>(state, layout.state_orientation));
+	std::copy_n(orientations[id].data(), 4, &at<double>(state, layout.state_orientation));
 }
 
 // Applies the rotation of a step about z from the left. For the tiny rotations of quasi-static motion the first terms of the series are exact.
@@ -156,9 +156,9 @@ void SceneLink::turnBodies(cd::Threads* threads)
 	cd::forRanges(threads, bodies.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t id = from; id < to; id++) {
 			const double half = 0.5 * world.bodies[id].turn, square = half * half;
-			if (half == 0 || !bodies[id].exists)
+			if (half == 0) // an erased body does not turn
 				continue;
-			double* const q = bodies[id].orientation;
+			auto& q = orientations[id];
 			const bool tiny = square < 1e-7;
 			const double s = tiny ? half * (1 - square / 6) : std::sin(half),
 				     c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
