@@ -281,6 +281,11 @@ def disks_area(full):
     return full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
 
 
+def width(full, aspect):
+    """Return the width [m] of a box that all disks fill to `aspect` times its width at a solid fraction of 0.8."""
+    return math.sqrt(disks_area(full) / (0.8 * aspect))
+
+
 def steps(full, largest):
     """Return (number of steps between two samples, step [s]): the longest step up to `largest` [s] with samples on whole steps."""
     interval = full["period"] / full["records_per_cycle"]

@@ -4,7 +4,6 @@ import math
 from yade import O, Quaternion, utils
 from yade.wrapper import FrictViscoMat, Sphere
 
-from yade_scripts import parameters
 from yade_scripts.running import walls
 from yade_scripts.running.sums import total
 
@@ -33,12 +32,6 @@ def append_box(centre, half, full, angle=0.0, material="disk"):
     """Append a fixed box at (x, y) [m] of half sides (x, y) [m], as deep as the disks, turned by `angle` [rad] about z. Return its id."""
     return O.bodies.append(utils.box((*centre, 0), (*half, full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
                                      color=(0.4, 0.4, 0.4)))
-
-
-def append_floor(full, length=None):
-    """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
-    radius = full["radius_mean"]
-    return append_box((0, -radius), (length or 10 * radius, radius), full)
 
 
 def disks():
@@ -95,8 +88,3 @@ def normal_force(one, other):
 def loaded_contacts(body):
     """Return the number of contacts of a body that carry a force."""
     return sum(1 for i in body.intrs() if i.isReal and i.phys.normalForce.squaredNorm() > 0)
-
-
-def sag(force, full):
-    """Return the overlap [m] of a contact that carries `force` [N] at rest: that of the spring in MD, 0 in CD."""
-    return force / parameters.stiffness(full) if full["method"] == "MD" else 0.0

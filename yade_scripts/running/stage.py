@@ -1,12 +1,52 @@
-"""Sets the time step, the engines of the row's method and the loaded walls, once the bodies of a scene exist."""
+"""Builds scenes in O: disks and boxes, then the time step, the engines of the row's method and the loaded walls."""
 import math
+import random
 
 from yade import O
 
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies
+from yade_scripts.preparing import bodies, deposit
 from yade_scripts.running import md_step, walls
 from yade_scripts.scenes import Scene, method
+
+
+class Ground:
+    """Where the disks and boxes of a row are placed, of the material `disk` with the row's friction.
+
+    radius [m], mass [kg]: of a disk of radius_mean; time [s]: that is simulated; draw: random numbers of the row's seed.
+    """
+
+    def __init__(self, full):
+        self.full, self.radius, self.time, self.draw = full, full["radius_mean"], full["period"] * full["cycles"], random.Random(full["seed"])
+        self.mass = bodies.disk_mass(self.radius, full)
+        bodies.append_material("disk", full["friction"], full)
+
+    def disk(self, place, velocity=(0, 0), blocked="zXY", radius=None, mass=None):
+        """Append a disk at (x, y) [m], of radius_mean and the mass of its radius unless said otherwise. Return the body."""
+        radius = radius or self.radius
+        return O.bodies[bodies.append_disk(place, radius, mass or bodies.disk_mass(radius, self.full), "disk", velocity, blocked)]
+
+    def box(self, centre, half, angle=0.0, material="disk"):
+        """Append a fixed box as bodies.append_box does. Return its id."""
+        return bodies.append_box(centre, half, self.full, angle, material)
+
+    def floor(self, length=None):
+        """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
+        return self.box((0, -self.radius), (length or 10 * self.radius, self.radius))
+
+    def draw_radius(self):
+        """Return the radius [m] of the next disk, uniform within radius_mean (1 +- radius_spread)."""
+        return self.radius * (1 + self.full["radius_spread"] * self.draw.uniform(-1, 1))
+
+    def deposit(self, width):
+        """Append all disks of the row as they come to rest between walls at x = 0 and `width` [m] on y = 0. Return their ids."""
+        radii = [self.draw_radius() for _ in range(self.full["disks"])]
+        places = deposit.deposit(radii, width, self.draw.random).tolist()
+        return [self.disk(place, radius=radius).id for place, radius in zip(places, radii)]
+
+    def sag(self, force):
+        """Return the overlap [m] of a contact that carries `force` [N] at rest: that of the spring in MD, 0 in CD."""
+        return force / parameters.stiffness(self.full) if self.full["method"] == "MD" else 0.0
 
 
 def set_step(full, largest):

@@ -3,7 +3,7 @@
 A scene's file declares
     TITLE       what is simulated
     KIND        what it is like, in words that several scenes share: charts compare scenes of one kind
-    METHODS     which of MD and CD can run it
+    METHODS     ("MD",) or ("CD",), where only one of them can run it
     HORIZON     one sentence: over which time the errors of its known quantities mean something
     LEFT_OUT    what the model leaves out, and why that is safe; of a method that it does not have, why
     DEFAULTS    the general parameters' defaults that it changes
@@ -111,8 +111,8 @@ def names():
 def module(name):
     """Return the file of a scene, with what it need not declare."""
     found = importlib.import_module(f"{__name__}.{name}")
-    vars(found).setdefault("PARAMETERS", ())
-    vars(found).setdefault("CHART", None)
+    for declared, usual in (("METHODS", ("MD", "CD")), ("PARAMETERS", ()), ("CHART", None)):
+        vars(found).setdefault(declared, usual)
     return found
 
 

@@ -17,7 +17,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Arch of three disks"
 KIND = "piles at rest"
-METHODS = ("MD", "CD")
 HORIZON = "About ten times sqrt(R/g), 0.3 s: one arch rests, the other falls as computed, until a lateral error has grown or its key meets the floor."
 LEFT_OUT = "a gradual start of the load: the disks touch without force at time 0. The springs then oscillate, the tangential ones without damping"
 DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10,
@@ -61,18 +60,17 @@ def build(full, folder):
     """Build the standing arch at x = 0 and the falling one far from it."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
-    radius, mu, time = full["radius_mean"], full["friction"], full["period"] * full["cycles"]
-    mass, apart = bodies.disk_mass(radius, full), 20 * radius + full["gravity"] * time**2
-    bodies.append_floor(full, length=2 * apart)
+    ground = stage.Ground(full)
+    radius, mu, time = ground.radius, full["friction"], ground.time
+    apart = 20 * radius + full["gravity"] * time**2
+    ground.floor(2 * apart)
 
     def arch(x, phi):
         """Append an arch about x. Return a function for how far [m] its key has come down at the end time, without MD's additional step."""
         for place, height in ((-math.cos(phi), 0), (math.cos(phi), 0), (0, math.sin(phi))):
-            disk = bodies.append_disk((x + 2 * radius * place, (1 + 2 * height) * radius), radius, mass, "disk")
-        state, start = O.bodies[disk].state, O.bodies[disk].state.pos[1]
+            state = ground.disk((x + 2 * radius * place, (1 + 2 * height) * radius)).state
+        start = state.pos[1]
         return lambda: start - state.pos[1] + state.vel[1] * (O.time - time)
 
     flat = rise(mu * (1 + full["arch_margin"]))

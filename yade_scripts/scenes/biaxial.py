@@ -2,7 +2,6 @@
 
 TITLE = "Biaxial test of a dense packing"
 KIND = "dense packings under load"
-METHODS = ("MD", "CD")
 HORIZON = "Nothing is known exactly; runs of different methods are compared sample by sample, by statistics once grains rearrange."
 LEFT_OUT = "the third dimension, gravity and the elasticity of the walls, as in the paper"
 DEFAULTS = {}

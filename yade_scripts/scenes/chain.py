@@ -29,20 +29,18 @@ def build(full, folder):
     """Build `disks` touching disks that can only move along x. /extra holds the displacement of the last one after every step."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, stage
-    bodies.append_material("disk", full["friction"], full)
-    radius = full["radius_mean"]
-    mass = bodies.disk_mass(radius, full)
-    bodies.append_box((-radius, 0), (radius, 10 * radius), full)
+    ground = stage.Ground(full)
+    radius = ground.radius
+    ground.box((-radius, 0), (radius, 10 * radius))
     for k in range(full["disks"]):
-        last = bodies.append_disk(((2 * k + 1) * radius, 0), radius, mass, "disk", blocked="yzXYZ")
+        last = ground.disk(((2 * k + 1) * radius, 0), blocked="yzXYZ")
     medium = effective_medium.stiffness(full)
     # If every step is solved, the chain has no stiffness to scale the force with: any force serves, since nothing may move.
     force = STRAIN * 2 * radius * (medium if math.isfinite(medium) else full["kn"])
-    O.forces.setPermF(last, (-force, 0, 0))
+    O.forces.setPermF(last.id, (-force, 0, 0))
 
-    state, start, way = O.bodies[last].state, O.bodies[last].state.pos[0], [0.0]
+    state, start, way = last.state, last.state.pos[0], [0.0]
     scene = stage.small(full, _known(full, way))
     scene.extra["end_displacement"] = ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way))
     scene.extra["end_at_rest"] = ("m", "where the force holds it in the end, if the row is elastic", -STRAIN * 2 * radius * full["disks"])

@@ -8,7 +8,6 @@ beta_n 0.9). CD's tolerance hardly matters (1e-2 gives the same as 1e-4), its ti
 deposits).
 """
 import math
-import random
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
@@ -16,7 +15,6 @@ from yade_scripts.scenes import Chart, converged
 
 TITLE = "Collapse of a column"
 KIND = "flow"
-METHODS = ("MD", "CD")
 HORIZON = "At rest, about four times the fall sqrt(2H/g) from the start on, and as a mean over seeds; one run is off by the spread."
 LEFT_OUT = "the gate's removal, which takes no time here; grains that fly ahead of the heap, by taking the front where 98 % are behind"
 DEFAULTS = dict(method="CD", disks=4000, friction=0.5, kn=2e7, beta_n=0.9, gravity=9.81, period=2.5, cd_dt=1e-3, records_per_cycle=20, tolerance=1e-3,
@@ -31,28 +29,21 @@ CONVERGED = {400: ({"front": (3.99, 0.13), "height": (0.817, 0.033)}, "CD, resti
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
 
 
-def width(full):
-    """Return L0 [m]: the width of a column of column_aspect at a solid fraction of 0.8."""
-    return math.sqrt(parameters.disks_area(full) / (0.8 * full["column_aspect"]))
-
-
 def build(full, folder):
     """Build the deposit of `seed` from x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
     import numpy as np
     from yade import O
 
-    from yade_scripts.preparing import bodies, deposit
+    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
+    ground = stage.Ground(full)
     bodies.append_material("wall", 0.0, full)
-    radius, span, draw = full["radius_mean"], width(full), random.Random(full["seed"])
+    radius, span = ground.radius, parameters.width(full, full["column_aspect"])
     height = 3 * full["column_aspect"] * span
-    bodies.append_box((-radius, height / 2), (radius, height / 2 + 2 * radius), full, material="wall")
+    ground.box((-radius, height / 2), (radius, height / 2 + 2 * radius), material="wall")
     for k in range(math.ceil(span * (2 + 3 * full["column_aspect"]) / (2 * radius))):
-        bodies.append_disk(((2 * k + 1) * radius, -radius), radius, bodies.disk_mass(radius, full), "disk", blocked="xyzXYZ")
-    radii = [radius * (1 + full["radius_spread"] * draw.uniform(-1, 1)) for _ in range(full["disks"])]
-    heap = [bodies.append_disk(place, r, bodies.disk_mass(r, full), "disk")
-            for place, r in zip(deposit.deposit(radii, span, draw.random).tolist(), radii)]
+        ground.disk(((2 * k + 1) * radius, -radius), blocked="xyzXYZ")
+    heap = ground.deposit(span)
 
     def quantile(axis):
         return float(np.quantile([O.bodies[disk].state.pos[axis] for disk in heap], SHARE)) / span

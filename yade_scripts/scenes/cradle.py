@@ -14,7 +14,6 @@ from yade_scripts.running.sums import total
 
 TITLE = "Newton's cradle: momentum through a row of disks"
 KIND = "impacts"
-METHODS = ("MD", "CD")
 HORIZON = "From the last collision on, for any time; MD only while a collision, pi sqrt(m/2k_n) long, is over before the next disk is met."
 LEFT_OUT = "the strings; and disks that touch, for which Newton's law leaves open what springs would make a wave of many speeds"
 DEFAULTS = dict(method="CD", disks=5, radius_spread=0.0, friction=0.0, restitution=1.0, beta_n=0.0, gravity=0.0, speed=0.1, period=0.1,
@@ -47,17 +46,13 @@ def check(full):
 
 def build(full, folder):
     """Build the row along x; the first disk starts a gap before the second."""
-    from yade import O
-
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
-    radius, speed, count = full["radius_mean"], full["speed"], full["disks"]
-    mass, e = bodies.disk_mass(radius, full), parameters.restitution(full)
-    ids = [bodies.append_disk((k * (2 + full["gap"]) * radius, 0), radius, mass, "disk", (speed if k == 0 else 0, 0)) for k in range(count)]
+    ground = stage.Ground(full)
+    speed, count, e = full["speed"], full["disks"], parameters.restitution(full)
+    row = [ground.disk((k * (2 + full["gap"]) * ground.radius, 0), velocity=(speed if k == 0 else 0, 0)) for k in range(count)]
 
     def speeds():
-        return [O.bodies[k].state.vel[0] / speed for k in ids]
+        return [disk.state.vel[0] / speed for disk in row]
 
     known = [Known("last_speed", "speed", last_speed(full), lambda: speeds()[-1], scale=1.0, source="binary collisions, one after the other"),
              Known("momentum", "m speed", 1.0, lambda: total(speeds()), source=MOMENTUM)]

@@ -5,7 +5,6 @@ from the centre of mass of the bed: in a half-full drum the normal of the surfac
 over the second half of the run, in degrees.
 """
 import math
-import random
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
@@ -13,7 +12,6 @@ from yade_scripts.scenes import Chart, converged
 
 TITLE = "Rotating drum"
 KIND = "flow"
-METHODS = ("MD", "CD")
 HORIZON = "The mean over the second half of the run, and over seeds; one run is off by the spread."
 LEFT_OUT = "the third dimension; the curvature between the flat sides of the drum, of which there is one for about every two disks at the rim"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=3.0, cd_dt=1e-3, records_per_cycle=30,
@@ -39,11 +37,11 @@ def build(full, folder):
 
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, stage
-    bodies.append_material("disk", full["friction"], full)
-    radius, draw, inner = full["radius_mean"], random.Random(full["seed"]), inner_radius(full)
+    ground = stage.Ground(full)
+    radius, inner = ground.radius, inner_radius(full)
     sides = max(16, round(math.pi * inner / (2 * radius)))
     thick, half = 2 * radius, 1.02 * (inner + 2 * radius) * math.tan(math.pi / sides)
-    ring = [bodies.append_box(((inner + thick) * math.cos(angle), (inner + thick) * math.sin(angle)), (thick, half), full, angle)
+    ring = [ground.box(((inner + thick) * math.cos(angle), (inner + thick) * math.sin(angle)), (thick, half), angle)
             for angle in (2 * math.pi * k / sides for k in range(sides))]
     largest = radius * (1 + full["radius_spread"])
     pitch = 2.05 * largest
@@ -51,10 +49,7 @@ def build(full, folder):
               if abs(j) * pitch < inner and abs(i) * pitch < inner and math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
         raise parameters.ParameterError(f"disks = {full['disks']}: so many disks, in loose rows, do not fit into a drum of their size; take more disks, or radius_spread below 0.3")
-    ids = []
-    for x, y in places[:full["disks"]]:  # from the lowest row upwards
-        r = radius * (1 + full["radius_spread"] * draw.uniform(-1, 1))
-        ids.append(bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk"))
+    ids = [ground.disk(place, radius=ground.draw_radius()).id for place in places[:full["disks"]]]  # from the lowest row upwards
     slopes, half_time = [], full["period"] * full["cycles"] / 2
 
     def look():

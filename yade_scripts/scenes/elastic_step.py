@@ -10,7 +10,6 @@ from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Small elastic load step on a packing"
 KIND = "dense packings under load"
-METHODS = ("MD", "CD")
 HORIZON = "The end of the step, MD if it takes many times the slowest swing of sample and walls."
 LEFT_OUT = "slip, and contacts that open or close, of which a step of a thousandth of P0 makes few; changes of geometry, of the order P0/k_n"
 DEFAULTS = dict(method="CD", disks=60, delta_sigma=1e-3, md_walls="force", period=0.5, records_per_cycle=10)

@@ -4,7 +4,6 @@ The rows are placed above the floor with gaps of a fifth of a diameter and rando
 of the centre of mass, over the height at which the disks would fill the box without pores. So it is the inverse of the solid fraction.
 """
 import math
-import random
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
@@ -12,7 +11,6 @@ from yade_scripts.scenes import Chart, converged
 
 TITLE = "Filling of a box"
 KIND = "flow"
-METHODS = ("MD", "CD")
 HORIZON = "At rest, about five times the fall from the highest row on, and as a mean over seeds; one run is off by the spread."
 LEFT_OUT = "the third dimension and air; the way in which a real box is filled, since all rows fall at once"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=20,
@@ -29,19 +27,19 @@ def build(full, folder):
     """Build the rows above a floor at y = 0, between walls at x = 0 and at the width of the box."""
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
-    radius, draw, spread = full["radius_mean"], random.Random(full["seed"]), full["radius_spread"]
-    pitch = 2.2 * radius * (1 + spread)
-    columns = max(2, round(math.sqrt(parameters.disks_area(full) / (0.8 * full["box_aspect"])) / pitch))
+    ground = stage.Ground(full)
+    radius = ground.radius
+    pitch = 2.2 * radius * (1 + full["radius_spread"])
+    columns = max(2, round(parameters.width(full, full["box_aspect"]) / pitch))
     span, rows = columns * pitch, math.ceil(full["disks"] / columns)
-    bodies.append_box((span / 2, -radius), (span / 2 + 2 * radius, radius), full)
+    ground.box((span / 2, -radius), (span / 2 + 2 * radius, radius))
     for x in (-radius, span + radius):
-        bodies.append_box((x, rows * pitch / 2), (radius, rows * pitch / 2 + 2 * radius), full)
+        ground.box((x, rows * pitch / 2), (radius, rows * pitch / 2 + 2 * radius))
     ids = []
     for k in range(full["disks"]):
-        r = radius * (1 + spread * draw.uniform(-1, 1))
-        x, y = (pitch * (place + 0.5) + draw.uniform(-1, 1) * (pitch / 2 - r) for place in (k % columns, k // columns))
-        ids.append(bodies.append_disk((x, y), r, bodies.disk_mass(r, full), "disk"))
+        r = ground.draw_radius()
+        place = [pitch * (n + 0.5) + ground.draw.uniform(-1, 1) * (pitch / 2 - r) for n in (k % columns, k // columns)]
+        ids.append(ground.disk(place, radius=r).id)
     solid = bodies.mean_mass() * len(ids) / (full["density"] * full["depth"] * span)  # height without pores [m]
 
     def height():

@@ -13,7 +13,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Blocks just below and just above the friction angle"
 KIND = "sliding and rolling"
-METHODS = ("MD", "CD")
 HORIZON = "Any time: one block rests, the other's acceleration is constant."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
@@ -25,20 +24,18 @@ def build(full, folder):
     """Build the resting block at x = 0 and the sliding one far from it."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
-    time, radius, g = full["period"] * full["cycles"], full["radius_mean"], full["gravity"]
-    mass = bodies.disk_mass(radius, full)
+    ground = stage.Ground(full)
+    radius, g = ground.radius, full["gravity"]
     steep = math.atan(full["friction"] * (1 + full["margin"]))
     sliding = g * (math.sin(steep) - full["friction"] * math.cos(steep))
-    length = sliding * time**2 + 10 * radius
+    length = sliding * ground.time**2 + 10 * radius
 
     def block(x, t):
         """Append a block on a slope of t [rad] down towards +x through (x, 0). Return a function for its mean acceleration [m/s^2] since time 0."""
-        bodies.append_box((x, 0), (length, radius), full, angle=-t)
-        height = 2 * radius - bodies.sag(mass * g * math.cos(t), full)
-        state = O.bodies[bodies.append_disk((x + height * math.sin(t), height * math.cos(t)), radius, mass, "disk", blocked="zXYZ")].state
+        ground.box((x, 0), (length, radius), angle=-t)
+        height = 2 * radius - ground.sag(ground.mass * g * math.cos(t))
+        state = ground.disk((x + height * math.sin(t), height * math.cos(t)), blocked="zXYZ").state
         start = state.pos
         return lambda: 2 * ((state.pos - start)[0] * math.cos(t) - (state.pos - start)[1] * math.sin(t)) / O.time**2
 

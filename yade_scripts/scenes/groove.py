@@ -20,7 +20,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk in a groove under a torque"
 KIND = "sliding and rolling"
-METHODS = ("MD", "CD")
 HORIZON = "Any time: the acceleration is constant. A jammed disk rests because one of the solutions is rest; a disk that already spins need not stop."
 LEFT_OUT = "a gradual start of the torque: it acts fully from time 0. The springs then oscillate, the tangential ones without damping"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12)
@@ -56,24 +55,22 @@ def build(full, folder):
     """Build the groove of the smaller torque at x = 0 and that of the larger far from it; springs are compressed by the weight from the start."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
-    t, radius, time = math.radians(full["slope"]), full["radius_mean"], full["period"] * full["cycles"]
-    mass = bodies.disk_mass(radius, full)
+    ground = stage.Ground(full)
+    t, radius, mass = math.radians(full["slope"]), ground.radius, ground.mass
     torque = critical(full) * mass * full["gravity"] * radius
     inertia = mass * radius**2 * (1.5 if regime(full) == "roll" else 0.5)
     spinning = full["torque_margin"] * torque / inertia
-    length = 5 * radius + radius * spinning * time**2
+    length = 5 * radius + radius * spinning * ground.time**2
 
     def turning(x, share):
         """Append a groove at x and its disk under `share` of the critical torque. Return a function for its mean angular acceleration."""
         for side in (-1, 1):
-            bodies.append_box((x + side * 2 * radius * math.sin(t), -2 * radius * math.cos(t)), (length, radius), full, angle=side * t)
-        sag = bodies.sag(mass * full["gravity"] / (2 * math.cos(t)), full) / math.cos(t)
-        disk = bodies.append_disk((x, -sag), radius, mass, "disk")
-        O.forces.setPermT(disk, (0, 0, share * torque))
-        return lambda: O.bodies[disk].state.angVel[2] / O.time
+            ground.box((x + side * 2 * radius * math.sin(t), -2 * radius * math.cos(t)), (length, radius), angle=side * t)
+        sag = ground.sag(mass * full["gravity"] / (2 * math.cos(t))) / math.cos(t)
+        disk = ground.disk((x, -sag))
+        O.forces.setPermT(disk.id, (0, 0, share * torque))
+        return lambda: disk.state.angVel[2] / O.time
 
     below, above = turning(0, 1 - full["torque_margin"]), turning(6 * length, 1 + full["torque_margin"])
     return stage.small(full, [

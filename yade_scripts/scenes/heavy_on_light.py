@@ -9,7 +9,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Heavy disk on a light one"
 KIND = "piles at rest"
-METHODS = ("MD", "CD")
 HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after a few 2M/(beta sqrt(m k_n)) from touching without force."
 LEFT_OUT = "motion sideways and rotation, which are blocked: the column is unstable, and its fall is another question than its forces"
 DEFAULTS = dict(method="CD", disks=2, radius_spread=0.0, friction=0.0, beta_n=0.5, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10,
@@ -20,18 +19,14 @@ CHART = Chart()
 
 def build(full, folder):
     """Build both disks of radius_mean, touching."""
-    from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    radius, light = full["radius_mean"], bodies.disk_mass(full["radius_mean"], full)
-    heavy = full["mass_ratio"] * light
-    bodies.append_material("disk", full["friction"], full)
-    floor = bodies.append_floor(full)
-    lower, upper = (bodies.append_disk((0, height * radius), radius, mass, "disk", blocked="xzXYZ") for height, mass in ((1, light), (3, heavy)))
-    state = O.bodies[upper].state
+    ground = stage.Ground(full)
+    radius, light = ground.radius, ground.mass
+    heavy, floor = full["mass_ratio"] * light, ground.floor()
+    lower, upper = (ground.disk((0, height * radius), mass=mass, blocked="xzXYZ") for height, mass in ((1, light), (3, heavy)))
     weight, source = full["gravity"] * heavy, "balance: the weight above"
     return stage.small(full, [
-        Known("lower_force", "N", weight + full["gravity"] * light, lambda: bodies.normal_force(floor, lower), source=source),
-        Known("upper_force", "N", weight, lambda: bodies.normal_force(lower, upper), source=source),
-        Known("sinking", "m", 0.0, lambda: 3 * radius - state.pos[1], scale=radius, source="rigid disks do not give way")])
+        Known("lower_force", "N", weight + full["gravity"] * light, lambda: bodies.normal_force(floor, lower.id), source=source),
+        Known("upper_force", "N", weight, lambda: bodies.normal_force(lower.id, upper.id), source=source),
+        Known("sinking", "m", 0.0, lambda: 3 * radius - upper.state.pos[1], scale=radius, source="rigid disks do not give way")])

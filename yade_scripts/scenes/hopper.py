@@ -6,7 +6,6 @@ Beverloo's law gives it as C (D - k d)^(3/2) sqrt(g) over the area of a disk, wh
 so the rate is compared with runs of rigid contacts and fine steps. Rigid contacts and stiff springs agree; soft springs flow faster.
 """
 import math
-import random
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from yade_scripts.scenes import Chart, converged
 
 TITLE = "Discharge of a silo"
 KIND = "flow"
-METHODS = ("MD", "CD")
 HORIZON = "While 15 % to 50 % of the disks pass, and as a mean over seeds; one run is off by the spread."
 LEFT_OUT = "the third dimension and air; arches in front of the slot, which is too wide for them"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=1.5, cd_dt=1e-3, records_per_cycle=30,
@@ -32,37 +30,29 @@ CONVERGED = {500: ({"rate": (76.2, 2.7)}, "CD, restitution 0, cd_dt 2.5e-4, tole
 SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
 
 
-def width(full):
-    """Return the width [m] of a silo that the disks fill to silo_aspect at a solid fraction of 0.8."""
-    return math.sqrt(parameters.disks_area(full) / (0.8 * full["silo_aspect"]))
-
-
 def check(full):
     """Check that the slot leaves a floor on both sides."""
-    if full["slot"] * 2 * full["radius_mean"] > 0.8 * width(full):
-        raise parameters.ParameterError(f"slot = {full['slot']:g}: the slot of {full['slot'] * 2 * full['radius_mean']:.3g} m is wider than 0.8 of the "
-                                        f"silo, {0.8 * width(full):.3g} m; take more disks or a smaller slot")
+    slot, widest = full["slot"] * 2 * full["radius_mean"], 0.8 * parameters.width(full, full["silo_aspect"])
+    if slot > widest:
+        raise parameters.ParameterError(f"slot = {full['slot']:g}: the slot of {slot:.3g} m is wider than 0.8 of the silo, {widest:.3g} m; take more "
+                                        "disks or a smaller slot")
 
 
 def build(full, folder):
     """Build the filled silo between x = 0 and its width, with its floor at y = 0, above a bin of equal width that holds all disks."""
     from yade import O
 
-    from yade_scripts.preparing import bodies, deposit
     from yade_scripts.running import hooks, stage
-    radius, span, draw = full["radius_mean"], width(full), random.Random(full["seed"])
-    bodies.append_material("disk", full["friction"], full)
+    ground = stage.Ground(full)
+    radius, span = ground.radius, parameters.width(full, full["silo_aspect"])
     slot, height = full["slot"] * 2 * radius, 2.5 * full["silo_aspect"] * span
     floor = (span - slot) / 4
     for x in (floor, span - floor):
-        bodies.append_box((x, -radius), (floor, radius), full)
+        ground.box((x, -radius), (floor, radius))
     for x in (-radius, span + radius):
-        bodies.append_box((x, 0), (radius, height), full)
-    bodies.append_box((span / 2, -height - radius), (span / 2 + 2 * radius, radius), full)
-    radii = [radius * (1 + full["radius_spread"] * draw.uniform(-1, 1)) for _ in range(full["disks"])]
-    ids = [bodies.append_disk(place, r, bodies.disk_mass(r, full), "disk")
-           for place, r in zip(deposit.deposit(radii, span, draw.random).tolist(), radii)]
-    times, passed = [], []
+        ground.box((x, 0), (radius, height))
+    ground.box((span / 2, -height - radius), (span / 2 + 2 * radius, radius))
+    ids, times, passed = ground.deposit(span), [], []
 
     def look():
         times.append(O.time)

@@ -5,7 +5,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Block on a slope"
 KIND = "sliding and rolling"
-METHODS = ("MD", "CD")
 HORIZON = "Any time: the acceleration is constant. MD's block swings on its tangential spring, which it loads at the start and nothing damps."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
@@ -16,18 +15,15 @@ def build(full, folder):
     """Build a block of radius_mean on a slope that falls towards +x."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    t, radius = math.radians(full["slope"]), full["radius_mean"]
-    bodies.append_material("disk", full["friction"], full)
-    length, thickness = 20 * full["gravity"] * (full["period"] * full["cycles"])**2 + 10 * radius, radius
-    bodies.append_box((0, 0), (length, thickness), full, angle=-t)
-    mass = bodies.disk_mass(radius, full)
-    height = thickness + radius - bodies.sag(mass * full["gravity"] * math.cos(t), full)
-    block = bodies.append_disk((height * math.sin(t), height * math.cos(t)), radius, mass, "disk", blocked="zXYZ")
+    ground = stage.Ground(full)
+    t, radius = math.radians(full["slope"]), ground.radius
+    ground.box((0, 0), (20 * full["gravity"] * ground.time**2 + 10 * radius, radius), angle=-t)
+    height = radius + radius - ground.sag(ground.mass * full["gravity"] * math.cos(t))
+    block = ground.disk((height * math.sin(t), height * math.cos(t)), blocked="zXYZ")
 
     def acceleration():
-        velocity = O.bodies[block].state.vel
+        velocity = block.state.vel
         return (velocity[0] * math.cos(t) - velocity[1] * math.sin(t)) / O.time
 
     driving, holding = math.sin(t), full["friction"] * math.cos(t)

@@ -5,7 +5,6 @@ from yade_scripts.scenes import Chart, Known, Scene
 
 TITLE = "Square lattice in a loaded box"
 KIND = "piles at rest"
-METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "gravity, which the balance of the walls does not need; MD starts with its springs compressed by P0"
 DEFAULTS = dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
@@ -18,18 +17,17 @@ def build(full, folder):
     from yade_scripts import parameters
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage, walls
-    radius, rows, p0 = full["radius_mean"], math.isqrt(full["disks"]), parameters.pressure(full)
+    ground = stage.Ground(full)
+    radius, rows, p0 = ground.radius, math.isqrt(full["disks"]), parameters.pressure(full)
     bodies.append_material("wall", 0.0, full)
-    bodies.append_material("disk", full["friction"], full)
     # Each of the rows + 1 contacts in a row is compressed by sag(F), F = P0 depth side/rows.
-    side = 2 * radius * rows / (1 + bodies.sag(p0 * full["depth"] / rows, full) * (rows + 1))
-    sag = bodies.sag(p0 * full["depth"] * side / rows, full)
+    side = 2 * radius * rows / (1 + ground.sag(p0 * full["depth"] / rows) * (rows + 1))
+    sag = ground.sag(p0 * full["depth"] * side / rows)
     walls.append(side, full["depth"], "wall")
-    mass = bodies.disk_mass(radius, full)
     places = [radius - sag + k * (2 * radius - sag) for k in range(rows)]
     for x in places:
         for y in places:
-            bodies.append_disk((x, y), radius, mass, "disk")
+            ground.disk((x, y))
     scene = Scene(every=stage.set_step(full, stage.largest_step(full)), samples=full["records_per_cycle"] * full["cycles"])
     stage.load_walls(full, scene, lambda t: (p0, p0))
     scene.known.append(Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0),

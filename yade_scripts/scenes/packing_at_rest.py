@@ -4,7 +4,6 @@ from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Packing at rest under its load"
 KIND = "piles at rest"
-METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "all loading: what shows is what a method moves where nothing should"
 DEFAULTS = dict(method="CD", disks=60, period=0.1, records_per_cycle=10)

@@ -10,7 +10,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Pyramid of disks"
 KIND = "piles at rest"
-METHODS = ("MD", "CD")
 HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after its normal springs have come to rest from touching without force."
 LEFT_OUT = "the single forces, which rigid contacts leave open within bounds: any admissible set of them is right"
 DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, cd_dt=1e-3, records_per_cycle=10,
@@ -23,17 +22,16 @@ def build(full, folder):
     """Build the pyramid, symmetric about x = 0."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    bodies.append_material("disk", full["friction"], full)
-    radius, count, mass = full["radius_mean"], full["rows"], bodies.disk_mass(full["radius_mean"], full)
+    ground = stage.Ground(full)
+    radius, count = ground.radius, full["rows"]
     row_of, start = {}, {}
     for row in range(-1, count):
         for k in range(count - row):
             place = (2 * k - (count - row - 1)) * radius, row * 3**0.5 * radius
-            disk = bodies.append_disk(place, radius, mass, "disk", blocked="zXY" if row >= 0 else "xyzXYZ")
+            disk = ground.disk(place, blocked="zXY" if row >= 0 else "xyzXYZ").id
             row_of[disk], start[disk] = row, place
-    weight = mass * full["gravity"]
+    weight = ground.mass * full["gravity"]
 
     def across(row):
         """Return force (horizontal, vertical) and moment about x = 0 on `row` from the row below, over a disk's weight (and radius)."""

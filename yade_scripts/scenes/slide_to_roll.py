@@ -3,7 +3,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk that slides, then rolls"
 KIND = "sliding and rolling"
-METHODS = ("MD", "CD")
 HORIZON = "From speed/(3 mu g) on, when it rolls, for any time: nothing slows it then."
 LEFT_OUT = "rolling friction, which rigid round contacts do not have"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
@@ -12,16 +11,11 @@ CHART = Chart()
 
 def build(full, folder):
     """Build a disk of radius_mean at `speed` along +x; it rolls after speed/(3 mu g)."""
-    from yade import O
-
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    radius, time = full["radius_mean"], full["period"] * full["cycles"]
-    bodies.append_material("disk", full["friction"], full)
-    bodies.append_floor(full, length=2 * full["speed"] * time + 10 * radius)
-    mass = bodies.disk_mass(radius, full)
-    disk = bodies.append_disk((0, radius - bodies.sag(mass * full["gravity"], full)), radius, mass, "disk", (full["speed"], 0))
-    state = O.bodies[disk].state
+    ground = stage.Ground(full)
+    radius = ground.radius
+    ground.floor(2 * full["speed"] * ground.time + 10 * radius)
+    state = ground.disk((0, radius - ground.sag(ground.mass * full["gravity"])), velocity=(full["speed"], 0)).state
     return stage.small(full, [
         Known("final_speed", "m/s", 2 / 3 * full["speed"], lambda: state.vel[0], scale=full["speed"], source="angular momentum about the contact point, I = m R^2/2"),
         Known("slip", "m/s", 0.0, lambda: state.vel[0] + radius * state.angVel[2], scale=full["speed"], source="rolling: v = -omega R"),

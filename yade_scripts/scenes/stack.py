@@ -3,7 +3,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Stack of disks"
 KIND = "piles at rest"
-METHODS = ("MD", "CD")
 HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of any origin grows about as exp(t sqrt(g/R)), tenfold in 0.07 s."
 LEFT_OUT = "how a real stack is built: MD starts with its springs compressed by the weights, CD without any forces"
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12,
@@ -13,19 +12,14 @@ CHART = Chart(sizes=(4, 16, 64, 256))
 
 def build(full, folder):
     """Build `disks` equal disks; the springs of MD are compressed by the weights from the start."""
-    from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    radius, count = full["radius_mean"], full["disks"]
-    bodies.append_material("disk", full["friction"], full)
-    bodies.append_floor(full)
-    mass = bodies.disk_mass(radius, full)
-    weights = [(count - k) * mass * full["gravity"] for k in range(count)]
+    ground = stage.Ground(full)
+    ground.floor()
+    weights = [(full["disks"] - k) * ground.mass * full["gravity"] for k in range(full["disks"])]
     height = 0.0
     for weight in weights:
-        bodies.append_disk((0, height + radius - bodies.sag(weight, full)), radius, mass, "disk")
-        height = O.bodies[-1].state.pos[1] + radius
+        height = ground.disk((0, height + ground.radius - ground.sag(weight))).state.pos[1] + ground.radius
 
     def worst():
         return max(abs(bodies.normal_force(k, k + 1) / weight - 1) for k, weight in enumerate(weights))

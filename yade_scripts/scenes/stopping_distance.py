@@ -4,7 +4,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Stopping distance of a block"
 KIND = "sliding and rolling"
-METHODS = ("MD", "CD")
 HORIZON = "From speed/(mu g) on, when it has stopped, for any time."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
@@ -21,16 +20,12 @@ def check(full):
 
 def build(full, folder):
     """Build a block of radius_mean at `speed` along +x."""
-    from yade import O
-
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    radius, mass = full["radius_mean"], bodies.disk_mass(full["radius_mean"], full)
-    bodies.append_material("disk", full["friction"], full)
+    ground = stage.Ground(full)
     distance = full["speed"]**2 / (2 * full["friction"] * full["gravity"])
-    bodies.append_floor(full, length=2 * distance + 10 * radius)
-    block = bodies.append_disk((0, radius - bodies.sag(mass * full["gravity"], full)), radius, mass, "disk", (full["speed"], 0), "zXYZ")
-    state = O.bodies[block].state
+    ground.floor(2 * distance + 10 * ground.radius)
+    height = ground.radius - ground.sag(ground.mass * full["gravity"])
+    state = ground.disk((0, height), velocity=(full["speed"], 0), blocked="zXYZ").state
     return stage.small(full, [
         Known("distance", "m", distance, lambda: state.pos[0], source="work of friction: v^2/(2 mu g)"),
         Known("speed_at_rest", "m/s", 0.0, lambda: state.vel[0], scale=full["speed"], source="Coulomb: friction stops it and holds it"),

@@ -7,7 +7,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Fast disk against a thin wall"
 KIND = "impacts"
-METHODS = ("MD", "CD")
 HORIZON = "Any time after the impact: nothing acts on the disk any more."
 LEFT_OUT = "gravity and rotation: the impact is central"
 DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), gravity=0.0, speed=10.0, period=0.03,
@@ -20,13 +19,12 @@ def build(full, folder):
     """Build the wall with its face at x = 0 and the disk, which moves along +x and reaches the wall after a third of the time."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
-    radius, speed, time = full["radius_mean"], full["speed"], full["period"] * full["cycles"]
-    bodies.append_material("disk", full["friction"], full)
+    ground = stage.Ground(full)
+    radius, speed, time = ground.radius, full["speed"], ground.time
     half = full["wall_thickness"] * radius / 2
-    bodies.append_box((half, 0), (half, 10 * radius), full)
-    state = O.bodies[bodies.append_disk((-radius - speed * time / 3, 0), radius, bodies.disk_mass(radius, full), "disk", (speed, 0))].state
+    ground.box((half, 0), (half, 10 * radius))
+    state = ground.disk((-radius - speed * time / 3, 0), velocity=(speed, 0)).state
     e = parameters.restitution(full)
     return stage.small(full, [
         Known("speed", "m/s", -e * speed, lambda: state.vel[0], scale=speed, source="restitution of the law, see scene bounce"),

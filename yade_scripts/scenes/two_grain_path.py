@@ -45,12 +45,10 @@ def build(full, folder):
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, md, stage
     path = Path(full)
-    bodies.append_material("disk", full["friction"], full)
-    radii = [full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1)]
-    masses = [bodies.disk_mass(radius, full) for radius in radii]
-    for place, radius, mass in zip(((0, 0), path.place(0, 0)), radii, masses):
-        bodies.append_disk(place, radius, mass, "disk", blocked="xyzXYZ")
-    every = stage.set_step(full, full["md_dt_factor"] * math.sqrt(min(masses) / parameters.stiffness(full)))
+    ground = stage.Ground(full)
+    disks = [ground.disk(place, radius=full["radius_mean"] * (1 + sign * full["radius_spread"]), blocked="xyzXYZ")
+             for place, sign in (((0, 0), -1), (path.place(0, 0), 1))]
+    every = stage.set_step(full, full["md_dt_factor"] * math.sqrt(min(disk.state.mass for disk in disks) / parameters.stiffness(full)))
     scene = Scene(every=every, samples=full["records_per_cycle"] * full["cycles"])
     md.set_engines(full, scene)
     lead = Lead(O, path, every * full["records_per_cycle"], full["cycles"])

@@ -11,7 +11,6 @@ from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Yield under a ramp"
 KIND = "dense packings under load"
-METHODS = ("MD", "CD")
 HORIZON = ("Until the packing gives way: what it carries afterwards belongs to new contacts. Springs of P0/k_n = 6e-4 strain past yield_strain "
            "before they yield, so that MD's error is elastic strain unless k_n is far larger.")
 LEFT_OUT = "the motion after yield, and its delay by the inertia of the walls"

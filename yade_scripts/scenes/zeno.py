@@ -10,7 +10,6 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Bouncing to rest"
 KIND = "impacts"
-METHODS = ("MD", "CD")
 HORIZON = "Until the disk rests and from then on for any time."
 LEFT_OUT = "rotation: the impacts are central. Bounces below 1e-6 of the first impact's speed are not told from rest, 1e-6 of the time"
 # This beta_n gives springs the restitution 0.5.
@@ -39,12 +38,11 @@ def build(full, folder):
     """Build the floor and the disk `drop` above it."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, stage
-    radius, mass = full["radius_mean"], bodies.disk_mass(full["radius_mean"], full)
-    bodies.append_material("disk", full["friction"], full)
-    bodies.append_floor(full)
-    state = O.bodies[bodies.append_disk((0, radius + full["drop"]), radius, mass, "disk")].state
+    ground = stage.Ground(full)
+    radius = ground.radius
+    ground.floor()
+    state = ground.disk((0, radius + full["drop"])).state
     slow, moved = REST * math.sqrt(2 * full["gravity"] * full["drop"]), [0.0]
 
     def watch():
