@@ -1,7 +1,4 @@
-"""Map of CD: tolerance against the distance of the slope from the angle of friction.
-
-The probe: five touching disks that cannot turn stand on a slope, whose tangent changes from mu/2 to just above or below mu.
-"""
+"""Map of CD: tolerance against the distance of the slope from the angle of friction."""
 import math
 
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, TOLERANCES, UNSTABLE, judged, lines, logarithmic, product

@@ -1,7 +1,4 @@
-"""Map of CD: restitution against friction, for a disk thrown into a groove.
-
-The probe: a spinning disk is thrown at the bottom of a groove, so that it hits both sides at once.
-"""
+"""Map of CD: restitution against friction, for a disk thrown into a groove."""
 import math
 import random
 
@@ -10,7 +7,6 @@ from yade_scripts.measuring.maps import Axis, Map, UNSTABLE, judged, lines, prod
 DRAWS, STEPS, DT = 60, 6, 1e-4
 SPEED = 1.0  # [m/s]
 GAIN = 1e-9  # smallest relative gain of energy that counts: above round-off and solver error
-
 
 MAP = Map(
     group="Where rigid contacts fail", order=9,

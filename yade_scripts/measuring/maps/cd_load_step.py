@@ -1,7 +1,4 @@
-"""Map of CD: time step against tolerance, for a packing that must bear a small load without moving.
-
-The probe: in a prepared packing with free walls sigma2 rises by 5 % at once.
-"""
+"""Map of CD: time step against tolerance, for a packing that must bear a small load without moving."""
 from yade_scripts import parameters, scenes
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, TOLERANCES, UNSTABLE, judged, lines, logarithmic, product
 

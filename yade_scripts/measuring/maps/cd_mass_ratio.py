@@ -1,7 +1,4 @@
-"""Map of CD: tolerance against the ratio of masses, for a heavy or light disk on another disk.
-
-The probe: two rigid disks stand one above the other on the floor. They start at rest and without contact forces.
-"""
+"""Map of CD: tolerance against the ratio of masses, for a heavy or light disk on another disk."""
 from yade_scripts.measuring.maps import Axis, Map, TOLERANCES, lines, logarithmic, product
 
 STEPS, DT = 20, 1e-3

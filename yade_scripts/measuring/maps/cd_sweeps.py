@@ -1,7 +1,4 @@
-"""Map of CD: a fixed number of sweeps against the height of a column.
-
-The probe: a column of disks is solved by a fixed number of sweeps a step.
-"""
+"""Map of CD: a fixed number of sweeps against the height of a column."""
 from yade_scripts.measuring.maps import Axis, Map, lines, logarithmic, product, whole
 
 STEPS = 50

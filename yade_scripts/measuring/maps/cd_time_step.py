@@ -1,7 +1,4 @@
-"""Map of CD: time step against restitution, for disks that fall into a trough.
-
-The probe: thirty disks fall into a trough and settle.
-"""
+"""Map of CD: time step against restitution, for disks that fall into a trough."""
 import math
 import random
 
@@ -12,7 +9,6 @@ COLUMNS, ROWS, DURATION = 6, 5, 20
 GROWTH = 1e-5  # growth of energy over that of the fall that the tolerance can explain
 TOLERANCE = 1e-5
 UNSOLVED = 0.01  # share of the steps
-
 
 MAP = Map(
     group="Where rigid contacts fail", order=8,

@@ -1,13 +1,9 @@
-"""Map of CD: tolerance against the height of a column.
-
-The probe: a column of disks is solved to a tolerance.
-"""
+"""Map of CD: tolerance against the height of a column."""
 from yade_scripts.measuring.maps import Axis, Map, TOLERANCES, lines, logarithmic, product, whole
 from yade_scripts.measuring.maps.cd_sweeps import heights
 
 STEPS = 20
 METHODS = ("accelerated", "nsgs")
-
 
 MAP = Map(
     group="Where rigid contacts fail", order=4,

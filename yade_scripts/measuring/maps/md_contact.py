@@ -1,7 +1,4 @@
-"""Map of MD: time step against damping, for one contact.
-
-The probe: a disk is pressed on a fixed one by a spring contact, free to move along the normal and to turn, and gets a small push.
-"""
+"""Map of MD: time step against damping, for one contact."""
 import math
 
 from yade_scripts import parameters

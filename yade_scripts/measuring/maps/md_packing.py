@@ -1,7 +1,4 @@
-"""Map of MD: time step against damping, for a packing.
-
-The probe: a packing of springs rests under P0 between fixed walls with sticking contacts and gets a small push.
-"""
+"""Map of MD: time step against damping, for a packing."""
 import functools
 import math
 import random

@@ -1,7 +1,4 @@
-"""Map of MD: the servo of the walls, its gain against the largest speed of the walls.
-
-The probe: the servo applies one triangle of load, recorded like any run, with a gain and a largest speed that are not its usual ones.
-"""
+"""Map of MD: the servo of the walls, its gain against the largest speed of the walls."""
 import functools
 import pathlib
 import tempfile

@@ -1,7 +1,4 @@
-"""Map of both methods: speed against the thickness of a wall that must stop a disk.
-
-The probe: a disk is thrown at a fixed box, with springs or as a rigid body.
-"""
+"""Map of both methods: speed against the thickness of a wall that must stop a disk."""
 import math
 
 from yade_scripts import parameters
