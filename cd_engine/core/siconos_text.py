@@ -14,9 +14,8 @@ from .problem import Problem
 
 DENSE, BLOCKS, SPARSE = 0, 1, 2
 
-_SIZES = re.compile(r"(?P<order>csr: |triplet: |)(?P<rows>\d+)-by-(?P<columns>\d+), nzmax: \d+ nnz: (?P<entries>\d+)(, 1-norm: \S+)?")
-_HEAD = re.compile(r"(?P<line>col|row) (?P<number>\d+) : locations (?P<first>\d+) to (?P<last>-?\d+)")
-_INTEGER = re.compile(r"\d{1,18}")
+_SIZES = re.compile(r"(csr: |triplet: |)(\d+)-by-(\d+), nzmax: \d+ nnz: (\d{1,18})(, 1-norm: \S+)?")
+_INTEGER = re.compile(r"-?\d{1,18}")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
@@ -51,21 +50,25 @@ class _Text:
     def word(self):
         for word in self.words:
             return word
-        words = iter(self.next_line().split())
-        self.words = words
-        return next(words)
+        first, *rest = self.next_line().split()
+        self.words = iter(rest)
+        return first
+
+    def expect(self, *words):
+        for word in map(str, words):
+            if (found := self.word()) != word:
+                raise self.error(f"expected {word!r}, not {found[:40]!r}")
 
     def integer(self, what, low=0, high=2**31 - 1):
-        return self.to_integer(self.word(), what, low, high)
-
-    def to_integer(self, word, what, low=0, high=2**31 - 1):
+        word = self.word()
         if not _INTEGER.fullmatch(word):
             raise self.error(f"{what} should be a whole number, not {word[:40]!r}")
         if not low <= int(word) <= high:
             raise self.error(f"{what} is {int(word)}; it must lie between {low} and {high}")
         return int(word)
 
-    def to_number(self, word, what):
+    def number(self, what):
+        word = self.word()
         number = float(word) if _NUMBER.fullmatch(word) else np.nan
         if not np.isfinite(number):
             raise self.error(f"{what} should be a finite number, not {word[:40]!r}")
@@ -73,14 +76,13 @@ class _Text:
 
     def numbers(self, count, what):
         # One at a time, so that a count far too large fails at the end of the file and does not exhaust the memory.
-        return np.array([self.to_number(self.word(), f"{what}[{i}]") for i in range(count)])
+        return np.array([self.number(f"{what}[{i}]") for i in range(count)])
 
-    def entry(self, places, size, example):
-        """Return an entry of a matrix as cs_print writes it, a line of its places, each below `size`, a colon and its value."""
-        words = self.next_line().split()
-        if len(words) != len(places) + 2 or words[-2] != ":":
-            raise self.error(f"expected an entry such as '{example}'")
-        return *(self.to_integer(word, what, 0, size - 1) for word, what in zip(words, places)), self.to_number(words[-1], "an entry")
+    def entry(self, size, *places):
+        """Return an entry of a matrix as cs_print writes it: its places, each below `size`, a colon and its value."""
+        found = [self.integer(what, 0, size - 1) for what in places]
+        self.expect(":")
+        return *found, self.number("an entry")
 
 
 def read(path):
@@ -140,7 +142,7 @@ def _blocks(text, size):
                 for m in range(top, bottom):
                     row.append(m)
                     column.append(j)
-                    value.append(text.to_number(text.word(), f"W[{m}, {j}]"))
+                    value.append(text.number(f"W[{m}, {j}]"))
     return row, column, value
 
 
@@ -159,30 +161,24 @@ def _sparse(text, size):
     if not text.next_line().startswith("CSparse Version"):
         raise text.error("a sparse matrix should begin with 'CSparse Version'")
     sizes = _SIZES.fullmatch(text.next_line())
-    if not sizes:
-        raise text.error("expected the sizes of the matrix, such as '4-by-4, nzmax: 8 nnz: 8, 1-norm: 2.5'")
-    for what in ("rows", "columns"):
-        text.to_integer(sizes[what], f"the number of {what}, given again,", size, size)
-    entries = text.to_integer(sizes["entries"], "the number of entries")
-    if sizes["order"] == "triplet: ":
-        found = [text.entry(("a row", "a column"), size, "3 12 : -0.5") for _ in range(entries)]
+    if not sizes or not sizes[2] == sizes[3] == str(size):
+        raise text.error(f"expected the sizes of the matrix, such as '{size}-by-{size}, nzmax: 8 nnz: 8, 1-norm: 2.5'")
+    order, entries = sizes[1], int(sizes[4])
+    if order == "triplet: ":
+        found = [text.entry(size, "a row", "a column") for _ in range(entries)]
     else:
-        found = _compressed(text, size, entries, "row" if sizes["order"] else "col")
+        found = _compressed(text, size, entries, "row" if order else "col")
     outer, inner, value = zip(*found) if found else ((), (), ())
-    return (outer, inner, value) if sizes["order"] else (inner, outer, value)
+    return (outer, inner, value) if order else (inner, outer, value)
 
 
 def _compressed(text, size, entries, line):
     """Return the entries (number of the row or column, index in it, value) of a matrix by rows or columns; `line`: "row" or "col"."""
     found = []
     for number in range(size):
-        head = _HEAD.fullmatch(text.next_line())
-        if not head or head["line"] != line or head["number"] != str(number):
-            raise text.error(f"expected '{line} {number} : locations ...'")
-        if head["first"] != str(len(found)):
-            raise text.error(f"the locations begin at {head['first'][:20]}, but {len(found)} entries came before")
-        last = text.to_integer(head["last"], "the last location", 0, entries - 1) if head["last"] != str(len(found) - 1) else len(found) - 1
-        found += [(number, *text.entry(("an index",), size, "12 : -0.5")) for _ in range(len(found), last + 1)]
+        text.expect(line, number, ":", "locations", len(found), "to")
+        last = text.integer("the last location", len(found) - 1, entries - 1)
+        found += [(number, *text.entry(size, "an index")) for _ in range(len(found), last + 1)]
     if len(found) != entries:
         raise text.error(f"the matrix has {len(found)} entries, {entries} were announced")
     return found
