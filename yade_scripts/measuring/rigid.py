@@ -1,10 +1,11 @@
-"""What the probes of Contact Dynamics share inside YADE: disks of the default radius, boxes, columns, and the engine's report of a run."""
-from yade import O, utils
+"""What the probes of Contact Dynamics share inside YADE: columns of disks, the engine, and its report of a run."""
+from yade import O
 
 import cd_engine
 from yade_scripts import parameters
 from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, UNSTABLE, judged
 from yade_scripts.preparing import bodies
+from yade_scripts.running import stage
 
 DEFAULTS = parameters.complete({})
 RADIUS = DEFAULTS["radius_mean"]  # [m]
@@ -15,24 +16,9 @@ FORCE_ERROR = 0.01  # largest error of a contact force, over the weight above th
 DEEP = 0.01  # overlap over the smallest radius beyond which the engine warns
 
 
-def material(mu):
-    """Set the material of all bodies that follow."""
-    bodies.append_material("disk", mu, DEFAULTS)
-
-
-def disk(position, mass=MASS, velocity=(0, 0), blocked="zXY"):
-    """Append a disk of RADIUS and return its id."""
-    return bodies.append_disk(position, RADIUS, mass, "disk", velocity, blocked)
-
-
-def box(centre, half, **more):
-    """Append a fixed box and return its id."""
-    return O.bodies.append(utils.box((*centre, 0), (*half, DEFAULTS["depth"] / 2), fixed=True, material="disk", **more))
-
-
-def floor():
-    """Append a floor whose upper side is y = 0."""
-    return box((0, -RADIUS), (1000 * RADIUS, RADIUS))
+def ground(mu):
+    """Return where disks of RADIUS and boxes of this friction are placed."""
+    return stage.Ground(DEFAULTS | {"friction": mu})
 
 
 def engine(dt, gravity=(0, -GRAVITY, 0), **settings):
@@ -56,16 +42,11 @@ def told(contact_dynamics, smallest=RADIUS):
 
 def stand(disks, steps, **settings):
     """Let a column of `disks` equal disks stand on the floor for `steps` steps. Return (engine, measures)."""
-    material(0.5)
-    below, pairs = floor(), []
-    for k in range(disks):
-        above = disk((0, (2 * k + 1) * RADIUS))
-        pairs.append((below, above))
-        below = above
+    column = ground(0.5)
+    ids = [column.floor(1000 * RADIUS)] + [column.disk((0, (2 * k + 1) * RADIUS)).id for k in range(disks)]
     contact_dynamics = engine(COLUMN_STEP, **settings)
     O.run(steps, True)
-    weight = GRAVITY * MASS
-    error = max(abs(bodies.normal_force(*pair) / ((disks - k) * weight) - 1) for k, pair in enumerate(pairs))
+    error = max(abs(bodies.normal_force(*pair) / ((disks - k) * (GRAVITY * MASS)) - 1) for k, pair in enumerate(zip(ids, ids[1:])))
     return contact_dynamics, {"force_error": error, "penetration": contact_dynamics.deepestPenetration / RADIUS,
                     "unconverged": contact_dynamics.unconvergedSteps / steps, "residual": contact_dynamics.residual}
 

@@ -38,9 +38,9 @@ def probe(case):
     from yade import O
 
     from yade_scripts.measuring import rigid
-    rigid.material(FRICTION)
-    rigid.floor()
-    row = [rigid.disk((2 * k * rigid.RADIUS, rigid.RADIUS), blocked="zXYZ") for k in range(DISKS)]
+    ground = rigid.ground(FRICTION)
+    ground.floor(1000 * rigid.RADIUS)
+    row = [ground.disk((2 * k * rigid.RADIUS, rigid.RADIUS), blocked="zXYZ") for k in range(DISKS)]
     engine = rigid.engine(DT, weight(FRICTION / 2), tolerance=case["tolerance"])
     O.run(SETTLING, True)
     sign = 1 if case["side"] == "steeper" else -1
@@ -49,7 +49,7 @@ def probe(case):
     O.run(STEPS, True)
     unit = FRICTION * case["distance"] * rigid.GRAVITY * math.cos(math.atan(tangent)) * STEPS * DT
     exact = unit if sign > 0 else 0.0
-    error = (total(O.bodies[k].state.vel[0] for k in row) / DISKS - exact) / unit
+    error = (total(disk.state.vel[0] for disk in row) / DISKS - exact) / unit
     measures = {"speed_error": error, "unconverged": engine.unconvergedSteps / (STEPS + SETTLING)}
     reason = "false rest" if sign > 0 and error < 0 else "false motion"
     return judged(measures, rigid.told(engine), (NOT_SOLVED, "non-convergence", engine.unconvergedSteps),

@@ -39,15 +39,14 @@ def probe(case):
 
 def throw(case, angle, aside, spin):
     """Return the largest relative gain of kinetic energy, and dissipatedEnergy [J]; aside (velocity along x) and spin in units of SPEED."""
-    from yade import O, Quaternion, utils
+    from yade import O, utils
 
     from yade_scripts.measuring import rigid
-    rigid.material(case["friction"])
+    ground, radius = rigid.ground(case["friction"]), rigid.RADIUS
     for side in (-1, 1):
-        rigid.box((1.5 * side * rigid.RADIUS * math.sin(angle), -1.5 * rigid.RADIUS * math.cos(angle)), (5 * rigid.RADIUS, 0.5 * rigid.RADIUS),
-                  orientation=Quaternion((0, 0, 1), side * angle))
-    disk = rigid.disk((0, 1e-6 * rigid.RADIUS), velocity=(aside * SPEED, -SPEED))
-    O.bodies[disk].state.angVel = (0, 0, spin * SPEED / rigid.RADIUS)
+        ground.box((1.5 * side * radius * math.sin(angle), -1.5 * radius * math.cos(angle)), (5 * radius, 0.5 * radius), side * angle)
+    disk = ground.disk((0, 1e-6 * radius), velocity=(aside * SPEED, -SPEED))
+    disk.state.angVel = (0, 0, spin * SPEED / radius)
     first, gain = utils.kineticEnergy(), 0.0
     engine = rigid.engine(DT, (0, 0, 0), tolerance=1e-12, restitution=case["restitution"])
     for _ in range(STEPS):

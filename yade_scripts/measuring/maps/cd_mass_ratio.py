@@ -34,14 +34,13 @@ def probe(case):
 
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies
-    rigid.material(0.5)
-    floor = rigid.floor()
-    below = rigid.disk((0, rigid.RADIUS))
-    above = rigid.disk((0, 3 * rigid.RADIUS), mass=case["mass_ratio"] * rigid.MASS)
+    ground = rigid.ground(0.5)
+    floor, below = ground.floor(1000 * rigid.RADIUS), ground.disk((0, rigid.RADIUS))
+    above = ground.disk((0, 3 * rigid.RADIUS), mass=case["mass_ratio"] * rigid.MASS)
     engine = rigid.engine(DT, method=case["method"], tolerance=case["tolerance"])
     O.run(STEPS, True)
-    weights = rigid.GRAVITY * O.bodies[above].state.mass, rigid.GRAVITY * (O.bodies[above].state.mass + O.bodies[below].state.mass)
-    forces = bodies.normal_force(below, above), bodies.normal_force(floor, below)
+    weights = rigid.GRAVITY * above.state.mass, rigid.GRAVITY * (above.state.mass + below.state.mass)
+    forces = bodies.normal_force(below.id, above.id), bodies.normal_force(floor, below.id)
     error = max(abs(force / weight - 1) for force, weight in zip(forces, weights))
     return rigid.judge(engine, {"force_error": error, "penetration": engine.deepestPenetration / rigid.RADIUS,
                                 "unconverged": engine.unconvergedSteps / STEPS})

@@ -65,12 +65,12 @@ def probe(case):
 def pour(friction):
     """Build the trough and the disks above it, in rows and displaced at random."""
     from yade_scripts.measuring import rigid
-    rigid.material(friction)
-    rigid.floor()
+    ground = rigid.ground(friction)
+    ground.floor(1000 * rigid.RADIUS)
     width, r = COLUMNS * 2.4 * rigid.RADIUS, rigid.RADIUS
     for side in (-1, 1):
-        rigid.box((side * (width / 2 + r), 50 * r), (r, 50 * r))
+        ground.box((side * (width / 2 + r), 50 * r), (r, 50 * r))
     draw = random.Random(3)
     for k in range(COLUMNS * ROWS):
         column, row = k % COLUMNS, k // COLUMNS
-        rigid.disk(((2.4 * column + 1.2 + draw.uniform(-0.15, 0.15)) * r - width / 2, (2 + 3 * row) * r))
+        ground.disk(((2.4 * column + 1.2 + draw.uniform(-0.15, 0.15)) * r - width / 2, (2 + 3 * row) * r))

@@ -52,19 +52,16 @@ MAP = Map(
 def probe(case):
     from yade import O
 
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import hooks, md
+    from yade_scripts.running import hooks, md, stage
     full = parameters.complete({"friction": 2.0, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
-    radius, stiffness = full["radius_mean"], parameters.stiffness(full)
-    mass = bodies.disk_mass(radius, full)
-    omega = math.sqrt(stiffness / mass)
+    ground, stiffness = stage.Ground(full), parameters.stiffness(full)
+    radius, omega = ground.radius, math.sqrt(stiffness / ground.mass)
     O.dt = case["omega_dt"] / omega
-    bodies.append_material("disk", full["friction"], full)
-    bodies.append_disk((0, 0), radius, mass, "disk", blocked="xyzXYZ")
+    ground.disk((0, 0), blocked="xyzXYZ")
     rest = (2 - OVERLAP) * radius
-    disk = bodies.append_disk((0, rest), radius, mass, "disk", blocked="xzXY")
-    O.forces.setPermF(disk, (0, -OVERLAP * radius * stiffness, 0))
-    state = O.bodies[disk].state
+    disk = ground.disk((0, rest), blocked="xzXY")
+    O.forces.setPermF(disk.id, (0, -OVERLAP * radius * stiffness, 0))
+    state = disk.state
     speed = PUSH * OVERLAP * radius * omega
     state.vel, state.angVel = (0, speed, 0), (0, 0, speed / radius)
 

@@ -46,16 +46,16 @@ def probe(case):
     flights = []
     for distance in NEAR if case["kind"] == "CD from near" else DISTANCES:
         O.reset()
-        rigid.material(0.0)
-        rigid.box((0, 0), (1000 * rigid.RADIUS, case["thickness"] * rigid.RADIUS / 2))
-        flights.append(throw(case, case["thickness"] * rigid.RADIUS / 2 + rigid.RADIUS, distance))
+        ground = rigid.ground(0.0)
+        ground.box((0, 0), (1000 * rigid.RADIUS, case["thickness"] * rigid.RADIUS / 2))
+        flights.append(throw(ground, case, case["thickness"] * rigid.RADIUS / 2 + rigid.RADIUS, distance))
     measures = {"through": sum(beyond for beyond, _, _ in flights) / len(flights), "penetration": max(depth for _, depth, _ in flights) / rigid.RADIUS}
     told = next((said for _, _, said in flights if said), "")
     return judged(measures, told, (UNSTABLE, "tunnelled", measures["through"]),
                   (INACCURATE, "penetration", measures["penetration"] > DEPTH))
 
 
-def springs(case, contact, distance):
+def springs(ground, case, contact, distance):
     """Return (whether it got through, largest overlap [m], '') by the default springs and their default step, without dashpots."""
     from yade import O
 
@@ -66,21 +66,20 @@ def springs(case, contact, distance):
         material.betan = 0.0
     dt = full["md_dt_factor"] * math.sqrt(rigid.MASS / parameters.stiffness(full))
     velocity = case["speed"] * rigid.RADIUS * math.sqrt(parameters.stiffness(full) / rigid.MASS)
-    disk = rigid.disk((0, contact + distance * velocity * dt), velocity=(0, -velocity))
-    state, heights = O.bodies[disk].state, []
+    state, heights = ground.disk((0, contact + distance * velocity * dt), velocity=(0, -velocity)).state, []
     O.engines = md.contact_engines(full) + [md.integrator(full), hooks.runner(lambda: heights.append(state.pos[1]), iterPeriod=1)]
     O.dt = dt
     hooks.simulate(MD_STEPS)
     return state.pos[1] < 0, max(0.0, contact - min(heights)), ""
 
 
-def rigidly(case, contact, distance):
+def rigidly(ground, case, contact, distance):
     """Return (whether it got through, largest overlap [m], what the engine said) of rigid contacts."""
     from yade import O
 
     from yade_scripts.measuring import rigid
     velocity = case["speed"] * rigid.RADIUS / CD_DT
-    disk = rigid.disk((0, contact + distance * velocity * CD_DT), velocity=(0, -velocity))
+    disk = ground.disk((0, contact + distance * velocity * CD_DT), velocity=(0, -velocity))
     engine = rigid.engine(CD_DT, (0, 0, 0), tolerance=1e-10, **SETTINGS[case["kind"]])
     O.run(CD_STEPS, True)
-    return O.bodies[disk].state.pos[1] < 0, engine.deepestPenetration, rigid.told(engine)
+    return disk.state.pos[1] < 0, engine.deepestPenetration, rigid.told(engine)
