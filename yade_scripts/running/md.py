@@ -52,6 +52,14 @@ def set_friction(disks, wall):
         contact.phys.tangensOfFrictionAngle = min(math.tan(O.bodies[k].mat.frictionAngle) for k in (contact.id1, contact.id2))
 
 
+def set_damping(ratio):
+    """Give the materials, and the contacts that exist, this damping ratio beta_n."""
+    for material in O.materials:
+        material.betan = ratio
+    for contact in bodies.contacts():
+        contact.phys.cn = ratio * contact.phys.cn_crit
+
+
 def stiffen(factor):
     """Multiply the stiffnesses of the contacts that exist; their dashpots keep the damping ratio."""
     for contact in bodies.contacts():

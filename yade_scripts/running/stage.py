@@ -63,6 +63,11 @@ def largest_step(full):
     return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
 
 
+def scene(full, **more):
+    """Set O.dt for the bodies in O. Return their Scene, which lasts for the cycles of the row; more: of its attributes."""
+    return Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], **more)
+
+
 def load_walls(full, scene, goals):
     """Set O.engines of the row's method for a scene in the biaxial box, whose walls are loaded by goals(t) -> (sigma1, sigma2) [Pa].
 
@@ -77,6 +82,6 @@ def load_walls(full, scene, goals):
 
 def small(full, known):
     """Set step and engines for the bodies just placed, and return their Scene, which has no loaded walls. known: its list of Known."""
-    scene = Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], known=known)
-    method(full).set_engines(full, scene)
-    return scene
+    built = scene(full, known=known)
+    method(full).set_engines(full, built)
+    return built

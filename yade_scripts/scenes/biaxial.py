@@ -18,14 +18,12 @@ def build(full, folder, goals=None):
     from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import loading, stage
-    from yade_scripts.scenes import Scene
     checksum = prepare.load(full, folder)
-    every = stage.set_step(full, stage.largest_step(full))
     per_cycle, samples = full["records_per_cycle"], full["records_per_cycle"] * full["cycles"]
     snapshots = {per_cycle // 2, samples - per_cycle // 2}
     if full["loading"] == "ramp" or full["cycles"] == 1:
         snapshots |= set(range(0, samples, max(1, samples // SNAPSHOTS)))
-    scene = Scene(every=every, samples=samples, state_sha256=checksum, snapshots=snapshots, kept={})
+    scene = stage.scene(full, state_sha256=checksum, snapshots=snapshots, kept={})
     goals = goals or loading.goals(full, parameters.pressure(full))
     if full["method"] == "CD" and full["network_seed"]:
         stage.load_walls(full, scene, goals)

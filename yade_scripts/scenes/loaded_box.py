@@ -1,7 +1,7 @@
 """Equal disks on a square grid in the biaxial box, whose walls are loaded by P0: every wall carries P0 over its length."""
 import math
 
-from yade_scripts.scenes import Chart, Known, Scene
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Square lattice in a loaded box"
 KIND = "piles at rest"
@@ -28,8 +28,7 @@ def build(full, folder):
     for x in places:
         for y in places:
             ground.disk((x, y))
-    scene = Scene(every=stage.set_step(full, stage.largest_step(full)), samples=full["records_per_cycle"] * full["cycles"])
+    scene = stage.scene(full, known=[Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0),
+                                           source="balance: each wall carries P0 on its length")])
     stage.load_walls(full, scene, lambda t: (p0, p0))
-    scene.known.append(Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0),
-                             source="balance: each wall carries P0 on its length"))
     return scene

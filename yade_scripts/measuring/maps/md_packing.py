@@ -93,14 +93,10 @@ def step_limits(kt_over_kn, beta_n):
 
 def load(full):
     """Load the prepared packing, the same for all cases. Give its contacts the stiffness ratio and damping of the case, and let them stick."""
-    from yade import O
-
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import md
     prepare.load(parameters.complete({"disks": DISKS}))
     md.set_friction(2.0, 0.0)
-    for material in O.materials:
-        material.betan = full["beta_n"]
+    md.set_damping(full["beta_n"])
     for contact in bodies.contacts():
         contact.phys.ks = full["kt_over_kn"] * contact.phys.kn
-        contact.phys.cn = full["beta_n"] * contact.phys.cn_crit

@@ -5,7 +5,7 @@ import tempfile
 
 import numpy as np
 
-from yade_scripts import parameters, scenes
+from yade_scripts import parameters
 from yade_scripts.results import sealed
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 
@@ -78,14 +78,11 @@ def run(case):
     from yade import O
 
     from yade_scripts.preparing import bodies, prepare
-    from yade_scripts.running import hooks, loading, recorder, stage, wall_check, walls
+    from yade_scripts.running import hooks, loading, md, recorder, stage, wall_check, walls
     prepare.load(parameters.complete({"disks": DISKS}))
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
-    for material in O.materials:
-        material.betan = BETA
-    for contact in bodies.contacts():
-        contact.phys.cn = BETA * contact.phys.cn_crit
-    scene = scenes.Scene(every=stage.set_step(full, stage.largest_step(full)), samples=SAMPLES)
+    md.set_damping(BETA)
+    scene = stage.scene(full)
     stage.load_walls(full, scene, loading.goals(full, parameters.pressure(full)))
     controller = scene.load.controller
     own_gain = 2 * BETA * (bodies.mean_mass() / parameters.stiffness(full))**0.5 / O.dt
@@ -102,7 +99,7 @@ def run(case):
         scene.observer = observe
         O.engines = O.engines + [hooks.runner(lambda: places.append(top.pos[1]), iterPeriod=1)]
         try:
-            scenes.method(full).run(scene)
+            md.run(scene)
         except wall_check.Collapse:
             pass  # a collapse is a result; it does not report locked walls
         except wall_check.StressError as ended:

@@ -62,8 +62,7 @@ def springs(ground, case, contact, distance):
     from yade_scripts.measuring import rigid
     from yade_scripts.running import hooks, md
     full = parameters.complete({})
-    for material in O.materials:
-        material.betan = 0.0
+    md.set_damping(0.0)
     dt = full["md_dt_factor"] * math.sqrt(rigid.MASS / parameters.stiffness(full))
     velocity = case["speed"] * rigid.RADIUS * math.sqrt(parameters.stiffness(full) / rigid.MASS)
     state, heights = ground.disk((0, contact + distance * velocity * dt), velocity=(0, -velocity)).state, []
