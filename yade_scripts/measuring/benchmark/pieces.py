@@ -69,20 +69,15 @@ def _sweep(folder, disks, copies, rounds, peer):
 
 
 def _engine(folder, disks, mu, **settings):
-    def rows(say):
-        say(f"engine in YADE, {disks} disks, mu {mu:g}")
-        return [problems.in_yade("engine.py", {"stem": str(problems.state(folder, disks, 1, mu))} | settings)]
-    return Piece("engine", f"engine in YADE, {disks} disks mu {mu:g} to {settings['tolerance']:g}", settings, rows)
+    return Piece("engine", f"engine in YADE, {disks} disks mu {mu:g} to {settings['tolerance']:g}", settings,
+                 lambda say: [problems.in_yade("engine.py", {"stem": str(problems.state(folder, disks, 1, mu))} | settings)])
 
 
 def _step(rows, columns, **settings):
     """Return a piece of step.py: the cost of a step of a packing at rest, beside that of YADE's springs."""
     wish = {"rows": rows, "columns": columns} | settings
-
-    def measured(say):
-        say(f"a step of {rows * columns} disks")
-        return [problems.in_yade("step.py", wish)]
-    return Piece("step", f"a step of {rows * columns} disks to {settings['tolerance']:g}, {settings['order']}", wish, measured)
+    return Piece("step", f"a step of {rows * columns} disks to {settings['tolerance']:g}, {settings['order']}", wish,
+                 lambda say: [problems.in_yade("step.py", wish)])
 
 
 def quick(folder, files=()):
@@ -117,7 +112,8 @@ def full(folder, files=()):
               for rows, mu in ((20, 0.5), (20, 0.8), (60, 0.8))]
     cases += [_solve(f"masses {disks} mu {mu}", lambda disks=disks, mu=mu: problems.masses(folder, disks, 1, mu), peer, **worst)
               for disks, mu in ((400, 0.5), (400, 0.1), (4000, 0.1))]
-    cases += [_solve(f"pile {rows} mu {mu}", lambda rows=rows, mu=mu: problems.pile(rows, mu), peer, **worst) for rows, mu in ((20, 0.5), (20, 0.8))]
+    cases += [_solve(f"pile {rows} mu {mu}", lambda rows=rows, mu=mu: problems.crystal(rows, mu, 1000.0, "pile 1000:1 of"), peer, **worst)
+              for rows, mu in ((20, 0.5), (20, 0.8))]
     cases += [_file(path, peer, **longer) for path in files]
     return cases + ([_oracle(rows, mu) for rows, mu in ((3, 0.5), (4, 0.1), (4, 0.5), (4, 0.8))] if peer else []) \
         + [_sweep(folder, disks, copies, rounds, peer) for disks, copies, rounds in ((400, 1, 5), (4000, 1, 5), (4000, 10, 5), (4000, 200, 3))] \

@@ -108,11 +108,6 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
     return Case(f"{name} {rows} x {rows} mu {mu:g}", name, mu, rows * rows, 0, "cold", problem)
 
 
-def pile(rows, mu, ratio=1000.0):
-    """Return the problem of a pile of heavy disks on light ones."""
-    return crystal(rows, mu, ratio, f"pile {ratio:g}:1 of")
-
-
 def from_file(path):
     """Return the Case of a problem in a file that `core.read_problem` reads. ValueError states what is wrong with the file."""
     problem = core.read_problem(path)

@@ -40,29 +40,27 @@ def traffic(problem, ahead):
 
 
 def plain(problem, sweeps):
-    """Return (seconds, sweeps made) of a whole solution by plain sweeps."""
-    report = core.solve(problem, fixed_iterations=sweeps)
-    return report.seconds, report.iterations
+    """Return the report of a solution by plain sweeps."""
+    return core.solve(problem, fixed_iterations=sweeps)
 
 
 def ahead(problem, sweeps):
-    """Return (seconds, sweeps made) of a whole solution by sweeps with momentum."""
-    report = core.solve(problem, "accelerated", 1e-300, sweeps)
-    return report.seconds, report.iterations
+    """Return the report of a solution by sweeps with momentum."""
+    return core.solve(problem, "accelerated", 1e-300, sweeps)
 
 
 def of_a_sweep(solution, problem, sweeps, first):
     """Return the seconds of one sweep: the difference between `sweeps` and the `first` of them."""
-    (many, made), (few, made_first) = solution(problem, sweeps), solution(problem, first)
-    return (many - few) / (made - made_first)
+    many, few = solution(problem, sweeps), solution(problem, first)
+    return (many.seconds - few.seconds) / (many.iterations - few.iterations)
 
 
 def setup(problem, other):
     """Return the seconds (contacts as before, new contacts) of a solution of one sweep with set-up and error; `other` has other contacts."""
     plain(problem, 1)
-    same = plain(problem, 1)[0]
+    same = plain(problem, 1).seconds
     plain(other, 1)
-    return same, plain(problem, 1)[0]
+    return same, plain(problem, 1).seconds
 
 
 def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: None):
