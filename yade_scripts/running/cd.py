@@ -40,7 +40,7 @@ def set_engines(full, scene, goals=None):
     scene.watch = Watch(full, engine)
     engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
     if goals is not None:
-        scene.load = walls.ForceLoad(goals, lead=O.dt / 2, implicit=True)
+        scene.load = walls.ForceLoad(goals, implicit=True)
         engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
     O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True, label=hooks.WATCHING)]
 

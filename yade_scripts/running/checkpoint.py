@@ -95,17 +95,12 @@ class Checkpoints:
             archive.writestr(RECORD, record)
             archive.writestr(MEMORY, json.dumps(memory))
         sealed.replace(self.path, content.getvalue())
-        self._go_on(scene, json.loads(json.dumps(memory)), recorder)
+        self.resume({SCENE: scene, MEMORY: json.loads(json.dumps(memory))}, recorder)
 
     def resume(self, parts, recorder):
-        """Take the run up in O, where its scene has been built anew, from the parts that `found` gave."""
-        self._go_on(parts[SCENE], parts[MEMORY], recorder)
-
-    def _go_on(self, scene, memory, recorder):
-        """Do O.load and what it forgets; it is the same for a run that has just saved and for one that is resumed."""
-        commands = hooks.commands()
-        saved_scene.restore(scene)
-        hooks.set_commands(commands)
+        """Do O.load and what it forgets, from the parts that `found` gave or a run has just saved; in O the scene of the run has been built."""
+        memory = parts[MEMORY]
+        saved_scene.restore(parts[SCENE])
         scenes.method(self.full).bind(self.full, self.scene)
         if self.scene.losses:
             self.scene.losses.remember(memory["losses"])

@@ -27,17 +27,6 @@ def engine(kind):
     return next((engine for engine in O.engines if type(engine).__name__ == kind), None)
 
 
-def commands():
-    """Return what the PyRunners in O.engines call, in their order."""
-    return [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
-
-
-def set_commands(saved):
-    """Set the same after O.load: a saved scene has the numbers that the functions had in the process that saved it."""
-    for engine, command in zip((engine for engine in O.engines if isinstance(engine, PyRunner)), saved, strict=True):
-        engine.command = command
-
-
 def fire(number):
     """Do what the PyRunner number `number` does."""
     global _failure

@@ -5,6 +5,7 @@ They use a file in memory, since O.save never returns if the disk is full.
 import os
 
 from yade import O
+from yade.wrapper import PyRunner
 
 
 def take():
@@ -16,11 +17,14 @@ def take():
 
 
 def restore(scene):
-    """Load a scene that `take` returned."""
+    """Load a scene that `take` returned, with the functions that the PyRunners in O call: it has their numbers in the process that saved it."""
+    commands = [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
     with _memory() as file:
         file.write(scene)
         file.flush()
         O.load(_path(file))
+    for engine, command in zip((engine for engine in O.engines if isinstance(engine, PyRunner)), commands, strict=True):
+        engine.command = command
 
 
 def _memory():

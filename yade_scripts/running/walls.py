@@ -148,8 +148,8 @@ class ForceLoad(Load):
     implicit: of Contact Dynamics, where a push holds throughout its step. In leapfrog it acts from half a step before to half a step after.
     """
 
-    def __init__(self, goals, lead=0.0, implicit=False):
-        super().__init__(goals, lead)
+    def __init__(self, goals, implicit=False):
+        super().__init__(goals, lead=O.dt / 2 if implicit else 0.0)
         self.implicit = implicit
 
     def _push(self):
