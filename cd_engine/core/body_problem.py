@@ -59,7 +59,6 @@ class BodyProblem:
 
     @property
     def contacts(self):
-        """Number of contacts."""
         return len(self.mu)
 
     def body_velocities(self, impulses):

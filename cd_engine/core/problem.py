@@ -29,7 +29,6 @@ class Problem:
 
     @property
     def contacts(self):
-        """Number of contacts."""
         return len(self.mu)
 
     def velocities(self, impulses):

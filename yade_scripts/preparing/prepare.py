@@ -46,7 +46,6 @@ def inputs(full):
 
 
 def state_path(full, folder):
-    """Return the path of the state for this row."""
     return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
 
 
@@ -134,7 +133,6 @@ class _Rest:
         return walls.stress_error(self.p0), utils.unbalancedForce()
 
     def check(self):
-        """Check for rest, at a call from the loop."""
         stress, force = self.errors()
         if time.monotonic() - self.said >= progress.SECONDS:
             self.said = time.monotonic()

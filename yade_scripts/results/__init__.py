@@ -25,7 +25,6 @@ def make(folder):
 
 
 def path_of(full, folder=FOLDER):
-    """Return the result file of a full row."""
     return pathlib.Path(folder) / f"{parameters.result_name(full)}.h5"
 
 
@@ -60,5 +59,4 @@ def status(path):
 
 
 def finished(path):
-    """Tell whether the run in a file has finished."""
     return status(path) == STATUS_FINISHED

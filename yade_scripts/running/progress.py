@@ -26,6 +26,5 @@ class Progress:
         self.bar.update(fraction - self.bar.n)
 
     def close(self):
-        """Show that the run has ended."""
         self.bar.bar_format = self.formats[1]
         self.bar.close()

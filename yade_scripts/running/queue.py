@@ -30,7 +30,6 @@ class Job:
         self.script, self.arguments, self.log, self.process = script, [str(word) for word in arguments], pathlib.Path(log), None
 
     def start(self, mode="w"):
-        """Start YADE."""
         self.log.parent.mkdir(parents=True, exist_ok=True)
         with open(self.log, mode, encoding="utf-8") as log:
             self.process = subprocess.Popen([*WITH_ME, "yade", "-n", "-x", "-j", "1", str(SCRIPTS / self.script), *self.arguments],

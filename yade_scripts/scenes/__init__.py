@@ -122,7 +122,6 @@ def method(full):
 
 
 def build(full, folder):
-    """Build the scene that a full row names."""
     from yade import O
 
     from yade_scripts.running import precision

@@ -30,7 +30,6 @@ def resident():
 
 
 def main(wish):
-    """Load the packing, make the steps, print the row."""
     cd_engine.methods()  # the plug-in must be known before a scene with its engine is loaded
     empty = resident()
     O.load(f"{wish['stem']}.yade.gz")

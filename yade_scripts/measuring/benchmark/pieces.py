@@ -32,7 +32,6 @@ class Piece:
         return found and found["rows"]
 
     def measure(self, folder, say):
-        """Measure, store and return the rows."""
         rows = self.rows(say)
         store.add(pathlib.Path(folder) / "pieces", self.key(), {"piece": self.name, "settings": self.settings}, rows)
         return rows
@@ -100,7 +99,6 @@ def _file(path, peer, **settings):
 
 
 def full(folder, files=()):
-    """Return the pieces of the full benchmark."""
     peer = siconos.available() is None
     cases = [_packing(folder, 400, seed, mu, start, peer, most_seconds=5.0)
              for seed in range(1, 6) for mu in problems.FRICTION for start in ("cold", "warm")]

@@ -65,7 +65,6 @@ def seconds(steps):
 
 
 def main(wish):
-    """Build, warm up, measure, print the row."""
     empty = resident()
     build(wish["rows"], wish["columns"], wish["order"])
     loaded = resident()

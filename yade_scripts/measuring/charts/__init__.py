@@ -74,12 +74,10 @@ def chart_of(scene):
 
 
 def names():
-    """Return the scenes that have a chart."""
     return [name for name in scenes.names() if chart_of(name)]
 
 
 def series(scene):
-    """Return the series of a scene."""
     chart = chart_of(scene)
     stiffer = STIFFER[:2] if chart.prepared else STIFFER
     laws = parameters.REGISTRY["tangential_law"].choices[1:] if chart.rolling else ()

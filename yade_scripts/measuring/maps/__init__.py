@@ -141,12 +141,10 @@ def names():
 
 @functools.cache
 def module(name):
-    """Return the module of a map."""
     return importlib.import_module(f"{__name__}.{name}")
 
 
 def get(name):
-    """Return the Map with this name."""
     return module(name).MAP
 
 
@@ -214,7 +212,6 @@ class Work:
         return f"{self.name}-{parameters.digest(case)}"
 
     def enter(self, case, outcome, seconds, origin):
-        """Store the Outcome of a case."""
         measures = {name: float(value) for name, value in outcome.measures.items()}
         store.add(self.folder, self._file(case),
                   {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
@@ -248,5 +245,4 @@ class Work:
 
 
 def outcome(facts):
-    """Return the Outcome from stored facts."""
     return Outcome(**{one.name: facts[one.name] for one in fields(Outcome)})

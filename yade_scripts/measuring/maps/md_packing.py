@@ -24,7 +24,6 @@ def damping(full):
 
 
 def searches(full):
-    """Return the searches for instability."""
     def instability(ratio, beta, laws):
         return lines("md_dt_factor", 0.1, 2.0, 1.005 if full else 1.03, kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
 
