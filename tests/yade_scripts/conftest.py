@@ -1,4 +1,5 @@
 """Runs of YADE in processes of their own, and one prepared packing of 60 disks for all tests of a worker."""
+import functools
 import json
 import os
 import pathlib
@@ -10,16 +11,30 @@ import pytest
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "yade_scripts"
 
 
-class Yade:
-    """Starts scripts by `yade -n -x` in a folder of its own, where results/ then is."""
+@functools.cache
+def forking():
+    """The YADE of this worker in whose forks scripts run; it ends with the worker, whose end of the pipe then closes."""
+    return subprocess.Popen(["yade", "-n", "-x", str(pathlib.Path(__file__).with_name("forking.py"))], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            stderr=subprocess.DEVNULL, text=True)
 
-    def __init__(self, folder):
-        self.folder = folder
+
+class Yade:
+    """Runs scripts by `yade -n -x` in a folder of its own, where results/ then is: in a fork of a YADE that has started, or in one started for each."""
+
+    def __init__(self, folder, forks=True):
+        self.folder, self.forks = folder, forks
 
     def script(self, name, *arguments, **environment):
-        """Run yade_scripts/<name>; the finished process."""
-        return subprocess.run(["yade", "-n", "-x", str(SCRIPTS / name), *arguments], cwd=self.folder, env=os.environ | environment,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
+        """Run a script, yade_scripts/<name> or any path, options of YADE's own before it; the finished process."""
+        called = [*(a for a in arguments if a.startswith("-j")), str(SCRIPTS / name), *(a for a in arguments if not a.startswith("-j"))]
+        if not self.forks:
+            return subprocess.run(["yade", "-n", "-x", *called], cwd=self.folder, env=os.environ | environment, stdin=subprocess.DEVNULL,
+                                  capture_output=True, text=True, timeout=1200)
+        outputs = [self.folder / "stdout.txt", self.folder / "stderr.txt"]
+        request = {"arguments": called, "folder": str(self.folder), "environment": environment, "outputs": [str(path) for path in outputs]}
+        print(json.dumps(request), file=forking().stdin, flush=True)
+        status = next(line for line in forking().stdout if line.startswith("status"))
+        return subprocess.CompletedProcess(called, int(status.split()[1]), *(path.read_text() for path in outputs))
 
     def prepare(self, *arguments):
         """Prepare a packing; its state file and the JSON record beside it."""
@@ -36,10 +51,8 @@ class Yade:
         return self.printed(path)
 
     def printed(self, path, *arguments, **environment):
-        """Run a script, options of YADE's first among the arguments; the last line printed, read as JSON."""
-        options = [a for a in arguments if a.startswith("-")]
-        done = subprocess.run(["yade", "-n", "-x", *options, str(path), *(a for a in arguments if a not in options)], cwd=self.folder,
-                              env=os.environ | environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
+        """Run a script; the last line printed, read as JSON."""
+        done = self.script(path, *arguments, **environment)
         assert done.returncode == 0, done.stderr
         return json.loads([line for line in done.stdout.splitlines() if line.startswith(("{", "["))][-1])
 
@@ -63,5 +76,5 @@ def yade60(tmp_path_factory):
 
 @pytest.fixture
 def yade_elsewhere(tmp_path):
-    """YADE in an empty folder."""
-    return Yade(tmp_path)
+    """YADE in an empty folder, started anew for each script."""
+    return Yade(tmp_path, forks=False)

@@ -5,11 +5,12 @@ import subprocess
 
 import pytest
 
+from .conftest import Yade
 
-def said(root, folder, name, *settings):
+
+def said(folder, name, *settings):
     """The numbers in the last lines that an example prints, run headless as its docstring says."""
-    script = root / "yade_scripts" / "examples" / f"{name}.py"
-    done = subprocess.run(["yade", "-n", "-x", "-j1", str(script), *settings], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600)
+    done = Yade(folder).script(f"examples/{name}.py", *settings)
     lines = [line for line in done.stdout.splitlines() if "s of computing" in line or line.startswith("saved")]
     assert lines and "Traceback" not in done.stderr and "ContactDynamics: " not in done.stderr, (done.returncode, done.stdout + done.stderr)
     assert (folder / f"{name}.png").stat().st_size > 1000
@@ -21,29 +22,29 @@ def springs(request):
     return f"springs={request.param}"
 
 
-def test_hopper(root, tmp_path, springs):
+def test_hopper(tmp_path, springs):
     """Some disks leave it, not all in this time, and none is lost."""
-    left, disks, _, mass, *_ = said(root, tmp_path, "hopper", "disks=150", "seconds=0.4", springs)
+    left, disks, _, mass, *_ = said(tmp_path, "hopper", "disks=150", "seconds=0.4", springs)
     assert 10 < left < disks == 150 and mass == pytest.approx(1, abs=1e-6)
 
 
-def test_drum(root, tmp_path, springs):
+def test_drum(tmp_path, springs):
     """The surface stands between the slopes of rolling and of sliding disks, and the drum holds them all."""
-    slope, inside, disks, *_ = said(root, tmp_path, "drum", "disks=60", "seconds=1.5", springs)
+    slope, inside, disks, *_ = said(tmp_path, "drum", "disks=60", "seconds=1.5", springs)
     assert 10 < slope < 45 and inside == disks == 60
 
 
-def test_heap(root, tmp_path, springs):
+def test_heap(tmp_path, springs):
     """It rests with a slope below the angle of friction, also after a save and a load."""
-    slope, friction, energy, highest, _, _, _, after, moving = said(root, tmp_path, "heap", "disks=60", "seconds=1", springs)
+    slope, friction, energy, highest, _, _, _, after, moving = said(tmp_path, "heap", "disks=60", "seconds=1", springs)
     assert 3 < slope < friction == pytest.approx(math.degrees(math.atan(0.5)), abs=0.1)
     assert energy < 1e-3 * highest
     assert after == pytest.approx(slope, abs=0.3) and moving < 1e-2 * highest
 
 
-def test_loaded_box(root, tmp_path, springs):
+def test_loaded_box(tmp_path, springs):
     """The floor carries what loads the lid."""
-    carried, load, *_ = said(root, tmp_path, "loaded_box", "disks=60", "seconds=0.3", springs)
+    carried, load, *_ = said(tmp_path, "loaded_box", "disks=60", "seconds=0.3", springs)
     assert load == 10 and carried == pytest.approx(load, rel=0.05)
     assert len(list(tmp_path.glob("loaded_box-spheres-*.vtk"))) == len(list(tmp_path.glob("loaded_box-intrs-*.vtk"))) >= 3
 

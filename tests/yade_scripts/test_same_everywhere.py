@@ -10,7 +10,7 @@ import pytest
 import cd_engine
 from yade_scripts import scenes
 
-from .conftest import SCRIPTS
+from .conftest import SCRIPTS, Yade
 
 WITHOUT_AVX512 = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ,-AVX512CD", OPENBLAS_CORETYPE="Haswell",
                       NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL")
@@ -23,7 +23,7 @@ def digests(yade60):
     """A function that runs all scenes in a process of its own: what digests.py prints."""
     def run(threads, *options, **environment):
         # Waiting threads should sleep: on a busy machine spinning ones take a hundred times as long.
-        return yade60.printed(PROGRAM, f"-j{threads}", *options, OMP_WAIT_POLICY="passive", **environment)
+        return Yade(yade60.folder, forks=False).printed(PROGRAM, f"-j{threads}", *options, OMP_WAIT_POLICY="passive", **environment)
     return run
 
 
