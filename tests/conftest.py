@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from tests import waking
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 for folder in glob.glob("/usr/lib/*/yade-double/py"):
@@ -18,6 +20,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 def O():
     """YADE's Omega with an empty scene, before and after the test."""
     import yade
+    waking.often(type(yade.O))
     yade.O.reset()
     yield yade.O
     yade.O.reset()

@@ -14,6 +14,8 @@ import tempfile
 import time
 import traceback
 
+from tests import waking
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PHASES = 7
 SECONDS = 120  # limit for a scene, which takes about one: longer means that it hangs
@@ -175,6 +177,7 @@ def main():
     for module in ("yade", "cd_engine", "tests.plugin.fuzz_changes", "tests.plugin.fuzz_twins"):
         importlib.import_module(module)
     sys.modules["cd_engine"].methods()
+    waking.often(type(sys.modules["yade"].O))
     wanted, broken = [seed for some in asked.seeds for seed in some], []
     for seed in wanted:
         held, said = scene(seed) if asked.here else apart(seed)
