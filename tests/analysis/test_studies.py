@@ -9,7 +9,7 @@ import pytest
 from analysis import publish, report, studies
 from yade_scripts.results import reader, schema
 from analysis import __main__ as command
-from tests.analysis.conftest import history, write
+from tests.analysis.conftest import history, lattice, write
 from yade_scripts import parameters, results
 
 
@@ -96,7 +96,7 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
         folder = tmp_path / "results"
         folder.mkdir()
         for row in part:
-            write(results.path_of(row, folder), row["method"], row=row)
+            write(results.path_of(row, folder), row["method"], row=row, snapshots={time: lattice(8, row["method"]) for time in (0.0, 0.5, 1.0)})
         if part:
             stem = publish.publish(studies.collect(name, folder), tmp_path / "out")
             assert json.loads(stem.with_suffix(".json").read_text())["runs_finished"] == len(part)
