@@ -36,7 +36,7 @@ deps: ## install the Debian packages that are missing
 build: deps ## compile the engine
 	@flock cd_engine $(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
 
-study: build ## prepare packings, run MD and CD, draw the figures: a first version in about 7 minutes; FULL=1, STUDY=fig3
+study: build ## prepare packings, run MD and CD, draw the figures: a first version in about 8 minutes; FULL=1, STUDY=fig3
 	$(PYTHON) -m analysis study --run $(extent) $(STUDY) --jobs $(JOBS)
 
 report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1
@@ -46,7 +46,7 @@ charts: build ## measure and draw speed against accuracy, and where each method 
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
 	$(PYTHON) -m analysis charts $(extent)
 
-test: build ## all tests and the short regression run, about 5 minutes on two cores
+test: build ## all tests and the short regression run, about 4 minutes on two cores
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/measuring/regression.py --short
 	$(PYTHON) -m pytest tests -n 2 --dist loadfile -rs
