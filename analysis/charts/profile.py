@@ -14,8 +14,8 @@ TITLE = "Speed against accuracy, over all scenes"
 QUESTION = ("Which method, and which way of refining it, solves most scenes to a given accuracy, and how much slower than the fastest is it there? "
             "Only scenes that both methods can run count.")
 ANSWER = """
-To an error of 1e-2 MD solves 16 and CD 17 of 18 scenes, to 1e-4 9 and 14, to 1e-6 4 and 13. Wherever both do, CD is the faster, by factors of 9.1, 180
-and 6.1 (medians at the three accuracies).
+To an error of 1e-2 MD solves 17 and CD 18 of 21 scenes, to 1e-4 9 and 14, to 1e-6 4 and 13. Where both do, CD is the faster, by factors of
+7.9, 120 and 5.1 (medians at the three accuracies), but for the stack of disks, which takes MD 0.83 to 0.94 of CD's time.
 """
 GIVEN = ("1e-2", "1e-4", "1e-6")
 BEST = {"MD": "MD, best of all", "CD": "CD, best of all"}
@@ -29,8 +29,9 @@ def numbers(table):
     own = {(method, level): solved[(solved.series == BEST[method]) & (solved.accuracy == level)].set_index("scene").factor.astype(float)
            for method in BEST for level in (1e-2, 1e-4, 1e-6)}
     ratio = {level: (own["MD", level] / own["CD", level]).dropna() for level in (1e-2, 1e-4, 1e-6)}
-    return {"16": len(own["MD", 1e-2]), "17": len(own["CD", 1e-2]), "18": table.scene.nunique(), "9": len(own["MD", 1e-4]), "14": len(own["CD", 1e-4]),
-            "4": len(own["MD", 1e-6]), "13": len(own["CD", 1e-6]), "9.1": ratio[1e-2].median(), "180": round(ratio[1e-4].median(), -1), "6.1": ratio[1e-6].median()}
+    return {"17": len(own["MD", 1e-2]), "18": len(own["CD", 1e-2]), "21": table.scene.nunique(), "9": len(own["MD", 1e-4]), "14": len(own["CD", 1e-4]),
+            "4": len(own["MD", 1e-6]), "13": len(own["CD", 1e-6]), "7.9": ratio[1e-2].median(), "120": round(ratio[1e-4].median(), -1), "5.1": ratio[1e-6].median(),
+            "0.83": min(each.min() for each in ratio.values()), "0.94": max(each.min() for each in ratio.values())}
 
 
 def rows(measured):
