@@ -139,7 +139,9 @@ def _check_names(settings, engine):
         if hasattr(engine, name):
             continue
         near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])
-        remedy = {"damping": "Rigid contacts have no damping; see restitution."}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
+        friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
+        remedy = {"damping": "Rigid contacts have no damping; see restitution.", "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
+                  "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
         raise AttributeError(f"ContactDynamics has no attribute {name!r}. {remedy or 'help(cd_engine.ContactDynamics) lists them.'}")
 
 

@@ -57,6 +57,9 @@ namespace {
 		part.mostWork = mostWork;
 		SolverReport report = newtonTwice(system, start, part);
 		report.iterations += sweeps.iterations;
+		// Newton's method ends by limits of its own. The iterations that it leaves are for plain sweeps (judged.hpp).
+		if (report.status == Status::max_iterations && report.iterations < settings.maxIterations)
+			report.status = Status::stagnated;
 		return report;
 	}
 

@@ -88,8 +88,10 @@ namespace judging {
 		start.guess(other);
 		SolverReport plain = goOn<System>(other, start, settings, report, nsgs);
 		report.iterations = plain.iterations;
-		if (plain.status != Status::converged)
+		if (plain.status != Status::converged) {
+			report.status = plain.status == Status::max_iterations ? plain.status : report.status; // more of them may help
 			return;
+		}
 		plain.plain = true;
 		report = plain;
 		std::swap(system, other);

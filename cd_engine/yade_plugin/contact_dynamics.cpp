@@ -14,7 +14,6 @@ namespace {
 
 	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
 	constexpr double deep = 0.01;
-	constexpr double bouncy = 0.5; // restitution above which pushing overlaps out has been seen to create energy
 	constexpr double far = 4; // radii that a disk may move in a step without a warning
 
 	// Steps between two trials of rest, and sweeps in one trial: about one sweep a step since the last trial. This costs less than an island at
@@ -155,7 +154,7 @@ void ContactDynamics::advance()
 
 	tellOfLost();
 	tellOfSpeed(settings.dt);
-	if (restitution > bouncy && gapCorrection > 0)
+	if (restitution > 0 && gapCorrection > 0)
 		link.tell("restitution and gapCorrection together make energy: the velocity that pushes an overlap out bounces on.",
 		    "Set one of them to 0, and take a smaller O.dt against overlaps.");
 	const bool tracks = tracksEnergy(scene);
@@ -323,7 +322,11 @@ void ContactDynamics::watchPenetration(double before) const
 		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
-	if (atOnce && restitution > 0)
+	const double way = 2 * link.pairSearch().longestWay() * smallest; // that two bodies can approach each other in the step
+	if (atOnce && maxPenetration - before > way)
+		remedy = "No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start (handover=False). "
+			 "Move them apart, or set gapCorrection=0.1, which pushes overlaps out";
+	else if (atOnce && restitution > 0)
 		remedy
 		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
 		      "its speed times O.dt until then. Take a smaller O.dt";

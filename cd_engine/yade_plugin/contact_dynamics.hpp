@@ -133,9 +133,9 @@ inline const char* const ContactDynamics::documentation
 template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 {
 	using C = ContactDynamics;
-	const Range any, positive { 0, std::numeric_limits<double>::max(), true };
+	const Range any, relative { 0, 1, true };
 	visit("gravity", &C::gravity, Access::set, any, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
-	visit("tolerance", &C::tolerance, Access::set, positive,
+	visit("tolerance", &C::tolerance, Access::set, relative,
 	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by "
 	    "W_nn, and *bodyError*) [1].");
 	visit("maxIterations", &C::maxIterations, Access::set, Range { 1, 2147483647. },

@@ -136,6 +136,16 @@ TEST_CASE("newton solves where sweeps stagnate: a heavy load on light disks; aut
 	}
 }
 
+TEST_CASE("auto: where Newton's method ends by its limit of operations, plain sweeps use the iterations that it leaves")
+{
+	ContactSystem s = lattice(20, 0.3, 1e6, true); // Newton's method gets through some 400 of its 3000 steps
+	const SolverReport report = findSolver("auto")(s, to(1e-12));
+	CHECK(report.factorizations > 0);
+	CHECK(report.factorizations < 3000);
+	CHECK(report.status == Status::max_iterations);
+	CHECK(report.iterations == to(1e-12).maxIterations);
+}
+
 TEST_CASE("newton, auto: the same bits each time; the error is never larger than that of sweeps alone")
 {
 	for (const ContactSystem& given : { lattice(8, 0.5, 1e6), lattice(8, 0.8, 1e6), lattice(8, 0.5, 1e6, true) }) {

@@ -84,3 +84,27 @@ def test_what_comes_in_one_step_is_said_to(O, capfd):
     plane.run(200, 1e-3, gravity=(0, -G, 0), restitution=0.5)
     said = capfd.readouterr().err
     assert "It came in this one step" in said and "smaller O.dt" in said and "gapCorrection" not in said
+
+
+def resized(O):
+    O.bodies[1].shape.radius = 0.012
+
+
+def turned(O):
+    from yade import Quaternion
+    O.bodies[0].state.ori = Quaternion((0, 0, 1), 0.1)
+
+
+@pytest.mark.parametrize("change", (resized, turned, None))
+def test_an_overlap_that_no_speed_explains_is_not_put_down_to_the_step(O, capfd, change):
+    """A disk at rest that grows, a floor that turns under it, and overlaps that are there from the start but not handed over."""
+    mat = plane.material()
+    plane.box((0, -0.01), (1, 0.01), mat=mat)
+    plane.disk((0.1, 0.01 if change else 0.0095), 0.01, mat=mat)
+    plane.run(3, 1e-3, gravity=(0, -G, 0), handover=change is not None)
+    if change:
+        assert "overlap" not in capfd.readouterr().err
+        change(O)
+        O.run(3, True)
+    said = capfd.readouterr().err
+    assert "No speed explains it" in said and "smaller O.dt" not in said

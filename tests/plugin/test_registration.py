@@ -27,7 +27,7 @@ def test_every_attribute_is_documented_with_default_and_type(cd):
     for name in own:
         text = getattr(cd, name).__doc__
         assert ":ydefault:`" in text and ":yattrtype:`" in text and len(text) > 60, name
-    assert "Must be above 0." in cd.tolerance.__doc__ and "at least 0 and at most 1" in cd.restitution.__doc__
+    assert "Must be above 0 and at most 1." in cd.tolerance.__doc__ and "at least 0 and at most 1" in cd.restitution.__doc__
 
 
 def test_help_and_dict_show_settings_and_results_only(O, cd):

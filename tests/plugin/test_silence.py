@@ -50,7 +50,7 @@ def said_by(O, capfd, steps=3):
 
 
 def test_settings_that_make_energy_together(O, capfd):
-    O.engines = one_disk(restitution=0.9, gapCorrection=0.1)
+    O.engines = one_disk(restitution=0.1, gapCorrection=0.1)
     O.dt = 1e-3
     line, = said_by(O, capfd)
     assert "restitution and gapCorrection together make energy" in line and "Set one of them to 0" in line
@@ -110,7 +110,7 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
 
 
-@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("xyzzy", "help")])
+@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
 def test_misspelt_names(name, said):
     with pytest.raises(AttributeError, match=said):
         cd_engine.engines(**{name: 1})
