@@ -142,9 +142,9 @@ that moves most moves by 6e-7 R in CD and 4e-3 R in MD (medians).
 """
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
-    (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "agrees in part",
-     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. That there are many does: below the static limit "
-     "CD rests because some network is always admissible."),
+    (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "disagrees",
+     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. That there are many is not needed either: without "
+     "friction CD rests on packings whose forces have no freedom, or one direction of it (study isostatic). What is needed is one admissible network."),
     (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
      "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most moves "
      "by 4.8e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % before the packing yields."),

@@ -13,7 +13,7 @@ QUESTION = ("Rigid grains rest under a changed load because many force networks 
 ORDER = 8  # in the report
 LOADING = dict(loading="triangle", period=1.0, wall_mass_ratio=1.0)
 LOAD, SMALLER = 0.02, 0.005  # over P0; the smaller one is below the static limits of all packings
-METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, **LOADING))
+METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, method_cd="auto", **LOADING))
 SEEDS = range(1, 6)
 ROWS = {"quick": [row for method in METHODS for row in product(stiffening=(1, 100), friction=0.0, delta_sigma=LOAD, **method)],
         "full": [row for method in METHODS for row in product(stiffening=(1, 10, 100, 600), friction=(0.0, 0.1), delta_sigma=LOAD, seed=SEEDS, **method)
@@ -66,8 +66,9 @@ def draw(runs, rows, path):
             axis.set_xscale("log")
         else:
             axis.axvline(1, color="k", lw=0.7, ls=":")
-    for axis in axes[1:-1]:
-        axis.sharey(axes[0])
+    everywhere = [abs(row[f"largest |gamma|, {method}"]) for row in rows for method in ("MD", "CD")]
+    for axis in axes[:-1]:
+        axis.set_ylim(min(everywhere, default=1) / 2, max(everywhere, default=1) * 2)
     axes[0].set_ylabel(r"largest $|\gamma|$ in the cycle")
     axes[0].legend()
     for friction, own in groups.items():
@@ -79,8 +80,8 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Rigid grains rest where their contacts can carry the load, and strain where they cannot, under the load about as far as springs do.
-Without friction the packings lose their free force networks as P0/k_n falls: from 0.037 to 0.069 free directions a disk at 6e-4 to at
+Rigid grains rest where their contacts can carry the load, and strain where they cannot, without friction and just beyond the limit about as
+far as springs do under the load. Without friction the packings lose their free force networks as P0/k_n falls: from 0.037 to 0.069 free directions a disk at 6e-4 to at
 most 0.0027, which is one for the whole packing, at 1e-6. Their static limit falls, too, from 1.06 to 1.14 P0 down to 1.01 to 1.04 P0. The
 load is 1.02 P0 on 5 packings at four stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of 7.9e-9 at most). In the
 8 others (4 packings at two stiffnesses) CD strains, by 6.6e-6 to 5.1e-4, which is 0.92 times the strain of MD (median; 0.67 to 0.98).
@@ -91,9 +92,9 @@ though their forces have no freedom or one direction of it. Nor does the number 
 width of the set of forces that counts, which friction, pressure and geometry make. With friction 0.81 to 0.98 free directions a disk are
 left at all pressures, the limit stays at 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9 at most), and MD's
 strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). Packings with friction were not loaded beyond their limit here: see the study of
-the ramp. At most 9 of the 1000 steps of a CD run missed the tolerance of 1e-9.
+the ramp. No step of CD missed its tolerance of 1e-9.
 """
-GIVEN = ("1.02", "1.005", "6e-4", "1e-6", "1e-9", "1000")
+GIVEN = ("0.1", "1.02", "1.005", "6e-4", "1e-6", "1e-9")
 POINTS = ()
 
 
@@ -108,7 +109,7 @@ def numbers(table):
     rests, strains = smooth[carried], smooth[~carried]
     ratio, kept = strains[cd] / strains[md], strains["remaining |gamma|, CD"] / strains["remaining |gamma|, MD"]
     power = [np.polyfit(np.log(part["P0/k_n"]), np.log(part[md]), 1)[0] for _, part in rough.groupby("seed")]
-    assert strains["P0/k_n"].nunique() == 2 and smooth["P0/k_n"].nunique() == 4
+    assert not table["unsolved steps"].any() and strains["P0/k_n"].nunique() == 2 and smooth["P0/k_n"].nunique() == 4
     return {"0.037": soft.freedom.min(), "0.069": soft.freedom.max(), "0.0027": hard.freedom.max(), "1.06": soft["static limit"].min(),
             "1.14": soft["static limit"].max(), "1.01": [hard["static limit"].min(), max(power)], "1.04": hard["static limit"].max(),
             "5": [len(small), (small[cd] < 1e-7).sum(), smooth.seed.nunique()], "12": [len(rests), (rests[cd] < 1e-8).sum()],
@@ -116,4 +117,4 @@ def numbers(table):
             "6.6e-6": strains[cd].min(), "5.1e-4": strains[cd].max(), "0.92": ratio.median(), "0.67": ratio.min(),
             "0.98": [ratio.max(), rough.freedom.max()], "0.06": kept.median(), "0.001": kept.min(), "1.3": kept.max(),
             "0.81": rough.freedom.min(), "1.40": rough["static limit"].min(), "1.60": rough["static limit"].max(), "20": len(rough),
-            "1.3e-9": rough[cd].max(), "0.99": np.median(power), "0.97": min(power), "9": table["unsolved steps"].max()}
+            "1.3e-9": rough[cd].max(), "0.99": np.median(power), "0.97": min(power)}

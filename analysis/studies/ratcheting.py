@@ -21,7 +21,7 @@ RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-9, method_cd="auto", **LOAD
 STIFFER, LOAD, SEEDS = (1, 10, 100), 0.4, range(1, 11)
 PAIRS = {"from k_n to 10 k_n": STIFFER[:2], "from 10 to 100 k_n": STIFFER[1:]}
 NEAR = 0.96    # of the limit
-LOOSER = 1e-6  # a tolerance for comparison
+SOLVED, LOOSER = 1e-7, 1e-6  # tolerances for comparison
 FIRST_PEAK, LAST_PEAK = 1, 2  # snapshots of runs of several cycles; 0 is the start
 ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], delta_sigma=LOAD, cycles=4) for stiffer in STIFFER[:2]]
         + product(delta_sigma=LOAD, cycles=4, **RIGID),
@@ -29,7 +29,9 @@ ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], de
                  for row in product(stiffening=stiffer, delta_sigma=LOAD, cycles=20, seed=SEEDS, **SPRINGS | dict(period=period))]
         + product(stiffening=STIFFER[:2], delta_sigma=LOAD, cycles=20, seed=SEEDS, **SPRINGS)  # in haste, for comparison
         + product(stiffening=STIFFER, delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID)
-        + product(delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID | dict(tolerance=LOOSER))}
+        + product(delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID | dict(tolerance=LOOSER))
+        # Packings that yield cannot be solved to 1e-9 in every step.
+        + product(stiffening=STIFFER, delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID | dict(tolerance=SOLVED))}
 
 
 def summarize(runs):
@@ -66,7 +68,7 @@ def draw(runs, rows, path):
     x = "load over limit"
     panels = ((x, "first cycle", r"largest $\sigma_2/\sigma_1$ over its static limit", "first cycle"),
               (x, "rate", r"largest $\sigma_2/\sigma_1$ over its static limit", "a cycle of the last half"),
-              ("contacts changed", "rate", "contacts that change from the first to the last peak", "a cycle of the last half, springs"))
+              ("contacts changed", "rate", "share of contacts changed, first to last peak", "a cycle of the last half, springs"))
     shades = {stiffer: colour for stiffer, colour in zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7"))
               if any((row["method"], row["k_n over the usual"]) == ("MD", stiffer) for row in rows)}
     for axis, (across, up, label, title) in zip(axes, panels):
@@ -74,7 +76,11 @@ def draw(runs, rows, path):
             own = [row for row in rows if (row["method"], row["k_n over the usual"], row["period"]) == ("MD", stiffer, PERIODS[stiffer])]
             axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["MD"], ms=4.5, color=colour,
                       label=f"springs of {'' if stiffer == 1 else f'{stiffer:g} '}$k_n$")
-        own = [row for row in rows if row["method"] == "CD" and row["tolerance"] != LOOSER]
+        if across == x:
+            for found in summary.groups((row for row in rows if row["method"] == "MD" and row["period"] == PERIODS[row["k_n over the usual"]]),
+                                        lambda row: row["seed"]).values():
+                axis.plot([row[across] for row in found], [row[up] for row in found], color="#DDDDDD", lw=0.7, zorder=0)
+        own = [row for row in rows if row["method"] == "CD" and row["tolerance"] == RIGID["tolerance"]]
         if across == x:
             axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["CD"], ms=4.5, mfc="none",
                       color=style.COLOUR["CD"], label="rigid contacts")
@@ -84,36 +90,39 @@ def draw(runs, rows, path):
         axis.set(yscale="log", xlabel=label, title=title)
     axes[0].set_ylabel(r"strain of a cycle $|\Delta\gamma|$")
     axes[0].legend(loc="center left")
-    style.finish(fig, path, "A point a packing. Each seed is prepared with three stiffnesses, whose limits differ; rigid contacts are put "
-                 "into all of these packings.", runs)
+    style.finish(fig, path, "A point a packing; grey lines join those of one seed, prepared with three stiffnesses. Rigid contacts (to 1e-9) "
+                 "are put into all of them.", runs)
 
 
 ANSWER = """
 Far below the limit springs strain from cycle to cycle because they are soft. Up to 0.96 of it, and at equal load over it, the strain of
-the first cycle goes as k_n to the power -1.03 (standard error 0.05) and that of a late cycle to the power -0.98 (0.13): deformation of
-the contacts, type I. Between 0.96 and the limit stiffness helps less: the powers are -0.76 (0.19) and -0.42 (0.17), as rearrangements,
-type II, add to the strain. Over all 26 runs below the limit, of 10 seeds, they are -0.92 (0.09) and -0.75 (0.14); from k_n to 10 k_n the
-late cycle has -0.78 (0.22), from 10 to 100 k_n -0.62 (0.17). Stiffness was not varied on one and the same packing, as a stiffened packing
-has other contacts and is nearer to its limit. Most rates still fall: over the last five cycles they are 0.74 times those of the five
+the first cycle goes as k_n to the power -1.03 (standard error 0.05) and that of a late cycle to the power -0.98 (0.13), over 13 runs from 7 seeds.
+Within the 4 of these seeds that have several stiffnesses there the powers are -1.00 (0.04) and -0.76 (0.09). So the first cycle deforms the
+contacts, type I, and a late one mostly does, not wholly. Between 0.96 and the limit stiffness helps less: the powers are -0.76 (0.19) and -0.42
+(0.17), over 13 runs from 8 seeds, as rearrangements, type II, add to the strain. Over all 26 runs below the limit, of 10 seeds, they are
+-0.92 (0.09) and -0.75 (0.14), within the seeds -0.81 (0.11) and -0.47 (0.13); from k_n to 10 k_n the late cycle has -0.78 (0.22), from 10
+to 100 k_n -0.62 (0.17). The bound of 0.96 was chosen when the runs were known. Stiffness was not varied on one and the same packing, as a
+stiffened packing has other contacts and is nearer to its limit. Most rates still fall: over the last five cycles they are 0.74 times those of the five
 before (median; quartiles 0.60 and 0.89).
 
 Cycles have to be slow. With 0.5 s instead of 2 s springs of k_n lag behind the load, and a late cycle strains them 3.1 times as far
 (median of 10 packings; 0.4 to 5.6), the first one 1.15 times. Springs of 10 k_n strain 1.05 times as far with 0.5 s as with 0.63 s.
 
 Rigid contacts rest below 0.98 of the limit, in 19 of 19 cases, with 6.4e-10 a cycle at most. Between 0.98 and the limit 3 of 7 yield, by
-1.8e-5 to 2.9e-4 in 20 cycles: the static limit says what contacts with friction can carry at most, not that they will. What those that
+1.8e-5 to 2.9e-4 in 20 cycles: the static limit says what contacts with friction can carry at most, not that they will. The 7 runs that yield, here and beyond the limit, miss their tolerance of
+1e-9 in 5 to 24 of 4000 steps; to 1e-7 no run misses a step, and these packings yield 0.99 to 1.24 times as far. What those that
 rest strain is the error of the solver. In the packings of k_n it is 2.1e-10 a cycle with a tolerance of 1e-9 and 5.1e-7 with 1e-6
 (medians).
 
 Beyond the limit, up to 1.04 of it, rigid contacts yield, by 3.1e-4 to 1.2e-3 in the first cycle (4 cases from 3 seeds). Springs of 100
 k_n strain 1.06 to 1.19 times as far there (3 cases) and springs of 10 k_n 1.74 times (1 case): the stiffer they are, the more they do as
-rigid contacts do. Then these packings rest, with 2.3e-8 a cycle at most, since they have found contacts that carry 1.42 to 1.45 P0, more
+rigid contacts do. But springs strain on: after 20 cycles those of 100 k_n have strained 1.09 to 1.74 times as far as rigid contacts. These rest, with 2.3e-8 a cycle at most, since they have found contacts that carry 1.42 to 1.45 P0, more
 than the load. Other packings do not: see Fig. 3, where half of those a little above the limit strain on.
 
 In springs the contacts that change from the first to the last peak of the load go with the strain of a late cycle (rank correlation 0.82
 to 0.88 at each stiffness). In rigid packings that number says nothing: forces leave contacts that stay closed.
 """
-GIVEN = ("0.5", "0.63", "1e-6", "1e-9", "20", "100", "2", "1", "0.98")
+GIVEN = ("0.5", "0.63", "1e-6", "1e-7", "1e-9", "20", "100", "2", "1", "0.98", "4000")
 POINTS = ()
 
 
@@ -123,17 +132,23 @@ def slow(table):
     return own[own.period == own["k_n over the usual"].map(PERIODS)]
 
 
-def power(rows, name):
+def several(rows):
+    """Return the runs of the seeds that have more than one stiffness among the rows."""
+    return rows[rows.groupby("seed")["k_n over the usual"].transform("nunique") > 1]
+
+
+def power(rows, name, within=False):
     """Return (b, standard error) of name ~ k_n^b exp(c load/limit), by least squares; the error by the jackknife over the seeds.
 
-    Stiffer packings are nearer to their limits, so that both have to be fitted at once.
+    Stiffer packings are nearer to their limits, so that both have to be fitted at once. within: with a factor for each seed.
     """
-    without = np.array([_fit(rows[rows.seed != seed], name) for seed in rows.seed.unique()])
-    return _fit(rows, name), np.sqrt((len(without) - 1) * without.var())
+    without = np.array([_fit(rows[rows.seed != seed], name, within) for seed in rows.seed.unique()])
+    return _fit(rows, name, within), np.sqrt((len(without) - 1) * without.var())
 
 
-def _fit(rows, name):
-    known = np.column_stack([np.log(rows["k_n over the usual"]), rows["load over limit"], np.ones(len(rows))])
+def _fit(rows, name, within):
+    factors = rows.seed.to_numpy()[:, None] == rows.seed.unique() if within else np.ones((len(rows), 1))
+    known = np.column_stack([np.log(rows["k_n over the usual"]), rows["load over limit"], factors])
     return np.linalg.lstsq(known, np.log(rows[name]), rcond=None)[0][0]
 
 
@@ -141,11 +156,13 @@ def numbers(table):
     """Return the numbers of the text, from the summary table."""
     load, first, rate, stiffer, end = "load over limit", "first cycle", "rate", "k_n over the usual", "gamma at the end"
     springs, loose = slow(table), table[table.tolerance == LOOSER]
-    rigid = table[(table.method == "CD") & (table.tolerance != LOOSER)]
+    rigid, solved = (table[table.tolerance == tolerance] for tolerance in (RIGID["tolerance"], SOLVED))
     rests, near, beyond = rigid[rigid[load] < 0.98], rigid[rigid[load].between(0.98, 1)], rigid[rigid[load] > 1]
     yields = near[end].abs()[lambda strains: strains > 1e-5]
+    far, close, apart = springs[springs[load] < NEAR], springs[springs[load] > NEAR], several(springs)
+    (first_own, late_own), (first_each, late_each) = ([power(rows, name, within=True) for name in (first, rate)] for rows in (several(far), apart))
     (first_far, late_far), (first_near, late_near), (first_all, late_all) = (
-        [power(rows, name) for name in (first, rate)] for rows in (springs[springs[load] < NEAR], springs[springs[load] > NEAR], springs))
+        [power(rows, name) for name in (first, rate)] for rows in (far, close, springs))
     softer, harder = (power(springs[springs[stiffer].isin(pair)], rate) for pair in PAIRS.values())
     slows = springs["last quarter's rate over the one before"]
     md = table[table.method == "MD"].set_index("seed")
@@ -154,18 +171,26 @@ def numbers(table):
     haste = {k: hasty[k] / usual[k] for k in hasty}
     pairs = beyond.merge(md[md.period == md[stiffer].map(PERIODS)].reset_index(), on=[stiffer, "seed"], suffixes=("", " MD"))
     ratio = (pairs[f"{first} MD"] / pairs[first]).groupby(pairs[stiffer])
+    alike = rigid.merge(solved, on=[stiffer, "seed"], suffixes=("", " to 1e-7"))
+    alike = alike[alike[end].abs() > 1e-5]
+    missed, alike = alike["unsolved steps"].astype(float), alike[f"{end} to 1e-7"] / alike[end]
+    assert not solved["unsolved steps"].astype(float).any() and len(alike) == len(yields) + len(beyond)
+    later = (pairs[f"{end} MD"] / pairs[end])[pairs[stiffer] == 100]
     together = [part[rate].corr(part["contacts changed"], method="spearman") for _, part in springs.groupby(stiffer)]
     assert (ratio.size() == [1, 3]).all() and (beyond["limit at the last load"] > 1 + LOAD).all()
-    return {"0.96": NEAR, "-1.03": first_far[0], "0.05": first_far[1], "-0.98": late_far[0], "0.13": late_far[1], "-0.76": first_near[0],
-            "0.19": first_near[1], "-0.42": late_near[0], "0.17": [late_near[1], harder[1]], "26": [len(springs), len(slows)],
-            "10": [springs.seed.nunique(), len(haste[1][rate])], "-0.92": first_all[0], "0.09": first_all[1], "-0.75": late_all[0],
-            "0.14": late_all[1], "-0.78": softer[0], "0.22": softer[1], "-0.62": harder[0], "0.74": slows.median(),
+    return {"0.96": NEAR, "-1.03": first_far[0], "0.05": first_far[1], "-0.98": late_far[0], "0.13": [late_far[1], late_each[1]],
+            "13": [len(far), len(close)], "7": [far.seed.nunique(), len(near), len(alike)], "4": [several(far).seed.nunique(), len(beyond)],
+            "-1.00": first_own[0], "0.04": first_own[1], "-0.76": [late_own[0], first_near[0]], "0.09": [late_own[1], first_all[1]],
+            "0.19": first_near[1], "-0.42": late_near[0], "0.17": [late_near[1], harder[1]], "8": close.seed.nunique(),
+            "26": [len(springs), len(slows)], "10": [springs.seed.nunique(), len(haste[1][rate])], "-0.92": first_all[0],
+            "-0.75": late_all[0], "0.14": late_all[1], "-0.81": first_each[0], "0.11": first_each[1], "-0.47": late_each[0],
+            "-0.78": softer[0], "0.22": softer[1], "-0.62": harder[0], "0.74": slows.median(),
             "0.60": slows.quantile(0.25), "0.89": slows.quantile(0.75), "3.1": haste[1][rate].median(), "0.4": haste[1][rate].min(),
             "5.6": haste[1][rate].max(), "1.15": haste[1][first].median(), "1.05": haste[10][rate].median(),
             "19": [len(rests), (rests[end].abs() < 1e-6).sum()], "6.4e-10": rests[rate].max(),
-            "3": [len(yields), beyond.seed.nunique(), ratio.size()[100]], "7": len(near), "1.8e-5": yields.min(), "2.9e-4": yields.max(),
+            "3": [len(yields), beyond.seed.nunique(), ratio.size()[100]], "1.8e-5": yields.min(), "2.9e-4": yields.max(), "5": missed.min(), "24": missed.max(), "0.99": alike.min(), "1.24": alike.max(),
             "2.1e-10": rigid[rigid[stiffer] == 1][rate].median(), "5.1e-7": loose[rate].median(), "1.04": beyond[load].max(),
-            "3.1e-4": beyond[first].min(), "1.2e-3": beyond[first].max(), "4": len(beyond), "1.06": ratio.min()[100],
-            "1.19": ratio.max()[100], "1.74": ratio.max()[10], "2.3e-8": beyond[rate].max(),
+            "3.1e-4": beyond[first].min(), "1.2e-3": beyond[first].max(), "1.06": ratio.min()[100],
+            "1.19": ratio.max()[100], "1.74": [ratio.max()[10], later.max()], "1.09": later.min(), "2.3e-8": beyond[rate].max(),
             "1.42": beyond["limit at the last load"].min(), "1.45": beyond["limit at the last load"].max(), "0.82": min(together),
             "0.88": max(together)}
