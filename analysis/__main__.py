@@ -120,12 +120,13 @@ def _recommend(options):
 
 
 def _summary(options):
-    """Return a table; a failed or unfinished run stays in it, with its status."""
-    rows = []
+    """Print a table, then what is known exactly of each run; a failed or unfinished run stays in the table, with its status."""
+    rows, exact = [], []
     for name in options.files:
         run = reader.load(name, finished=False)
         rows.append({"file": run.path.name, "method": run.method, "status": str(run.attributes["status"])} | (_numbers(run) if run.finished else {}))
-    print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"))
+        exact += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
+    print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *exact, sep="\n")
     return 0
 
 

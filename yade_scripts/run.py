@@ -82,7 +82,8 @@ def _run(path, full, folder, checkpoint_samples):
     show.close()
     if isinstance(failure, OSError):
         raise failure
-    recorder.close(failure, collapse)
+    for name, known in recorder.close(failure, collapse).items():
+        print(f"{name}: {known}")
     if failure is None or isinstance(failure, RuntimeError):  # a RuntimeError would come again; after anything else a new attempt can resume
         checkpoints.remove()
     return failure

@@ -157,5 +157,12 @@ def test_error_of_a_run_is_the_largest_of_what_is_known(md):
     assert reader.load(md).error == np.inf
 
 
+def test_summary_says_what_is_known(md, capsys):
+    add_known(md, "way", 2.5, exact=2.0, scale=10.0)
+    add_known(md, "share", 0.5, exact=0.5, unit="1")
+    assert main(["summary", str(md)]) == 0
+    assert capsys.readouterr().out.splitlines()[-2:] == ["a-MD.h5: share: 0.5, exact 0.5, error 0", "a-MD.h5: way: 2.5 m, exact 2 m, error 0.05"]
+
+
 def test_names_of_the_schema_have_units():
     assert all(field.unit for field in schema.HISTORY.values())

@@ -113,6 +113,11 @@ def test_errors_and_where_they_come_from_are_in_the_file(yade60):
             assert abs(known[()] - known.attrs["exact"]) < 1e-6 * known.attrs["scale"]
 
 
+def test_a_run_ends_with_what_is_known(yade60):
+    said = yade60.script("run.py", "scene=slide_to_roll", "speed=0.5").stdout.splitlines()
+    assert said[-3].startswith("final_speed: 0.3333 m/s, exact 0.3333 m/s, error ") and said[-1].endswith(": finished")
+
+
 @pytest.mark.parametrize("row, words", [
     (dict(scene="stopping_distance", speed=5.0), "so that the block stops"), (dict(scene="zeno", drop=2.0), "beyond the time of rest"),
     (dict(scene="zeno", restitution=1.0), "restitution below 1"), (dict(scene="cradle", period=1e-3), "to reach each other"),

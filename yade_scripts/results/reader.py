@@ -41,6 +41,10 @@ class Known:
         error = schema.relative_error(self.measured, self.exact, self.scale, self.deviation)
         return error if np.isfinite(error) else np.inf
 
+    def __str__(self):
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.measured:.4g}{unit}, exact {self.exact:.4g}{unit}, error {self.error:.1g}"
+
 
 @dataclass(frozen=True)
 class Run:
@@ -137,8 +141,12 @@ def _read(path, file):
     history = {name: data[()] for name, data in file["history"].items()}
     snapshots = [_read_snapshot(file["snapshots"][number]) for number in sorted(file.get("snapshots", ()), key=int)]
     extra = {name: data[()] for name, data in file.get("extra", {}).items()}
-    known = {name: Known(float(data[()]), **{key: data.attrs[key] for key in schema.KNOWN}) for name, data in file.get("known", {}).items()}
-    return Run(path, attributes, json.loads(attributes["parameters"]), history, snapshots, extra, known)
+    return Run(path, attributes, json.loads(attributes["parameters"]), history, snapshots, extra, known(file))
+
+
+def known(file):
+    """Return {name: Known} of an open file."""
+    return {name: Known(float(data[()]), **{key: data.attrs[key] for key in schema.KNOWN}) for name, data in file.get("known", {}).items()}
 
 
 def _read_snapshot(group):

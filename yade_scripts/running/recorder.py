@@ -14,7 +14,7 @@ import numpy as np
 from yade import O, config, utils
 
 from yade_scripts import parameters
-from yade_scripts.results import schema, sealed
+from yade_scripts.results import reader, schema, sealed
 from yade_scripts.running import md_step, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
@@ -160,7 +160,7 @@ class Recorder:
         self.rows.clear()
 
     def close(self, failure=None, collapse=None):
-        """End the file with its status; failure, collapse: the exception that ended the run."""
+        """End the file with its status; failure, collapse: the exception that ended the run. Return its known numbers, {name: reader.Known}."""
         self._write_rows()
         for known in () if failure else self.scene.known:
             value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
@@ -171,6 +171,8 @@ class Recorder:
         self.file.attrs["outcome"] = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
+        known = reader.known(self.file)
         self.file.close()
         self._write(self.path)
         self.partial.unlink(missing_ok=True)
+        return known
