@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas
 
-from yade_scripts import commands, parameters, results, tables
+from yade_scripts import commands, parameters, tables
 from yade_scripts.results import reader
 from yade_scripts.running import queue
 
@@ -155,12 +155,12 @@ def _check(options):
     for name in options.files:
         try:
             run = reader.load(name)
+            own = f"{run.name}.h5"
         except reader.ResultError as error:
             print(error)
             bad += 1
             continue
         commits.setdefault(run.attributes["git_commit"], []).append(run.path.name)
-        own = results.path_of(parameters.complete(run.parameters)).name
         print(f"{name}: finished, {run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots"
               + (f"; it is not named after its parameters, which would be {own}" if own != run.path.name else ""))
     if len(commits) > 1:

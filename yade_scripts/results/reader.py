@@ -62,6 +62,15 @@ class Run:
     known: dict = field(default_factory=dict)
 
     @property
+    def name(self):
+        """The name that its parameters give it. Raise ResultError if this program has no such run, as of a scene that was removed."""
+        try:
+            return parameters.result_name(parameters.complete(self.parameters))
+        except parameters.ParameterError as error:
+            raise ResultError(self.path, f"this program cannot run its parameters: {error}",
+                              f"it was made by commit {self.attributes['git_commit']}") from None
+
+    @property
     def method(self):
         """MD or CD."""
         return self.attributes["method"]
@@ -130,9 +139,8 @@ def load_row(full, folder=results.FOLDER):
     """Return the run of a full row from its file in `folder`. Raise ResultError as `load` does, and if the file holds another run."""
     path = results.path_of(full, folder)
     run = load(path, finished=False)
-    name = parameters.result_name(parameters.complete(run.parameters))
-    if name != path.stem:
-        raise ResultError(path, f"it holds another run than its name says ({name})", AGAIN)
+    if run.name != path.stem:
+        raise ResultError(path, f"it holds another run than its name says ({run.name})", AGAIN)
     return run
 
 
