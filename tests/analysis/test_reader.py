@@ -56,8 +56,8 @@ def test_every_flipped_bit_is_detected(md):
         bad, place = bytearray(good), draw.randrange(len(good))
         bad[place] ^= 1 << draw.randrange(8)
         md.write_bytes(bad)
-        refused(md, "checksum")
-        assert results.status(md).startswith("failed: ")
+        refused(md)
+        assert results.status(md).startswith("failed: ") and "checksum" in results.status(md)
 
 
 def test_a_changed_value_is_found_by_check(md, capsys):
@@ -116,13 +116,18 @@ def test_what_is_no_file_is_said_in_a_sentence(tmp_path):
         asked.join(30)
         assert answer and "is not a regular file" in answer.pop()
         refused(path, "is not a regular file")
-    (tmp_path / "text.h5").write_text("time gamma\n0 0\n")
-    refused(tmp_path / "text.h5", "checksum")
-    with h5py.File(tmp_path / "other.h5", "w") as file:
+
+
+def test_what_was_never_a_result_is_not_called_damaged(tmp_path, md, root):
+    """It may be somebody's only copy; a result that was cut off is one that can be made again."""
+    other = tmp_path / "other.h5"
+    with h5py.File(other, "w") as file:
         file["W"] = np.eye(2)
-    refused(tmp_path / "other.h5", "checksum")
-    sealed.write(tmp_path / "other.h5", (tmp_path / "other.h5").read_bytes())
-    refused(tmp_path / "other.h5", "lacks the attributes schema_version")
+    sealed.write(tmp_path / "sealed.h5", other.read_bytes())  # as measurements are
+    for path in (root / "README.md", root / "yade_scripts/results/schema.py", other, tmp_path / "sealed.h5"):
+        assert refused(path) == f"{path}: is no result of this project"
+    md.write_bytes(md.read_bytes()[:-100])
+    refused(md, "is damaged", "run it again")
 
 
 def test_failed_and_unfinished_runs_give_their_reason(tmp_path, md):

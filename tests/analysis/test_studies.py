@@ -61,7 +61,7 @@ def test_rows_without_a_result_keep_their_reason(fig4_results):
     cases = [(lambda: cd.rename(cd.with_name(cd.stem + ".partial.h5")), "under way or interrupted"),
              (lambda: cd.with_name(cd.stem + ".partial.h5").unlink(), studies.NOT_RUN),
              (lambda: write(cd, "CD", row=CD_ROW, finished=False, status="failed: walls locked"), "failed: walls locked"),
-             (lambda: cd.write_bytes(b"no HDF5"), "checksum")]
+             (lambda: cd.write_bytes(b"no HDF5"), "no result of this project")]
     for change, reason in cases:
         change()
         (path, row, why), = studies.collect("fig4", fig4_results).missing

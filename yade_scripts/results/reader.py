@@ -12,15 +12,16 @@ from yade_scripts.results import schema, sealed
 
 
 PARTIAL_SUFFIX = ".partial.h5"
-AGAIN = "remove it and run it again"
+AGAIN = "run it again"  # which replaces the file: what is not understood here may still be of value to somebody
+MARK = b"state_sha256\0"  # the name of an attribute that only results have, as HDF5 writes it; a text has no zero
 RESULTS = Path(__file__).resolve().parents[2] / results.FOLDER
 
 
 class ResultError(Exception):
     """A result file cannot be used. The message states which file, what is wrong, and what to do."""
 
-    def __init__(self, path, what, remedy):
-        super().__init__(f"{path}: {what}; {remedy}")
+    def __init__(self, path, what, remedy=""):
+        super().__init__(f"{path}: {what}" + f"; {remedy}" * bool(remedy))
         self.what, self.remedy = what, remedy
 
 
@@ -122,10 +123,12 @@ def load(path, finished=True):
     if path.name.endswith(PARTIAL_SUFFIX) and finished:
         raise ResultError(path, "the run is under way or was interrupted", "start it again if it is not under way")
     try:
-        with sealed.open_checked(path) as file:
+        with sealed.open_checked(path, MARK) as file:
             if found := schema.problems(file):
                 raise ResultError(path, "; ".join(found), AGAIN)
             run = _read(path, file)
+    except sealed.Foreign as error:
+        raise ResultError(path, str(error)) from None
     except sealed.Damaged as error:
         raise ResultError(path, str(error), AGAIN) from None
     except (KeyError, TypeError, ValueError) as error:

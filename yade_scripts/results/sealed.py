@@ -17,6 +17,10 @@ class Damaged(ValueError):
     """The content of a file is not what was written. The message states what is wrong with it."""
 
 
+class Foreign(Damaged):
+    """A file has never been what was asked for, so nobody should be told to make it again."""
+
+
 def write(path, content):
     """Write the bytes of an HDF5 file to `path`, with the checksum appended."""
     replace(path, content + _seal(content))
@@ -42,14 +46,16 @@ def replace(path, content):
         os.close(folder)
 
 
-def open_checked(path):
-    """Return the file opened for reading if its checksum matches its content. Raise Damaged otherwise."""
+def open_checked(path, mark=b""):
+    """Return the file opened for reading if its checksum matches its content. Raise Damaged otherwise, Foreign if it does not hold the bytes `mark`."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise Damaged("is not a regular file")
+            raise Foreign("is not a regular file")
         content = pathlib.Path(path).read_bytes()
     except OSError as error:
         raise Damaged(f"cannot be read ({error.strerror})") from None
+    if mark not in content:  # before HDF5 sees it: libhdf5 may crash on a damaged file
+        raise Foreign("is no result of this project")
     length = len(_seal(b""))
     if content[-length:] != _seal(content[:-length]):
         raise Damaged("is damaged, or another program has changed it: its checksum is missing or does not match its content")
