@@ -162,25 +162,38 @@ REGISTRY = {p.name: p for p in (
 
 
 def registry(scene):
-    """Return the parameters that rows of a scene may have: {name: Parameter}, the general ones first."""
-    return REGISTRY | {parameter.name: parameter for parameter in scenes.module(scene).PARAMETERS}
+    """Return the parameters that rows of a scene may have: {name: Parameter}, the general ones first. Raise ParameterError if a name is there twice."""
+    file = scenes.module(scene)
+    own = {parameter.name: parameter for parameter in file.PARAMETERS}
+    if twice := REGISTRY.keys() & own:
+        raise ParameterError(f"{file.__file__}: PARAMETERS repeats {', '.join(sorted(twice))}, which every scene has: take another name, or set its default in DEFAULTS")
+    return REGISTRY | own
 
 
 def defaults(scene):
     """Return the row of a scene for which the user sets nothing: the scene's own defaults over the registry's."""
-    return {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene} | scenes.module(scene).DEFAULTS
+    usual, file = {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene}, scenes.module(scene)
+    try:
+        return usual | _checked(file.DEFAULTS, scene)
+    except ParameterError as error:
+        raise ParameterError(f"{file.__file__}: DEFAULTS: {error}") from None
 
 
 def complete(row):
     """Return the full row: `row`, checked, over the defaults of the scene and of the registry. Raise ParameterError if it cannot be run."""
     scene = REGISTRY["scene"].check(row.get("scene", REGISTRY["scene"].default))
-    legal = registry(scene)
-    for name in row:
-        if name not in legal:
-            raise ParameterError(f"unknown parameter {name!r} (value {row[name]!r}); {_hint(name, legal, scene)}")
-    full = defaults(scene) | {name: legal[name].check(value) for name, value in row.items()}
+    full = defaults(scene) | _checked(row, scene)
     _check_together(full)
     return full
+
+
+def _checked(part, scene):
+    """Return a part of a row of a scene with its values checked."""
+    legal = registry(scene)
+    for name in part:
+        if name not in legal:
+            raise ParameterError(f"unknown parameter {name!r} (value {part[name]!r}); {_hint(name, legal, scene)}")
+    return {name: legal[name].check(value) for name, value in part.items()}
 
 
 def _hint(name, legal, scene):

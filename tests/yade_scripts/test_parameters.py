@@ -63,6 +63,18 @@ def test_a_scene_s_own_parameter_counts_in_its_rows_alone(own):
         complete({"lean": 2})
 
 
+@pytest.mark.parametrize("changes, words", [
+    ({"DEFAULTS": {"frictoin": 0.3}}, "stack.py: DEFAULTS: unknown parameter 'frictoin' .value 0.3.; did you mean friction"),
+    ({"DEFAULTS": {"friction": 3}}, "stack.py: DEFAULTS: friction = 3: must be a number in"),
+    ({"PARAMETERS": (parameters.Parameter("friction", 0.5, "1", "made up"),)}, "stack.py: PARAMETERS repeats friction, which every scene has")])
+def test_a_wrong_parameter_of_a_scene_is_refused_with_its_file(monkeypatch, changes, words):
+    for name, value in changes.items():
+        monkeypatch.setattr(scenes.module("stack"), name, value)
+    with pytest.raises(ParameterError, match=words) as caught:
+        complete({"scene": "stack"})
+    assert str(caught.value).count("stack.py") == 1
+
+
 def test_a_new_parameter_orphans_no_result(monkeypatch):
     """A new parameter, general or of a scene, keeps all names of results; a value other than its default gives another name."""
     rows = [{"scene": scene} for scene in scenes.names()] + [{"seed": 3}, {"scene": "stack", "disks": 7}]
