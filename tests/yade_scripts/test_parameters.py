@@ -75,6 +75,20 @@ def test_a_wrong_parameter_of_a_scene_is_refused_with_its_file(monkeypatch, chan
     assert str(caught.value).count("stack.py") == 1
 
 
+def test_a_scene_that_lacks_something_is_refused(monkeypatch):
+    file = scenes.module("stack")
+    for name in ("KIND", "build"):
+        monkeypatch.delattr(file, name)
+    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; yade_scripts/README.md lists what a scene has"):
+        complete({"scene": "stack"})
+
+
+def test_a_build_that_returns_nothing_is_named(O, monkeypatch):
+    monkeypatch.setattr(scenes.module("stack"), "build", lambda full, folder: None)
+    with pytest.raises(ParameterError, match=r"^build\(\) of scene stack must return a Scene$"):
+        scenes.build(complete({"scene": "stack"}), "results")
+
+
 def test_a_new_parameter_orphans_no_result(monkeypatch):
     """A new parameter, general or of a scene, keeps all names of results; a value other than its default gives another name."""
     rows = [{"scene": scene} for scene in scenes.names()] + [{"seed": 3}, {"scene": "stack", "disks": 7}]

@@ -3,15 +3,16 @@
 A scene's file declares
     TITLE       what is simulated
     KIND        what it is like, in words that several scenes share: charts compare scenes of one kind
-    METHODS     ("MD",) or ("CD",), where only one of them can run it
     HORIZON     one sentence: over which time the errors of its known quantities mean something
     LEFT_OUT    what the model leaves out, and why that is safe; of a method that it does not have, why
-    DEFAULTS    the general parameters' defaults that it changes
-    PARAMETERS  the parameters that only it has, if any
-    CHART       Chart: what the charts of speed against accuracy try on it; not where nothing exact is known
-    check(full)             if values have to fit each other: ParameterError where they do not
+    DEFAULTS    the general parameters' defaults that it changes, {} for none
     build(full, folder)     -> Scene; fills YADE's O (bodies, engines, dt) from a full row of parameters; `folder` holds the results and,
                             in states/, the prepared packings
+and where there is need
+    METHODS     ("MD",) or ("CD",), where only one of them can run it
+    PARAMETERS  the parameters that only it has
+    CHART       Chart: what the charts of speed against accuracy try on it; not where nothing exact is known
+    check(full)             where values have to fit each other: ParameterError where they do not
 and imports what needs YADE inside `build`, so that lists of parameters and charts can read the rest.
 """
 import importlib
@@ -109,8 +110,11 @@ def names():
 
 
 def module(name):
-    """Return the file of a scene, with what it need not declare."""
+    """Return the file of a scene, with what it need not declare. Raise ParameterError if it lacks what it has to."""
+    from yade_scripts.parameters import ParameterError
     found = importlib.import_module(f"{__name__}.{name}")
+    if lacking := [word for word in ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build") if not hasattr(found, word)]:
+        raise ParameterError(f"{found.__file__} lacks {', '.join(lacking)}; yade_scripts/README.md lists what a scene has")
     for declared, usual in (("METHODS", ("MD", "CD")), ("PARAMETERS", ()), ("CHART", None)):
         vars(found).setdefault(declared, usual)
     return found
@@ -122,9 +126,14 @@ def method(full):
 
 
 def build(full, folder):
+    """Build the scene of a full row in O. Return its Scene."""
     from yade import O
 
+    from yade_scripts.parameters import ParameterError
     from yade_scripts.running import precision
     precision.check()
     O.reset()
-    return module(full["scene"]).build(full, folder)
+    built = module(full["scene"]).build(full, folder)
+    if not isinstance(built, Scene):
+        raise ParameterError(f"build() of scene {full['scene']} must return a Scene")
+    return built
