@@ -41,7 +41,8 @@ struct ContactRow {
 
 	// Whether neither body can move along the normal: the compliance `along` the normal is only round-off of the sum of `all` compliances.
 	// Example: the normal of a body blocked along x, computed as (1, cos(pi/2)), has 6e-17 along y: an effective mass of 1e32 times its own.
-	static bool held(double along, double all) { return along <= 1e-29 * all; } // (14 epsilon)^2
+	static constexpr double leastShare = 1e-29; // (14 epsilon)^2
+	static bool held(double along, double all) { return along <= leastShare * all; }
 	double freedom(const double* a, const double* b) const
 	{
 		return a[0] + a[1] + b[0] + b[1] + (an * an + at * at) * a[2] + (bn * bn + bt * bt) * b[2];

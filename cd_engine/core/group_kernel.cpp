@@ -9,6 +9,7 @@ namespace cd {
 namespace any_processor {
 #include "group_kernel.inl"
 #include "row_kernel.inl"
+#include "pair_kernel.inl"
 }
 #undef LANES
 
@@ -19,6 +20,7 @@ namespace any_processor {
 namespace avx2 {
 #include "group_kernel.inl"
 #include "row_kernel.inl"
+#include "pair_kernel.inl"
 }
 #undef LANES
 #pragma GCC pop_options
@@ -29,6 +31,7 @@ namespace avx2 {
 namespace avx512 {
 #include "group_kernel.inl"
 #include "row_kernel.inl"
+#include "pair_kernel.inl"
 }
 #undef LANES
 #pragma GCC pop_options
@@ -39,12 +42,12 @@ namespace {
 	const GroupKernel all[] = {
 #ifdef __x86_64__
 		{ "avx512", 8, avx512::sweep, avx512::sweepAhead, avx512::extrapolate, avx512::press, avx512::miss, avx512::sweepRows,
-		    avx512::sweepRowsAhead, avx512::extrapolateRows },
+		    avx512::sweepRowsAhead, avx512::extrapolateRows, avx512::overlaps, avx512::assemble },
 		{ "avx2", 4, avx2::sweep, avx2::sweepAhead, avx2::extrapolate, avx2::press, avx2::miss, avx2::sweepRows, avx2::sweepRowsAhead,
-		    avx2::extrapolateRows },
+		    avx2::extrapolateRows, avx2::overlaps, avx2::assemble },
 #endif
 		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate, any_processor::press, any_processor::miss,
-		    any_processor::sweepRows, any_processor::sweepRowsAhead, any_processor::extrapolateRows },
+		    any_processor::sweepRows, any_processor::sweepRowsAhead, any_processor::extrapolateRows, any_processor::overlaps, any_processor::assemble },
 	};
 	constexpr std::size_t known = sizeof all / sizeof *all;
 

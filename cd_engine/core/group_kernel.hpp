@@ -1,8 +1,10 @@
 // The inner loops of a sweep, compiled once for each kind of processor. All versions give the same bits.
 #pragma once
 
+#include "contact_system.hpp"
 #include "group.hpp"
 #include "row_group.hpp"
+#include "world.hpp"
 
 #include <cstddef>
 
@@ -19,6 +21,27 @@ struct alignas(64) LaneMisses {
 	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
 	double velocity[Group::lanes];
 	double worst[Group::lanes], mostVelocity[Group::lanes];
+};
+
+// Eight pairs.
+struct alignas(64) PairLanes {
+	static constexpr int lanes = 8;
+	int32_t a[lanes], b[lanes];
+	double reference[lanes];
+	double overlap[lanes], gap[lanes]; // as in Touch, and beyond the reference one [m]
+	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
+};
+// Eight rows; the other arms are 0.
+struct alignas(64) RowLanes {
+	double mu[PairLanes::lanes];
+	double was[6][PairLanes::lanes]; // the members of Carried
+	double nx[PairLanes::lanes], ny[PairLanes::lanes], at[PairLanes::lanes], bt[PairLanes::lanes], bias[PairLanes::lanes];
+	double wnn[PairLanes::lanes], wnt[PairLanes::lanes], wtt[PairLanes::lanes], pn[PairLanes::lanes], pt[PairLanes::lanes];
+};
+struct RowSettings {
+	double dt, gapCorrection;
+	double pushedOut; // gap from which an overlap is pushed out, in radii
+	double onCone; // factor on mu p_n up to which a first guess is in the cone
 };
 
 struct GroupKernel {
@@ -41,6 +64,10 @@ struct GroupKernel {
 	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
 	// Replaces the impulses p of every group by y = p + beta (p - before), with a beta for each group; `before` becomes p.
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
+	// Where the disks of eight pairs touch.
+	void (*overlaps)(const Place* places, PairLanes& pairs, double nearby);
+	// The rows of eight pairs; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
+	void (*assemble)(const Place* places, const BodyVelocity* bodies, const PairLanes& pairs, RowLanes& rows, const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.

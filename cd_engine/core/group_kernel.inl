@@ -10,19 +10,21 @@ INLINE Vector larger(const Vector& a, const Vector& b) { return a > b ? a : b; }
 INLINE Vector smaller(const Vector& a, const Vector& b) { return a < b ? a : b; }
 INLINE Vector absolute(const Vector& x) { return larger(x, -x); }
 
+// The four numbers of a body, in an array of structures of `size` times four numbers.
+template <int size> INLINE const Quad& body(const void* of, int32_t i) { return static_cast<const Quad*>(of)[size * static_cast<std::size_t>(i)]; }
+
 struct Bodies {
 	Vector vx, vy, spin, w;
 };
 
 #if LANES == 8
 
-INLINE Quad body(const PackedBody* bodies, int32_t i) { return *reinterpret_cast<const Quad*>(bodies + i); }
 INLINE Vector two(const Quad& a, const Quad& b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
 
-INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
+template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
 {
-	const Vector q0 = two(body(bodies, i[0]), body(bodies, i[2])), q1 = two(body(bodies, i[1]), body(bodies, i[3]));
-	const Vector q2 = two(body(bodies, i[4]), body(bodies, i[6])), q3 = two(body(bodies, i[5]), body(bodies, i[7]));
+	const Vector q0 = two(body<size>(of, i[0]), body<size>(of, i[2])), q1 = two(body<size>(of, i[1]), body<size>(of, i[3]));
+	const Vector q2 = two(body<size>(of, i[4]), body<size>(of, i[6])), q3 = two(body<size>(of, i[5]), body<size>(of, i[7]));
 	const Vector even01 = __builtin_shufflevector(q0, q1, 0, 8, 2, 10, 4, 12, 6, 14),
 		     odd01 = __builtin_shufflevector(q0, q1, 1, 9, 3, 11, 5, 13, 7, 15);
 	const Vector even23 = __builtin_shufflevector(q2, q3, 0, 8, 2, 10, 4, 12, 6, 14),
@@ -66,10 +68,9 @@ INLINE void transpose(Quad& r0, Quad& r1, Quad& r2, Quad& r3)
 	r3 = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
 }
 
-INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
+template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
 {
-	const auto body = [&](int lane) { return *reinterpret_cast<const Quad*>(bodies + i[lane]); };
-	Quad r0 = body(0), r1 = body(1), r2 = body(2), r3 = body(3);
+	Quad r0 = body<size>(of, i[0]), r1 = body<size>(of, i[1]), r2 = body<size>(of, i[2]), r3 = body<size>(of, i[3]);
 	transpose(r0, r1, r2, r3);
 	return { r0, r1, r2, r3 };
 }
@@ -87,15 +88,15 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 
 #else
 
-INLINE Bodies gather(const PackedBody* bodies, const int32_t* i)
+template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
 {
 	Bodies v;
 	for (int lane = 0; lane < LANES; lane++) {
-		const PackedBody& one = bodies[i[lane]];
-		v.vx[lane] = one.vx;
-		v.vy[lane] = one.vy;
-		v.spin[lane] = one.spin;
-		v.w[lane] = one.w;
+		const Quad& one = body<size>(of, i[lane]);
+		v.vx[lane] = one[0];
+		v.vy[lane] = one[1];
+		v.spin[lane] = one[2];
+		v.w[lane] = one[3];
 	}
 	return v;
 }

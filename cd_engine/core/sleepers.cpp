@@ -188,11 +188,4 @@ void Sleepers::remember(const World& world)
 	shapes = world.shapes;
 }
 
-void Sleepers::disturb(const Pair& pair)
-{
-	for (const int32_t body : { pair.a, pair.b })
-		if (sleeps(body))
-			islandOf(body).disturbed = true;
-}
-
 } // namespace cd

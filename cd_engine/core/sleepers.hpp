@@ -30,7 +30,7 @@ struct SleepingIsland {
 	bool disturbed = false; // something in it has changed
 };
 
-// To be called in a step in this order: look (or wakeAll), wake, startSearch, add, finishSearch, join, remember, disturb.
+// To be called in a step in this order: look (or wakeAll), wake, startSearch, add, finishSearch, join, disturb, remember.
 class Sleepers {
     public:
 	// After the bodies of a step are read, but before its pairs. Lists in world.awake the pairs that the step must look at.
@@ -56,7 +56,13 @@ class Sleepers {
 
 	// At the end of a step: stores the state of the bodies; marks the island of a pair whose force has been written.
 	void remember(const World&);
-	void disturb(const Pair&); // not thread-safe
+	// A force between these bodies has changed. Not thread-safe.
+	void disturb(int32_t a, int32_t b)
+	{
+		for (const int32_t body : { a, b })
+			if (sleeps(body))
+				islandOf(body).disturbed = true;
+	}
 
     private:
 	void resize(std::size_t bodies);

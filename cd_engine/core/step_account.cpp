@@ -25,14 +25,33 @@ namespace {
 } // namespace
 
 // The effect of a contact's impulse on both of its bodies.
-inline TimeStep::Share TimeStep::share(size_t row, const Pair& pair) const
+inline TimeStep::Share TimeStep::share(size_t row, const ContactRow& c) const
 {
-	const Touch& touch = touches[rowPair[row]];
-	const Place &a = places[pair.a], &b = places[pair.b];
-	const double x = touch.nx * pair.pn - touch.ny * pair.pt, y = touch.ny * pair.pn + touch.nx * pair.pt;
+	const Place &a = places[c.a], &b = places[c.b];
+	const double x = c.nx * c.pn - c.ny * c.pt, y = c.ny * c.pn + c.nx * c.pt;
 	// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
-	const double turnA = a.radius > 0 ? (a.radius - 0.5 * touch.overlap) * pair.pt : (touch.cx - a.x) * y - (touch.cy - a.y) * x;
-	return { pair.a, pair.b, x, y, -turnA, -(b.radius - 0.5 * touch.overlap) * pair.pt };
+	const double overlap = overlaps[rowPair[row]], arm = b.radius - 0.5 * overlap;
+	const double turnA = a.radius > 0 ? (a.radius - 0.5 * overlap) * c.pt : (b.x - arm * c.nx - a.x) * y - (b.y - arm * c.ny - a.y) * x;
+	return { c.a, c.b, x, y, -turnA, -arm * c.pt };
+}
+
+// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
+void TimeStep::release(const Pair& pair, Carried& was)
+{
+	if (!was.any())
+		return;
+	sleepers.disturb(pair.a, pair.b);
+	was = {};
+}
+
+// Keeps the force of a contact. One that already has the right value is not written, because it would differ in the last digit when read again.
+inline void TimeStep::carry(const ContactRow& c, Carried& was, const StepSettings& settings)
+{
+	if (was.nx == c.nx && was.ny == c.ny && was.any() && was.impulse(settings.dt) == std::array<double, 2> { c.pn, c.pt })
+		return;
+	const double rate = 1 / settings.dt, fn = c.pn * rate, ft = c.pt * rate;
+	was = { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx }, was.any() ? was.since : settings.iteration };
+	sleepers.disturb(c.a, c.b);
 }
 
 // The sleeping island that a contact belongs to, if any.
@@ -86,7 +105,7 @@ struct TimeStep::Account {
 	double dissipated = 0; // [J]
 };
 
-TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from, size_t to)
+TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, double dissipated, size_t from, size_t to)
 {
 	const bool keepsShares = !shares.empty();
 	Account sum;
@@ -97,15 +116,15 @@ TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from
 			__builtin_prefetch(&means[system.contacts[i + ahead].b]);
 		}
 		const ContactRow& c = system.contacts[i];
-		Pair& pair = world.pairs[rowPair[i]];
-		pair.pn = c.pn;
-		pair.pt = c.pt;
 		if (keepsShares)
-			shares[i] = c.pn > 0 || !sleepers.none() ? share(i, pair) : Share { -1, -1, 0, 0, 0, 0 };
-		if (c.pn <= 0)
+			shares[i] = c.pn > 0 || !sleepers.none() ? share(i, c) : Share { -1, -1, 0, 0, 0, 0 };
+		if (c.pn <= 0) {
+			release(world.pairs[rowPair[i]], world.carried[rowPair[i]]);
 			continue;
+		}
+		carry(c, world.carried[rowPair[i]], settings);
 		if (!keepsShares)
-			give(share(i, pair));
+			give(share(i, c));
 		const bool asleep = !sleepers.none() && asleepAt(c);
 		sum.loaded += !asleep;
 		sum.sliding += !asleep && slides(c);
@@ -119,7 +138,7 @@ TimeStep::Account TimeStep::account(World& world, double dissipated, size_t from
 	return sum;
 }
 
-void TimeStep::finishContacts(World& world, StepReport& report)
+void TimeStep::finishContacts(World& world, const StepSettings& settings, StepReport& report)
 {
 	impulses.resize(world.bodies.size());
 	forRanges(&threads, impulses.size(), [&](size_t from, size_t to) {
@@ -130,10 +149,15 @@ void TimeStep::finishContacts(World& world, StepReport& report)
 	// A single thread adds the shares to the bodies at once, without storing them.
 	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());
 	const Account all = reduceRanges<Account>(
-	    &threads, system.contacts.size(), [&](size_t from, size_t to) { return account(world, from > 0 ? 0 : report.dissipated, from, to); },
+	    sleepers.none() ? &threads : nullptr, // only one thread may report what it wakes
+	    system.contacts.size(), [&](size_t from, size_t to) { return account(world, settings, from > 0 ? 0 : report.dissipated, from, to); },
 	    [](const Account& a, const Account& b) {
 		    return Account { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated };
 	    });
+	if (rows < world.awake.size())
+		for (const int32_t i : world.awake)
+			if (!solved[i])
+				release(world.pairs[i], world.carried[i]);
 	report.loadedContacts += all.loaded;
 	report.slidingContacts += all.sliding;
 	report.dissipated = all.dissipated;

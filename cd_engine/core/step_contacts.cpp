@@ -1,4 +1,5 @@
 // Selects the pairs that are contacts in a step, and sets up their equations.
+#include "group_kernel.hpp"
 #include "time_step.hpp"
 
 #include <algorithm>
@@ -17,6 +18,10 @@ namespace {
 	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off and stay
 
 	constexpr double quick = 1 + 1e-3; // factor on the speed that closes a gap, larger than round-off
+
+	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force and
+	// back must not be cut, or it would be written anew step by step.
+	constexpr double onCone = 1 + 1e-9;
 
 	constexpr size_t ahead = 12; // number of pairs ahead whose bodies are prefetched
 
@@ -101,7 +106,7 @@ void TimeStep::stopAtFaces(const World& world, double dt)
 			const Pair& pair = world.pairs[i];
 			Place& b = places[pair.b];
 			Foot face;
-			if (places[pair.a].radius > 0 || !isThrough(pair, world, locateContact(places[pair.a], b, world.shapes[pair.a]), dt, face))
+			if (places[pair.a].radius > 0 || !isThrough(pair, world, touchOf(world, i), dt, face))
 				continue;
 			const double* const w = system.bodies[pair.b].w;
 			const double along = w[0] * face.nx * face.nx + w[1] * face.ny * face.ny;
@@ -148,46 +153,106 @@ inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap,
 	return beyond <= soon * dt * std::max(before, free) + pushed * radius;
 }
 
-inline void TimeStep::fillRow(std::size_t row, const World& world, std::size_t index, const StepSettings& settings)
+Touch TimeStep::touchOf(const World& world, std::size_t index) const
 {
 	const Pair& pair = world.pairs[index];
-	const Touch& touch = touches[index];
+	return locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+}
+
+// The impulse that a contact has carried, within the present friction cone, since a guess within the tolerance becomes the step's solution.
+std::array<double, 2> TimeStep::firstGuess(const World& world, std::size_t index, const StepSettings& settings) const
+{
+	if (!settings.warmStart)
+		return { 0, 0 };
+	const auto [pn, pt] = world.carried[index].impulse(settings.dt);
+	const double most = world.pairs[index].mu * pn;
+	return { pn, std::abs(pt) > most * onCone ? std::copysign(most, pt) : pt };
+}
+
+// The row of any pair. turned: the change of its gap by the rotation of its boundary.
+ContactRow TimeStep::rowOf(const World& world, std::size_t index, const StepSettings& settings, double& turned) const
+{
+	const Pair& pair = world.pairs[index];
+	const Touch touch = touchOf(world, index);
 	const double gap = gapOf(world, index);
-	rowPair[row] = static_cast<int32_t>(index);
-	ContactRow c; // stays in registers: what is stored and read again at once waits for the store
 	const Place& place = places[pair.a];
+	ContactRow c;
 	c.a = pair.a;
 	c.b = pair.b;
 	c.nx = touch.nx;
 	c.ny = touch.ny;
-	c.an = 0;
 	c.at = place.radius - 0.5 * touch.overlap;
-	c.bn = 0;
 	c.bt = -(places[pair.b].radius - 0.5 * touch.overlap); // disk b: from its centre, against the normal
 	c.mu = pair.mu;
-	c.pn = pair.pn;
-	c.pt = pair.pt;
+	const auto [pn, pt] = firstGuess(world, index, settings);
+	c.pn = pn;
+	c.pt = pt;
 	if (place.radius == 0) {
 		const double ax = touch.cx - place.x, ay = touch.cy - place.y;
 		c.an = ax * touch.ny - ay * touch.nx;
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
-	const double turned = turning(pair, world, touch, gap, settings.dt);
+	turned = turning(pair, world, touch, gap, settings.dt);
 	const double share = gap > 0 ? 1 : gap < -pushedOut * places[pair.b].radius ? settings.gapCorrection : 0;
 	c.bias = ((share > 0 ? share * gap : 0) + turned) / settings.dt;
-	if (settings.restitution > 0) {
-		const Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
-		const double un = touch.nx * (b.v[0] - a.v[0]) + touch.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
-		const bool hit = un < 0 && gap + turned + settings.dt * un <= 0, parts = gap <= 0 && un > 0;
-		const double rebound = hit || parts ? settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
-		rebounds.set(row, c.bias, rebound);
-		if (hit || parts)
-			c.bias = Rebounds::bias(c.bias, rebound);
-	}
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
 		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
-	system.contacts[row] = c;
+	return c;
+}
+
+void TimeStep::askRebound(const World& world, std::size_t row, ContactRow& c, double turned, const StepSettings& settings)
+{
+	const Body &a = world.bodies[c.a], &b = world.bodies[c.b];
+	const double gap = gapOf(world, rowPair[row]), un = c.nx * (b.v[0] - a.v[0]) + c.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
+	const bool hit = un < 0 && gap + turned + settings.dt * un <= 0, parts = gap <= 0 && un > 0;
+	const double rebound = hit || parts ? settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
+	rebounds.set(row, c.bias, rebound);
+	if (hit || parts)
+		c.bias = Rebounds::bias(c.bias, rebound);
+}
+
+// Fills rows from their pairs, eight at a time. Those that are no pairs of disks that can move and turn are then made one by one.
+void TimeStep::fillRows(const World& world, const StepSettings& settings, std::size_t from, std::size_t to)
+{
+	const RowSettings asked { settings.dt, settings.gapCorrection, -pushedOut, onCone };
+	const auto assemble = groupKernel().assemble;
+	for (; from < to; from += PairLanes::lanes) {
+		const std::size_t end = std::min<std::size_t>(from + PairLanes::lanes, to);
+		PairLanes p;
+		RowLanes r;
+		for (int lane = 0; lane < PairLanes::lanes; lane++) {
+			const int32_t index = rowPair[std::min(from + lane, end - 1)];
+			const Pair& pair = world.pairs[index];
+			const Carried& was = world.carried[index];
+			p.a[lane] = pair.a;
+			p.b[lane] = pair.b;
+			p.reference[lane] = pair.reference;
+			r.mu[lane] = pair.mu;
+			r.was[0][lane] = was.nx;
+			r.was[1][lane] = was.ny;
+			for (const int k : { 0, 1 }) {
+				r.was[2 + k][lane] = was.fn[k];
+				r.was[4 + k][lane] = was.ft[k];
+			}
+			if (from + ahead + lane < to) {
+				__builtin_prefetch(&system.bodies[world.pairs[rowPair[from + ahead + lane]].a]);
+				__builtin_prefetch(&system.bodies[world.pairs[rowPair[from + ahead + lane]].b]);
+			}
+		}
+		assemble(places.data(), system.bodies.data(), p, r, asked);
+		for (std::size_t row = from; row < end; row++) {
+			const std::size_t l = row - from;
+			double turned = 0;
+			const double pn = settings.warmStart ? r.pn[l] : 0, pt = settings.warmStart ? r.pt[l] : 0;
+			ContactRow& c = system.contacts[row];
+			c = r.wnn[l] > 0 ? ContactRow { p.a[l], p.b[l], r.nx[l], r.ny[l], 0, r.at[l], 0, r.bt[l], r.bias[l], r.mu[l], r.wnn[l], r.wnt[l],
+				    r.wtt[l], pn, pt }
+					 : rowOf(world, rowPair[row], settings, turned);
+			if (settings.restitution > 0)
+				askRebound(world, row, c, turned, settings);
+		}
+	}
 }
 
 // Keeps the rows of the last step, so that they are not constructed again.
@@ -212,41 +277,55 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 	return gap + turning(pair, world, touch, gap, dt) + dt * std::min(before, after) <= 0;
 }
 
-// Prefetches them: in a large scene the bodies of a pair are seldom in the first-level cache.
-inline void TimeStep::prefetchBodies(const Pair& pair) const
+// Decides whether a pair is a contact. beyond: as in PairLanes.
+inline void TimeStep::judge(std::size_t index, const World& world, const StepSettings& settings, double beyond, Seen& seen)
 {
-	__builtin_prefetch(&places[pair.a]);
-	__builtin_prefetch(&places[pair.b]);
-	__builtin_prefetch(&ways[pair.a]);
-	__builtin_prefetch(&ways[pair.b]);
+	const Pair& pair = world.pairs[index];
+	if (places[pair.a].radius == 0) {
+		const Touch touch = touchOf(world, index);
+		Foot face;
+		seen.through = seen.through || isThrough(pair, world, touch, settings.dt, face);
+		overlaps[index] = touch.overlap;
+	}
+	const double overlap = overlaps[index];
+	const bool apart = pair.reference > 0 && overlap <= 0; // their surfaces are apart
+	seen.apart = seen.apart || apart;
+	const double gap = apart ? -overlap : pair.reference - overlap;
+	solved[index] = (beyond <= 0 || mayClose(pair, world, gap, settings.dt))
+	    && (settings.restitution == 0 || closes(world, pair, touchOf(world, index), gap, settings.dt));
+	seen.contacts += solved[index];
+	seen.deepest = std::max(seen.deepest, solved[index] ? -gap : seen.deepest);
+	seen.narrowest = std::min(seen.narrowest, solved[index] ? seen.narrowest : gap);
 }
 
-// Finds where the pairs of each part touch, their gaps, and which of them are contacts.
+// Finds the overlaps of the pairs of each part, and which of them are contacts.
 TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, Seen* parts)
 {
 	const Cut cut(world.awake.size());
-	touches.resize(world.pairs.size());
+	overlaps.resize(world.pairs.size());
 	solved.assign(world.pairs.size(), 0);
 	forEach(&threads, cut.parts, [&](std::size_t part) {
 		Seen of;
-		for (size_t k = cut.from(part); k < cut.from(part + 1); k++) {
-			if (k + ahead < world.awake.size())
-				prefetchBodies(world.pairs[world.awake[k + ahead]]);
-			const int32_t i = world.awake[k];
-			const Pair& pair = world.pairs[i];
-			const Touch touch = locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
-			touches[i] = touch;
-			Foot face;
-			of.through = of.through || (places[pair.a].radius == 0 && isThrough(pair, world, touch, settings.dt, face));
-			const bool apart = pair.reference > 0 && touch.overlap <= 0; // their surfaces are apart
-			of.apart = of.apart || apart;
-			const double gap = apart ? -touch.overlap : pair.reference - touch.overlap;
-			if (mayClose(pair, world, gap, settings.dt) && (settings.restitution == 0 || closes(world, pair, touch, gap, settings.dt))) {
-				solved[i] = 1;
-				of.contacts++;
-				of.deepest = std::max(of.deepest, -gap);
-			} else
-				of.narrowest = std::min(of.narrowest, gap);
+		const auto locate = groupKernel().overlaps;
+		for (size_t from = cut.from(part), to = cut.from(part + 1); from < to; from += PairLanes::lanes) {
+			const int32_t* const which = world.awake.data() + from;
+			const std::size_t count = std::min<std::size_t>(PairLanes::lanes, to - from);
+			PairLanes p;
+			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
+				const Pair& pair = world.pairs[which[std::min(lane, count - 1)]];
+				p.a[lane] = pair.a;
+				p.b[lane] = pair.b;
+				p.reference[lane] = pair.reference;
+				if (from + lane + ahead < to) {
+					__builtin_prefetch(&places[world.pairs[which[lane + ahead]].a]);
+					__builtin_prefetch(&places[world.pairs[which[lane + ahead]].b]);
+				}
+			}
+			locate(places.data(), p, nearby);
+			for (std::size_t lane = 0; lane < count; lane++) {
+				overlaps[which[lane]] = p.overlap[lane];
+				judge(which[lane], world, settings, p.beyond[lane], of);
+			}
 		}
 		parts[part] = of;
 	});
@@ -272,7 +351,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 	deepest = all.deepest;
 	narrowest = all.narrowest;
 	for (size_t k = 0; all.apart && k < world.awake.size(); k++)
-		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && touches[world.awake[k]].overlap <= 0) {
+		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && overlaps[world.awake[k]] <= 0) {
 			pair.reference = 0;
 			forgotten.push_back(world.awake[k]);
 		}
@@ -282,17 +361,10 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 	const Cut cut(world.awake.size());
 	forEach(&threads, cut.parts, [&](std::size_t part) {
 		std::size_t row = parts[part].first;
-		for (size_t k = cut.from(part); k < cut.from(part + 1); k++) {
-			const int32_t i = world.awake[k];
-			if (k + ahead < world.awake.size()) {
-				__builtin_prefetch(&system.bodies[world.pairs[world.awake[k + ahead]].a]);
-				__builtin_prefetch(&system.bodies[world.pairs[world.awake[k + ahead]].b]);
-			}
-			if (solved[i])
-				fillRow(row++, world, i, settings);
-			else
-				world.pairs[i].pn = world.pairs[i].pt = 0;
-		}
+		for (size_t k = cut.from(part); k < cut.from(part + 1); k++)
+			if (solved[world.awake[k]])
+				rowPair[row++] = world.awake[k];
+		fillRows(world, settings, parts[part].first, row);
 	});
 }
 
@@ -338,7 +410,7 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	if (!within(index, world, dt)) // most pairs are too slow
 		return false;
 	const Place& a = places[pair.a];
-	const Touch& touch = touches[index];
+	const Touch touch = touchOf(world, index);
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
 	const double gap = gapOf(world, index);
@@ -360,7 +432,8 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	for (const int32_t i : world.awake)
 		if (!solved[i] && within(i, world, settings.dt)) {
 			resizeRows(rows + 1, settings);
-			fillRow(rows - 1, world, i, settings);
+			rowPair.back() = i;
+			fillRows(world, settings, rows - 1, rows);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gapOf(world, i));
 			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
@@ -368,6 +441,7 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 			double un, ut;
 			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
 			c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
+			c.pt = 0;
 		}
 	return true;
 }

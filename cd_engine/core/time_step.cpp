@@ -51,11 +51,13 @@ bool TimeStep::end(StepReport& report)
 	return true;
 }
 
-void TimeStep::firstGuess(const World& world)
+// Restores the first guess. Contacts that were added later have none.
+void TimeStep::guessAgain(const World& world, const StepSettings& settings)
 {
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		system.contacts[i].pn = world.pairs[rowPair[i]].pn;
-		system.contacts[i].pt = world.pairs[rowPair[i]].pt;
+		const auto [pn, pt] = i < assembled ? firstGuess(world, rowPair[i], settings) : std::array<double, 2> { 0, 0 };
+		system.contacts[i].pn = pn;
+		system.contacts[i].pt = pt;
 	}
 }
 
@@ -116,7 +118,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			}
 			if (spent)
 				return end(report);
-			firstGuess(world); // the judged impulses may be so large that any error is small beside them
+			guessAgain(world, settings); // the judged impulses may be so large that any error is small beside them
 			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeVelocities(world, settings.dt);
 			continue;
@@ -135,7 +137,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		freeVelocities(world, settings.dt);
 		if (settings.solver.fixedIterations > 0) { // so many sweeps from the first guess, and no more
 			report.solver.iterations = 0;
-			firstGuess(world);
+			guessAgain(world, settings);
 		}
 	}
 }
@@ -145,6 +147,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	StepReport report;
 	threads.use(settings.threads);
 	forgotten.clear();
+	world.carried.resize(world.pairs.size());
 	noteLoads(world, settings);
 	wokeSome = false;
 	while (!attempt(world, settings, report))
@@ -156,7 +159,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
 	report.contacts = static_cast<int>(rows);
 	report.maxPenetration = deepest;
-	finishContacts(world, report);
+	finishContacts(world, settings, report);
 	finishSleepers(report);
 	report.idle = !finishBodies(world, settings.dt) && rows == 0;
 	return report;

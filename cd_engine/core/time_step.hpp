@@ -16,6 +16,8 @@ struct StepSettings {
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap, beyond the reference one, that the step pushes out
 	int threads = 1; // threads that share the work of a large scene; the bits do not depend on their number
+	bool warmStart = true; // the first guess are the forces that contacts have carried; else nothing
+	long iteration = 0; // number of the step, recorded where a contact becomes loaded
 	bool reduce = true; // solve islands of contacts separately (island_solver.hpp)
 	int trial = 0; // sweeps that slow islands may take to prove their rest in this step (sleep.hpp)
 	const std::vector<int>* loadsBefore = nullptr; // for a trial: hashes of the loads in the step before
@@ -66,10 +68,10 @@ class TimeStep {
 	// again with this pair and all others that the new velocities can close.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
-	// Of the last step: the pairs that had a contact, and where a pair that the step looked at touches or would touch.
+	// Of the last step: the pairs that had a contact, and where a pair touches or would touch.
 	const std::vector<int32_t>& pairs() const { return rowPair; }
-	const Touch& touchOf(int32_t pair) const { return touches[pair]; }
-	double gapOf(const World& world, std::size_t pair) const { return world.pairs[pair].reference - touches[pair].overlap; } // [m]
+	Touch touchOf(const World&, std::size_t pair) const;
+	double gapOf(const World& world, std::size_t pair) const { return world.pairs[pair].reference - overlaps[pair]; } // [m]
 	// The pairs whose reference overlap ended in the last step.
 	const std::vector<int32_t>& overlapsForgotten() const { return forgotten; }
 	// Hashes of the loads of the bodies, if they were recorded.
@@ -94,29 +96,34 @@ class TimeStep {
 	bool mayClose(const Pair&, const World&, double gap, double dt) const;
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
+	void judge(std::size_t pair, const World&, const StepSettings&, double beyond, Seen&);
 	void findContacts(World&, const StepSettings&);
 	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
 	void stopAtFaces(const World&, double dt);
 	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;
 	bool crosses(std::size_t pair, const World&, double dt) const;
-	void prefetchBodies(const Pair&) const;
 	void resizeRows(std::size_t count, const StepSettings&);
-	void fillRow(std::size_t row, const World&, std::size_t pair, const StepSettings&);
+	std::array<double, 2> firstGuess(const World&, std::size_t pair, const StepSettings&) const;
+	ContactRow rowOf(const World&, std::size_t pair, const StepSettings&, double& turned) const;
+	void fillRows(const World&, const StepSettings&, std::size_t from, std::size_t to);
+	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool outruns(const World&, double dt, StepReport&);
 	bool within(std::size_t pair, const World&, double dt) const;
 	bool anyViolated(const World&, const StepSettings&);
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
-	void firstGuess(const World&);
+	void guessAgain(const World&, const StepSettings&);
 	bool lowerRebounds(const World&, const StepSettings&, const StepReport&);
 	static bool end(StepReport&);
-	void finishContacts(World&, StepReport&);
+	void finishContacts(World&, const StepSettings&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);
 	struct Account;
-	Account account(World&, double dissipated, std::size_t from, std::size_t to);
+	Account account(World&, const StepSettings&, double dissipated, std::size_t from, std::size_t to);
+	void carry(const ContactRow&, Carried&, const StepSettings&);
+	void release(const Pair&, Carried&);
 	struct Share;
-	Share share(std::size_t row, const Pair&) const;
+	Share share(std::size_t row, const ContactRow&) const;
 	void give(const Share&);
 	void push(const Share&, SleepingIsland&);
 	void pushAll();
@@ -158,7 +165,7 @@ class TimeStep {
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<char> solved; // whether a pair has a contact in the system
-	std::vector<Touch> touches; // of the pairs looked at
+	std::vector<double> overlaps; // geometric ones of the pairs looked at; negative: apart [m]
 	struct Share { // what a contact's impulse does to its bodies
 		int32_t a, b; // bodies; a < 0: none
 		double x, y, turnA, turnB; // impulse on b [N s], moments about the centres of both [N m s]

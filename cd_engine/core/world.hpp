@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +36,32 @@ struct Pair {
 	int32_t a, b;
 	double mu = 0; // friction coefficient
 	double reference = 0; // overlap that counts as zero gap [m], left behind by springs; reset to 0 once the bodies separate
-	double pn = 0, pt = 0; // impulse on b [N s]: first guess before the step, solution after it
+};
+
+// The force of a contact after the last step, as a scene keeps it. Times the length of the next step it is that step's first guess.
+struct Carried {
+	static constexpr long nothing = std::numeric_limits<long>::min();
+	double nx = 0, ny = 0; // unit normal a -> b in that step
+	double fn[2] = { 0, 0 }, ft[2] = { 0, 0 }; // normal and tangential force on b [N]
+	long since = nothing; // step in which the contact became loaded; `nothing`: it carries nothing, and the other members are 0
+
+	bool any() const { return since != nothing; }
+	// Whether it is the same force; `since` may differ.
+	bool same(const Carried& o) const
+	{
+		return any() == o.any() && nx == o.nx && ny == o.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0] && ft[1] == o.ft[1];
+	}
+	// Along the normal, and across it, times dt [N s].
+	std::array<double, 2> impulse(double dt) const
+	{
+		const double normal = nx * fn[0] + ny * fn[1], tangential = nx * ft[1] - ny * ft[0];
+		if (!(normal > 0) || !std::isfinite(tangential))
+			return { 0, 0 }; // springs may pull; a rigid contact does not
+		// n is a unit vector only to its last digit. Without this division, forces that are stored and read again would grow by that step by
+		// step.
+		const double square = nx * nx + ny * ny;
+		return { dt * normal / square, dt * tangential / square };
+	}
 };
 
 // The contact geometry of a pair; if the bodies are apart, where they would touch.
@@ -53,17 +79,19 @@ struct World {
 	std::vector<int32_t> masks;
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
+	std::vector<Carried> carried; // by the contacts of the pairs
 	// Of each body [m]: the list of pairs holds every two bodies whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
 };
 
 // The position of a body as the contact geometry needs it. It is small, so that those of many bodies stay in the first-level cache.
-struct Place {
+struct alignas(32) Place {
 	double x, y; // [m]
 	double turned; // rotation beyond the orientation stored in its shape [rad]
 	double radius; // of a disk [m]; 0: a boundary
 };
+static_assert(sizeof(Place) == 32);
 
 // The place of a body after `ahead` [s] at its present velocities.
 inline Place placeAhead(const Body& b, double ahead) { return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.radius }; }

@@ -85,7 +85,7 @@ void ContactDynamics::action()
 		takeOver();
 		advance();
 	} catch (...) {
-		link.catchUp(scene);
+		link.catchUp(scene, step);
 		rest->wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 		last = {};
 		throw;
@@ -98,6 +98,8 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.dt = at<double>(of, layout.scene_dt);
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
+	s.warmStart = warmStart;
+	s.iteration = at<long>(of, layout.scene_iter);
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : threadsOfYade();
 	const bool awake = sleeping < islands; // else there is nothing to try
@@ -143,7 +145,7 @@ void ContactDynamics::advance()
 	last = settings;
 	link.world.apart = rest->maskApart();
 	rest->rest(scene);
-	link.gather(scene, gravity, settings.dt, warmStart, memory(), looksAtOrder(), searchMargin, step, {});
+	link.gather(scene, gravity, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
 	if (handover) {
 		link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
@@ -163,14 +165,14 @@ void ContactDynamics::advance()
 	for (std::vector<double> needed; !made.outran.empty();) { // a repeated step may need more
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
-		link.gather(scene, gravity, settings.dt, warmStart, memory(), false, searchMargin, step, needed);
+		link.gather(scene, gravity, settings.dt, memory(), false, searchMargin, step, needed);
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)
 		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
 		    + std::to_string(at<long>(scene, layout.scene_iter))
 		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
-	link.hold(step, settings.dt, at<long>(scene, layout.scene_iter));
+	link.hold(step, settings.dt);
 	idle = made.idle;
 	if (tracks)
 		track(kineticEnergy(link.world), weightEnergy(link.world, gravity) - height, made.dissipated);

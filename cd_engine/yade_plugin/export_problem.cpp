@@ -69,7 +69,7 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 	double length = bodyOrderLength;
 	SceneLink look;
 	look.world.apart = rest->maskApart();
-	look.inspectScene(now, gravity, settings.dt, warmStart, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
+	look.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
 	if (handover)
 		look.takeOverlaps();
 	cd::TimeStep next;

@@ -22,8 +22,8 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
 }
 
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look, double margin,
-    cd::TimeStep& step, const std::vector<double>& outran)
+void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool look, double margin, cd::TimeStep& step,
+    const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
 	const bool read = !behind;
@@ -39,12 +39,13 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, bool im
 	}
 	gone.clear();
 	if (behind && reordered)
-		publishScene(scene); // the pairs are then read from it in their new order
+		publishScene(scene, step); // the pairs are then read from it in their new order
 	const bool searched = search.needed(world, dt, margin, outran, &step.threads);
 	if (searched)
 		findPairs();
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
-	guess(dt, impulses, read || searched || reordered, &step.threads);
+	if (read || searched || reordered)
+		setFriction(&step.threads);
 }
 
 void SceneLink::findPairs()
@@ -53,7 +54,7 @@ void SceneLink::findPairs()
 	search.find(world, pairs);
 }
 
-void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, bool impulses, const Memory& memory, bool look)
+void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool look)
 {
 	namespace py = boost::python;
 	inspecting = true;
@@ -78,7 +79,7 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, b
 	search.needed(world, dt, 0, {});
 	findPairs();
 	gatherPairs(scene, memory, true, true, true, none);
-	guess(dt, impulses, true, nullptr);
+	setFriction(nullptr);
 }
 
 } // namespace cd_engine

@@ -15,14 +15,6 @@ namespace {
 	// Share of a disk's radius: smaller overlaps give no warning.
 	constexpr double visible = 0.01;
 
-	// Cuts the tangential part of a first guess to the present friction cone, because a guess within the tolerance becomes the step's solution.
-	// An impulse that is beyond the cone only by the round-off of dt times force and back is kept: if it were cut, it would be written anew step
-	// by step.
-	double withinCone(double tangential, double most)
-	{
-		return std::abs(tangential) > most * (1 + 1e-9) ? std::copysign(most, tangential) : tangential;
-	}
-
 	// Whether the indices are strictly ascending and below `of`.
 	[[maybe_unused]] bool isSelection(const std::vector<int32_t>& chosen, std::size_t of)
 	{
@@ -110,7 +102,7 @@ void SceneLink::keepPairs()
 	};
 	rearrange(interactions);
 	rearrange(forces);
-	rearrange(held);
+	rearrange(world.carried);
 	rearrange(spare);
 }
 
@@ -145,7 +137,7 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 		recycle(std::move(s));
 	spare.assign(pairs.size(), {});
 	forces.assign(pairs.size(), {});
-	held.assign(pairs.size(), {});
+	world.carried.assign(pairs.size(), {});
 }
 
 // Copies the pairs into the core's world.
@@ -211,28 +203,14 @@ void SceneLink::findForces(std::size_t index)
 	}
 }
 
-SceneLink::Held SceneLink::heldIn(const Forces& f) const
+cd::Carried SceneLink::carriedIn(const Forces& f) const
 {
 	if (!f.geom)
 		return {};
 	const Vector3r& n = at<Vector3r>(f.geom, layout.geom_normal);
 	const Vector3r& fn = at<Vector3r>(f.phys, layout.phys_normalForce);
 	const Vector3r& ft = at<Vector3r>(f.phys, layout.phys_shearForce);
-	return { -1, { n[0], n[1], 0, 0, 0 }, { fn[0], fn[1] }, { ft[0], ft[1] } };
-}
-
-// The present force of the contact, along its own normal, times dt.
-std::array<double, 2> SceneLink::impulseIn(const Held& h, double dt)
-{
-	if (!h.any())
-		return { 0, 0 };
-	const double nx = h.touch.nx, ny = h.touch.ny;
-	const double normal = nx * h.fn[0] + ny * h.fn[1], tangential = nx * h.ft[1] - ny * h.ft[0];
-	if (!(normal > 0) || !std::isfinite(tangential))
-		return { 0, 0 }; // springs may pull; a rigid contact does not
-	// n is a unit vector only to its last digit. Without this division, forces that are stored and read again would grow by that step by step.
-	const double square = nx * nx + ny * ny;
-	return { dt * normal / square, dt * tangential / square };
+	return { n[0], n[1], { fn[0], fn[1] }, { ft[0], ft[1] }, -1 };
 }
 
 // Discards objects that a step cannot read or write. Returns false if the interaction's bodies were swapped, which the step itself would not notice.
@@ -253,7 +231,7 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 {
 	constexpr std::size_t early = 12;
 	const std::size_t count = pairs.size();
-	assert(interactions.size() == count && forces.size() == count && held.size() == count);
+	assert(interactions.size() == count && forces.size() == count && world.carried.size() == count);
 	for (std::size_t i = 0; i < count + 2 * early; i++) {
 		if (i < count && interactions[i]) {
 			prefetch(interactions[i], layout.interaction_id1);
@@ -266,31 +244,25 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 		const std::size_t now = i - 2 * early;
 		if (!checkForces(now) && !inspecting)
 			return false;
-		const Held found = heldIn(forces[now]);
-		if (found == held[now])
+		const cd::Carried found = carriedIn(forces[now]);
+		if (found.same(world.carried[now]))
 			continue;
-		held[now] = found;
+		world.carried[now] = found;
 		if (found.any())
-			held[now].since = at<long>(interactions[now], layout.interaction_iterMadeReal);
+			world.carried[now].since = at<long>(interactions[now], layout.interaction_iterMadeReal);
 		if (sleepers)
-			sleepers->disturb(world.pairs[now]);
+			sleepers->disturb(pairs[now].a, pairs[now].b);
 	}
 	return true;
 }
 
-// Sets the first guess of every pair that is awake and, where bodies or pairs are new, its friction.
-void SceneLink::guess(double dt, bool impulses, bool anew, cd::Threads* threads)
+void SceneLink::setFriction(cd::Threads* threads)
 {
 	assert(isSelection(world.awake, world.pairs.size()));
 	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t k = from; k < to; k++) {
-			const int32_t i = world.awake[k];
-			cd::Pair& pair = world.pairs[i];
-			if (anew)
-				pair.mu = std::min(world.bodies[pair.a].friction, world.bodies[pair.b].friction); // the smaller angle of the two, as YADE
-			const std::array<double, 2> guess = impulses ? impulseIn(held[i], dt) : std::array<double, 2> { 0, 0 };
-			pair.pn = guess[0];
-			pair.pt = withinCone(guess[1], pair.mu * guess[0]);
+			cd::Pair& pair = world.pairs[world.awake[k]];
+			pair.mu = std::min(world.bodies[pair.a].friction, world.bodies[pair.b].friction); // the smaller angle of the two, as YADE
 		}
 	});
 }
@@ -307,7 +279,7 @@ void SceneLink::takeOverlaps()
 		};
 		if (!(pair.reference <= mostOverlap * radius))
 			throw SceneError("ContactDynamics: " + what() + ", more than springs leave behind. Move them apart");
-		if (pair.reference > visible * radius && !held[&pair - world.pairs.data()].any() && told.insert("overlap").second)
+		if (pair.reference > visible * radius && !world.carried[&pair - world.pairs.data()].any() && told.insert("overlap").second)
 			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
 			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
 	}
@@ -319,7 +291,7 @@ std::array<int, 2> SceneLink::deepest(const cd::TimeStep& step) const
 	double most = 0;
 	for (const int32_t i : step.pairs()) {
 		const cd::Pair& pair = world.pairs[i];
-		const double overlap = step.touchOf(i).overlap - pair.reference;
+		const double overlap = -step.gapOf(world, i);
 		if (overlap > most) {
 			most = overlap;
 			ids = { pair.a, pair.b };

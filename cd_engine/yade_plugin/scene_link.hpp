@@ -53,22 +53,21 @@ class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
-	// Reads the scene, unless the scene is out of date. `impulses`: whether the present contact forces, times dt, become the first guess. `look`:
-	// whether this step checks that the order of the bodies is still good. `margin`: the searchMargin. `outran`: StepReport::outran if a step is
-	// repeated, else empty.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look, double margin, cd::TimeStep&,
+	// Reads the scene, unless the scene is out of date. `look`: whether this step checks that the order of the bodies is still good. `margin`: the
+	// searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool look, double margin, cd::TimeStep&,
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
-	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, bool impulses, const Memory&, bool look);
+	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool look);
 	// Makes the overlaps present now the reference ones.
 	void takeOverlaps();
-	// Stores the result of a step of dt. From then on the scene is out of date, until it is published.
-	void hold(cd::TimeStep&, double dt, long iteration);
+	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
+	void hold(cd::TimeStep&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
 	void publish(yade::Scene*, const cd::TimeStep&);
 	// The same without O.forces, if the scene is out of date. For a step that is given up.
-	void catchUp(yade::Scene*);
+	void catchUp(yade::Scene*, const cd::TimeStep&);
 	// Tells how fast bodies are and which is lost.
 	const cd::PairSearch& pairSearch() const { return search; }
 	// Whether the scene is out of date: steps have been made that are not published.
@@ -106,23 +105,6 @@ class SceneLink {
 		void *geom, *phys; // null: none, or of a class that cannot hold a contact's force
 		bool any; // whether there is any object at all
 	};
-	// A contact's force as YADE keeps it, in components along x and y. A warm start needs nothing else.
-	struct Held {
-		static constexpr long nothing = std::numeric_limits<long>::min();
-		long since = nothing; // iteration in which it became loaded; `nothing`: it carries nothing, and the other members have no meaning
-		cd::Touch touch;
-		double fn[2], ft[2]; // normal and tangential force [N]
-
-		bool any() const { return since != nothing; }
-		bool operator==(const Held& o) const
-		{
-			return any() == o.any()
-			    && (!any()
-				|| (touch.nx == o.touch.nx && touch.ny == o.touch.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0]
-				    && ft[1] == o.ft[1]));
-		}
-	};
-
 	void checkScene(yade::Scene*, double dt);
 	void gatherBodies(yade::Scene*, const Vector3r& gravity);
 	void prefetchBody(const KnownBody&) const;
@@ -150,21 +132,19 @@ class SceneLink {
 	void turn(std::size_t pair) const;
 	void listPairs(const Memory&);
 	bool readForces(cd::Sleepers*);
-	Held heldIn(const Forces&) const;
-	void guess(double dt, bool impulses, bool anew, cd::Threads*);
+	cd::Carried carriedIn(const Forces&) const;
+	void setFriction(cd::Threads*);
 	void findForces(std::size_t pair);
 	bool checkForces(std::size_t pair);
-	static std::array<double, 2> impulseIn(const Held&, double dt);
 	void recycle(Spare&&);
 	Spare takeSpare();
 	void makeReal(std::size_t pair);
 	void makeUnreal(std::size_t pair);
-	void turnBodies(cd::Threads*);
 	void orient(int id);
-	void publishScene(yade::Scene*);
+	void publishScene(yade::Scene*, const cd::TimeStep&);
 	void insert(yade::InteractionContainer&, std::size_t pair);
 	void eraseParted(yade::Scene*);
-	void writeContact(std::size_t pair);
+	void writeContact(std::size_t pair, const cd::Touch&);
 	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
 
@@ -184,7 +164,6 @@ class SceneLink {
 	std::set<std::string> told; // warnings that have been printed
 	bool placesBoundaries = false;
 	std::vector<Forces> forces; // of world.pairs, as last read or published
-	std::vector<Held> held; // of world.pairs
 	bool behind = false; // whether the scene is out of date
 	bool numbers = true; // whether the motion after the last step is finite
 	double heldStep = 0; // length of the last step held [s]

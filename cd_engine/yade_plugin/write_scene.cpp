@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 namespace cd_engine {
 namespace {
@@ -110,19 +111,19 @@ void SceneLink::makeUnreal(std::size_t index)
 }
 
 // The forces in YADE's signs: normalForce + shearForce act on the second body.
-void SceneLink::writeContact(std::size_t index)
+void SceneLink::writeContact(std::size_t index, const cd::Touch& touch)
 {
-	const Held& h = held[index];
+	const cd::Carried& carried = world.carried[index];
 	assert(at<int>(interactions[index], layout.interaction_id1) == pairs[index].a);
-	at<long>(interactions[index], layout.interaction_iterMadeReal) = h.since;
+	at<long>(interactions[index], layout.interaction_iterMadeReal) = carried.since;
 	void* const g = forces[index].geom;
 	void* const p = forces[index].phys;
-	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(h.touch.cx, h.touch.cy, layer);
-	at<double>(g, layout.geom_penetrationDepth) = h.touch.overlap;
+	at<Vector3r>(g, layout.geom_contactPoint) = Vector3r(touch.cx, touch.cy, layer);
+	at<double>(g, layout.geom_penetrationDepth) = touch.overlap;
 	at<double>(p, layout.phys_tangensOfFrictionAngle) = world.pairs[index].mu;
-	at<Vector3r>(g, layout.geom_normal) = Vector3r(h.touch.nx, h.touch.ny, 0);
-	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(h.fn[0], h.fn[1], 0);
-	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(h.ft[0], h.ft[1], 0);
+	at<Vector3r>(g, layout.geom_normal) = Vector3r(carried.nx, carried.ny, 0);
+	at<Vector3r>(p, layout.phys_normalForce) = Vector3r(carried.fn[0], carried.fn[1], 0);
+	at<Vector3r>(p, layout.phys_shearForce) = Vector3r(carried.ft[0], carried.ft[1], 0);
 }
 
 // Prefetches the memory lines that writeContact writes.
@@ -151,11 +152,14 @@ void SceneLink::writeMotion(std::size_t id)
 }
 
 // Applies the rotation of a step about z from the left. For the tiny rotations of quasi-static motion the first terms of the series are exact.
-void SceneLink::turnBodies(cd::Threads* threads)
+void SceneLink::hold(cd::TimeStep& step, double dt)
 {
-	cd::forRanges(threads, bodies.size(), [&](std::size_t from, std::size_t to) {
+	const auto turn = [&](std::size_t from, std::size_t to) {
+		bool finite = true;
 		for (std::size_t id = from; id < to; id++) {
-			const double half = 0.5 * world.bodies[id].turn, square = half * half;
+			const cd::Body& b = world.bodies[id];
+			finite = finite && (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0;
+			const double half = 0.5 * b.turn, square = half * half;
 			if (half == 0) // an erased body does not turn
 				continue;
 			auto& q = orientations[id];
@@ -172,48 +176,14 @@ void SceneLink::turnBodies(cd::Threads* threads)
 			if (world.shapes[id].kind == cd::ShapeKind::box)
 				orient(static_cast<int>(id));
 		}
-	});
-}
-
-// Forces that already have the right value are not written, because they would differ in the last digit when read again. If a force changes, its
-// island does not sleep.
-void SceneLink::hold(cd::TimeStep& step, double dt, long iteration)
-{
-	assert(held.size() == world.pairs.size());
-	const double rate = 1 / dt;
-	cd::Threads* const threads = step.sleepers.none() ? &step.threads : nullptr; // only one thread may report what it wakes
-	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
-		for (std::size_t k = from; k < to; k++) {
-			const int32_t i = world.awake[k];
-			const cd::Pair& pair = world.pairs[i];
-			Held& h = held[i];
-			if (!(pair.pn > 0)) {
-				if (h.any())
-					step.sleepers.disturb(pair);
-				h.since = Held::nothing;
-				continue;
-			}
-			const cd::Touch& touch = step.touchOf(i);
-			const bool same = h.any() && h.touch.nx == touch.nx && h.touch.ny == touch.ny
-			    && impulseIn(h, dt) == std::array<double, 2> { pair.pn, pair.pt };
-			h.touch = touch;
-			if (same)
-				continue;
-			const double fn = pair.pn * rate, ft = pair.pt * rate;
-			h = { h.any() ? h.since : iteration, touch, { fn * touch.nx, fn * touch.ny }, { -ft * touch.ny, ft * touch.nx } };
-			step.sleepers.disturb(pair);
-		}
-	});
-	turnBodies(&step.threads);
+		return finite;
+	};
+	numbers = cd::reduceRanges<bool>(&step.threads, bodies.size(), turn, std::logical_and<bool>());
 	heldStep = dt;
-	numbers = !cd::anyOf(&step.threads, world.bodies.size(), [&](std::size_t i) {
-		const cd::Body& b = world.bodies[i];
-		return !((b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0);
-	});
 	behind = true;
 }
 
-void SceneLink::publishScene(yade::Scene* scene)
+void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 {
 	auto& container = *at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions);
 	assert(spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
@@ -221,12 +191,12 @@ void SceneLink::publishScene(yade::Scene* scene)
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + early < world.pairs.size())
 			prefetchContact(forces[i + early]);
-		if (held[i].any()) {
+		if (world.carried[i].any()) {
 			if (!interactions[i])
 				insert(container, i);
 			if (!forces[i].geom)
 				makeReal(i);
-			writeContact(i);
+			writeContact(i, step.touchOf(world, i));
 		} else if (forces[i].any)
 			makeUnreal(i);
 	}
@@ -241,15 +211,15 @@ void SceneLink::publishScene(yade::Scene* scene)
 	behind = false;
 }
 
-void SceneLink::catchUp(yade::Scene* scene)
+void SceneLink::catchUp(yade::Scene* scene, const cd::TimeStep& step)
 {
 	if (behind)
-		publishScene(scene);
+		publishScene(scene, step);
 }
 
 void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step)
 {
-	publishScene(scene);
+	publishScene(scene, step);
 	auto& container = at<yade::ForceContainer>(scene, layout.scene_forces);
 	const double rate = 1 / heldStep;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {

@@ -108,8 +108,8 @@ struct Run {
 			all.insert(all.end(), { b.x, b.y, b.turn, b.v[0], b.v[1], b.v[2] });
 			all.insert(all.end(), step.impulseOn(i).begin(), step.impulseOn(i).end());
 		}
-		for (const Pair& pair : world.pairs)
-			all.insert(all.end(), { pair.pn, pair.pt });
+		for (const Carried& of : world.carried)
+			all.insert(all.end(), { of.fn[0], of.fn[1], of.ft[0], of.ft[1] });
 		const Effort& e = report.effort;
 		for (const int count : { report.contacts, report.loadedContacts, report.slidingContacts, report.solver.iterations, e.unknowns,
 			 e.islands, e.resting, e.sleeping, e.provenAtRest, e.notAtRest })

@@ -284,9 +284,10 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 				CHECK(same(expected.bodies, w.bodies));
 				CHECK(same(forces, shared));
 				CHECK(same(&dissipated, &lost, sizeof lost));
+				CHECK(same(expected.carried, w.carried));
 				bool pairs = true;
 				for (std::size_t i = 0; i < w.pairs.size(); i++)
-					pairs = pairs && same(&expected.pairs[i].reference, &w.pairs[i].reference, 3 * sizeof(double));
+					pairs = pairs && same(&expected.pairs[i].reference, &w.pairs[i].reference, sizeof(double));
 				CHECK(pairs);
 			}
 			CHECK((restitution > 0 || most > static_cast<int>(Blocks::worthwhile)));
