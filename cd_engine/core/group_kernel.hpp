@@ -28,7 +28,7 @@ struct alignas(64) PairLanes {
 	static constexpr int lanes = 8;
 	int32_t a[lanes], b[lanes];
 	double reference[lanes];
-	double overlap[lanes], gap[lanes]; // as in Touch, and beyond the reference one [m]
+	double overlap[lanes]; // as in Touch [m]
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
 };
 // Eight rows; the other arms are 0.
@@ -64,10 +64,11 @@ struct GroupKernel {
 	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
 	// Replaces the impulses p of every group by y = p + beta (p - before), with a beta for each group; `before` becomes p.
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
-	// Where the disks of eight pairs touch.
-	void (*overlaps)(const Place* places, PairLanes& pairs, double nearby);
-	// The rows of eight pairs; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
-	void (*assemble)(const Place* places, const BodyVelocity* bodies, const PairLanes& pairs, RowLanes& rows, const RowSettings& settings);
+	// Where the disks of `count` times eight pairs touch.
+	void (*overlaps)(const Place* places, PairLanes* pairs, std::size_t count, double nearby);
+	// Their rows; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
+	void (*assemble)(const Place* places, const BodyVelocity* bodies, const PairLanes* pairs, RowLanes* rows, std::size_t count,
+	    const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.

@@ -19,25 +19,30 @@ INLINE Disks locateDisks(const Place* places, const PairLanes& p, int lane)
 	return { dx * inverse, dy * inverse, -((centres - A.w) - B.w), A.w, B.w };
 }
 
-static void overlaps(const Place* places, PairLanes& p, double nearby)
+static void overlaps(const Place* places, PairLanes* pairs, std::size_t count, double nearby)
 {
 	const Vector none = {}, never = none + __builtin_inf();
-	for (int lane = 0; lane < PairLanes::lanes; lane += LANES) {
+	for (std::size_t i = 0; i < count * PairLanes::lanes; i += LANES) {
+		PairLanes& p = pairs[i / PairLanes::lanes];
+		const int lane = i % PairLanes::lanes;
 		const Disks d = locateDisks(places, p, lane);
 		const Vector reference = load(p.reference + lane);
 		const auto apart = (reference > none) & (d.overlap <= none);
 		const Vector gap = apart ? -d.overlap : reference - d.overlap;
 		store(p.overlap + lane, d.overlap);
-		store(p.gap + lane, gap);
 		store(p.beyond + lane, d.radiusA > none ? gap - nearby * smaller(d.radiusA, d.radiusB) : never);
 	}
 }
 
 // ContactRow::assembleBlock for arms an = bn = 0, and firstGuess(). A lane without a result gets wnn = 0.
-static void assemble(const Place* places, const BodyVelocity* bodies, const PairLanes& p, RowLanes& r, const RowSettings& settings)
+static void assemble(
+    const Place* places, const BodyVelocity* bodies, const PairLanes* pairs, RowLanes* rows, std::size_t count, const RowSettings& settings)
 {
 	const Vector none = {};
-	for (int lane = 0; lane < PairLanes::lanes; lane += LANES) {
+	for (std::size_t i = 0; i < count * PairLanes::lanes; i += LANES) {
+		const PairLanes& p = pairs[i / PairLanes::lanes];
+		RowLanes& r = rows[i / PairLanes::lanes];
+		const int lane = i % PairLanes::lanes;
 		const Disks d = locateDisks(places, p, lane);
 		const Bodies A = gather<2>(bodies->w, p.a + lane), B = gather<2>(bodies->w, p.b + lane); // the inverse masses, and what is not used
 		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = -(d.radiusB - 0.5 * d.overlap);

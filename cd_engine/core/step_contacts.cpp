@@ -23,7 +23,8 @@ namespace {
 	// back must not be cut, or it would be written anew step by step.
 	constexpr double onCone = 1 + 1e-9;
 
-	constexpr size_t ahead = 12; // number of pairs ahead whose bodies are prefetched
+	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
+	constexpr std::size_t batch = 64;
 
 } // namespace
 
@@ -106,7 +107,7 @@ void TimeStep::stopAtFaces(const World& world, double dt)
 			const Pair& pair = world.pairs[i];
 			Place& b = places[pair.b];
 			Foot face;
-			if (places[pair.a].radius > 0 || !isThrough(pair, world, touchOf(world, i), dt, face))
+			if (places[pair.a].radius > 0 || !isThrough(pair, world, locate(pair, world), dt, face))
 				continue;
 			const double* const w = system.bodies[pair.b].w;
 			const double along = w[0] * face.nx * face.nx + w[1] * face.ny * face.ny;
@@ -153,10 +154,15 @@ inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap,
 	return beyond <= soon * dt * std::max(before, free) + pushed * radius;
 }
 
+// The shapes are those before the step, so this is for the step itself.
+inline Touch TimeStep::locate(const Pair& pair, const World& world) const
+{
+	return locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+}
+
 Touch TimeStep::touchOf(const World& world, std::size_t index) const
 {
-	const Pair& pair = world.pairs[index];
-	return locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
+	return touchAt(world.carried[index].nx, world.carried[index].ny, -overlaps[index], places[world.pairs[index].b]);
 }
 
 // The impulse that a contact has carried, within the present friction cone, since a guess within the tolerance becomes the step's solution.
@@ -173,7 +179,7 @@ std::array<double, 2> TimeStep::firstGuess(const World& world, std::size_t index
 ContactRow TimeStep::rowOf(const World& world, std::size_t index, const StepSettings& settings, double& turned) const
 {
 	const Pair& pair = world.pairs[index];
-	const Touch touch = touchOf(world, index);
+	const Touch touch = locate(pair, world);
 	const double gap = gapOf(world, index);
 	const Place& place = places[pair.a];
 	ContactRow c;
@@ -212,45 +218,59 @@ void TimeStep::askRebound(const World& world, std::size_t row, ContactRow& c, do
 		c.bias = Rebounds::bias(c.bias, rebound);
 }
 
-// Fills rows from their pairs, eight at a time. Those that are no pairs of disks that can move and turn are then made one by one.
+// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left.
+template <class Which> inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which)
+{
+	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
+	for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
+		const Pair& pair = world.pairs[which(std::min(k, count - 1))];
+		PairLanes& p = lanes[k / PairLanes::lanes];
+		p.a[k % PairLanes::lanes] = pair.a;
+		p.b[k % PairLanes::lanes] = pair.b;
+		p.reference[k % PairLanes::lanes] = pair.reference;
+		__builtin_prefetch(&places[pair.a]);
+		__builtin_prefetch(&places[pair.b]);
+	}
+	return groups;
+}
+
+// Fills rows from their pairs. Those that are no pairs of disks that can move and turn are made one by one.
 void TimeStep::fillRows(const World& world, const StepSettings& settings, std::size_t from, std::size_t to)
 {
 	const RowSettings asked { settings.dt, settings.gapCorrection, -pushedOut, onCone };
-	const auto assemble = groupKernel().assemble;
-	for (; from < to; from += PairLanes::lanes) {
-		const std::size_t end = std::min<std::size_t>(from + PairLanes::lanes, to);
-		PairLanes p;
-		RowLanes r;
-		for (int lane = 0; lane < PairLanes::lanes; lane++) {
-			const int32_t index = rowPair[std::min(from + lane, end - 1)];
-			const Pair& pair = world.pairs[index];
+	for (; from < to; from += batch) {
+		const std::size_t count = std::min(batch, to - from);
+		PairLanes pairs[batch / PairLanes::lanes];
+		RowLanes rows[batch / PairLanes::lanes];
+		const std::size_t groups = load(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
+		for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
+			const int32_t index = rowPair[from + std::min(k, count - 1)];
 			const Carried& was = world.carried[index];
-			p.a[lane] = pair.a;
-			p.b[lane] = pair.b;
-			p.reference[lane] = pair.reference;
-			r.mu[lane] = pair.mu;
+			RowLanes& r = rows[k / PairLanes::lanes];
+			const std::size_t lane = k % PairLanes::lanes;
+			r.mu[lane] = world.pairs[index].mu;
 			r.was[0][lane] = was.nx;
 			r.was[1][lane] = was.ny;
-			for (const int k : { 0, 1 }) {
-				r.was[2 + k][lane] = was.fn[k];
-				r.was[4 + k][lane] = was.ft[k];
+			for (const int axis : { 0, 1 }) {
+				r.was[2 + axis][lane] = was.fn[axis];
+				r.was[4 + axis][lane] = was.ft[axis];
 			}
-			if (from + ahead + lane < to) {
-				__builtin_prefetch(&system.bodies[world.pairs[rowPair[from + ahead + lane]].a]);
-				__builtin_prefetch(&system.bodies[world.pairs[rowPair[from + ahead + lane]].b]);
-			}
+			__builtin_prefetch(&system.bodies[world.pairs[index].a]);
+			__builtin_prefetch(&system.bodies[world.pairs[index].b]);
 		}
-		assemble(places.data(), system.bodies.data(), p, r, asked);
-		for (std::size_t row = from; row < end; row++) {
-			const std::size_t l = row - from;
+		groupKernel().assemble(places.data(), system.bodies.data(), pairs, rows, groups, asked);
+		for (std::size_t k = 0; k < count; k++) {
+			const PairLanes& p = pairs[k / PairLanes::lanes];
+			const RowLanes& r = rows[k / PairLanes::lanes];
+			const std::size_t l = k % PairLanes::lanes;
 			double turned = 0;
 			const double pn = settings.warmStart ? r.pn[l] : 0, pt = settings.warmStart ? r.pt[l] : 0;
-			ContactRow& c = system.contacts[row];
+			ContactRow& c = system.contacts[from + k];
 			c = r.wnn[l] > 0 ? ContactRow { p.a[l], p.b[l], r.nx[l], r.ny[l], 0, r.at[l], 0, r.bt[l], r.bias[l], r.mu[l], r.wnn[l], r.wnt[l],
 				    r.wtt[l], pn, pt }
-					 : rowOf(world, rowPair[row], settings, turned);
+					 : rowOf(world, rowPair[from + k], settings, turned);
 			if (settings.restitution > 0)
-				askRebound(world, row, c, turned, settings);
+				askRebound(world, from + k, c, turned, settings);
 		}
 	}
 }
@@ -282,7 +302,7 @@ inline void TimeStep::judge(std::size_t index, const World& world, const StepSet
 {
 	const Pair& pair = world.pairs[index];
 	if (places[pair.a].radius == 0) {
-		const Touch touch = touchOf(world, index);
+		const Touch touch = locate(pair, world);
 		Foot face;
 		seen.through = seen.through || isThrough(pair, world, touch, settings.dt, face);
 		overlaps[index] = touch.overlap;
@@ -292,7 +312,7 @@ inline void TimeStep::judge(std::size_t index, const World& world, const StepSet
 	seen.apart = seen.apart || apart;
 	const double gap = apart ? -overlap : pair.reference - overlap;
 	solved[index] = (beyond <= 0 || mayClose(pair, world, gap, settings.dt))
-	    && (settings.restitution == 0 || closes(world, pair, touchOf(world, index), gap, settings.dt));
+	    && (settings.restitution == 0 || closes(world, pair, locate(pair, world), gap, settings.dt));
 	seen.contacts += solved[index];
 	seen.deepest = std::max(seen.deepest, solved[index] ? -gap : seen.deepest);
 	seen.narrowest = std::min(seen.narrowest, solved[index] ? seen.narrowest : gap);
@@ -306,25 +326,16 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 	solved.assign(world.pairs.size(), 0);
 	forEach(&threads, cut.parts, [&](std::size_t part) {
 		Seen of;
-		const auto locate = groupKernel().overlaps;
-		for (size_t from = cut.from(part), to = cut.from(part + 1); from < to; from += PairLanes::lanes) {
+		for (size_t from = cut.from(part), to = cut.from(part + 1); from < to; from += batch) {
 			const int32_t* const which = world.awake.data() + from;
-			const std::size_t count = std::min<std::size_t>(PairLanes::lanes, to - from);
-			PairLanes p;
-			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
-				const Pair& pair = world.pairs[which[std::min(lane, count - 1)]];
-				p.a[lane] = pair.a;
-				p.b[lane] = pair.b;
-				p.reference[lane] = pair.reference;
-				if (from + lane + ahead < to) {
-					__builtin_prefetch(&places[world.pairs[which[lane + ahead]].a]);
-					__builtin_prefetch(&places[world.pairs[which[lane + ahead]].b]);
-				}
-			}
-			locate(places.data(), p, nearby);
-			for (std::size_t lane = 0; lane < count; lane++) {
-				overlaps[which[lane]] = p.overlap[lane];
-				judge(which[lane], world, settings, p.beyond[lane], of);
+			const std::size_t count = std::min(batch, to - from);
+			PairLanes pairs[batch / PairLanes::lanes];
+			const std::size_t groups = load(world, count, pairs, [&](std::size_t k) { return which[k]; });
+			groupKernel().overlaps(places.data(), pairs, groups, nearby);
+			for (std::size_t k = 0; k < count; k++) {
+				const PairLanes& p = pairs[k / PairLanes::lanes];
+				overlaps[which[k]] = p.overlap[k % PairLanes::lanes];
+				judge(which[k], world, settings, p.beyond[k % PairLanes::lanes], of);
 			}
 		}
 		parts[part] = of;
@@ -410,7 +421,7 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	if (!within(index, world, dt)) // most pairs are too slow
 		return false;
 	const Place& a = places[pair.a];
-	const Touch touch = touchOf(world, index);
+	const Touch touch = locate(pair, world);
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
 	const double gap = gapOf(world, index);

@@ -11,6 +11,8 @@
 
 namespace cd {
 
+struct PairLanes;
+
 struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
@@ -68,8 +70,9 @@ class TimeStep {
 	// again with this pair and all others that the new velocities can close.
 	const ContactSystem& assemble(World&, const StepSettings&);
 
-	// Of the last step: the pairs that had a contact, and where a pair touches or would touch.
+	// Of the last step: the pairs that had a contact.
 	const std::vector<int32_t>& pairs() const { return rowPair; }
+	// Where a pair that carries a force touched when a step last looked at it.
 	Touch touchOf(const World&, std::size_t pair) const;
 	double gapOf(const World& world, std::size_t pair) const { return world.pairs[pair].reference - overlaps[pair]; } // [m]
 	// The pairs whose reference overlap ended in the last step.
@@ -94,6 +97,7 @@ class TimeStep {
 	void meanVelocities(const World&, double dt, bool solved);
 	double relativeSpeed(const Pair&, const World&, const double* a, const double* b) const;
 	bool mayClose(const Pair&, const World&, double gap, double dt) const;
+	Touch locate(const Pair&, const World&) const;
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
 	void judge(std::size_t pair, const World&, const StepSettings&, double beyond, Seen&);
@@ -105,6 +109,7 @@ class TimeStep {
 	void resizeRows(std::size_t count, const StepSettings&);
 	std::array<double, 2> firstGuess(const World&, std::size_t pair, const StepSettings&) const;
 	ContactRow rowOf(const World&, std::size_t pair, const StepSettings&, double& turned) const;
+	template <class Which> std::size_t load(const World&, std::size_t count, PairLanes*, const Which&);
 	void fillRows(const World&, const StepSettings&, std::size_t from, std::size_t to);
 	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;

@@ -136,12 +136,11 @@ bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBe
 double gapByTurning(
     const Shape&, const Place& box, const Place& disk, const Touch&, double touching, const double* vBox, const double* vDisk, double h);
 
-inline Touch touchAt(const Foot& foot, const Place& disk)
+inline Touch touchAt(double nx, double ny, double gap, const Place& disk)
 {
-	const double gap = foot.distance - disk.radius;
 	// Both bodies take the impulse at the same point. At two points, a gap apart, it would not conserve angular momentum.
 	const double arm = disk.radius + 0.5 * gap;
-	return { foot.nx, foot.ny, disk.x - arm * foot.nx, disk.y - arm * foot.ny, -gap };
+	return { nx, ny, disk.x - arm * nx, disk.y - arm * ny, -gap };
 }
 
 // `shape` is the shape of `a`. It is read only if `a` is a boundary.
@@ -154,7 +153,7 @@ inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
 		foot = { dx * inverse, dy * inverse, centres - a.radius };
 	} else
 		foot = footOnBoundary(shape, a.turned, dx, dy);
-	return touchAt(foot, b);
+	return touchAt(foot.nx, foot.ny, foot.distance - b.radius, b);
 }
 
 } // namespace cd

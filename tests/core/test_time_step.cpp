@@ -163,7 +163,7 @@ TEST_CASE("a disk between two faces that have passed each other has all its cont
 	REQUIRE(t.pairs().size() == 2);
 	double centre[2];
 	for (int i = 0; i < 2; i++)
-		centre[i] = t.touchOf(w, i).cx + (radius - 0.5 * t.touchOf(w, i).overlap) * t.touchOf(w, i).nx;
+		centre[i] = t.touchOf(w, i).cx + (radius - 0.5 * t.touchOf(w, i).overlap) * w.carried[i].nx;
 	CHECK(centre[0] == doctest::Approx(centre[1]).epsilon(1e-13));
 }
 
