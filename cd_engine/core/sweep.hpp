@@ -120,7 +120,7 @@ class Sweep {
 
 	bool classifyBodies(bool& sameMasses); // returns whether they are of the same kinds as in the last problem
 	bool groupable(const ContactRow&) const;
-	bool isGrouped(int32_t contact, const ContactRow&) const;
+	bool sameLinks(std::size_t block) const;
 	bool sameLeftOut() const;
 	void groupContacts();
 	void numberBodies();

@@ -43,11 +43,14 @@ inline bool Sweep::groupable(const ContactRow& c) const
 	return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
 }
 
-// Whether this is the contact that was grouped under its number.
-inline bool Sweep::isGrouped(int32_t contact, const ContactRow& c) const
+// Whether the contacts of a block link the same bodies as those that were grouped. Reads the rows in their order, which the processor foresees. They are
+// near then when the groups take them out of it.
+bool Sweep::sameLinks(std::size_t block) const
 {
-	const Ends& e = packed.ends[contact];
-	return packed.bodyAt[e.a] == c.a && packed.bodyAt[e.b] == c.b && c.wnn > 0 && groupable(c) == e.groupable;
+	bool same = true;
+	for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++)
+		same = same && packed.partition.links[packed.blocks.contacts[k]] == linkOf(system.contacts[packed.blocks.contacts[k]]);
+	return same;
 }
 
 // Whether the contacts that no sweep solves, if there are any, are still the same.
@@ -132,7 +135,7 @@ bool Sweep::fill()
 	packed.blockSums.resize(packed.blocks.count());
 	std::atomic<bool> same { true };
 	inEveryBlock([&](std::size_t block) {
-		if (same && fillGroups(block) && fillLoose(block))
+		if (same && sameLinks(block) && fillGroups(block) && fillLoose(block))
 			packBodies(block);
 		else
 			same = false;
@@ -156,7 +159,7 @@ bool Sweep::fillGroups(std::size_t block)
 				continue;
 			}
 			const ContactRow& c = system.contacts[*member];
-			same = same && isGrouped(*member, c);
+			same = same && groupable(c);
 			g.a[lane] = packed.ends[*member].a;
 			g.b[lane] = packed.ends[*member].b;
 			g.nx[lane] = c.nx;
@@ -186,7 +189,7 @@ bool Sweep::fillLoose(std::size_t block)
 		Loose& l = packed.loose[i];
 		const int32_t contact = packed.grouping.loose[i];
 		l.row = system.contacts[contact];
-		if (!isGrouped(contact, l.row))
+		if (groupable(l.row) != packed.ends[contact].groupable)
 			return false;
 		const auto fill = [&](int32_t& body, int32_t place, double& n, double& t, double* w) {
 			std::copy_n(system.bodies[body].w, 3, w);
