@@ -18,27 +18,6 @@ namespace {
 
 } // namespace
 
-// Computes the ways of the bodies in this step, and how far around them pairs must be listed.
-void PairSearch::measure(const World& world, double dt, const std::vector<double>& outran, Threads* threads)
-{
-	const std::size_t count = world.bodies.size();
-	ways.resize(count);
-	needs.resize(count);
-	const auto range = [&](std::size_t from, std::size_t to) {
-		double most = 0;
-		for (std::size_t i = from; i < to; i++) {
-			const bool joins = world.masks[i] != 0;
-			ways[i] = joins ? wayOf(world.bodies[i], world.shapes[i], dt) : 0;
-			needs[i] = joins ? reachOf(world.bodies[i], ways[i]) : 0;
-			if (joins && i < outran.size())
-				needs[i] = std::max(needs[i], outran[i]);
-			most = std::max(most, ways[i]);
-		}
-		return most;
-	};
-	fastest = reduceRanges<double>(threads, count, range, [](double a, double b) { return std::max(a, b); });
-}
-
 // Chooses margins that last for several steps. The few fastest disks, which may be far from all others, get the widest. If some bodies are fast, slow
 // ones get a margin for the impact that they may suffer.
 void PairSearch::chooseMargins(const World& world)
@@ -70,7 +49,7 @@ void PairSearch::chooseMargins(const World& world)
 }
 
 // The part of its margin that a body has used up by moving [m]; infinite if its radius, mask or shape has changed.
-double PairSearch::used(const World& world, std::size_t i) const
+inline double PairSearch::used(const World& world, std::size_t i) const
 {
 	const Body& b = world.bodies[i];
 	if (b.radius != seen[i].radius || world.masks[i] != seenMasks[i])
@@ -87,23 +66,42 @@ double PairSearch::used(const World& world, std::size_t i) const
 	return way;
 }
 
-// Whether the rest of every margin is enough. Fills World::listed.
-bool PairSearch::stillComplete(World& world, Threads* threads) const
-{
-	world.listed.resize(seen.size());
-	return !anyOf(threads, seen.size(), [&](std::size_t i) {
-		world.listed[i] = world.masks[i] == 0 && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
-		return !(needs[i] <= world.listed[i]);
-	});
-}
-
 bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran, Threads* threads)
 {
-	const double smallest = smallestRadius(world);
-	least = std::isinf(smallest) ? 0 : leastMargin * smallest;
-	measure(world, dt, outran, threads);
-	longest = fastest / smallest;
-	return seen.size() != world.bodies.size() || world.apart != seenApart || !stillComplete(world, threads);
+	const std::size_t count = world.bodies.size();
+	ways.resize(count);
+	needs.resize(count);
+	world.listed.resize(count);
+	struct Seen {
+		double fastest = 0, smallest = endless;
+		bool complete;
+	};
+	const auto look = [&](std::size_t from, std::size_t to) {
+		Seen all;
+		all.complete = seen.size() == count && world.apart == seenApart;
+		for (std::size_t i = from; i < to; i++) {
+			const Body& b = world.bodies[i];
+			const bool joins = world.masks[i] != 0;
+			ways[i] = joins ? wayOf(b, world.shapes[i], dt) : 0;
+			needs[i] = joins ? reachOf(b, ways[i]) : 0;
+			if (joins && i < outran.size())
+				needs[i] = std::max(needs[i], outran[i]);
+			all.fastest = std::max(all.fastest, ways[i]);
+			all.smallest = b.radius > 0 ? std::min(all.smallest, b.radius) : all.smallest;
+			if (!all.complete)
+				continue;
+			world.listed[i] = !joins && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
+			all.complete = needs[i] <= world.listed[i];
+		}
+		return all;
+	};
+	const Seen all = reduceRanges<Seen>(threads, count, look, [](const Seen& a, const Seen& b) {
+		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.complete && b.complete };
+	});
+	fastest = all.fastest;
+	least = std::isinf(all.smallest) ? 0 : leastMargin * all.smallest;
+	longest = fastest / all.smallest;
+	return !all.complete;
 }
 
 void PairSearch::find(World& world, std::vector<NearPair>& found)

@@ -26,10 +26,8 @@ class PairSearch {
 	struct Place {
 		double x, y, radius;
 	};
-	void measure(const World&, double dt, const std::vector<double>& outran, Threads*);
 	void chooseMargins(const World&);
 	double used(const World&, std::size_t body) const;
-	bool stillComplete(World&, Threads*) const;
 
 	double least = 0; // margin of slow bodies [m]
 	double fastest = 0, longest = 0; // largest way of a body in this step [m], and the same over the smallest radius

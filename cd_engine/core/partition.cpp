@@ -6,8 +6,6 @@
 
 namespace cd {
 
-int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
-
 int32_t Partition::root(int32_t body)
 {
 	while (name[body] != body)

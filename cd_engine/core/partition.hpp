@@ -15,6 +15,9 @@ struct Link {
 };
 inline Link linkOf(const ContactRow& c) { return { c.a, c.b, c.wnn > 0 }; }
 
+// How many of the velocity components of a body can change.
+inline int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
+
 class Partition {
     public:
 	// Finds the islands of this system. Returns false if its contacts and freedoms, and so its islands, are those of the last system.
@@ -41,7 +44,5 @@ class Partition {
 	int32_t root(int32_t body);
 	void number();
 };
-
-int freedoms(const BodyVelocity&);
 
 } // namespace cd

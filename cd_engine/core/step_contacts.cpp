@@ -9,15 +9,9 @@
 namespace cd {
 namespace {
 
-	constexpr double nearby = 1e-3; // of a disk's radius: gaps up to this are contacts, however slow the bodies are
-
-	// A pair is a contact if its gap is at most `soon` times the relative motion of its bodies in the step plus `pushed` of the smaller radius,
-	// as other contacts may change both velocities. It is none if the gap is more than `mostWays` times the sum of both ways.
-	constexpr double soon = 1.2, pushed = 0.5, mostWays = 2;
+	using namespace contact_limits;
 
 	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off and stay
-
-	constexpr double quick = 1 + 1e-3; // factor on the speed that closes a gap, larger than round-off
 
 	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force and
 	// back must not be cut, or it would be written anew step by step.
@@ -36,44 +30,40 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-// Follows mayClose, for an unknown partner: each of the two limits there is at most the sum of these values of both bodies. Adds the half way that
-// each body moves before contact is looked at.
-double reachOf(const Body& b, double way)
+inline void TimeStep::free(const Body& b, double dt, BodyVelocity& s)
 {
-	const double most = mostWays * way;
-	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
+	for (int k = 0; k < 3; k++) {
+		s.w[k] = b.inverseMass[k];
+		s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
+	}
+	const double ax = b.inverseMass[0] * b.force[0], ay = b.inverseMass[1] * b.force[1];
+	s.pushed = dt * std::sqrt(ax * ax + ay * ay);
+	s.twisted = dt * b.inverseMass[2] * std::abs(b.force[2]);
 }
 
-void TimeStep::freeVelocities(const World& world, double dt)
+void TimeStep::freeAgain(const World& world, double dt)
 {
-	system.bodies.resize(world.bodies.size());
 	forRanges(&threads, world.bodies.size(), [&](size_t from, size_t to) {
-		for (size_t i = from; i < to; i++) {
-			const Body& b = world.bodies[i];
-			BodyVelocity& s = system.bodies[i];
-			for (int k = 0; k < 3; k++) {
-				s.w[k] = b.inverseMass[k];
-				s.v[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
-			}
-			const double ax = b.inverseMass[0] * b.force[0], ay = b.inverseMass[1] * b.force[1];
-			s.pushed = dt * std::sqrt(ax * ax + ay * ay);
-			s.twisted = dt * b.inverseMass[2] * std::abs(b.force[2]);
-		}
+		for (size_t i = from; i < to; i++)
+			free(world.bodies[i], dt, system.bodies[i]);
 	});
 }
 
-void TimeStep::locateBodies(const World& world, double dt)
+// Sets the free velocities of the bodies, their places at the mid-configuration, and their ways.
+void TimeStep::beginBodies(const World& world, double dt)
 {
-	places.resize(world.bodies.size());
-	ways.resize(world.bodies.size());
-	system.places.resize(world.bodies.size());
-	forRanges(&threads, places.size(), [&](size_t from, size_t to) {
+	const std::size_t count = world.bodies.size();
+	system.bodies.resize(count);
+	system.places.resize(count);
+	places.resize(count);
+	ways.resize(count);
+	forRanges(&threads, count, [&](size_t from, size_t to) {
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
-			const double* v = system.bodies[i].v; // free velocity
+			free(b, dt, system.bodies[i]);
 			places[i] = placeAhead(b, 0.5 * dt);
 			system.places[i] = { places[i].x, places[i].y };
-			ways[i] = dt * std::max(outlineSpeed(v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
+			ways[i] = dt * std::max(outlineSpeed(system.bodies[i].v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
 		}
 	});
 }
@@ -381,27 +371,14 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
-	freeVelocities(world, settings.dt);
-	free.clear();
+	beginBodies(world, settings.dt);
+	freeVelocity.clear();
 	if (settings.restitution > 0)
 		for (const BodyVelocity& b : system.bodies)
-			free.insert(free.end(), b.v, b.v + 3);
-	locateBodies(world, settings.dt);
+			freeVelocity.insert(freeVelocity.end(), b.v, b.v + 3);
 	shifts.clear();
 	findContacts(world, settings);
 	return system;
-}
-
-// Whether a body has become so fast that it may reach, within the step, another body that is not listed with it.
-bool TimeStep::outruns(const World& world, double dt, StepReport& report)
-{
-	report.outran.clear();
-	const auto needed
-	    = [&](size_t i) { return quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i])); };
-	const bool any = anyOf(&threads, world.listed.size(), [&](size_t i) { return needed(i) > world.listed[i]; });
-	for (size_t i = 0; any && i < world.bodies.size(); i++)
-		report.outran.push_back(needed(i));
-	return any;
 }
 
 // Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.

@@ -47,7 +47,6 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
 	}
 	if (!same || !sameMasses)
 		findCarried();
-	twisted = anyOf(threads, system.bodies.size(), [&](std::size_t i) { return system.bodies[i].twisted > 0 && packed.place[i] >= 0; });
 	restoreVelocities();
 }
 

@@ -13,12 +13,13 @@ bool Sweep::classifyBodies(bool& sameMasses)
 	const bool known = packed.kinds.size() == system.bodies.size();
 	packed.kinds.resize(system.bodies.size());
 	struct Same {
-		bool kinds, masses;
+		bool kinds, masses, twisted;
 	};
 	const auto classify = [&](std::size_t from, std::size_t to) {
-		Same same { known, known };
+		Same same { known, known, false };
 		for (std::size_t i = from; i < to; i++) {
 			const double* const w = system.bodies[i].w;
+			same.twisted = same.twisted || system.bodies[i].twisted > 0;
 			BodyKind& kind = packed.kinds[i];
 			if (known && std::equal(w, w + 3, kind.w))
 				continue;
@@ -31,9 +32,10 @@ bool Sweep::classifyBodies(bool& sameMasses)
 		return same;
 	};
 	const Same same = reduceRanges<Same>(threads, system.bodies.size(), classify, [](const Same& a, const Same& b) {
-		return Same { a.kinds && b.kinds, a.masses && b.masses };
+		return Same { a.kinds && b.kinds, a.masses && b.masses, a.twisted || b.twisted };
 	});
 	sameMasses = same.masses;
+	twisted = same.twisted;
 	return same.kinds;
 }
 

@@ -21,26 +21,47 @@ void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 	}
 }
 
-// Velocities that are no solution may have any size. Their speeds are limited to four times the longest way plus two smallest radii, a step.
-void TimeStep::meanVelocities(const World& world, double dt, bool solved)
+// How far from its place before the step pairs of a body must be listed, so that it reaches no other within the step [m].
+inline double TimeStep::needed(const World& world, size_t i, double dt) const
+{
+	return contact_limits::quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
+}
+
+void TimeStep::tellNeeded(const World& world, double dt, StepReport& report) const
+{
+	for (size_t i = 0; i < world.bodies.size(); i++)
+		report.outran.push_back(needed(world, i, dt));
+}
+
+// Velocities that are no solution may have any size. Their speeds are limited to four times the longest way plus two smallest radii, a step. Returns
+// whether a body has become so fast that it may reach, within the step, another body that is not listed with it.
+bool TimeStep::meanVelocities(const World& world, double dt, bool solved)
 {
 	means.resize(world.bodies.size());
 	double most = std::numeric_limits<double>::infinity();
 	if (!solved && !ways.empty())
 		most = (4 * *std::max_element(ways.begin(), ways.end()) + 2 * smallestRadius(world)) / dt;
-	const auto mean = [&](size_t from, size_t to) {
+	struct Found {
 		double fastest = 0;
+		bool outran = false;
+	};
+	const auto mean = [&](size_t from, size_t to) {
+		Found found;
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
 			const double* v = system.bodies[i].v;
 			for (int k = 0; k < 3; k++)
 				means[i].v[k] = 0.5 * (b.v[k] + v[k]);
 			means[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
-			fastest = std::max(fastest, means[i].speed);
+			found.fastest = std::max(found.fastest, means[i].speed);
+			found.outran = found.outran || (i < world.listed.size() && needed(world, i, dt) > world.listed[i]);
 		}
-		return fastest;
+		return found;
 	};
-	fastest = reduceRanges<double>(&threads, means.size(), mean, [](double a, double b) { return std::max(a, b); });
+	const Found all = reduceRanges<Found>(
+	    &threads, means.size(), mean, [](const Found& a, const Found& b) { return Found { std::max(a.fastest, b.fastest), a.outran || b.outran }; });
+	fastest = all.fastest;
+	return all.outran;
 }
 
 // Ends a step that needs another solution when no iterations are left for it.
@@ -70,7 +91,7 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
-	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, world.bodies, free, settings.solver.tolerance);
+	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance);
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -107,7 +128,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		if (less)
 			report.solver.status = Status::converged;
 		const Status found = report.solver.status;
-		meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
+		const bool outran = meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
 		if (settings.restitution > 0) {
 			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
@@ -120,11 +141,14 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 				return end(report);
 			guessAgain(world, settings); // the judged impulses may be so large that any error is small beside them
 			tolerance = std::min(tolerance, Rebounds::mostGain);
-			freeVelocities(world, settings.dt);
+			freeAgain(world, settings.dt);
 			continue;
 		}
-		if (found != Status::diverged && outruns(world, settings.dt, report))
+		report.outran.clear();
+		if (found != Status::diverged && outran) {
+			tellNeeded(world, settings.dt, report);
 			return true;
+		}
 		const bool late = settings.solver.fixedIterations == 0 && report.solver.iterations > settings.solver.maxIterations;
 		if (spent && most > settings.solver.maxIterations)
 			return end(report);
@@ -134,7 +158,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			most += 1 + settings.solver.maxIterations / 10;
 		if (sleepers.wake(system.contacts, world))
 			return false;
-		freeVelocities(world, settings.dt);
+		freeAgain(world, settings.dt);
 		if (settings.solver.fixedIterations > 0) { // so many sweeps from the first guess, and no more
 			report.solver.iterations = 0;
 			guessAgain(world, settings);

@@ -45,9 +45,25 @@ struct StepReport {
 // The smallest radius of the disks [m]; infinite if there is no disk.
 double smallestRadius(const World&);
 
+namespace contact_limits {
+	constexpr double nearby = 1e-3; // of a disk's radius: gaps up to this are contacts, however slow the bodies are
+
+	// A pair is a contact if its gap is at most `soon` times the relative motion of its bodies in the step plus `pushed` of the smaller radius,
+	// as other contacts may change both velocities. It is none if the gap is more than `mostWays` times the sum of both ways.
+	constexpr double soon = 1.2, pushed = 0.5, mostWays = 2;
+
+	constexpr double quick = 1 + 1e-3; // factor on the speed that closes a gap, larger than round-off
+} // namespace contact_limits
+
 // The farthest from its outline that a body may meet others in a step [m]. way: the distance that it moves in the step (wayOf) [m]. A pair becomes a
-// contact only if its gap is at most the sum of the reaches of both bodies.
-double reachOf(const Body&, double way);
+// contact only if its gap is at most the sum of the reaches of both bodies: each of the two limits above is at most that, for any partner. Adds the
+// half way that each body moves before contact is looked at.
+inline double reachOf(const Body& b, double way)
+{
+	using namespace contact_limits;
+	const double most = mostWays * way;
+	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
+}
 
 class TimeStep {
     public:
@@ -91,10 +107,13 @@ class TimeStep {
 	Threads threads;
 
     private:
-	void freeVelocities(const World&, double dt);
+	static void free(const Body&, double dt, BodyVelocity&);
+	void freeAgain(const World&, double dt);
+	void beginBodies(const World&, double dt);
 	void noteLoads(const World&, const StepSettings&);
-	void locateBodies(const World&, double dt);
-	void meanVelocities(const World&, double dt, bool solved);
+	bool meanVelocities(const World&, double dt, bool solved);
+	void tellNeeded(const World&, double dt, StepReport&) const;
+	double needed(const World&, std::size_t body, double dt) const;
 	double relativeSpeed(const Pair&, const World&, const double* a, const double* b) const;
 	bool mayClose(const Pair&, const World&, double gap, double dt) const;
 	Touch locate(const Pair&, const World&) const;
@@ -113,7 +132,6 @@ class TimeStep {
 	void fillRows(const World&, const StepSettings&, std::size_t from, std::size_t to);
 	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
-	bool outruns(const World&, double dt, StepReport&);
 	bool within(std::size_t pair, const World&, double dt) const;
 	bool anyViolated(const World&, const StepSettings&);
 	bool addViolated(World&, const StepSettings&);
@@ -151,7 +169,7 @@ class TimeStep {
 	IslandSolver solveIslands;
 	Rebounds rebounds;
 	ContactSystem system;
-	std::vector<double> free; // with restitution: the velocities that external forces alone would leave
+	std::vector<double> freeVelocity; // with restitution: the velocities that external forces alone would leave
 	std::vector<int> fingerprints; // hashes of what forces add to the velocities, if recorded
 	std::vector<Place> places; // of the bodies at the mid-configuration
 	std::vector<Mean> means; // of the bodies
