@@ -64,7 +64,7 @@ struct ContactRow {
 			wnn = wnt = pn = pt = 0;
 	}
 };
-static_assert(sizeof(ContactRow) == 8 + 13 * 8);
+static_assert(sizeof(ContactRow) == 8 + 13 * 8 && offsetof(ContactRow, at) == 32 && offsetof(ContactRow, mu) == 64 && offsetof(ContactRow, pn) == 96);
 
 struct ContactSystem {
 	std::vector<std::array<double, 2>> places; // of the bodies' centres [m]; empty where they are not known

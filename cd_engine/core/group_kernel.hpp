@@ -26,17 +26,15 @@ struct alignas(64) LaneMisses {
 // Eight pairs.
 struct alignas(64) PairLanes {
 	static constexpr int lanes = 8;
-	int32_t a[lanes], b[lanes];
-	double reference[lanes];
-	double overlap[lanes]; // as in Touch [m]
+	struct Ends {
+		int32_t a, b;
+	};
+	double mu[lanes], reference[lanes];
+	double overlap[lanes], gap[lanes]; // as in Touch, and beyond the reference overlap [m]
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
-};
-// Eight rows; the other arms are 0.
-struct alignas(64) RowLanes {
-	double mu[PairLanes::lanes];
-	double was[6][PairLanes::lanes]; // the members of Carried
-	double nx[PairLanes::lanes], ny[PairLanes::lanes], at[PairLanes::lanes], bt[PairLanes::lanes], bias[PairLanes::lanes];
-	double wnn[PairLanes::lanes], wnt[PairLanes::lanes], wtt[PairLanes::lanes], pn[PairLanes::lanes], pt[PairLanes::lanes];
+	Ends ends[lanes];
+	int32_t a[lanes], b[lanes]; // the same
+	int32_t index[lanes]; // in World::pairs
 };
 struct RowSettings {
 	double dt, gapCorrection;
@@ -66,9 +64,9 @@ struct GroupKernel {
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
 	// Where the disks of `count` times eight pairs touch.
 	void (*overlaps)(const Place* places, PairLanes* pairs, std::size_t count, double nearby);
-	// Their rows; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
-	void (*assemble)(const Place* places, const BodyVelocity* bodies, const PairLanes* pairs, RowLanes* rows, std::size_t count,
-	    const RowSettings& settings);
+	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
+	void (*assemble)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
+	    std::size_t count, const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.

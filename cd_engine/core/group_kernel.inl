@@ -34,7 +34,8 @@ template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
 		__builtin_shufflevector(odd01, odd23, 2, 3, 6, 7, 10, 11, 14, 15) };
 }
 
-INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+// The inverse: calls put(lane, the four numbers of a body).
+template <class Put> INLINE void scatter(const Bodies& v, const Put& put)
 {
 	const Vector evenV = __builtin_shufflevector(v.vx, v.vy, 0, 8, 2, 10, 4, 12, 6, 14),
 		     oddV = __builtin_shufflevector(v.vx, v.vy, 1, 9, 3, 11, 5, 13, 7, 15);
@@ -44,7 +45,6 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 		     b46 = __builtin_shufflevector(evenV, evenS, 4, 5, 12, 13, 6, 7, 14, 15);
 	const Vector b13 = __builtin_shufflevector(oddV, oddS, 0, 1, 8, 9, 2, 3, 10, 11),
 		     b57 = __builtin_shufflevector(oddV, oddS, 4, 5, 12, 13, 6, 7, 14, 15);
-	const auto put = [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; };
 	put(0, __builtin_shufflevector(b02, b02, 0, 1, 2, 3));
 	put(1, __builtin_shufflevector(b13, b13, 0, 1, 2, 3));
 	put(2, __builtin_shufflevector(b02, b02, 4, 5, 6, 7));
@@ -75,11 +75,10 @@ template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
 	return { r0, r1, r2, r3 };
 }
 
-INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+template <class Put> INLINE void scatter(const Bodies& v, const Put& put)
 {
 	Quad r0 = v.vx, r1 = v.vy, r2 = v.spin, r3 = v.w;
 	transpose(r0, r1, r2, r3);
-	const auto put = [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; };
 	put(0, r0);
 	put(1, r1);
 	put(2, r2);
@@ -101,18 +100,18 @@ template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
 	return v;
 }
 
-INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+template <class Put> INLINE void scatter(const Bodies& v, const Put& put)
 {
-	for (int lane = 0; lane < LANES; lane++) {
-		PackedBody& one = bodies[i[lane]];
-		one.vx = v.vx[lane];
-		one.vy = v.vy[lane];
-		one.spin = v.spin[lane];
-		one.w = v.w[lane];
-	}
+	for (int lane = 0; lane < LANES; lane++)
+		put(lane, Quad { v.vx[lane], v.vy[lane], v.spin[lane], v.w[lane] });
 }
 
 #endif
+
+INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
+{
+	scatter(v, [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; });
+}
 
 // Solves LANES contacts. The velocities of the bodies already contain the impulses pn, pt.
 INLINE void solve(Group& g, int lane, PackedBody* bodies, Vector& pn, Vector& pt)

@@ -30,42 +30,51 @@ static void overlaps(const Place* places, PairLanes* pairs, std::size_t count, d
 		const auto apart = (reference > none) & (d.overlap <= none);
 		const Vector gap = apart ? -d.overlap : reference - d.overlap;
 		store(p.overlap + lane, d.overlap);
+		store(p.gap + lane, gap);
 		store(p.beyond + lane, d.radiusA > none ? gap - nearby * smaller(d.radiusA, d.radiusB) : never);
 	}
 }
 
-// ContactRow::assembleBlock for arms an = bn = 0, and firstGuess(). A lane without a result gets wnn = 0.
-static void assemble(
-    const Place* places, const BodyVelocity* bodies, const PairLanes* pairs, RowLanes* rows, std::size_t count, const RowSettings& settings)
+typedef double RowPart __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double RowEnd __attribute__((vector_size(16), aligned(8), may_alias));
+
+// ContactRow::assembleBlock for arms an = bn = 0, and TimeStep::firstGuess().
+static void assemble(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
+    std::size_t count, const RowSettings& settings)
 {
 	const Vector none = {};
-	for (std::size_t i = 0; i < count * PairLanes::lanes; i += LANES) {
+	for (std::size_t i = 0; i < count; i += LANES) {
 		const PairLanes& p = pairs[i / PairLanes::lanes];
-		RowLanes& r = rows[i / PairLanes::lanes];
 		const int lane = i % PairLanes::lanes;
 		const Disks d = locateDisks(places, p, lane);
-		const Bodies A = gather<2>(bodies->w, p.a + lane), B = gather<2>(bodies->w, p.b + lane); // the inverse masses, and what is not used
-		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = -(d.radiusB - 0.5 * d.overlap);
+		const Bodies A = gather<2>(bodies->w, p.a + lane), B = gather<2>(bodies->w, p.b + lane); // the inverse masses
+		const Bodies was = gather<2>(&carried->nx, p.index + lane), tangent = gather<2>(carried->ft, p.index + lane);
+		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = -(d.radiusB - 0.5 * d.overlap), mu = load(p.mu + lane);
 		const Vector gap = load(p.reference + lane) - d.overlap, pushed = gap < settings.pushedOut * d.radiusB ? settings.gapCorrection * gap : none;
 		const Vector wx = A.vx + B.vx, wy = A.vy + B.vy;
 		const Vector wnn = nx * nx * wx + ny * ny * wy, wtt = ny * ny * wx + nx * nx * wy + at * at * A.spin + bt * bt * B.spin;
+		const Vector wnt = nx * ny * (wy - wx) + none * at * A.spin + none * bt * B.spin;
 		const Vector freedom = A.vx + A.vy + B.vx + B.vy + at * at * A.spin + bt * bt * B.spin;
 		const auto known = (d.radiusA > none) & (A.spin > none) & (B.spin > none) & (wnn > ContactRow::leastShare * freedom);
-		store(r.nx + lane, nx);
-		store(r.ny + lane, ny);
-		store(r.at + lane, at);
-		store(r.bt + lane, bt);
-		store(r.bias + lane, ((gap > none ? gap : pushed) + none) / settings.dt);
-		store(r.wnn + lane, known ? wnn : none);
-		store(r.wnt + lane, nx * ny * (wy - wx) + none * at * A.spin + none * bt * B.spin);
-		store(r.wtt + lane, wtt);
-		const Vector mx = load(r.was[0] + lane), my = load(r.was[1] + lane), square = mx * mx + my * my;
-		const Vector normal = mx * load(r.was[2] + lane) + my * load(r.was[3] + lane);
-		const Vector tangential = mx * load(r.was[5] + lane) - my * load(r.was[4] + lane);
+		const Vector square = was.vx * was.vx + was.vy * was.vy, normal = was.vx * was.spin + was.vy * was.w;
+		const Vector tangential = was.vx * tangent.vy - was.vy * tangent.vx;
 		const auto carries = (normal > none) & (tangential * none == none);
 		const Vector pn = carries ? settings.dt * normal / square : none, pt = carries ? settings.dt * tangential / square : none;
-		const Vector most = load(r.mu + lane) * pn;
-		store(r.pn + lane, pn);
-		store(r.pt + lane, absolute(pt) > most * settings.onCone ? (pt < none ? -most : most) : pt);
+		const Vector most = mu * pn;
+		char* const row = reinterpret_cast<char*>(rows + i);
+		const int here = count - i < LANES ? static_cast<int>(count - i) : LANES;
+		const auto to = [&](std::size_t member) {
+			return [=](int l, const Quad& q) {
+				if (l < here)
+					*reinterpret_cast<RowPart*>(row + l * sizeof(ContactRow) + member) = q;
+			};
+		};
+		scatter({ load(reinterpret_cast<const double*>(p.ends + lane)), nx, ny, none }, to(0));
+		scatter({ at, none, bt, ((gap > none ? gap : pushed) + none) / settings.dt }, to(offsetof(ContactRow, at)));
+		scatter({ mu, known ? wnn : none, wnt, wtt }, to(offsetof(ContactRow, mu)));
+		scatter({ pn, absolute(pt) > most * settings.onCone ? (pt < none ? -most : most) : pt, none, none }, [=](int l, const Quad& q) {
+			if (l < here)
+				*reinterpret_cast<RowEnd*>(row + l * sizeof(ContactRow) + offsetof(ContactRow, pn)) = RowEnd { q[0], q[1] };
+		});
 	}
 }

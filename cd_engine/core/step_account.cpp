@@ -45,11 +45,11 @@ void TimeStep::release(const Pair& pair, Carried& was)
 }
 
 // Keeps the force of a contact. One that already has the right value is not written, because it would differ in the last digit when read again.
-inline void TimeStep::carry(const ContactRow& c, Carried& was, const StepSettings& settings)
+inline void TimeStep::carry(const ContactRow& c, Carried& was, const StepSettings& settings, double rate)
 {
 	if (was.nx == c.nx && was.ny == c.ny && was.any() && was.impulse(settings.dt) == std::array<double, 2> { c.pn, c.pt })
 		return;
-	const double rate = 1 / settings.dt, fn = c.pn * rate, ft = c.pt * rate;
+	const double fn = c.pn * rate, ft = c.pt * rate;
 	was = { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx }, was.any() ? was.since : settings.iteration };
 	sleepers.disturb(c.a, c.b);
 }
@@ -108,6 +108,7 @@ struct TimeStep::Account {
 TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, double dissipated, size_t from, size_t to)
 {
 	const bool keepsShares = !shares.empty();
+	const double rate = 1 / settings.dt;
 	Account sum;
 	sum.dissipated = dissipated;
 	for (size_t i = from; i < to; i++) {
@@ -122,7 +123,7 @@ TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, 
 			release(world.pairs[rowPair[i]], world.carried[rowPair[i]]);
 			continue;
 		}
-		carry(c, world.carried[rowPair[i]], settings);
+		carry(c, world.carried[rowPair[i]], settings, rate);
 		if (!keepsShares)
 			give(share(i, c));
 		const bool asleep = !sleepers.none() && asleepAt(c);

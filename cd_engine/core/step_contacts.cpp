@@ -208,18 +208,28 @@ void TimeStep::askRebound(const World& world, std::size_t row, ContactRow& c, do
 		c.bias = Rebounds::bias(c.bias, rebound);
 }
 
-// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left.
-template <class Which> inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which)
+// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left. rows: also what rows need.
+template <bool rows, class Which> inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which)
 {
 	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
 	for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
-		const Pair& pair = world.pairs[which(std::min(k, count - 1))];
+		const int32_t index = which(std::min(k, count - 1));
+		const Pair& pair = world.pairs[index];
 		PairLanes& p = lanes[k / PairLanes::lanes];
-		p.a[k % PairLanes::lanes] = pair.a;
-		p.b[k % PairLanes::lanes] = pair.b;
-		p.reference[k % PairLanes::lanes] = pair.reference;
-		__builtin_prefetch(&places[pair.a]);
-		__builtin_prefetch(&places[pair.b]);
+		const std::size_t lane = k % PairLanes::lanes;
+		p.a[lane] = pair.a;
+		p.b[lane] = pair.b;
+		p.reference[lane] = pair.reference;
+		if (!rows) {
+			__builtin_prefetch(&places[pair.a]);
+			__builtin_prefetch(&places[pair.b]);
+			continue;
+		}
+		p.ends[lane] = { pair.a, pair.b };
+		p.index[lane] = index;
+		p.mu[lane] = pair.mu;
+		__builtin_prefetch(&system.bodies[pair.a]);
+		__builtin_prefetch(&system.bodies[pair.b]);
 	}
 	return groups;
 }
@@ -231,36 +241,18 @@ void TimeStep::fillRows(const World& world, const StepSettings& settings, std::s
 	for (; from < to; from += batch) {
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[batch / PairLanes::lanes];
-		RowLanes rows[batch / PairLanes::lanes];
-		const std::size_t groups = load(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
-		for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
-			const int32_t index = rowPair[from + std::min(k, count - 1)];
-			const Carried& was = world.carried[index];
-			RowLanes& r = rows[k / PairLanes::lanes];
-			const std::size_t lane = k % PairLanes::lanes;
-			r.mu[lane] = world.pairs[index].mu;
-			r.was[0][lane] = was.nx;
-			r.was[1][lane] = was.ny;
-			for (const int axis : { 0, 1 }) {
-				r.was[2 + axis][lane] = was.fn[axis];
-				r.was[4 + axis][lane] = was.ft[axis];
-			}
-			__builtin_prefetch(&system.bodies[world.pairs[index].a]);
-			__builtin_prefetch(&system.bodies[world.pairs[index].b]);
-		}
-		groupKernel().assemble(places.data(), system.bodies.data(), pairs, rows, groups, asked);
-		for (std::size_t k = 0; k < count; k++) {
-			const PairLanes& p = pairs[k / PairLanes::lanes];
-			const RowLanes& r = rows[k / PairLanes::lanes];
-			const std::size_t l = k % PairLanes::lanes;
+		load<true>(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
+		groupKernel().assemble(
+		    places.data(), system.bodies.data(), world.carried.data(), pairs, system.contacts.data() + from, count, asked);
+		for (std::size_t row = from; row < from + count; row++) {
+			ContactRow& c = system.contacts[row];
 			double turned = 0;
-			const double pn = settings.warmStart ? r.pn[l] : 0, pt = settings.warmStart ? r.pt[l] : 0;
-			ContactRow& c = system.contacts[from + k];
-			c = r.wnn[l] > 0 ? ContactRow { p.a[l], p.b[l], r.nx[l], r.ny[l], 0, r.at[l], 0, r.bt[l], r.bias[l], r.mu[l], r.wnn[l], r.wnt[l],
-				    r.wtt[l], pn, pt }
-					 : rowOf(world, rowPair[from + k], settings, turned);
+			if (!(c.wnn > 0))
+				c = rowOf(world, rowPair[row], settings, turned);
+			if (!settings.warmStart)
+				c.pn = c.pt = 0;
 			if (settings.restitution > 0)
-				askRebound(world, from + k, c, turned, settings);
+				askRebound(world, row, c, turned, settings);
 		}
 	}
 }
@@ -287,48 +279,61 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 	return gap + turning(pair, world, touch, gap, dt) + dt * std::min(before, after) <= 0;
 }
 
-// Decides whether a pair is a contact. beyond: as in PairLanes.
-inline void TimeStep::judge(std::size_t index, const World& world, const StepSettings& settings, double beyond, Seen& seen)
+// Decides whether a pair is a contact, where the kernel cannot. Finds the overlap and the gap if `a` is a boundary.
+bool TimeStep::judge(const Pair& pair, const World& world, const StepSettings& settings, double beyond, double& overlap, double& gap, bool& through) const
 {
-	const Pair& pair = world.pairs[index];
 	if (places[pair.a].radius == 0) {
 		const Touch touch = locate(pair, world);
 		Foot face;
-		seen.through = seen.through || isThrough(pair, world, touch, settings.dt, face);
-		overlaps[index] = touch.overlap;
+		through = through || isThrough(pair, world, touch, settings.dt, face);
+		overlap = touch.overlap;
+		gap = pair.reference > 0 && overlap <= 0 ? -overlap : pair.reference - overlap; // the reference ends where their surfaces are apart
 	}
-	const double overlap = overlaps[index];
-	const bool apart = pair.reference > 0 && overlap <= 0; // their surfaces are apart
-	seen.apart = seen.apart || apart;
-	const double gap = apart ? -overlap : pair.reference - overlap;
-	solved[index] = (beyond <= 0 || mayClose(pair, world, gap, settings.dt))
+	return (beyond <= 0 || mayClose(pair, world, gap, settings.dt))
 	    && (settings.restitution == 0 || closes(world, pair, locate(pair, world), gap, settings.dt));
-	seen.contacts += solved[index];
-	seen.deepest = std::max(seen.deepest, solved[index] ? -gap : seen.deepest);
-	seen.narrowest = std::min(seen.narrowest, solved[index] ? seen.narrowest : gap);
 }
 
-// Finds the overlaps of the pairs of each part, and which of them are contacts.
+// Finds the overlaps of the pairs of each part, and which of them are contacts. Lists these from the begin of the part on.
 TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, Seen* parts)
 {
 	const Cut cut(world.awake.size());
 	overlaps.resize(world.pairs.size());
 	solved.assign(world.pairs.size(), 0);
+	rowPair.resize(world.awake.size());
 	forEach(&threads, cut.parts, [&](std::size_t part) {
-		Seen of;
+		double deepest = 0, narrowest = endless;
+		bool through = false, apart = false;
+		const bool bounces = settings.restitution > 0;
+		// The addresses are copied: the compiler takes it that a store to `solved` might change them.
+		char* const contact = solved.data();
+		double* const overlapOf = overlaps.data();
+		int32_t* const first = rowPair.data() + cut.from(part);
+		int32_t* row = first;
 		for (size_t from = cut.from(part), to = cut.from(part + 1); from < to; from += batch) {
 			const int32_t* const which = world.awake.data() + from;
 			const std::size_t count = std::min(batch, to - from);
 			PairLanes pairs[batch / PairLanes::lanes];
-			const std::size_t groups = load(world, count, pairs, [&](std::size_t k) { return which[k]; });
+			const std::size_t groups = load<false>(world, count, pairs, [&](std::size_t k) { return which[k]; });
 			groupKernel().overlaps(places.data(), pairs, groups, nearby);
 			for (std::size_t k = 0; k < count; k++) {
 				const PairLanes& p = pairs[k / PairLanes::lanes];
-				overlaps[which[k]] = p.overlap[k % PairLanes::lanes];
-				judge(which[k], world, settings, p.beyond[k % PairLanes::lanes], of);
+				const std::size_t lane = k % PairLanes::lanes;
+				const int32_t i = which[k];
+				double overlap = p.overlap[lane], gap = p.gap[lane];
+				bool is = p.beyond[lane] <= 0 && !bounces;
+				if (!is) {
+					is = judge(world.pairs[i], world, settings, p.beyond[lane], overlap, gap, through);
+					narrowest = is ? narrowest : std::min(narrowest, gap);
+				}
+				overlapOf[i] = overlap;
+				contact[i] = is;
+				*row = i;
+				row += is;
+				deepest = is ? std::max(deepest, -gap) : deepest;
+				apart = apart || (p.reference[lane] > 0 && overlap <= 0);
 			}
 		}
-		parts[part] = of;
+		parts[part] = { static_cast<std::size_t>(row - first), 0, through, apart, deepest, narrowest };
 	});
 	Seen all;
 	for (std::size_t part = 0; part < cut.parts; part++) {
@@ -357,16 +362,13 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 			forgotten.push_back(world.awake[k]);
 		}
 	rebounds.clear();
+	const Cut cut(world.awake.size());
+	for (std::size_t part = 0; part < cut.parts; part++)
+		std::copy_n(rowPair.begin() + static_cast<long>(cut.from(part)), parts[part].contacts, rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
-	const Cut cut(world.awake.size());
-	forEach(&threads, cut.parts, [&](std::size_t part) {
-		std::size_t row = parts[part].first;
-		for (size_t k = cut.from(part); k < cut.from(part + 1); k++)
-			if (solved[world.awake[k]])
-				rowPair[row++] = world.awake[k];
-		fillRows(world, settings, parts[part].first, row);
-	});
+	forEach(
+	    &threads, cut.parts, [&](std::size_t part) { fillRows(world, settings, parts[part].first, parts[part].first + parts[part].contacts); });
 }
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)

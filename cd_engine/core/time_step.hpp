@@ -119,7 +119,7 @@ class TimeStep {
 	Touch locate(const Pair&, const World&) const;
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
-	void judge(std::size_t pair, const World&, const StepSettings&, double beyond, Seen&);
+	bool judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
 	void findContacts(World&, const StepSettings&);
 	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
 	void stopAtFaces(const World&, double dt);
@@ -128,7 +128,7 @@ class TimeStep {
 	void resizeRows(std::size_t count, const StepSettings&);
 	std::array<double, 2> firstGuess(const World&, std::size_t pair, const StepSettings&) const;
 	ContactRow rowOf(const World&, std::size_t pair, const StepSettings&, double& turned) const;
-	template <class Which> std::size_t load(const World&, std::size_t count, PairLanes*, const Which&);
+	template <bool rows, class Which> std::size_t load(const World&, std::size_t count, PairLanes*, const Which&);
 	void fillRows(const World&, const StepSettings&, std::size_t from, std::size_t to);
 	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
@@ -143,7 +143,7 @@ class TimeStep {
 	SleepingIsland* asleepAt(const ContactRow&);
 	struct Account;
 	Account account(World&, const StepSettings&, double dissipated, std::size_t from, std::size_t to);
-	void carry(const ContactRow&, Carried&, const StepSettings&);
+	void carry(const ContactRow&, Carried&, const StepSettings&, double rate);
 	void release(const Pair&, Carried&);
 	struct Share;
 	Share share(std::size_t row, const ContactRow&) const;

@@ -39,7 +39,7 @@ struct Pair {
 };
 
 // The force of a contact after the last step, as a scene keeps it. Times the length of the next step it is that step's first guess.
-struct Carried {
+struct alignas(64) Carried {
 	static constexpr long nothing = std::numeric_limits<long>::min();
 	double nx = 0, ny = 0; // unit normal a -> b in that step
 	double fn[2] = { 0, 0 }, ft[2] = { 0, 0 }; // normal and tangential force on b [N]
@@ -63,6 +63,7 @@ struct Carried {
 		return { dt * normal / square, dt * tangential / square };
 	}
 };
+static_assert(sizeof(Carried) == 64 && offsetof(Carried, ft) == 32);
 
 // The contact geometry of a pair; if the bodies are apart, where they would touch.
 struct Touch {
