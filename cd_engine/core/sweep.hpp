@@ -123,6 +123,7 @@ class Sweep {
 	bool sameLinks(std::size_t block) const;
 	bool sameLeftOut() const;
 	void groupContacts();
+	void linkGroups();
 	void numberBodies();
 	// An immobile body for the empty lanes of a block, in memory lines that no other block uses.
 	int32_t nobody(std::size_t block) const { return static_cast<int32_t>(packed.bodyAt.size() + 4 * block); }

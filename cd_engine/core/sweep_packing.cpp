@@ -85,7 +85,20 @@ void Sweep::groupContacts()
 	}
 	packed.begin.back().group = packed.grouping.groups();
 	packed.begin.back().loose = packed.grouping.loose.size();
+	linkGroups();
 	numberSums();
+}
+
+void Sweep::linkGroups()
+{
+	packed.groups.resize(packed.grouping.groups());
+	for (std::size_t block = 0; block < packed.blocks.count(); block++)
+		for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++) {
+			const int32_t contact = packed.grouping.members[k];
+			Group& g = packed.groups[k / Group::lanes];
+			g.a[k % Group::lanes] = contact < 0 ? nobody(block) : packed.ends[contact].a;
+			g.b[k % Group::lanes] = contact < 0 ? nobody(block) : packed.ends[contact].b;
+		}
 }
 
 // Numbers the bodies in the order in which the contacts meet them, so that bodies of near contacts are near in memory.
@@ -129,7 +142,6 @@ void Sweep::findCarried()
 bool Sweep::fill()
 {
 	const std::size_t bodies = packed.bodyAt.size();
-	packed.groups.resize(packed.grouping.groups());
 	packed.loose.resize(packed.grouping.loose.size());
 	packed.bodies.resize(bodies + 4 * packed.blocks.count());
 	packed.freeBodies.resize(bodies);
@@ -147,7 +159,6 @@ bool Sweep::fill()
 
 bool Sweep::fillGroups(std::size_t block)
 {
-	const int32_t empty = nobody(block);
 	const int32_t* member = packed.grouping.members.data() + packed.begin[block].group * Group::lanes;
 	for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
 		Group& g = packed.groups[k];
@@ -155,15 +166,12 @@ bool Sweep::fillGroups(std::size_t block)
 		double wnn[Group::lanes], wtt[Group::lanes];
 		for (int lane = 0; lane < Group::lanes; lane++, member++) {
 			if (*member < 0) {
-				g.a[lane] = g.b[lane] = empty;
 				g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
 				wnn[lane] = wtt[lane] = std::numeric_limits<double>::infinity();
 				continue;
 			}
 			const ContactRow& c = system.contacts[*member];
 			same = same && groupable(c);
-			g.a[lane] = packed.ends[*member].a;
-			g.b[lane] = packed.ends[*member].b;
 			g.nx[lane] = c.nx;
 			g.ny[lane] = c.ny;
 			g.at[lane] = c.at * packed.kinds[c.a].inverseRadius;
