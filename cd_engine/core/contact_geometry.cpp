@@ -13,7 +13,7 @@ namespace {
 
 		Axes(const Shape& box, double turned)
 		{
-			const double c = std::cos(turned), s = std::sin(turned);
+			const double c = turned == 0 ? 1 : std::cos(turned), s = turned == 0 ? 0 : std::sin(turned); // most boundaries do not turn
 			cosine = box.cosine * c - box.sine * s;
 			sine = box.sine * c + box.cosine * s;
 		}

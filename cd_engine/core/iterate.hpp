@@ -39,7 +39,8 @@ template <class S> class Iteration {
 	{
 		evaluate();
 		reached = error;
-		keep();
+		if (!solved())
+			keep();
 	}
 
 	// Sweeps until the method ends or the first look at the error after `until` sweeps, but at most to `most`. Returns whether it ended.

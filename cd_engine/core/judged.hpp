@@ -187,7 +187,8 @@ namespace judging {
 			report = goOn<System>(system, start, part, report, method);
 			tryPlain(system, start, part, report, method);
 			if (solvable) {
-				if (report.status == Status::converged && makesEnergy(system, start, guess, settings.threads))
+				const bool changed = report.iterations > 0 || guess == 0; // else the impulses are those that count as in balance
+				if (report.status == Status::converged && changed && makesEnergy(system, start, guess, settings.threads))
 					beginFromNothing(system, start, settings, report, guess);
 				return report;
 			}

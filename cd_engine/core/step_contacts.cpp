@@ -363,7 +363,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 		}
 	rebounds.clear();
 	const Cut cut(world.awake.size());
-	for (std::size_t part = 0; part < cut.parts; part++)
+	for (std::size_t part = 0; part < cut.parts && all.contacts < rowPair.size(); part++)
 		std::copy_n(rowPair.begin() + static_cast<long>(cut.from(part)), parts[part].contacts, rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
