@@ -47,7 +47,8 @@ namespace {
 		    avx2::extrapolateRows, avx2::overlaps, avx2::assemble },
 #endif
 		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate, any_processor::press, any_processor::miss,
-		    any_processor::sweepRows, any_processor::sweepRowsAhead, any_processor::extrapolateRows, any_processor::overlaps, any_processor::assemble },
+		    any_processor::sweepRows, any_processor::sweepRowsAhead, any_processor::extrapolateRows, any_processor::overlaps,
+		    any_processor::assemble },
 	};
 	constexpr std::size_t known = sizeof all / sizeof *all;
 

@@ -13,8 +13,8 @@ namespace {
 
 	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off and stay
 
-	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force and
-	// back must not be cut, or it would be written anew step by step.
+	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force
+	// and back must not be cut, or it would be written anew step by step.
 	constexpr double onCone = 1 + 1e-9;
 
 	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
@@ -242,8 +242,7 @@ void TimeStep::fillRows(const World& world, const StepSettings& settings, std::s
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[batch / PairLanes::lanes];
 		load<true>(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
-		groupKernel().assemble(
-		    places.data(), system.bodies.data(), world.carried.data(), pairs, system.contacts.data() + from, count, asked);
+		groupKernel().assemble(places.data(), system.bodies.data(), world.carried.data(), pairs, system.contacts.data() + from, count, asked);
 		for (std::size_t row = from; row < from + count; row++) {
 			ContactRow& c = system.contacts[row];
 			double turned = 0;
@@ -280,7 +279,8 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 }
 
 // Decides whether a pair is a contact, where the kernel cannot. Finds the overlap and the gap if `a` is a boundary.
-bool TimeStep::judge(const Pair& pair, const World& world, const StepSettings& settings, double beyond, double& overlap, double& gap, bool& through) const
+bool TimeStep::judge(
+    const Pair& pair, const World& world, const StepSettings& settings, double beyond, double& overlap, double& gap, bool& through) const
 {
 	if (places[pair.a].radius == 0) {
 		const Touch touch = locate(pair, world);
@@ -304,7 +304,7 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 		double deepest = 0, narrowest = endless;
 		bool through = false, apart = false;
 		const bool bounces = settings.restitution > 0;
-		// The addresses are copied: the compiler takes it that a store to `solved` might change them.
+		// Copies of the addresses, because to the compiler a store to `solved` might change the vectors themselves.
 		char* const contact = solved.data();
 		double* const overlapOf = overlaps.data();
 		int32_t* const first = rowPair.data() + cut.from(part);
@@ -364,7 +364,8 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 	rebounds.clear();
 	const Cut cut(world.awake.size());
 	for (std::size_t part = 0; part < cut.parts && all.contacts < rowPair.size(); part++)
-		std::copy_n(rowPair.begin() + static_cast<long>(cut.from(part)), parts[part].contacts, rowPair.begin() + static_cast<long>(parts[part].first));
+		std::copy_n(rowPair.begin() + static_cast<long>(cut.from(part)), parts[part].contacts,
+		    rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
 	forEach(
@@ -373,6 +374,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
+	world.carried.resize(world.pairs.size());
 	beginBodies(world, settings.dt);
 	freeVelocity.clear();
 	if (settings.restitution > 0)

@@ -45,8 +45,8 @@ inline bool Sweep::groupable(const ContactRow& c) const
 	return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
 }
 
-// Whether the contacts of a block link the same bodies as those that were grouped. Reads the rows in their order, which the processor foresees. They are
-// near then when the groups take them out of it.
+// Whether the contacts of a block link the same bodies as those that were grouped. Reads the rows in their order, which the processor foresees. They
+// are near then when the groups take them out of it.
 bool Sweep::sameLinks(std::size_t block) const
 {
 	bool same = true;

@@ -58,8 +58,9 @@ bool TimeStep::meanVelocities(const World& world, double dt, bool solved)
 		}
 		return found;
 	};
-	const Found all = reduceRanges<Found>(
-	    &threads, means.size(), mean, [](const Found& a, const Found& b) { return Found { std::max(a.fastest, b.fastest), a.outran || b.outran }; });
+	const Found all = reduceRanges<Found>(&threads, means.size(), mean, [](const Found& a, const Found& b) {
+		return Found { std::max(a.fastest, b.fastest), a.outran || b.outran };
+	});
 	fastest = all.fastest;
 	return all.outran;
 }
@@ -91,7 +92,8 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
-	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance);
+	return status == Status::converged && settings.gapCorrection == 0
+	    && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance);
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -171,7 +173,6 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	StepReport report;
 	threads.use(settings.threads);
 	forgotten.clear();
-	world.carried.resize(world.pairs.size());
 	noteLoads(world, settings);
 	wokeSome = false;
 	while (!attempt(world, settings, report))

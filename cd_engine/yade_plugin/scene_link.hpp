@@ -53,8 +53,8 @@ class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
-	// Reads the scene, unless the scene is out of date. `look`: whether this step checks that the order of the bodies is still good. `margin`: the
-	// searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
+	// Reads the scene, unless the scene is out of date. `look`: whether this step checks that the order of the bodies is still good. `margin`:
+	// the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
 	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool look, double margin, cd::TimeStep&,
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.

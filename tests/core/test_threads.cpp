@@ -174,8 +174,7 @@ TEST_CASE("blocks hold every contact once in the order given, and those of a col
 		Blocks blocks;
 		blocks.cut(some, freedom);
 		std::multiset<int32_t> seen(blocks.contacts.begin(), blocks.contacts.end());
-		CHECK(seen.size()
-		    == static_cast<std::size_t>(std::count_if(some.begin(), some.end(), [](const Link& l) { return l.solvable; })));
+		CHECK(seen.size() == static_cast<std::size_t>(std::count_if(some.begin(), some.end(), [](const Link& l) { return l.solvable; })));
 		CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
 		CHECK((n == contacts) == (blocks.count() > 1)); // the others have too few that can be solved
 		if (n == contacts) {
