@@ -63,7 +63,7 @@ void TimeStep::beginBodies(const World& world, double dt)
 			free(b, dt, system.bodies[i]);
 			places[i] = placeAhead(b, 0.5 * dt);
 			system.places[i] = { places[i].x, places[i].y };
-			ways[i] = dt * std::max(outlineSpeed(system.bodies[i].v, b, world.shapes[i]), outlineSpeed(b.v, b, world.shapes[i]));
+			ways[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
 		}
 	});
 }

@@ -106,12 +106,18 @@ inline double outlineSpeed(const double* v, const Body& b, const Shape& shape)
 
 // The distance that a body may move in a step of dt [m]; if it turns, that of its farthest point. Uses the velocity before the step or the one that
 // the external forces alone would leave, whichever gives more.
+inline double wayOf(const Body& b, const Shape& shape, const double* free, double dt)
+{
+	if (b.radius > 0) // the larger of two roots is that of the larger square, to the last bit
+		return dt * std::sqrt(std::max(free[0] * free[0] + free[1] * free[1], b.v[0] * b.v[0] + b.v[1] * b.v[1]));
+	return dt * std::max(outlineSpeed(free, b, shape), outlineSpeed(b.v, b, shape));
+}
 inline double wayOf(const Body& b, const Shape& shape, double dt)
 {
 	double free[3];
 	for (int k = 0; k < 3; k++)
 		free[k] = b.v[k] + dt * b.inverseMass[k] * b.force[k];
-	return dt * std::max(outlineSpeed(free, b, shape), outlineSpeed(b.v, b, shape));
+	return wayOf(b, shape, free, dt);
 }
 
 constexpr double endless = std::numeric_limits<double>::infinity();
