@@ -66,9 +66,10 @@ def draw(runs, rows, path):
             axis.set_xscale("log")
         else:
             axis.axvline(1, color="k", lw=0.7, ls=":")
-    everywhere = [abs(row[f"largest |gamma|, {method}"]) for row in rows for method in ("MD", "CD")]
-    for axis in axes[:-1]:
-        axis.set_ylim(min(everywhere, default=1) / 2, max(everywhere, default=1) * 2)
+    everywhere = np.array([row[f"largest |gamma|, {method}"] for row in rows for method in ("MD", "CD")])
+    everywhere = everywhere[everywhere > 0]  # a run that is missing has NaN
+    if everywhere.size:
+        plt.setp(axes[:-1], ylim=(everywhere.min() / 2, everywhere.max() * 2))
     axes[0].set_ylabel(r"largest $|\gamma|$ in the cycle")
     axes[0].legend()
     for friction, own in groups.items():
