@@ -54,7 +54,7 @@ class Sleepers {
 	void finishSearch();
 	void join(int32_t body, int32_t name, int unknowns);
 
-	// At the end of a step: stores the state of the bodies; marks the island of a pair whose force has been written.
+	// At the end of a step: stores the state of the bodies.
 	void remember(const World&);
 	// A force between these bodies has changed. Not thread-safe.
 	void disturb(int32_t a, int32_t b)

@@ -47,8 +47,13 @@ void TimeStep::release(const Pair& pair, Carried& was)
 // Keeps the force of a contact. One that already has the right value is not written, because it would differ in the last digit when read again.
 inline void TimeStep::carry(const ContactRow& c, Carried& was, const StepSettings& settings, double rate)
 {
-	if (was.nx == c.nx && was.ny == c.ny && was.any() && was.impulse(settings.dt) == std::array<double, 2> { c.pn, c.pt })
+	if (was.nx == c.nx && was.ny == c.ny && was.any() && was.impulse(settings.dt) == std::array<double, 2> { c.pn, c.pt }) {
+		if (std::signbit(was.nx) != std::signbit(c.nx) || std::signbit(was.ny) != std::signbit(c.ny)) { // springs may leave -0
+			was.nx = c.nx;
+			was.ny = c.ny;
+		}
 		return;
+	}
 	const double fn = c.pn * rate, ft = c.pt * rate;
 	was = { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx }, was.any() ? was.since : settings.iteration };
 	sleepers.disturb(c.a, c.b);

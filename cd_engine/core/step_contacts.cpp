@@ -150,12 +150,22 @@ inline Touch TimeStep::locate(const Pair& pair, const World& world) const
 	return locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 }
 
+void TimeStep::lookBack(const World& world, double dt)
+{
+	places.clear();
+	for (const Body& b : world.bodies)
+		places.push_back(placeAhead(b, -0.5 * dt));
+	overlaps.clear();
+	for (const Pair& pair : world.pairs)
+		overlaps.push_back(locate(pair, world).overlap);
+}
+
 Touch TimeStep::touchOf(const World& world, std::size_t index) const
 {
 	return touchAt(world.carried[index].nx, world.carried[index].ny, -overlaps[index], places[world.pairs[index].b]);
 }
 
-// The impulse that a contact has carried, within the present friction cone, since a guess within the tolerance becomes the step's solution.
+// The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the tolerance becomes the step's solution.
 std::array<double, 2> TimeStep::firstGuess(const World& world, std::size_t index, const StepSettings& settings) const
 {
 	if (!settings.warmStart)
@@ -234,7 +244,7 @@ template <bool rows, class Which> inline std::size_t TimeStep::load(const World&
 	return groups;
 }
 
-// Fills rows from their pairs. Those that are no pairs of disks that can move and turn are made one by one.
+// Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
 void TimeStep::fillRows(const World& world, const StepSettings& settings, std::size_t from, std::size_t to)
 {
 	const RowSettings asked { settings.dt, settings.gapCorrection, -pushedOut, onCone };

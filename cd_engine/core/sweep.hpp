@@ -42,7 +42,7 @@ class Sweep {
 
 	// Recomputes the velocities from the impulses. This removes the round-off that updates in place leave behind.
 	void restoreVelocities();
-	// Copies impulses and velocities back to the system.
+	// Copies impulses and velocities back to the system. To be called once: it adds the changes of the spins to those of the system.
 	void store();
 	// The error of the packed impulses: that of residual(), except for the order of its sums. Costs two to three sweeps.
 	Residual error();

@@ -88,6 +88,8 @@ class TimeStep {
 
 	// Of the last step: the pairs that had a contact.
 	const std::vector<int32_t>& pairs() const { return rowPair; }
+	// Finds the places and overlaps of the last step of dt anew, up to round-off, if a later step was given up and has left its own.
+	void lookBack(const World&, double dt);
 	// Where a pair that carries a force touched when a step last looked at it.
 	Touch touchOf(const World&, std::size_t pair) const;
 	double gapOf(const World& world, std::size_t pair) const { return world.pairs[pair].reference - overlaps[pair]; } // [m]

@@ -67,7 +67,7 @@ class SceneLink {
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
 	void publish(yade::Scene*, const cd::TimeStep&);
 	// The same without O.forces, if the scene is out of date. For a step that is given up.
-	void catchUp(yade::Scene*, const cd::TimeStep&);
+	void catchUp(yade::Scene*, cd::TimeStep&);
 	// Tells how fast bodies are and which is lost.
 	const cd::PairSearch& pairSearch() const { return search; }
 	// Whether the scene is out of date: steps have been made that are not published.

@@ -211,10 +211,12 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 	behind = false;
 }
 
-void SceneLink::catchUp(yade::Scene* scene, const cd::TimeStep& step)
+void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 {
-	if (behind)
-		publishScene(scene, step);
+	if (!behind)
+		return;
+	step.lookBack(world, heldStep);
+	publishScene(scene, step);
 }
 
 void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step)
