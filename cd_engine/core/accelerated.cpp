@@ -90,7 +90,7 @@ namespace {
 	};
 
 	// Momentum can oscillate for ever. Over W = 1 + 0.02, all entries, 1000 contacts, a momentum for each group stays at an error of 0.6, while
-	// plain sweeps need 250; the same happens over a tree of bodies. Plain sweeps are therefore tried, too: from `firstTrial` sweeps on if
+	// plain sweeps need 250; the same happens over a tree of bodies. Plain sweeps are therefore tried, too: after `firstTrial` sweeps if
 	// `always` is set, else once momentum has gained nothing in half of its sweeps at an error too large for a drift. Both are compared at the
 	// same number of sweeps. The one with the smaller error goes on to four times as many, then the other catches up to a new comparison. Where
 	// momentum leads, its path is the same to the last bit.

@@ -26,8 +26,9 @@ class GroupBuilder {
     private:
 	void retireOldest();
 
-	// At most places - 1 groups are open at a time. A contact goes to the oldest open group that has room, if neither this group nor the groups
-	// next to it in the sweep contain its bodies. So no group waits for velocities that the last one has just written (a third of the time).
+	// Open groups lie in a ring of so many places, of which one stays free. A contact goes to the oldest open group that has room, if neither
+	// this group nor the groups next to it in the sweep contain its bodies. So no group waits for velocities that the last one has just written
+	// (a third of the time).
 	static constexpr int places = 64;
 	// A group with fewer contacts costs more than solving them one by one.
 	static constexpr int fewest = 3;
@@ -40,7 +41,7 @@ class GroupBuilder {
 	OpenGroup group[places];
 	int oldest = 0;
 	uint64_t withRoom = ~uint64_t(0);
-	std::vector<uint64_t> has; // of every movable body: the places of the groups that contain it, one bit a place
+	std::vector<uint64_t> has; // of every movable body: the places in the ring whose groups contain it, one bit a place
 	Grouping* grouping = nullptr;
 };
 

@@ -165,7 +165,8 @@ Touch TimeStep::touchOf(const World& world, std::size_t index) const
 	return touchAt(world.carried[index].nx, world.carried[index].ny, -overlaps[index], places[world.pairs[index].b]);
 }
 
-// The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the tolerance becomes the step's solution.
+// The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
+// tolerance becomes the step's solution.
 std::array<double, 2> TimeStep::firstGuess(const World& world, std::size_t index, const StepSettings& settings) const
 {
 	if (!settings.warmStart)
