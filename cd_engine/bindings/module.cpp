@@ -5,6 +5,7 @@
 #include "../core/solver.hpp"
 #include "../core/threads.hpp"
 #include "../core/verdict.hpp"
+#include "../core/workspace.hpp"
 
 #include <boost/python.hpp>
 
@@ -51,6 +52,13 @@ void require(bool holds, const char* otherwise)
 		throw std::invalid_argument(otherwise);
 }
 
+// The calls of a thread follow each other and share one. So who solves a problem again, with other numbers, does not wait for it to be packed anew.
+cd::Workspace& memoryOfThread()
+{
+	static thread_local cd::Workspace memory;
+	return memory;
+}
+
 // start, column, blocks: W as rows of 2 x 2 blocks. What is checked is what keeps the core inside its arrays; what a user can get wrong is
 // found in problem.py, where it has a name and a place.
 cd::DelassusSystem build(
@@ -66,6 +74,7 @@ cd::DelassusSystem build(
 	require(*starts.begin() == 0 && std::is_sorted(starts.begin(), starts.end()) && starts.begin()[n] == static_cast<int64_t>(columns.size()),
 	    "start does not count the blocks");
 	cd::DelassusSystem s;
+	s.memory = &memoryOfThread();
 	s.start.assign(starts.begin(), starts.end());
 	s.column.assign(columns.begin(), columns.end());
 	s.blocks.resize(columns.size());
@@ -118,6 +127,7 @@ cd::ContactSystem Bodies::build(const Lent<double>& p) const
 	require(pair.size() == 2 * n && normal.size() == 2 * n && arm.size() == 4 * n && gap.size() == n && p.size() == 2 * n,
 	    "pairs, normals, arms, bias, mu and the impulses do not fit together");
 	cd::ContactSystem s;
+	s.memory = &memoryOfThread();
 	s.bodies.resize(bodies);
 	for (std::size_t i = 0; i < bodies; i++) {
 		std::copy_n(w.begin() + 3 * i, 3, s.bodies[i].w);

@@ -1,4 +1,5 @@
 #include "closing_in.hpp"
+#include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -282,8 +283,7 @@ namespace {
 
 int closingIn(const ContactSystem& system, const std::vector<double>& freeVelocity, double tolerance, double bound, int mostProducts)
 {
-	static thread_local LeastSquares problem;
-	return problem(system, freeVelocity, tolerance, bound, mostProducts);
+	return (*Borrowed<LeastSquares>(system.memory))(system, freeVelocity, tolerance, bound, mostProducts);
 }
 
 } // namespace cd

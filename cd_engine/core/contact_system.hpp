@@ -17,6 +17,8 @@
 
 namespace cd {
 
+class Workspace;
+
 // One cache line a body, because a contact needs the velocity and the inverse mass of a body together.
 struct alignas(64) BodyVelocity {
 	double v[3]; // v_x, v_y [m/s], angular velocity about z [rad/s]
@@ -70,6 +72,7 @@ struct ContactSystem {
 	std::vector<std::array<double, 2>> places; // of the bodies' centres [m]; empty where they are not known
 	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
 	std::vector<ContactRow> contacts; // solvers may sweep them in any order but must not reorder them
+	Workspace* memory = nullptr; // for those who work on it (workspace.hpp); null: they allocate their own each time
 
 	void assembleBlocks()
 	{

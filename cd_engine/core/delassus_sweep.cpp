@@ -6,17 +6,11 @@
 
 namespace cd {
 
-std::unique_ptr<DelassusSweep::Packed>& DelassusSweep::spare()
-{
-	static thread_local std::unique_ptr<Packed> one;
-	return one;
-}
-
 DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed, Threads*)
     : system(s)
-    , kept(spare() ? std::move(spare()) : std::make_unique<Packed>())
+    , kept(s.memory)
     , packed(*kept)
-    , order(seed)
+    , order(seed, s.memory)
 {
 	packed.builder.build(system, packed.grouping);
 	const std::size_t count = packed.grouping.groups();
@@ -33,8 +27,6 @@ DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed, Threads*)
 		fillSlices(g);
 	}
 }
-
-DelassusSweep::~DelassusSweep() { spare() = std::move(kept); }
 
 void DelassusSweep::fillGroup(std::size_t group)
 {

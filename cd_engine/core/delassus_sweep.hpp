@@ -7,8 +7,7 @@
 #include "row_grouping.hpp"
 #include "row_momentum.hpp"
 #include "threads.hpp"
-
-#include <memory>
+#include "workspace.hpp"
 
 namespace cd {
 
@@ -20,9 +19,6 @@ class DelassusSweep {
 	// seed > 0: each sweep visits the groups of rows in a new random order.
 	// Uses one thread, whatever threads are passed.
 	DelassusSweep(DelassusSystem& system, unsigned seed, Threads* = nullptr);
-	~DelassusSweep();
-	DelassusSweep(const DelassusSweep&) = delete;
-	DelassusSweep& operator=(const DelassusSweep&) = delete;
 
 	// Solves every contact once, exactly, the others being held. A block of W takes 36 bytes and 8 operations; disks in a dense packing have
 	// seven blocks a contact.
@@ -45,11 +41,12 @@ class DelassusSweep {
 
 	// The impulses of an iterate, saved to restore it later.
 	using Iterate = std::vector<ImpulsePairs>;
+	Workspace* memory() const { return system.memory; }
 	void copyTo(Iterate& p) const { p = packed.impulses; }
 	void copyFrom(const Iterate& p) { packed.impulses = p; }
 
     private:
-	// The packed problem. Its memory is kept from one sweep of a thread to the next.
+	// The packed problem. The next DelassusSweep takes over its memory.
 	struct Packed {
 		RowGrouping grouping;
 		RowGroupBuilder builder;
@@ -63,8 +60,6 @@ class DelassusSweep {
 		std::vector<GroupStep> steps; // of each group: its last step
 		std::vector<int32_t> focus; // the only groups that the next sweep with momentum solves; empty: all
 	};
-	static std::unique_ptr<Packed>& spare();
-
 	double* pairAt(std::size_t place) { return packed.impulses[place / RowGroup::lanes].p + 2 * (place % RowGroup::lanes); }
 	void fillGroup(std::size_t group);
 	void countSlices();
@@ -75,7 +70,7 @@ class DelassusSweep {
 	void chooseFocus();
 
 	DelassusSystem& system;
-	std::unique_ptr<Packed> kept;
+	Borrowed<Packed> kept;
 	Packed& packed;
 	bool remembered = false; // whether `before` and `momentum` are set
 	RandomOrder order;

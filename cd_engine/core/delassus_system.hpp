@@ -22,6 +22,7 @@ struct DelassusSystem {
 	std::vector<double> q; // relative velocities without impulses [m/s], 2 a contact
 	std::vector<double> mu; // Coulomb friction coefficients
 	std::vector<double> p; // impulses [N s], 2 a contact: first guess on entry, solution on exit
+	Workspace* memory = nullptr; // as in ContactSystem
 
 	std::size_t contacts() const { return mu.size(); }
 };

@@ -185,6 +185,7 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 	partBodies.clear();
 	partContacts.clear();
 	partIsland.clear();
+	part.memory = system.memory;
 	place.assign(system.bodies.size(), -1);
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		if (partition.ofContact[i] < 0 || !wanted(islands[partition.ofContact[i]]))

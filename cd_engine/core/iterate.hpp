@@ -1,8 +1,8 @@
 // The loop around the sweeps of every sweeping method: when to compute the error, when to stop, what to report.
 #pragma once
 
-#include "handed_on.hpp"
 #include "solver.hpp"
+#include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ template <class S> class Iteration {
 	Iteration(S& s, const SolverSettings& t)
 	    : sweep(s)
 	    , settings(t)
+	    , bestIterate(s.memory())
 	{
-		kept.values.resize(1);
 	}
 
 	// improve() makes one sweep of the method.
@@ -120,14 +120,14 @@ template <class S> class Iteration {
 	void keep()
 	{
 		best = { error, distance, impulse };
-		sweep.copyTo(bestIterate());
+		sweep.copyTo(*bestIterate);
 	}
 
 	// With momentum the last iterate may be far from the best.
 	bool giveBest(Status status)
 	{
 		report.status = status;
-		sweep.copyFrom(bestIterate());
+		sweep.copyFrom(*bestIterate);
 		return true;
 	}
 
@@ -154,8 +154,7 @@ template <class S> class Iteration {
 	struct {
 		double error, distance, impulse;
 	} best {}; // the best iterate so far
-	typename S::Iterate& bestIterate() { return kept.values.front(); }
-	HandedOn<typename S::Iterate, Iteration> kept;
+	Borrowed<typename S::Iterate, Iteration> bestIterate;
 };
 
 // `method(sweep)` returns an object whose operator() makes one sweep; after each call the sweep's impulses are the iterate. Stops when the errors of

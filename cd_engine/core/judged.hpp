@@ -4,6 +4,7 @@
 
 #include "solver.hpp"
 #include "start.hpp"
+#include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +84,8 @@ namespace judging {
 	{
 		if (method == static_cast<Method<System>>(nsgs) || report.status != Status::stagnated || report.iterations >= settings.maxIterations)
 			return;
-		static thread_local System other; // static: its memory serves every step
+		const Borrowed<System> copy(system.memory);
+		System& other = *copy;
 		other = system;
 		start.guess(other);
 		SolverReport plain = goOn<System>(other, start, settings, report, nsgs);
@@ -148,7 +150,8 @@ namespace judging {
 		plain.fixedIterations = std::min(sweepsToTell, settings.maxIterations - report.iterations);
 		if (plain.fixedIterations <= 0)
 			return;
-		static thread_local System other;
+		const Borrowed<System> copy(system.memory);
+		System& other = *copy;
 		other = system;
 		start.free(other);
 		clearImpulses(other);
@@ -211,7 +214,8 @@ namespace judging {
 		// An unsolved guess may be so large that any error is small beside it. The method must reach its result without it, too.
 		void confirm(int most)
 		{
-			static thread_local System found;
+			const Borrowed<System> copy(system.memory);
+			System& found = *copy;
 			found = system;
 			const SolverReport before = report;
 			start.free(system);

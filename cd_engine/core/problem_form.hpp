@@ -11,8 +11,8 @@
 
 namespace cd {
 
-// One form of a problem: its rows, and products with W. `sizes` are the sums of the absolute values of the terms of a product. Memory is kept from
-// one problem of a thread to the next.
+// One form of a problem: its rows, and products with W. `sizes` are the sums of the absolute values of the terms of a product. Keeps its memory
+// from one problem to the next.
 class BodyForm {
     public:
 	// In a press (verdict.hpp), contacts give way with at least this share of the prescribed motion's power: other boundaries may move, too.

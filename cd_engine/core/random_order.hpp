@@ -1,7 +1,7 @@
 // A new random order of the contacts for every sweep. The same seed gives the same orders.
 #pragma once
 
-#include "handed_on.hpp"
+#include "workspace.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace cd {
 class RandomOrder {
     public:
 	// seed 0: no random order.
-	explicit RandomOrder(unsigned seed)
-	    : random(seed)
+	RandomOrder(unsigned seed, Workspace* workspace)
+	    : memory(workspace)
+	    , random(seed)
 	    , asked(seed > 0)
 	{
 		order.clear();
@@ -34,8 +35,8 @@ class RandomOrder {
 	}
 
     private:
-	HandedOn<int32_t, RandomOrder> memory;
-	std::vector<int32_t>& order = memory.values;
+	Borrowed<std::vector<int32_t>, RandomOrder> memory;
+	std::vector<int32_t>& order = *memory;
 	std::mt19937_64 random;
 	bool asked;
 };

@@ -1,6 +1,7 @@
 #include "residual.hpp"
 
 #include "partition.hpp"
+#include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -67,12 +68,18 @@ namespace {
 		}
 	}
 
+	// Of the bodies.
+	struct Bodies {
+		std::vector<Moved> moved;
+		std::vector<char> met;
+		std::vector<double> asked; // smallest s of the far heavier bodies that it carries [m/s]
+	};
+
 	// sumOf(i): the sum that contact i adds to, null if the contact is left out.
 	template <class SumOf> void addAll(const ContactSystem& system, const std::vector<double>& freeVelocity, const SumOf& sumOf)
 	{
-		static thread_local std::vector<Moved> moved;
-		static thread_local std::vector<char> met;
-		static thread_local std::vector<double> asked; // by body: smallest s of the far heavier bodies that it carries [m/s]
+		const Borrowed<Bodies> bodies(system.memory);
+		auto& [moved, met, asked] = *bodies;
 		moveBodies(system, freeVelocity, moved);
 		met.assign(moved.size(), 0);
 		asked.assign(moved.size(), std::numeric_limits<double>::infinity());
@@ -217,8 +224,12 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity)
 {
-	static thread_local Partition partition; // of this thread's last system, which mostly had the same contacts
-	static thread_local std::vector<ResidualSum> sums;
+	struct Islands {
+		Partition partition; // of the last system, which mostly had the same contacts
+		std::vector<ResidualSum> sums;
+	};
+	const Borrowed<Islands> islands(system.memory);
+	auto& [partition, sums] = *islands;
 	partition.update(system);
 	sums.assign(partition.islands.size(), {});
 	addResiduals(system, freeVelocity, partition.ofContact, sums);

@@ -79,8 +79,7 @@ namespace {
 	// if a rank is invalid, as in a damaged file.
 	double lengthByRank(const std::vector<Body>& bodies, const std::vector<int>& rank)
 	{
-		static thread_local std::vector<int> disks; // static: a step allocates no memory
-		disks.assign(bodies.size(), none);
+		std::vector<int> disks(bodies.size(), none);
 		for (std::size_t i = 0; i < bodies.size(); i++) {
 			if (!(bodies[i].radius > 0) || rank[i] == none)
 				continue;

@@ -4,10 +4,10 @@
 
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
-#include "handed_on.hpp"
 #include "solver.hpp"
 #include "threads.hpp"
 #include "verdict.hpp"
+#include "workspace.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -21,13 +21,14 @@ class Start {
     public:
 	explicit Start(const ContactSystem& s, Threads* t)
 	    : threads(t)
+	    , kept(s.memory)
 	{
-		velocities.values.resize(3 * s.bodies.size());
-		impulses.values.resize(2 * s.contacts.size());
+		velocities.resize(3 * s.bodies.size());
+		impulses.resize(2 * s.contacts.size());
 		std::atomic<bool> driven { false };
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
-				std::memcpy(&velocities.values[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
+				std::memcpy(&velocities[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
 				if (isDriven(s.bodies[i]))
 					driven = true;
 			}
@@ -37,8 +38,8 @@ class Start {
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
 				const ContactRow& c = s.contacts[i];
-				impulses.values[2 * i] = c.pn;
-				impulses.values[2 * i + 1] = c.pt;
+				impulses[2 * i] = c.pn;
+				impulses[2 * i + 1] = c.pt;
 				square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
 				pushed = pushed || !(c.bias >= 0);
 			}
@@ -52,8 +53,9 @@ class Start {
 	explicit Start(const DelassusSystem& s, Threads* t)
 	    : weight(weighted(s))
 	    , threads(t)
+	    , kept(s.memory)
 	{
-		impulses.values = s.p;
+		impulses = s.p;
 	}
 
 	// Restores the free velocities. A method leaves the velocities of its impulses, but the next one needs the free ones.
@@ -61,7 +63,7 @@ class Start {
 	{
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++)
-				std::memcpy(s.bodies[i].v, &velocities.values[3 * i], sizeof s.bodies[i].v);
+				std::memcpy(s.bodies[i].v, &velocities[3 * i], sizeof s.bodies[i].v);
 		});
 	}
 	void free(DelassusSystem&) const { } // it has no velocities
@@ -69,21 +71,24 @@ class Start {
 	void guess(ContactSystem& s) const
 	{
 		for (std::size_t i = 0; i < s.contacts.size(); i++) {
-			s.contacts[i].pn = impulses.values[2 * i];
-			s.contacts[i].pt = impulses.values[2 * i + 1];
+			s.contacts[i].pn = impulses[2 * i];
+			s.contacts[i].pt = impulses[2 * i + 1];
 		}
 	}
-	void guess(DelassusSystem& s) const { s.p = impulses.values; }
+	void guess(DelassusSystem& s) const { s.p = impulses; }
 
-	const std::vector<double>& freeVelocity() const { return velocities.values; } // three a body; none for a matrix
+	const std::vector<double>& freeVelocity() const { return velocities; } // three a body; none for a matrix
 
 	double weight = 0; // of the guess: sqrt(sum W_nn |p|^2)
 	bool solvable = false; // surelySolvable()
 
     private:
 	Threads* const threads;
-	HandedOn<double, Start> velocities;
-	HandedOn<double, const Start> impulses;
+	struct State {
+		std::vector<double> velocities, impulses; // three a body, none for a matrix; two a contact
+	};
+	Borrowed<State> kept;
+	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;
 };
 
 // Refers to the Start that the caller keeps, or else makes its own.

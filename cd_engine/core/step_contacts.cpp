@@ -53,6 +53,7 @@ void TimeStep::freeAgain(const World& world, double dt)
 void TimeStep::beginBodies(const World& world, double dt)
 {
 	const std::size_t count = world.bodies.size();
+	system.memory = &memory;
 	system.bodies.resize(count);
 	system.places.resize(count);
 	places.resize(count);

@@ -26,21 +26,16 @@ namespace {
 
 } // namespace
 
-std::unique_ptr<Sweep::Packed>& Sweep::spare()
-{
-	static thread_local std::unique_ptr<Packed> one;
-	return one;
-}
-
 Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     : system(s)
-    , kept(spare() ? std::move(spare()) : std::make_unique<Packed>())
+    , kept(s.memory)
     , packed(*kept)
-    , order(seed)
+    , order(seed, s.memory)
     , threads(t)
 {
 	bool sameMasses = true;
-	const bool same = classifyBodies(sameMasses) && packed.partition.links.size() == system.contacts.size() && sameLeftOut() && fill();
+	const bool same = classifyBodies(sameMasses) && !packed.begin.empty() && packed.partition.links.size() == system.contacts.size()
+	    && sameLeftOut() && fill();
 	if (!same) {
 		groupContacts();
 		fill();
@@ -49,8 +44,6 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
 		findCarried();
 	restoreVelocities();
 }
-
-Sweep::~Sweep() { spare() = std::move(kept); }
 
 void Sweep::restoreVelocities()
 {

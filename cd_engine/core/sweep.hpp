@@ -9,8 +9,8 @@
 #include "random_order.hpp"
 #include "residual.hpp"
 #include "threads.hpp"
+#include "workspace.hpp"
 
-#include <memory>
 #include <utility>
 
 namespace cd {
@@ -26,14 +26,10 @@ class Sweep {
     public:
 	using System = ContactSystem;
 
-	// Packs the contacts and applies the impulses of the first guess to the bodies. Reuses the groups of this thread's last problem if that had
-	// the same contacts in the same order, as in most steps of a packing at rest.
-	// seed > 0: each sweep visits the groups of contacts in a new random order.
-	// threads: share the work; the bits do not depend on them.
+	// Packs the contacts and applies the impulses of the first guess to the bodies. Reuses the groups of the last problem with this memory, if
+	// that had the same contacts in the same order, as in most steps of a packing at rest. seed > 0: each sweep visits the groups of contacts in
+	// a new random order. threads: share the work; the bits do not depend on them.
 	Sweep(ContactSystem& system, unsigned seed, Threads* threads = nullptr);
-	~Sweep();
-	Sweep(const Sweep&) = delete;
-	Sweep& operator=(const Sweep&) = delete;
 
 	// Solves every contact once, exactly, while the others are held. About 104 bytes and 45 operations a contact.
 	void operator()();
@@ -56,6 +52,7 @@ class Sweep {
 	void copyFrom(const Iterate&);
 
 	const Blocks& blocks() const { return packed.blocks; }
+	Workspace* memory() const { return system.memory; }
 
     private:
 	// A contact that is solved alone: it couples n and t, or one of its bodies has no uniform inverse mass (BodyKind).
@@ -86,7 +83,7 @@ class Sweep {
 		LaneSums ahead;
 		AheadReport aheadLoose;
 	};
-	// The packed problem. Its memory is kept from one Sweep of a thread to the next.
+	// The packed problem. The next Sweep with the same memory finds it.
 	struct Packed {
 		std::vector<int32_t> place; // of each body of the system: its packed number; -1: it has no contact
 		std::vector<int32_t> metIn; // the last block that gave it a packed number; 0 for movable bodies
@@ -116,8 +113,6 @@ class Sweep {
 		std::vector<std::pair<int32_t, int32_t>> sumOfIsland; // of each island: block in which it was last met, and its sum there
 		std::vector<double> asked; // of each packed body: smallest s of the far heavier bodies that it carries [m/s]
 	};
-	static std::unique_ptr<Packed>& spare();
-
 	bool classifyBodies(bool& sameMasses); // returns whether they are of the same kinds as in the last problem
 	bool groupable(const ContactRow&) const;
 	bool sameLinks(std::size_t block) const;
@@ -150,7 +145,7 @@ class Sweep {
 	static void solveAhead(Loose&, PackedBody* bodies, double beta, AheadReport&);
 
 	ContactSystem& system;
-	std::unique_ptr<Packed> kept;
+	Borrowed<Packed> kept;
 	Packed& packed;
 	bool remembered = false; // whether the arrays named `before` are set
 	bool current = false; // whether packed.moved has the velocities of the present impulses

@@ -5,6 +5,7 @@
 #include "rebounds.hpp"
 #include "sleepers.hpp"
 #include "threads.hpp"
+#include "workspace.hpp"
 #include "world.hpp"
 
 #include <array>
@@ -168,6 +169,7 @@ class TimeStep {
 		double speed; // speed of the fastest point of its outline after the step, which bounds its motion [m/s]
 	};
 
+	Workspace memory; // of the solvers
 	IslandSolver solveIslands;
 	Rebounds rebounds;
 	ContactSystem system;

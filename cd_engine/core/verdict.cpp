@@ -2,6 +2,7 @@
 
 #include "closing_in.hpp"
 #include "problem_form.hpp"
+#include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -308,29 +309,16 @@ namespace {
 		bool negative = false; // a direction of negative energy was met
 	};
 
-	template <class Form> Verdict judged(const Form& form, double guess, double tolerance, int mostProducts)
+	template <class Form> Verdict judged(Workspace* memory, const Form& form, double guess, double tolerance, int mostProducts)
 	{
-		static thread_local Judgement<Form> judgement;
-		return judgement(form, guess, tolerance, mostProducts);
-	}
-
-	const BodyForm& form(const ContactSystem& system, const std::vector<double>& freeVelocity)
-	{
-		static thread_local BodyForm one;
-		return one.of(system, freeVelocity);
-	}
-
-	const MatrixForm& form(const DelassusSystem& system)
-	{
-		static thread_local MatrixForm one;
-		return one.of(system);
+		return (*Borrowed<Judgement<Form>>(memory))(form, guess, tolerance, mostProducts);
 	}
 
 } // namespace
 
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
-	Verdict v = judged(form(system, freeVelocity), guess, tolerance, mostProducts);
+	Verdict v = judged(system.memory, Borrowed<BodyForm>(system.memory)->of(system, freeVelocity), guess, tolerance, mostProducts);
 	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
 	if (open && v.growth > mayHide) {
 		const int contacts = static_cast<int>(system.contacts.size());
@@ -343,11 +331,14 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 }
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
 {
-	return judged(form(system), guess, tolerance, mostProducts);
+	return judged(system.memory, Borrowed<MatrixForm>(system.memory)->of(system), guess, tolerance, mostProducts);
 }
 
-double growth(const ContactSystem& system, const std::vector<double>& freeVelocity) { return growthOf(form(system, freeVelocity)); }
-double growth(const DelassusSystem& system) { return growthOf(form(system)); }
+double growth(const ContactSystem& system, const std::vector<double>& freeVelocity)
+{
+	return growthOf(Borrowed<BodyForm>(system.memory)->of(system, freeVelocity));
+}
+double growth(const DelassusSystem& system) { return growthOf(Borrowed<MatrixForm>(system.memory)->of(system)); }
 
 double weighted(const DelassusSystem& system)
 {

@@ -4,6 +4,7 @@
 #include "residual.hpp"
 #include "solver.hpp"
 #include "sweep.hpp"
+#include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@
 #include <functional>
 #include <random>
 #include <set>
-#include <thread>
 
 using namespace cd;
 
@@ -71,9 +71,10 @@ bool sameBits(const ContactSystem& a, const ContactSystem& b)
 
 } // namespace
 
-TEST_CASE("every processor gives the same bits, with any number of contacts")
+TEST_CASE("every processor gives the same bits, with any number of contacts, and memory left by another problem does not show")
 {
 	const GroupKernel& usual = groupKernel();
+	Workspace memory;
 	for (const int contacts : { 0, 1, 7, 8, 9, 64, 1000 })
 		for (const double mu : { 0., 0.5 })
 			for (const bool general : { false, true })
@@ -94,6 +95,7 @@ TEST_CASE("every processor gives the same bits, with any number of contacts")
 								CAPTURE(kernel.name);
 								useGroupKernel(kernel);
 								ContactSystem other = start;
+								other.memory = &memory;
 								const SolverReport report = findSolver(method)(other, settings);
 								CHECK(sameBits(first, other));
 								CHECK(report.iterations == expected.iterations);
@@ -103,20 +105,9 @@ TEST_CASE("every processor gives the same bits, with any number of contacts")
 	useGroupKernel(usual);
 }
 
-TEST_CASE("the packing left by another problem does not show")
-{
-	SolverSettings settings;
-	settings.fixedIterations = 4;
-	ContactSystem alone = heap(2, 300, 0.5, true), after = alone, other = heap(5, 2000, 0.3, false);
-	nsgs(alone, settings);
-	accelerated(other, SolverSettings {});
-	nsgs(after, settings);
-	CHECK(sameBits(alone, after));
-}
-
 // The groups are kept while the contacts stay the same; whatever else changes must reach the packing, and whatever the groups depend on must
 // end their reuse.
-TEST_CASE("a step after another gives the bits it gives in a thread that has solved nothing yet")
+TEST_CASE("a step after another with its memory gives the bits it gives without")
 {
 	using Change = std::function<void(ContactSystem&)>;
 	const std::vector<std::pair<const char*, Change>> changes = {
@@ -158,8 +149,10 @@ TEST_CASE("a step after another gives the bits it gives in a thread that has sol
 			change(changed);
 			changed.assembleBlocks();
 			ContactSystem fresh = changed, back = first, freshFirst = first;
-			std::thread([&] { findSolver(method)(fresh, settings); }).join();
-			std::thread([&] { findSolver(method)(freshFirst, settings); }).join();
+			Workspace memory;
+			first.memory = changed.memory = back.memory = &memory;
+			findSolver(method)(fresh, settings);
+			findSolver(method)(freshFirst, settings);
 			findSolver(method)(first, settings);
 			findSolver(method)(changed, settings);
 			findSolver(method)(back, settings);
@@ -188,7 +181,7 @@ TEST_CASE("both methods and both forms of order solve a heap to the tolerance, b
 			}
 }
 
-TEST_CASE("a solver asks for no memory where the thread has solved a problem of that size")
+TEST_CASE("a solver asks for no memory where it has solved a problem of that size with the same Workspace")
 {
 	for (const auto method : { "nsgs", "accelerated" })
 		for (const unsigned seed : { 0u, 3u })
@@ -201,6 +194,8 @@ TEST_CASE("a solver asks for no memory where the thread has solved a problem of 
 				settings.maxIterations = 50;
 				ContactSystem s = heap(8, 300, 0.5, true);
 				DelassusSystem d = assembleDelassus(s);
+				Workspace memory;
+				s.memory = d.memory = &memory;
 				findSolver(method)(s, settings);
 				findDelassusSolver(method)(d, settings);
 				for (ContactRow& c : s.contacts)
