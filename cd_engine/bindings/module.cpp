@@ -177,9 +177,14 @@ double processorTime()
 	return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// (iterations, factorizations, residual, residual_max, status, doubtful, contact, solved_by, seconds) of a solution.
-template <class System, class Solver> py::tuple solved(System& system, Solver* solver, const std::string& method, const cd::SolverSettings& settings)
+// (iterations, factorizations, residual, residual_max, status, doubtful, contact, solved_by, seconds, looks) of a solution. looks: of a trace, two
+// numbers each.
+template <class System, class Solver>
+py::tuple solved(System& system, Solver* solver, const std::string& method, cd::SolverSettings settings, bool traced)
 {
+	cd::Trace trace;
+	if (traced)
+		settings.trace = &trace;
 	cd::SolverReport report;
 	double seconds = 0;
 	{
@@ -188,13 +193,18 @@ template <class System, class Solver> py::tuple solved(System& system, Solver* s
 		report = solver(system, settings);
 		seconds = processorTime() - begin;
 	}
+	py::list looks;
+	for (const cd::Trace::Look& look : trace.looks) {
+		looks.append(look.iterations);
+		looks.append(look.error);
+	}
 	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.doubtful,
-	    report.contact, cd::solvedBy(method, report), seconds);
+	    report.contact, cd::solvedBy(method, report), seconds, looks);
 }
 
 // Improves `impulses` in place. Returns what `solved` does.
 py::tuple solve(const py::object& start, const py::object& column, const py::object& blocks, const py::object& q, const py::object& mu,
-    const py::object& impulses, const std::string& method, double tolerance, int maxIterations, int fixedIterations, unsigned seed)
+    const py::object& impulses, const std::string& method, double tolerance, int maxIterations, int fixedIterations, unsigned seed, bool traced)
 {
 	const cd::DelassusSolver solver = cd::findDelassusSolver(method);
 	require(solver != nullptr, "there is no such method");
@@ -202,14 +212,14 @@ py::tuple solve(const py::object& start, const py::object& column, const py::obj
 	cd::DelassusSystem system = build(start, column, blocks, q, mu, p);
 	if (!(cd::growth(system) <= cd::mostGrowth)) // a guess that tells nothing, and would stay where nothing resists it
 		std::fill(system.p.begin(), system.p.end(), 0.);
-	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed });
+	const py::tuple report = solved(system, solver, method, { tolerance, maxIterations, fixedIterations, seed }, traced);
 	std::copy(system.p.begin(), system.p.end(), p.begin());
 	return report;
 }
 
 // The same for bodies.
 py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const std::string& method, double tolerance, int maxIterations,
-    int fixedIterations, unsigned seed, int threads)
+    int fixedIterations, unsigned seed, bool traced, int threads)
 {
 	const cd::Solver solver = cd::findSolver(method);
 	require(solver != nullptr, "there is no such method");
@@ -223,7 +233,7 @@ py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const
 	team.use(threads);
 	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
 	settings.threads = &team;
-	const py::tuple report = solved(system, solver, method, settings);
+	const py::tuple report = solved(system, solver, method, settings, traced);
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		p.begin()[2 * i] = system.contacts[i].pn;
 		p.begin()[2 * i + 1] = system.contacts[i].pt;

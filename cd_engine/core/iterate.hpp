@@ -27,6 +27,7 @@ template <class S> class Iteration {
 		if (settings.fixedIterations > 0) {
 			for (; report.iterations < settings.fixedIterations; report.iterations++)
 				sweep();
+			count(report.iterations);
 			report.status = Status::fixed_iterations;
 		} else {
 			begin();
@@ -60,6 +61,7 @@ template <class S> class Iteration {
 			for (int i = 0; i < more; i++)
 				improve();
 			report.iterations += more;
+			count(more);
 			evaluate();
 			// If the impulses fall to almost nothing, so does the scale of the relative error: the absolute error decides, too.
 			// A solution needs no copy: it is the last iterate.
@@ -139,6 +141,14 @@ template <class S> class Iteration {
 		impulse = e.impulse;
 		largest = std::max(largest, impulse);
 		distance = impulse > 0 ? e.law() * impulse : e.difference;
+		if (settings.trace)
+			settings.trace->look(error);
+	}
+
+	void count(int more)
+	{
+		if (settings.trace)
+			settings.trace->add(more);
 	}
 
 	S& sweep;

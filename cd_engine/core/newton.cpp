@@ -29,6 +29,7 @@ namespace {
 		    : form(s)
 		    , problem(form, t.maxIterations, t.mostWork)
 		    , tolerance(t.tolerance)
+		    , trace(t.trace)
 		{
 		}
 
@@ -131,11 +132,18 @@ namespace {
 				bestError = error;
 				best = projected;
 			}
+			if (!trace)
+				return;
+			trace->add(problem.steps() - traced);
+			trace->look(error);
+			traced = problem.steps();
 		}
 
 		Form form;
 		ProximalProblem<Form> problem;
 		const double tolerance;
+		Trace* const trace;
+		int traced = 0; // steps that the trace knows of
 		std::vector<double> projected, best;
 		double error = 0, bestError = 0;
 	};

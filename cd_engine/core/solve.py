@@ -24,6 +24,7 @@ class Report:
     bodies: object            # for a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of the calling thread's processor time, spent in the solver
+    trace: object = None      # with trace=True: a row for each look at the error on the way: sweeps and factorizations made until then, the error
 
 
 def _core():
@@ -81,7 +82,7 @@ def _count(name, value, least):
     return count
 
 
-def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0, threads=1):
+def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulses=None, *, fixed_iterations=0, seed=0, threads=1, trace=False):
     """Return a `Report` with impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
     method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
@@ -92,6 +93,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
     threads           that share the work of a large `BodyProblem`; the result has the same bits with any number. A `Problem` uses one thread
+    trace             also record how the error falls, of all methods tried and in their order (`Report.trace`); the error jumps where one begins
 
     A problem that is not solved raises no exception: the report's `status` says so, and it holds the best impulses found. Input of a wrong kind or
     out of range raises ValueError. `no_solution`: the impulses grow for ever along a self-stress against which the free velocities work, as between
@@ -114,13 +116,14 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     arrays = _arrays(problem)
     size = 2 * len(arrays[-1])
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
-    settings = method, float(tolerance), max_iterations, fixed_iterations, seed
+    settings = method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace)
     found = core.solve_bodies(arrays, p, *settings, threads) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
-    iterations, factorizations, e, worst, status, doubtful, contact, solved_by, seconds = found
+    iterations, factorizations, e, worst, status, doubtful, contact, solved_by, seconds, looks = found
     converged = status == "converged" or (status == "fixed_iterations" and not doubtful and e <= tolerance)
     contact = contact if contact >= 0 else None
     bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
-    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds)
+    looks = np.array(looks, float).reshape(-1, 2) if trace else None
+    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, looks)
 
 
 def residual(problem, impulses):

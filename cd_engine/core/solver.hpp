@@ -15,6 +15,19 @@ namespace cd {
 class Start;
 class Threads;
 
+// The looks at the error while a problem is solved, in their order, by whatever methods and from whatever starts.
+struct Trace {
+	struct Look {
+		int iterations; // made until then, of all methods
+		double error; // compared with the tolerance
+	};
+	std::vector<Look> looks;
+	int made = 0; // iterations so far
+
+	void add(int iterations) { made += iterations; }
+	void look(double error) { looks.push_back({ made, error }); }
+};
+
 struct SolverSettings {
 	double tolerance = 1e-6; // on the errors of residual.hpp
 	int maxIterations = 10000; // sweeps and factorizations
@@ -25,6 +38,7 @@ struct SolverSettings {
 	bool guessPressed = false; // whether the guess is from an unsolvable or doubtful step; its result is then confirmed from zero impulses
 	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
 	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
+	Trace* trace = nullptr; // records the error on the way, if somebody asks for it
 };
 
 // no_solution: there is none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.

@@ -353,6 +353,23 @@ def test_fixed_iterations_that_only_press_are_not_converged():
     assert report.residual < 1e-4 and report.status == "fixed_iterations" and not report.converged
 
 
+@pytest.mark.parametrize("method", core.methods())
+def test_a_trace_tells_how_the_error_falls(method):
+    """Its last row is the result, its rows before it are the errors of as many sweeps, and it changes nothing."""
+    problem = packed(200, 3)
+    report, without = core.solve(problem, method, 1e-9, trace=True), core.solve(problem, method, 1e-9)
+    assert without.trace is None and (without.impulses == report.impulses).all()
+    made, errors = report.trace.T
+    assert (np.diff(made) >= 0).all() and made[0] == 0 and made[-1] == report.iterations and len(made) > 3
+    assert (errors[:-1] > 1e-9).all() and errors[-1] <= 1e-9 and errors[-1] >= report.residual
+    if method == "nsgs":
+        own = problem.W.diagonal()[::2]
+        weighted = np.sqrt(own.max() / own.min())  # by this the error weighted by W_nn may be larger
+        for sweeps, found in report.trace[1:]:
+            e = core.solve(problem, fixed_iterations=int(sweeps)).residual
+            assert e * (1 - 1e-9) <= found <= weighted * e
+
+
 def test_fixed_iterations_and_seed():
     problem = packed(60, 5)
     a, b = (core.solve(problem, method=method, fixed_iterations=9, seed=4) for method in ("nsgs", "accelerated"))
