@@ -55,7 +55,7 @@ def _draw(rows, scene, path, line):
     axes.set(xlabel="time of computing [s]", ylabel="relative error", title=scene.TITLE)
     axes.grid(alpha=0.25, linewidth=0.5)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
-    style.finish(fig, path, f"Numbers: the coarsest and the finest setting of a series. Hollow: steps missed their tolerance. {failed} of {len(rows)} settings failed.", line)
+    style.finish(fig, path, f"Numbers: coarsest and finest setting. Hollow: with missed steps. {failed} of {len(rows)} settings failed.", line)
 
 
 def _write_labels(axes, labels):
