@@ -51,6 +51,22 @@ def test_an_unknown_study_is_named(capsys):
     assert "there is no study 'fig9'; there are fig4" in capsys.readouterr().err
 
 
+def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path):
+    """What belongs to the published text is not asked for."""
+    study = studies.module("fig5")
+    for name in ("ORDER", "ANSWER", "POINTS", "GIVEN", "numbers"):
+        monkeypatch.delattr(study, name)
+    studies.module.cache_clear()
+    assert studies.names()[-1] == "fig5" and studies.module("fig5").ANSWER == ""
+    for name in ("ROWS", "draw"):
+        monkeypatch.delattr(study, name)
+    studies.module.cache_clear()
+    assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
+    assert main(["study", "fig5"]) == 2 and main(["report"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py lists what such a file has") for line in said)
+
+
 def test_collect_finds_the_rows_of_the_table(fig4_results):
     found = studies.collect("fig4", fig4_results)
     assert [run.method for run in found.runs] == ["MD", "CD"] and not found.missing

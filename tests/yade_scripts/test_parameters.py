@@ -79,7 +79,7 @@ def test_a_scene_that_lacks_something_is_refused(monkeypatch):
     file = scenes.module("stack")
     for name in ("KIND", "build"):
         monkeypatch.delattr(file, name)
-    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; yade_scripts/README.md lists what a scene has"):
+    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; .*scenes/__init__.py lists what such a file has"):
         complete({"scene": "stack"})
 
 
