@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass, field, fields
 from typing import Callable
 
-from yade_scripts import declared, parameters
+from yade_scripts import declared
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
 
@@ -210,15 +210,11 @@ class Work:
 
     def find(self, case):
         """Return the stored facts of a case, or None."""
-        return store.get(self.folder, self._file(case))
-
-    def _file(self, case):
-        return f"{self.name}-{parameters.digest(case)}"
+        return store.get(self.folder, store.name_of({"map": self.name, "case": case}))
 
     def enter(self, case, outcome, seconds, origin):
         measures = {name: float(value) for name, value in outcome.measures.items()}
-        store.add(self.folder, self._file(case),
-                  {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
+        store.add(self.folder, {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
 
     def failed(self, name, reason, late, origin):
         """Store a case that ended its process as not solved. name: the case as JSON."""
