@@ -214,6 +214,11 @@ def test_the_methods_of_cd_are_the_engines_own():
         complete({"method": "CD", "method_cd": "magic"})
 
 
+def test_help_says_what_the_list_is(root):
+    done = subprocess.run([sys.executable, "-m", "yade_scripts.parameters", "--help"], cwd=root, capture_output=True, text=True)
+    assert done.stdout.startswith("usage: python3 -m yade_scripts.parameters [-h]") and "cd_dt" not in done.stdout and not done.returncode
+
+
 def test_the_list_may_be_cut(root):
     """`| head` may cut the list without a traceback."""
     done = subprocess.run(f"{sys.executable} -m yade_scripts.parameters | head -1", shell=True, cwd=root, capture_output=True, text=True)
