@@ -46,9 +46,9 @@ charts: build ## measure and draw speed against accuracy, and where each method 
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
 	$(PYTHON) -m analysis charts $(extent)
 
-test: build ## all tests and the short regression run, about 4 minutes on two cores
+test: build ## all tests and the quick regression run, about 4 minutes on two cores
 	@.ci/install-packages test
-	$(PYTHON) yade_scripts/measuring/regression.py --short
+	$(PYTHON) yade_scripts/measuring/regression.py --quick
 	$(PYTHON) -m pytest tests -n 2 --dist loadfile -rs
 
 soak: build ## what takes too long for `make test` or starts daemons: Slurm, kills, damaged files, sanitizers, other releases of Debian

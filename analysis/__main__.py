@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas
 
 from yade_scripts import commands, parameters, tables
+from yade_scripts.measuring import store
 from yade_scripts.results import reader
 from yade_scripts.running import queue
 
@@ -150,22 +151,32 @@ def _numbers(run):
 
 
 def _check(options):
-    """Return a line a file; says also which file holds another run than its name says, and if files come from several commits."""
+    """Print a line a file, of a run or of a measurement; say also if files come from several commits."""
     bad, commits = 0, {}
     for name in options.files:
         try:
-            run = reader.load(name)
-            own = f"{run.name}.h5"
+            what, commit = _content(name)
         except reader.ResultError as error:
             print(error)
             bad += 1
             continue
-        commits.setdefault(run.attributes["git_commit"], []).append(run.path.name)
-        print(f"{name}: finished, {run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots"
-              + (f"; it is not named after its parameters, which would be {own}" if own != run.path.name else ""))
+        commits.setdefault(commit, []).append(Path(name).name)
+        print(f"{name}: finished, {what}")
     if len(commits) > 1:
         print("made by different commits: " + "; ".join(f"{commit}: {', '.join(names)}" for commit, names in commits.items()))
     return BAD if bad or len(commits) > 1 else 0
+
+
+def _content(name):
+    """Return what a file holds, in words, and the commit that made it. Raise ResultError if it cannot be used under its name."""
+    try:
+        run = reader.load(name)
+    except reader.NoRunError:
+        facts = store.load(name)
+        return f"a measurement ({facts.get('status') or facts.get('verdict') or facts['piece']})", facts["git_commit"]
+    if run.name != run.path.stem:
+        raise reader.ResultError(name, f"it holds another run than its name says ({run.name})", "rename it")
+    return f"{run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots", run.attributes["git_commit"]
 
 
 if __name__ == "__main__":

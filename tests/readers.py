@@ -152,14 +152,16 @@ def _state(folder, damaged):
 def measurements(folder):
     """Measurements: a damaged file is measured again, so none is refused, and no damaged one is used."""
     from yade_scripts.measuring import store
-    store.add(folder, "a", {"status": "finished", "seconds": [1.5]}, [{"name": "x", "measured": 0.1}])
-    whole = store.get(folder, "a")
+    facts = {"map": "a", "case": {"x": 1}, "seconds": 1.5}
+    name = store.name_of(facts)
+    store.add(folder, facts, [{"name": "x", "measured": 0.1}])
+    whole = store.get(folder, name)
 
     def read():
         with contextlib.redirect_stderr(io.StringIO()) as said:
-            found = store.get(folder, "a")
+            found = store.get(folder, name)
         assert found in (None, whole) and (found is None) == ("measured again" in said.getvalue())
-    return Reader(folder / "a.h5", read, ())
+    return Reader(folder / f"{name}.h5", read, ())
 
 
 def published_table(folder):

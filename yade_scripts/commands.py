@@ -28,10 +28,10 @@ def add_jobs(options):
     options.add_argument("--jobs", type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")
 
 
-def add_extent(options):
+def add_extent(options, quick="a first version, minutes (default)", full="the real one, hours; it can be stopped and started again"):
     extent = options.add_mutually_exclusive_group()
-    extent.add_argument("--quick", action="store_true", help="a first version, minutes (default)")
-    extent.add_argument("--full", action="store_true", help="the real one, hours; it can be stopped and started again")
+    extent.add_argument("--quick", action="store_true", help=quick)
+    extent.add_argument("--full", action="store_true", help=full)
 
 
 def whole(least):

@@ -334,4 +334,5 @@ def listing():
 
 if __name__ == "__main__":
     from yade_scripts import commands
-    commands.command("parameters")(lambda arguments: print(listing()))()
+    commands.parser(__doc__, prog="python3 -m yade_scripts.parameters").parse_args()
+    raise SystemExit(commands.command("parameters")(lambda arguments: print(listing()))())

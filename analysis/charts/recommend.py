@@ -5,7 +5,7 @@ from pathlib import Path
 from analysis import publish
 from analysis.charts import choice, table
 from analysis.studies import flows
-from yade_scripts.measuring import charts as settings
+from yade_scripts.measuring import store
 from yade_scripts.results.reader import ResultError
 
 FLOWS = Path(__file__).resolve().parents[1] / "published" / "flows.csv"
@@ -31,7 +31,7 @@ def of_scene(scene, accuracy):
         row = choice.best(own[own.method == method])
         lines.append(f"  {method}: not reached; its best is "
                      + ("nothing: all failed" if row is None else f"{row.error:.2g} in {row.seconds:.2g} s ({row.setting})"))
-    script = "accuracy.py" if f"{settings.ACCURACY}=" in ordered[0].arguments else "run.py"
+    script = "accuracy.py" if f"{store.ACCURACY}=" in ordered[0].arguments else "run.py"
     return lines + [f"Run it: yade -n -x yade_scripts/{script} {ordered[0].arguments}"]
 
 

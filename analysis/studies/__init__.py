@@ -1,10 +1,13 @@
 """The studies, one file each, found by their presence in this folder. A study has
 
     TITLE, QUESTION    heading, and what is asked, of which paper or figure
-    ORDER              its place in the report
     ROWS               {"quick": rows, "full": rows} of parameters, lists of dictionaries (yade_scripts.tables.product makes them)
     summarize(runs)    the rows of its summary table, a list of {heading: number or text}
     draw(runs, rows, path)     its figure
+
+and, before it is published,
+
+    ORDER              its place in the report, 100 unless given
     ANSWER             what was found by the published run, in plain words: P0, gamma, mu and 1e-3 are typeset by the report
     numbers(table)     {number as it stands in ANSWER or POINTS: its value, or several, by the published summary table (pandas)}
     GIVEN              numbers of the text that are settings, not findings
@@ -15,11 +18,9 @@ collapsed has finished too. Rows that failed or were not run are no matter of a 
 """
 
 import functools
-import importlib
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from yade_scripts import parameters, results
+from yade_scripts import declared, parameters, results
 from yade_scripts.results import reader
 
 NOT_RUN = "not run yet"
@@ -42,16 +43,16 @@ class Collection:
 
 def names():
     """Return the studies there are, in the order of the report."""
-    found = [path.stem for path in Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")]
-    return sorted(found, key=lambda name: (module(name).ORDER, name))
+    return sorted(declared.names(__name__), key=lambda name: (module(name).ORDER, name))
 
 
 @functools.cache
 def module(name):
-    """Return the file of a study; ParameterError for a name that is none."""
-    if not (Path(__file__).parent / f"{name}.py").is_file():
+    """Return the file of a study, with what it need not declare; ParameterError for a name that is none, or if it lacks what it has to have."""
+    if name not in declared.names(__name__):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
-    return importlib.import_module(f"{__name__}.{name}")
+    return declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
+                         {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
 
 
 def rows(name, full):

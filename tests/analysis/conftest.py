@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from yade_scripts import parameters
+from yade_scripts import parameters, results
 from yade_scripts.results import schema, sealed
 
 SIDE = 0.2  # [m] of the made-up square sample
@@ -93,13 +93,13 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
 @pytest.fixture
 def md(tmp_path):
     """The path of a finished MD run."""
-    return write(tmp_path / "a-MD.h5", "MD")
+    return write(results.path_of(parameters.complete({"method": "MD"}), tmp_path), "MD")
 
 
 @pytest.fixture
 def cd(tmp_path):
     """The path of a finished CD run comparable with `md`."""
-    return write(tmp_path / "a-CD.h5", "CD")
+    return write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD")
 
 
 @pytest.fixture

@@ -133,10 +133,10 @@ def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):
     for name in ("MD step", "CD step"):
         own = [one for one in settings.settings("stack", False) if one.series.name == name and not one.size]
         for rank, setting in enumerate(own):
-            store.add(tmp_path / "charts", setting.name, *measurement(setting, "x is not a number" if rank == len(own) - 1 else 10.0**-rank))
+            store.add(tmp_path / "charts", *measurement(setting, "x is not a number" if rank == len(own) - 1 else 10.0**-rank))
     for setting in settings.settings("stack", False):
         if setting.size:
-            store.add(tmp_path / "charts", setting.name, *measurement(setting, 1e-5))
+            store.add(tmp_path / "charts", *measurement(setting, 1e-5))
     folder = tmp_path / "figures"
     assert main(["charts", "--results", str(tmp_path), "-o", str(folder)]) == 0
     for name in ("work_precision", "profile", "cost_against_size", "by_kind"):

@@ -10,6 +10,8 @@ import pytest
 from analysis import __main__ as command
 from analysis import studies
 from tests.analysis.conftest import history, lattice, write
+from yade_scripts import parameters, results
+from yade_scripts.measuring import store
 from yade_scripts.results import reader, schema
 
 
@@ -93,9 +95,29 @@ def test_summary_of_a_scene_without_walls(tmp_path, capsys):
 @pytest.mark.parametrize("change, status, word", [
     ({}, 0, "finished"), (dict(finished=False, status="failed: x"), 1, "failed: x"), (dict(git_commit="d" * 40), 1, "different commits")])
 def test_check(md, tmp_path, capsys, change, status, word):
-    other = write(tmp_path / "other.h5", "CD", **change)
+    other = write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD", **change)
     assert main(["check", md, other]) == status
     assert word in capsys.readouterr().out
+
+
+def test_check_refuses_a_renamed_run(md, tmp_path, capsys):
+    other = md.rename(tmp_path / "other.h5")
+    assert main(["check", other]) == 1
+    assert capsys.readouterr().out == f"{other}: it holds another run than its name says ({md.stem}); rename it\n"
+
+
+def test_check_of_measurements(tmp_path, capsys):
+    """They are finished, whatever was found, damaged or misnamed."""
+    for case, facts in enumerate(({"verdict": "stable"}, {"verdict": "not solved"})):
+        store.add(tmp_path, {"map": "m", "case": {"x": case}, "git_commit": "c" * 40} | facts)
+    good, bad = sorted(tmp_path.glob("*.h5"))
+    assert main(["check", str(good), str(bad)]) == 0
+    assert {line.partition(": ")[2] for line in capsys.readouterr().out.splitlines()} == {"finished, a measurement (stable)", "finished, a measurement (not solved)"}
+    renamed = bad.rename(tmp_path / "m-0.h5")
+    good.write_bytes(good.read_bytes().replace(b'"verdict"', b'"Verdict"'))
+    assert main(["check", str(renamed)]) == 1 and main(["check", str(good)]) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith(f"{renamed}: holds another measurement than its name says (m-") and "is damaged, or another program has changed it" in said[1]
 
 
 PAGE = ["report", "--published", "analysis/published", "-o", "{page}"]

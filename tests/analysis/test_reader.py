@@ -75,6 +75,27 @@ def test_a_nan_is_found_by_check(tmp_path, capsys):
     assert "/history/gamma is nan at sample 7 (1 of 201 samples)" in capsys.readouterr().out
 
 
+def test_what_is_not_finite_in_a_snapshot_is_found_by_check(md, capsys):
+    """Also in a dataset that the schema does not know; a box that is not there may be NaN in a scene without one only."""
+    def spoil(file):
+        file["snapshots/0/radius"][3] = np.inf
+        file["snapshots/1"]["more"] = [1.0, np.nan]
+        file["snapshots/2"].attrs["time"] = np.nan
+        file["snapshots/2/box"][:] = np.nan
+    harm(md, spoil)
+    assert main(["check", str(md)]) == 1
+    found = [f"/snapshots/{name} is not finite" for name in ("0/radius", "1/more", "2/box", "2/time")]
+    assert "; ".join(found) in capsys.readouterr().out
+
+    def unload(file):
+        for name in schema.OF_A_BOX:
+            file[f"history/{name}"][:] = np.nan
+    harm(md, unload)
+    refused(md, "; ".join(found[:2] + found[3:]))
+    harm(md, lambda file: file.attrs.__setitem__("finished", False))
+    assert reader.load(md, finished=False)
+
+
 def test_a_run_of_other_parameters_is_not_taken_for_this_one(tmp_path):
     full = parameters.complete(dict(method="MD", delta_sigma=0.3))
     path = results.path_of(full, tmp_path)
@@ -175,7 +196,7 @@ def test_summary_says_what_is_known(md, capsys):
     add_known(md, "way", 2.5, exact=2.0, scale=10.0)
     add_known(md, "share", 0.5, exact=0.5, unit="1")
     assert main(["summary", str(md)]) == 0
-    assert capsys.readouterr().out.splitlines()[-2:] == ["a-MD.h5: share: 0.5, exact 0.5, error 0", "a-MD.h5: way: 2.5 m, exact 2 m, error 0.05"]
+    assert capsys.readouterr().out.splitlines()[-2:] == [f"{md.name}: share: 0.5, exact 0.5, error 0", f"{md.name}: way: 2.5 m, exact 2 m, error 0.05"]
 
 
 def test_names_of_the_schema_have_units():

@@ -39,7 +39,7 @@ def file_of(folder, method):
 def test_every_study_keeps_to_the_frame():
     for name in studies.names():
         module = studies.module(name)
-        assert module.TITLE and module.QUESTION and module.ANSWER and set(module.ROWS) == {"quick", "full"}
+        assert module.TITLE and module.QUESTION and set(module.ROWS) == {"quick", "full"}
         assert all(callable(getattr(module, part)) for part in ("summarize", "draw", "numbers"))
         assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict, _ in module.POINTS)
         for full in (False, True):
@@ -49,6 +49,22 @@ def test_every_study_keeps_to_the_frame():
 def test_an_unknown_study_is_named(capsys):
     assert main(["study", "fig9"]) == 2
     assert "there is no study 'fig9'; there are fig4" in capsys.readouterr().err
+
+
+def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path):
+    """What belongs to the published text is not asked for."""
+    study = studies.module("fig5")
+    for name in ("ORDER", "ANSWER", "POINTS", "GIVEN", "numbers"):
+        monkeypatch.delattr(study, name)
+    studies.module.cache_clear()
+    assert studies.names()[-1] == "fig5" and studies.module("fig5").ANSWER == ""
+    for name in ("ROWS", "draw"):
+        monkeypatch.delattr(study, name)
+    studies.module.cache_clear()
+    assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
+    assert main(["study", "fig5"]) == 2 and main(["report"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py lists what such a file has") for line in said)
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):

@@ -1,5 +1,6 @@
 """Every command gets random arguments, valid ones and nonsense: it starts, or says in one sentence why not. There is no traceback."""
 import importlib
+import json
 import random
 
 import pytest
@@ -25,12 +26,42 @@ PROGRAMS = {
     "accuracy": ("yade_scripts.accuracy", ["search"], ["accuracy=1e-3", "accuracy=x", "accuracy=-1", "accuracy=nan"]),
     "batch": ("yade_scripts.batch", ["work_off"], ["--jobs", "2", "--results", "{folder}"]),
     "sweep": ("yade_scripts.cluster.sweep", ["Sweep"], ["--minutes", "--retries", "--sbatch", "--at-once", "--seconds", "5"]),
-    "regression": ("yade_scripts.measuring.regression", ["compare"], ["--short", "--record", "{folder}/new.json"]),
+    "regression": ("yade_scripts.measuring.regression", ["compare"], ["--quick", "--full", "--record", "{folder}/new.json"]),
     "measuring": ("yade_scripts.measuring.__main__", ["queue.run"], ["--quick", "--full", "--only", "stack", "servo", "--jobs", "2"]),
     "benchmark": ("yade_scripts.measuring.benchmark.__main__", ["run"], ["--quick", "--again", "--results", "{folder}/out"]),
     "analysis": ("analysis.__main__", [], ["study", "table", "summary", "check", "recommend", "--scene", "stack", "--accuracy", "1e-3", "--results", "-o",
                                            "{folder}/a.png", "--published", "fig4"]),
 }
+
+
+@pytest.mark.parametrize("program, usual", {"regression": "full", "benchmark": "full", "measuring": "quick", "analysis": "quick"}.items())
+def test_the_default_extent_that_help_names_is_taken(monkeypatch, capsys, tmp_path, program, usual):
+    module = importlib.import_module(PROGRAMS[program][0])
+    words = ["study"] if program == "analysis" else []
+    with pytest.raises(SystemExit):
+        module.main([*words, "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "(default)" in said[said.index(f" --{usual} "):].split(" --")[1] and said.count("(default)") == 1
+    asked = []
+
+    def extent(full):
+        asked.append("full" if full else "quick")
+        raise Started
+
+    if program == "regression":
+        few = sum(case["quick"] for case in json.loads(module.STORED.read_text())["cases"])
+        monkeypatch.setattr(module, "compare", lambda cases, folder: extent(len(cases) > few))
+    elif program == "benchmark":
+        monkeypatch.setattr(module.pieces, "quick", lambda *_: extent(False))
+        monkeypatch.setattr(module.pieces, "full", lambda *_: extent(True))
+    elif program == "measuring":
+        monkeypatch.setattr(module, "Measurements", lambda kind, name, full, folder: extent(full))
+    else:
+        monkeypatch.setattr("analysis.publish.publish_all", lambda names, figures, results, full: extent(full))
+    for option in ([], ["--quick"], ["--full"]):
+        with pytest.raises(Started):
+            module.main([*words, *option, *(["--results", str(tmp_path)] if program != "regression" else [])])
+    assert asked == [usual, "quick", "full"]
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import pytest
 
 from analysis.charts import maps as drawn
 from yade_scripts.measuring import maps
+from yade_scripts.parameters import ParameterError
 from yade_scripts.results.reader import ResultError
 from yade_scripts.theory import spring_limits
 from yade_scripts.measuring.maps import INACCURATE, Outcome, STABLE, Search, UNSTABLE
@@ -69,6 +70,18 @@ def test_every_map_asks_for_cases_of_its_own_parameters(name):
             assert set(line.case(line.good)) == set(chart.parameters)
     assert len(chart.grid(False)) < len(chart.grid(True))
     assert {chart.x.name, chart.y.name} <= set(chart.parameters) and (not chart.panels or chart.panels in chart.parameters)
+
+
+def test_a_map_that_lacks_something_is_refused(monkeypatch):
+    """A command that walks over all maps says which file lacks what."""
+    file = maps.module("servo")
+    monkeypatch.setattr(file, "MAP", maps.Map(title="Too little", question="What else?", x=maps.Axis("x", "x")))
+    maps.module.cache_clear()
+    with pytest.raises(ParameterError, match="servo.py lacks group, criterion, remedy, y, grid, searches; .*maps/__init__.py lists"):
+        maps.names()
+    monkeypatch.delattr(file, "probe")
+    with pytest.raises(ParameterError, match="servo.py lacks probe; "):
+        maps.names()
 
 
 def test_limits_of_the_scheme_agree_with_its_recurrence():

@@ -1,5 +1,6 @@
 """What charts and maps measure: legal settings, measurements that survive crashes, and numbers equal to those of ordinary runs."""
 import math
+import shutil
 import signal
 import types
 
@@ -8,6 +9,7 @@ import pytest
 from yade_scripts import parameters, scenes
 from yade_scripts.measuring import __main__ as runner
 from yade_scripts.measuring import charts, maps, store
+from yade_scripts.measuring.benchmark import pieces
 
 ORIGIN = {"git_commit": "abc", "processor": "made up"}
 
@@ -17,7 +19,7 @@ def test_settings_are_legal_rows_from_coarse_to_fine(scene):
     full, quick = charts.settings(scene, True), charts.settings(scene, False)
     assert {one.name for one in quick} <= {one.name for one in full}
     for one in full:
-        row = parameters.complete(charts.split(one.row)[0])
+        row = parameters.complete(store.split(one.row)[0])
         assert row["scene"] == scene and row["method"] in scenes.module(scene).METHODS
     for series in charts.series(scene):
         assert len(set(series.values)) == len(series.values) > 1
@@ -47,11 +49,33 @@ def test_error_is_the_largest_over_its_scale_and_a_lost_number_is_no_solution():
 
 def test_measurements_are_kept_to_the_bit_and_damaged_ones_measured_again(tmp_path, capsys):
     rows = [{"name": "a, b", "value": 0.1 + 0.2, "count": 3}, {"name": "ü", "value": None, "count": 4}]
-    store.add(tmp_path, "x", {"status": "finished", "nested": {"a": [1, 2.5]}}, rows)
-    assert store.get(tmp_path, "x") == {"status": "finished", "nested": {"a": [1, 2.5]}, "rows": rows}
+    facts = {"map": "x", "case": {"a": 2.5}, "nested": {"a": [1, 2.5]}}
+    name = store.name_of(facts)
+    store.add(tmp_path, facts, rows)
+    assert store.get(tmp_path, name) == facts | {"rows": rows}
     assert store.get(tmp_path, "y") is None
-    (tmp_path / "x.h5").write_bytes((tmp_path / "x.h5").read_bytes()[:-100])
-    assert store.get(tmp_path, "x") is None and "measured again" in capsys.readouterr().err
+    (tmp_path / f"{name}.h5").write_bytes((tmp_path / f"{name}.h5").read_bytes()[:-100])
+    assert store.get(tmp_path, name) is None and "measured again" in capsys.readouterr().err
+
+
+def test_a_renamed_measurement_is_none(tmp_path, capsys):
+    """Neither a chart, nor a map, nor the benchmark takes it for another one."""
+    settings = [one for one in charts.settings("incline", False) if one.series.name in ("MD step", "CD step")]
+    md, cd = settings[0], settings[-1]
+    store.add(tmp_path / "charts", {"row": md.row, "status": "finished", "seconds": [0.1]})
+    shutil.copy(tmp_path / "charts" / f"{md.name}.h5", tmp_path / "charts" / f"{cd.name}.h5")
+    left = {one.name for one in charts.Work("incline", False, tmp_path).left()}
+    assert cd.name in left and md.name not in left and store.get(tmp_path / "charts", cd.name) is None
+    assert f"{cd.name}.h5: holds another measurement than its name says ({md.name}); it is measured again" in capsys.readouterr().err
+    work, (one, other) = maps.Work("tunnelling", False, tmp_path), maps.get("tunnelling").grid(False)[:2]
+    work.enter(one, maps.Outcome("stable"), 1, {})
+    name = store.name_of({"map": work.name, "case": other})
+    shutil.copy(next((tmp_path / "maps").glob("*.h5")), tmp_path / "maps" / f"{name}.h5")
+    assert work.find(one) and work.find(other) is None
+    piece, another = (pieces.Piece("sweeps", name, {"rounds": 3}, lambda say: [{"a": 1}]) for name in "ab")
+    piece.measure(tmp_path, print)
+    shutil.copy(next((tmp_path / "pieces").glob("*.h5")), tmp_path / "pieces" / f"{store.name_of(another.facts())}.h5")
+    assert piece.stored(tmp_path) == [{"a": 1}] and another.stored(tmp_path) is None
 
 
 def job(tmp_path, kind, name, code, at):

@@ -79,7 +79,7 @@ def test_a_scene_that_lacks_something_is_refused(monkeypatch):
     file = scenes.module("stack")
     for name in ("KIND", "build"):
         monkeypatch.delattr(file, name)
-    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; yade_scripts/README.md lists what a scene has"):
+    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; .*scenes/__init__.py lists what such a file has"):
         complete({"scene": "stack"})
 
 
@@ -212,6 +212,11 @@ def test_the_methods_of_cd_are_the_engines_own():
     assert set(REGISTRY["method_cd"].choices) == set(cd_engine.methods())
     with pytest.raises(ParameterError, match="method_cd = 'magic': must be one of nsgs"):
         complete({"method": "CD", "method_cd": "magic"})
+
+
+def test_help_says_what_the_list_is(root):
+    done = subprocess.run([sys.executable, "-m", "yade_scripts.parameters", "--help"], cwd=root, capture_output=True, text=True)
+    assert done.stdout.startswith("usage: python3 -m yade_scripts.parameters [-h]") and "cd_dt" not in done.stdout and not done.returncode
 
 
 def test_the_list_may_be_cut(root):

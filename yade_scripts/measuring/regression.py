@@ -1,6 +1,6 @@
 """Runs scenes by `yade -n -x` and compares their numbers with those stored in regression.json.
 
-    /usr/bin/python3 yade_scripts/measuring/regression.py [--short] [--record NEW.json]
+    /usr/bin/python3 yade_scripts/measuring/regression.py [--quick | --full] [--record NEW.json]
 
 Each stored number has a tolerance and the reason for it. --record writes what came out to a new file, for a person to compare and
 take over; nothing is ever overwritten. Exit status: 0 nothing drifted, 1 something did, 2 the run cannot be made.
@@ -71,13 +71,13 @@ def record(stored, path):
 @commands.command("regression")
 def main(arguments=None):
     parser = commands.parser(__doc__)
-    parser.add_argument("--short", action="store_true", help="only the quick cases")
+    commands.add_extent(parser, "only the quick cases", "all cases (default)")
     parser.add_argument("--record", metavar="NEW.json", help="write the numbers found to a new file")
     options = parser.parse_args(arguments)
     if options.record and pathlib.Path(options.record).exists():
         raise parameters.ParameterError(f"{options.record} exists; name a new file")
     stored = json.loads(STORED.read_text())
-    cases = [case for case in stored["cases"] if case["short"] or not options.short]
+    cases = [case for case in stored["cases"] if case["quick"] or not options.quick]
     with tempfile.TemporaryDirectory() as folder:
         drifted = compare(cases, folder)
     if options.record:

@@ -1,6 +1,7 @@
 """Stores each measurement in a file results/<kind>/<name>.h5 (HDF5 with a checksum). Needs no YADE.
 
-A measurement is a dictionary of facts and a table `rows`. A file is written completely or not at all; one that cannot be read is measured again.
+A measurement is a dictionary of facts and a table `rows`. Its facts decide its name, so that a renamed file counts as no measurement. A file is written
+completely or not at all; one that cannot be read is measured again.
 """
 import io
 import json
@@ -11,8 +12,12 @@ import h5py
 import numpy as np
 import pandas
 
-from yade_scripts import results
-from yade_scripts.results import provenance, sealed
+from yade_scripts import parameters, results
+from yade_scripts.results import provenance, reader, sealed
+
+ACCURACY = "accuracy"  # the parameter of yade_scripts/accuracy.py, which is not in the registry
+AGAIN = "it is measured again"
+MARK = b"facts\0"  # the name of a dataset that only measurements have, as HDF5 writes it
 
 
 def origin():
@@ -24,8 +29,24 @@ def origin():
     return found
 
 
-def add(folder, name, facts, rows=()):
-    """Write a measurement; it replaces an older one of that name."""
+def split(row):
+    """Return (the row of parameters, the accuracy asked for or None)."""
+    own = {name: value for name, value in row.items() if name != ACCURACY}
+    return own, row.get(ACCURACY)
+
+
+def name_of(facts):
+    """Return the name of the measurement of a row of a chart, of a case of a map, or of a piece of the benchmark and its build."""
+    if "row" in facts:  # scene, method and hash as in the name of a result file, and the accuracy if one is asked for
+        own, asked = split(facts["row"])
+        return parameters.result_name(parameters.complete(own)) + (f"-{ACCURACY}-{asked:g}" if asked else "")
+    if "map" in facts:
+        return f"{facts['map']}-{parameters.digest(facts['case'])}"
+    return f"{facts['table']}-{parameters.digest([facts[name] for name in ('table', 'piece', 'settings', 'build')])}"
+
+
+def add(folder, facts, rows=()):
+    """Write a measurement; it replaces an older one of its name."""
     results.make(folder)
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
@@ -35,20 +56,32 @@ def add(folder, name, facts, rows=()):
             texts = any(isinstance(value, str) for value in values)
             kind = h5py.string_dtype() if texts else int if all(isinstance(value, int) for value in values) else float
             file.create_dataset(f"rows/{column}", dtype=kind, data=[("" if texts else np.nan) if value is None else value for value in values])
-    sealed.write(pathlib.Path(folder) / f"{name}.h5", content.getvalue())
+    sealed.write(pathlib.Path(folder) / f"{name_of(facts)}.h5", content.getvalue())
 
 
 def get(folder, name):
-    """Return a measurement: its facts, with its table as a list of dictionaries under 'rows', None for NaN; None if no file can be read."""
+    """Return a measurement as `load` does; None if no file can be used."""
     path = pathlib.Path(folder) / f"{name}.h5"
-    if not path.exists():
-        return None
     try:
-        with sealed.open_checked(path) as file:
+        return load(path) if path.exists() else None
+    except reader.ResultError as error:
+        print(error, file=sys.stderr)
+        return None
+
+
+def load(path):
+    """Return a measurement: its facts, with its table as a list of dictionaries under 'rows', None for NaN. Raise ResultError if it cannot be used."""
+    path = pathlib.Path(path)
+    try:
+        with sealed.open_checked(path, MARK) as file:
             columns = {column: data.asstr()[()] if data.dtype.kind == "O" else data[()] for column, data in file.get("rows", {}).items()}
             facts = json.loads(file["facts"].asstr()[()])
-    except (sealed.Damaged, KeyError, ValueError, TypeError) as error:
-        print(f"{path} {error}: it is measured again.", file=sys.stderr)
-        return None
+        own = name_of(facts)
+    except sealed.Damaged as error:
+        raise reader.ResultError(path, str(error), AGAIN) from None
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise reader.ResultError(path, f"holds no measurement of this program ({error})", AGAIN) from None
+    if own != path.stem:
+        raise reader.ResultError(path, f"holds another measurement than its name says ({own})", AGAIN)
     rows = pandas.DataFrame(columns)
     return facts | {"rows": rows.astype(object).where(rows.notna(), None).to_dict("records")}

@@ -25,6 +25,10 @@ class ResultError(Exception):
         self.what, self.remedy = what, remedy
 
 
+class NoRunError(ResultError):
+    """A file has never been the result of a run."""
+
+
 @dataclass(frozen=True)
 class Known:
     """A number measured in a run and its exact value, as `yade_scripts.scenes.Known` declares it."""
@@ -128,7 +132,7 @@ def load(path, finished=True):
                 raise ResultError(path, "; ".join(found), AGAIN)
             run = _read(path, file)
     except sealed.Foreign as error:
-        raise ResultError(path, str(error)) from None
+        raise NoRunError(path, str(error)) from None
     except sealed.Damaged as error:
         raise ResultError(path, str(error), AGAIN) from None
     except (KeyError, TypeError, ValueError) as error:

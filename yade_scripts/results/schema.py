@@ -154,8 +154,22 @@ def problems(file):
         return [f"its schema version is {file.attrs['schema_version']}, this program reads {SCHEMA_VERSION}"]
     if file.attrs["method"] not in METHODS:
         return [f"its method is {file.attrs['method']!r}, not one of {', '.join(METHODS)}"]
-    return _history_problems(file) + [f"/snapshots/{number} lacks {name}" for number, group in file.get("snapshots", {}).items()
-                                      for name in [*SNAPSHOT, *SNAPSHOT_ATTRIBUTES] if name not in group and name not in group.attrs]
+    found = _history_problems(file) + [f"/snapshots/{number} lacks {name}" for number, group in file.get("snapshots", {}).items()
+                                       for name in [*SNAPSHOT, *SNAPSHOT_ATTRIBUTES] if name not in group and name not in group.attrs]
+    return found or _undefined_in_snapshots(file)
+
+
+def _undefined_in_snapshots(file):
+    """Name what is NaN or infinite in the snapshots of a run that has finished, whether the tables above know it or not."""
+    snapshots = file.get("snapshots", {}) if file.attrs["finished"] else {}
+    may_be = set() if _loaded(file) else {"box"}
+    return [f"/snapshots/{number}/{name} is not finite" for number, group in snapshots.items() for name, values in [*group.items(), *group.attrs.items()]
+            if name not in may_be and np.asarray(values).dtype.kind == "f" and not np.isfinite(values).all()]
+
+
+def _loaded(file):
+    """Tell whether a run had a loaded box."""
+    return np.isfinite(file["history/gamma"][()]).any()
 
 
 def _history_problems(file):
@@ -175,8 +189,7 @@ def _history_problems(file):
         found.append("it says that it has finished, but its history is empty")
     if found or not file.attrs["finished"]:
         return found
-    loaded = np.isfinite(history["gamma"][()]).any()
-    undefined = MAY_BE_UNDEFINED | (set() if loaded else OF_A_BOX)
+    undefined = MAY_BE_UNDEFINED | (set() if _loaded(file) else OF_A_BOX)
     for name in set(history) - undefined:
         wrong = np.flatnonzero(~np.isfinite(history[name][()]))
         if len(wrong):

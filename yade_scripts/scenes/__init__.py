@@ -16,9 +16,10 @@ and where there is need
 and imports what needs YADE inside `build`, so that lists of parameters and charts can read the rest.
 """
 import importlib
-import pathlib
 from dataclasses import dataclass, field
 from typing import Callable
+
+from yade_scripts import declared
 
 
 @dataclass
@@ -106,18 +107,12 @@ def converged(full, found, same, unit, measure):
 
 def names():
     """Return the scenes: the names of the files in this folder."""
-    return tuple(sorted(path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")))
+    return tuple(declared.names(__name__))
 
 
 def module(name):
     """Return the file of a scene, with what it need not declare. Raise ParameterError if it lacks what it has to."""
-    from yade_scripts.parameters import ParameterError
-    found = importlib.import_module(f"{__name__}.{name}")
-    if lacking := [word for word in ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build") if not hasattr(found, word)]:
-        raise ParameterError(f"{found.__file__} lacks {', '.join(lacking)}; yade_scripts/README.md lists what a scene has")
-    for declared, usual in (("METHODS", ("MD", "CD")), ("PARAMETERS", ()), ("CHART", None)):
-        vars(found).setdefault(declared, usual)
-    return found
+    return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"), {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None})
 
 
 def method(full):

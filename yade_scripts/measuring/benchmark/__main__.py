@@ -1,6 +1,6 @@
 """Measures the contact solvers beside Siconos's: `make bench`, or
 
-    /usr/bin/python3 -m yade_scripts.measuring.benchmark [--quick] [--again] [--table NAME] [FILE ...]
+    /usr/bin/python3 -m yade_scripts.measuring.benchmark [--quick | --full] [--again] [--table NAME] [FILE ...]
 
 FILE: problems to measure besides the project's own, such as those of Siconos's library (text) or FCLIB's (HDF5).
 Pieces that were measured with the same build are kept, so the run can be stopped and started again; --again measures all anew. Times of both
@@ -28,7 +28,7 @@ from yade_scripts.running import queue
 def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
     parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
-    commands.add_extent(parser)
+    commands.add_extent(parser, "a first version, a minute", "the real one, hours; it can be stopped and started again (default)")
     commands.add_results(parser)
     parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
     parser.add_argument("--table", choices=pieces.TABLES, help="measure this table only and leave the others as they are")

@@ -8,7 +8,6 @@ import pathlib
 from dataclasses import dataclass
 from typing import Callable
 
-from yade_scripts import parameters
 from yade_scripts.measuring import store
 from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
 
@@ -22,18 +21,18 @@ class Piece:
     settings: dict
     rows: Callable  # rows(say) returns the rows and reports progress by say(text)
 
-    def key(self):
-        """Return the name of its file: the table and a hash of name, settings and build."""
-        return f"{self.table}-{parameters.digest([self.table, self.name, self.settings, build()])}"
+    def facts(self):
+        """Return what decides the name of its file: the table, and by a hash its name, settings and build."""
+        return {"table": self.table, "piece": self.name, "settings": self.settings, "build": build()}
 
     def stored(self, folder):
         """Return its rows if they were measured with this build, else None."""
-        found = store.get(pathlib.Path(folder) / "pieces", self.key())
+        found = store.get(pathlib.Path(folder) / "pieces", store.name_of(self.facts()))
         return found and found["rows"]
 
     def measure(self, folder, say):
         rows = self.rows(say)
-        store.add(pathlib.Path(folder) / "pieces", self.key(), {"piece": self.name, "settings": self.settings}, rows)
+        store.add(pathlib.Path(folder) / "pieces", self.facts() | store.origin(), rows)
         return rows
 
 

@@ -14,7 +14,6 @@ from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative
 FOLDER = "charts"
 LIMIT = {False: 2, True: 8}  # s of processor time that a run may take, quick and full
 DIVERGED = 100.0             # error, in scales of its known quantity, beyond which a run counts as diverged
-ACCURACY = "accuracy"        # the parameter of yade_scripts/accuracy.py, which is not in the registry
 SCALED = ("MD step", "CD accelerated", "CD nsgs")  # series tried at every number of disks
 STEPS = (0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01)
 STIFFER = (1.0, 10.0, 100.0, 1000.0, 10000.0)
@@ -53,19 +52,12 @@ class Setting:
 
     @property
     def name(self):
-        """Name of its measurement: scene, method and hash as in the name of a result file, and the accuracy if one is asked for."""
-        own, asked = split(self.row)
-        return parameters.result_name(parameters.complete(own)) + (f"-{ACCURACY}-{asked:g}" if asked else "")
+        """Name of its measurement."""
+        return store.name_of({"row": self.row})
 
     def slower_than(self, other):
         """Tell whether it must take longer than another setting, judged by the order of their series alone."""
         return self.series == other.series and self.size == other.size and self.rank > other.rank and self.series.costlier
-
-
-def split(row):
-    """Return (the row of parameters, the accuracy asked for or None)."""
-    own = {name: value for name, value in row.items() if name != ACCURACY}
-    return own, row.get(ACCURACY)
 
 
 def chart_of(scene):
@@ -91,7 +83,7 @@ def series(scene):
         Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True, costlier=False),
         *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver})
           for solver in parameters.REGISTRY["method_cd"].choices),
-        Series("CD accuracy", "CD", ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
+        Series("CD accuracy", "CD", store.ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
     ]
     return [one for one in found if one.method in scenes.module(scene).METHODS and one.parameter not in chart.physics]
@@ -150,7 +142,7 @@ class Work:
                 self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
 
     def _enter(self, setting, reason, late, origin):
-        store.add(self.folder, setting.name, {
+        store.add(self.folder, {
             "scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
             "status": STATUS_FAILED + reason, "seconds": []} | origin)
 
@@ -159,5 +151,5 @@ class Work:
         from yade_scripts.measuring.charts import measure
         for setting in self.left():
             facts, known = measure.measure(setting.row, self.folder.parent, self.limit, lambda seconds: begun(setting.name, seconds))
-            store.add(self.folder, setting.name, facts, known)
+            store.add(self.folder, facts, known)
             print(f"{setting.name}: {facts['status']}", flush=True)

@@ -21,7 +21,7 @@ PREPARATION = 600      # s that the preparation of a missing packing may take
 
 def measure(row, folder, limit, allow):
     """Return (facts, known quantities as rows). `folder` holds the prepared packings; allow(seconds) sets the processor time allowed from now on."""
-    own, asked = charts.split(row)
+    own, asked = store.split(row)
     full = parameters.complete(own)
     facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit} | store.origin()
     seconds, known = [], []

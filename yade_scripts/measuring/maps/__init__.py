@@ -2,11 +2,10 @@
 
 A map is a file of this folder with
 
-    MAP               its grid, the lines along which a boundary is searched, and the theory of that boundary where there is one
+    MAP               a Map: its grid, the lines along which a boundary is searched, and the theory of that boundary where there is one
     probe(case)       -> Outcome; it runs inside YADE and imports what needs YADE within its functions
 """
 import functools
-import importlib
 import json
 import math
 import pathlib
@@ -14,7 +13,7 @@ import time
 from dataclasses import dataclass, field, fields
 from typing import Callable
 
-from yade_scripts import parameters
+from yade_scripts import declared
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
 
@@ -100,27 +99,30 @@ def lines(along, good, bad, precision, accepted=(STABLE,), **others):
     return [Search(at, along, good, bad, precision, accepted) for at in product(**others)]
 
 
+NEEDED = ("group", "title", "question", "criterion", "remedy", "x", "y", "grid", "searches")  # of a Map
+
+
 @dataclass(frozen=True)
 class Map:
     """One map. grid(full), searches(full): the quick or the full lists of cases and of lines across the boundary.
 
-    group: heading of the report under which it stands, order: its place there. x, y: axes; panels: the parameter with a panel for each value, or ''.
-    measures: {name: (unit, meaning)}. criterion: in words, what makes a case stable, inaccurate or unstable.
-    remedy: what the program does about these failures, or what a user has to do.
+    group: heading of the report under which it stands, order: its place there. title, question: its heading and what it answers.
+    criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user has
+    to do. x, y: axes. The rest need not be given. panels: the parameter with a panel for each value. measures: {name: (unit, meaning)}.
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """
-    group: str
-    title: str
-    question: str
-    criterion: str
-    remedy: str
-    x: Axis
-    y: Axis
-    panels: str
-    measures: dict
-    grid: Callable
-    searches: Callable
+    group: str = None
+    title: str = None
+    question: str = None
+    criterion: str = None
+    remedy: str = None
+    x: Axis = None
+    y: Axis = None
+    grid: Callable = None
+    searches: Callable = None
+    panels: str = ""
+    measures: dict = field(default_factory=dict)
     theory: Callable | None = None
     theory_label: str = ""
     theory_along: str = ""
@@ -135,13 +137,15 @@ class Map:
 
 def names():
     """Return the names of all maps in the order of the report."""
-    found = [path.stem for path in pathlib.Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")]
-    return sorted(found, key=lambda name: (get(name).order, name))
+    return sorted(declared.names(__name__), key=lambda name: (get(name).order, name))
 
 
 @functools.cache
 def module(name):
-    return importlib.import_module(f"{__name__}.{name}")
+    """Return the file of a map. Raise ParameterError if it lacks what it has to have."""
+    found = declared.load(__name__, name, ("MAP", "probe"), {})
+    declared.demand(__name__, found, vars(found.MAP), NEEDED)
+    return found
 
 
 def get(name):
@@ -206,15 +210,11 @@ class Work:
 
     def find(self, case):
         """Return the stored facts of a case, or None."""
-        return store.get(self.folder, self._file(case))
-
-    def _file(self, case):
-        return f"{self.name}-{parameters.digest(case)}"
+        return store.get(self.folder, store.name_of({"map": self.name, "case": case}))
 
     def enter(self, case, outcome, seconds, origin):
         measures = {name: float(value) for name, value in outcome.measures.items()}
-        store.add(self.folder, self._file(case),
-                  {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
+        store.add(self.folder, {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
 
     def failed(self, name, reason, late, origin):
         """Store a case that ended its process as not solved. name: the case as JSON."""
