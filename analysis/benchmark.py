@@ -67,7 +67,9 @@ def chosen(rows):
 
 def error_against_time(rows, origin):
     """Return a panel a problem, a line a method: time to get there, and the error found there. Failures stand at the right edge, open."""
-    problems, names = chosen(rows), rows.method.unique()
+    problems = chosen(rows)
+    rows = rows[rows.problem.isin(problems) & ((rows.status != SOLVED) | (rows.sweeps > 0))]
+    names = rows.method.unique()
     # One colour for methods that are not in the list.
     look = LOOK | {name: ("#E69F00", marker) for name, marker in zip((name for name in names if name not in LOOK), "v^<>ph*")}
     wide = min(3, len(problems))
@@ -78,7 +80,7 @@ def error_against_time(rows, origin):
         edge = 3 * (of_problem.seconds.fillna(0).max() or 1)
         for method in names:
             (colour, marker), own = look[method], of_problem[of_problem.method == method]
-            met, missed = own[(own.status == SOLVED) & (own.sweeps > 0)], own[own.status != SOLVED][:1]
+            met, missed = own[own.status == SOLVED], own[own.status != SOLVED][:1]
             axis.loglog(met.seconds, met.residual, marker=marker, color=colour, markersize=5)
             axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, markerfacecolor="none", linestyle="none",
                         markersize=7)
@@ -87,13 +89,12 @@ def error_against_time(rows, origin):
         axis.grid(True, which="major", linewidth=0.3)
     for axis in axes[:, 0]:
         axis.set_ylabel("error $e$")
-    spare = list(axes.flat)[len(problems):]
-    for axis in spare:
+    for axis in list(axes.flat)[len(problems):]:
         axis.axis("off")
     handles = [plt.Line2D([], [], color=look[name][0], marker=look[name][1], label=name) for name in names]
     handles.append(plt.Line2D([], [], color="#777777", marker="o", markerfacecolor="none", linestyle="none", label="given up at this error"))
-    (spare or list(axes.flat))[0].legend(handles=handles, fontsize=8 if spare else 7, loc="upper left" if spare else "best")
-    fig.suptitle("Error, found by code that shares nothing with the solvers, against time", fontsize=10)
+    fig.suptitle(" ")  # keeps room for the legend
+    fig.legend(handles=handles, loc="upper center", ncol=len(handles))
     return fig
 
 
@@ -122,12 +123,11 @@ def step_cost(rows, origin):
     """Draw ns per contact of a whole warm step against the number of disks, for Contact Dynamics and for the springs of the same packing."""
     built = rows[rows.order == "built"].sort_values("disks", kind="stable")
     fig, axis = plt.subplots(figsize=(6.4, 4.4))
-    for tolerance, (colour, marker) in TARGET_LOOK.items():
-        ours = built[built.tolerance == tolerance]
-        if len(ours):
-            axis.loglog(ours.disks, ours.ns_a_contact, marker=marker, color=colour, label=f"Contact Dynamics to {tolerance:.0e}")
+    for tolerance, ours in built.groupby("tolerance", sort=False):
+        axis.loglog(ours.disks, ours.ns_a_contact, marker=style.MARKER["CD"], color=style.COLOUR["CD"], label=f"Contact Dynamics to {tolerance:.0e}",
+                    **{} if tolerance == built.tolerance.max() else dict(linestyle="--", mfc="none"))
     springs = built[built.tolerance == built.tolerance.iloc[0]]
-    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker="X", color="#000000", label="YADE's springs")
+    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker=style.MARKER["MD"], color=style.COLOUR["MD"], label="YADE's springs")
     axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"),
              title="A whole step of a packing at rest, one thread")
     axis.grid(True, which="major", linewidth=0.3)

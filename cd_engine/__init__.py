@@ -56,8 +56,11 @@ def _tell_of_waiting(plugin):
     """
     from yade import O
     run, wait, pause = type(O).run, type(O).wait, type(O).pause
+    rigid = False  # whether ContactDynamics has run last
 
     def run_and_tell(self, nSteps=-1, wait=False):
+        nonlocal rigid
+        rigid = _check_engines(O, rigid)
         plugin.run_begins()
         if not wait:
             return run(self, nSteps)
@@ -82,6 +85,24 @@ def _tell_of_waiting(plugin):
     for name, told, original in (("run", run_and_tell, run), ("wait", wait_and_tell, wait), ("pause", pause_and_tell, pause)):
         told.__name__, told.__doc__ = name, original.__doc__
         setattr(type(O), name, told)
+
+
+def _check_engines(O, rigid):
+    """RuntimeError for lists of engines at which YADE ends, or with which springs do nothing. Return whether the list has ContactDynamics."""
+    engines = [engine for engine in O.engines if not engine.dead]
+    names = [type(engine).__name__ for engine in engines]
+    for engine in engines:
+        if type(engine).__name__ == "ParallelEngine" and "ContactDynamics" in str(engine.slaves):
+            raise RuntimeError("ContactDynamics stands in a ParallelEngine, and YADE would end at its first refusal. Put it into O.engines itself")
+    if "ContactDynamics" in names:
+        if "NewtonIntegrator" not in names and any(getattr(engine, "verletDist", 0) != 0 for engine in engines):
+            raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list of "
+                               "cd_engine.engines()")
+        return True
+    if rigid and "InteractionLoop" in names and any(i.isReal and getattr(i.phys, "kn", 1) == 0 for i in O.interactions):
+        raise RuntimeError("The contacts that ContactDynamics has left have no stiffness, so that springs cannot carry anything there. Call "
+                           "cd_engine.release() before you set the engines of the springs")
+    return False
 
 
 def _tested():

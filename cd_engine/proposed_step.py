@@ -55,10 +55,14 @@ def _speed(body):
 
 
 def _fall(bodies, movable, down):
-    """Return the distance [m] along the unit vector `down` from the highest of `movable` to the lowest body."""
+    """Return the distance [m] along the unit vector `down` from the highest of `movable` to the lowest body; of a Box, to its upper side."""
     def depth(body):
-        return sum(x * d for x, d in zip(body.state.pos, down))
+        centre = sum(x * d for x, d in zip(body.state.pos, down))
+        if type(body.shape).__name__ != "Box":
+            return centre
+        return centre - sum(half * abs(d) for half, d in zip(body.shape.extents, body.state.ori.conjugate() * Vector3(*down)))
 
+    from yade import Vector3
     across = max(range(3), key=lambda axis: abs(down[axis]))  # only a Wall across gravity has a height
     below = [depth(body) for body in bodies if type(body.shape).__name__ != "Wall" or body.shape.axis == across]
     return max(below) - min(map(depth, movable))

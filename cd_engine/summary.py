@@ -4,7 +4,7 @@
 def text(engine):
     """Return lines about the settings, the last step and all steps of an engine, as one text."""
     lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}, at most {engine.maxIterations} iterations a step, "
-             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g}, gravity {tuple(engine.gravity)} m/s^2"]
+             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, gravity {tuple(engine.gravity)} m/s^2"]
     if engine.fixedIterations:
         lines[0] += f", exactly {engine.fixedIterations} sweeps"
     if not engine.steps:

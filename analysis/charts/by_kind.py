@@ -65,5 +65,5 @@ def draw(rows, folder, line):
         axes.set_ylabel("time of computing [s]")
     panels[0, 0].invert_xaxis()
     panels[0, 0].legend()
-    style.finish(fig, folder / "by_kind.png", "Cheapest setting of each method that reaches the error; geometric mean over the scenes of a kind. Hollow: over those scenes only that it solves.", line)
+    style.finish(fig, folder / "by_kind.png", "Cheapest setting that reaches the error; mean over the scenes of a kind. Hollow: over those it solves.", line)
     return {"by_kind.png": TITLE}

@@ -57,7 +57,7 @@ def draw(rows, folder, line):
         axes.set_title(scenes.module(scene).TITLE, fontsize=9)
         axes.set_xlabel("disks $N$")
         axes.grid(alpha=0.25, linewidth=0.5)
-        axes.legend(loc="lower right", fontsize=7)
+        axes.legend(loc="best", fontsize=7)
     panels[0][0].set_ylabel("time of computing [s]")
     style.finish(fig, folder / "cost_against_size.png", f"Cheapest setting of each series within an error of {LEVEL:g}.", line)
     return {"cost_against_size.png": TITLE}

@@ -160,7 +160,7 @@ def _appendix(runs, look, path):
             for axis, (name, label) in zip(axes[:, column], labels):
                 if count:
                     median = np.median([getattr(found, name)[:count] for found in several], axis=0)
-                    axis.plot(np.arange(1, count + 1), np.where((median > 0) | (name != "dissipated"), median, np.nan), color=look[load],
+                    axis.plot(np.arange(1, count + 1), np.where((median > 0) | (name != "dissipated"), median, np.nan), color=look[load], marker=".", ms=3,
                               label=rf"$\Delta\sigma$ = {load:g}")
                 axis.set_xscale("log")
                 axis.grid(color="#DDDDDD", linewidth=0.5)

@@ -63,8 +63,7 @@ def draw(runs, rows, path):
         if path_held == "constant":
             _inset(axis, [run for run in own if run.method == "CD"])
     axes[0, 0].set_ylabel(r"$\sigma_2/P_0$")
-    place = ("lower center", (0.27, 0)) if len(paths) > 1 else ("upper right", (0.92, 1))
-    axes[0, -1].legend(loc=place[0], bbox_to_anchor=place[1])
+    axes[0, 0].legend(loc="upper right", bbox_to_anchor=(0.92, 1))
     style.finish(fig, path, "One load by 0.2 P0 and back from the same packings, a line each: solid loading, dashed unloading. Left sigma1 is held, right the mean stress."
                  if len(paths) > 1 else "One load by 0.2 P0 and back from the same packings, sigma1 held: solid loading, dashed unloading.", runs)
 
@@ -99,7 +98,7 @@ With the mean stress held, the same dSigma is a higher stress ratio, sigma2/sigm
 can carry: their static limits are 1.41 to 1.74, the same on both paths. CD rests on 4 of 4 packings whose limit is above 1.5 (|gamma| of
 1.7e-6 at most, at a tolerance of 1e-7). It strains on 6 of 6 whose limit is below, by 4.9e-4 to 4.6e-3. MD strains on all 10, by 1.7e-3 to 2.1e-2, and on these 6
 by 4.3 to 12.5 times as much as CD. How far a packing strains above its limit depends on how long the load stays there, and a little on
-the walls (here a servo in MD, forces in CD); that rigid grains strain less does not.
+the walls (here a servo in MD, forces in CD). CD strains less in every case.
 
 Work and what is stored, moves and was dissipated agree to 1e-7 of the work with sigma1 held and to 6e-5 with the mean stress held, where
 MD's packings rearrange. No step of CD missed its tolerance.

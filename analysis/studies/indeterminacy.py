@@ -148,8 +148,8 @@ ANSWER = """
 Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10
 packings, which differ by a factor of 1.6 to 12 at one mu, so that the maximum of the published curve near 0.1 is neither confirmed nor
 excluded), and by 7.5e-7 without friction, which is the solver's error. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold; the
-published one is proportional to mu. The dense packings of the other studies are pressed so far that even without friction 14 to 26
-dimensions of the set stay open.
+published one is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the
+forces stay undetermined in 14 to 26 directions.
 
 The springs' own network lies further from the mean of the admissible ones than these do themselves: 1.46 times as far near the rigid
 limit, for mu of 0.01 to 1 (median; beyond it in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and

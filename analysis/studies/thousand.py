@@ -13,8 +13,9 @@ ORDER = 9.5  # in the report
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # last cycles of the windows
 BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, md_dt_factor=0.3, md_walls="force", wall_mass_ratio=1.0,
             delta_sigma=0.4)
+LINES = "-", "--", ":"  # of the packings
 LAWS = {"standard": ("#1A1A1A", "standard law"), "path_independent": ("#CC79A7", "path-independent law")}  # as in the study of the laws
-ROWS = {"quick": product(cycles=20, **BASE), "full": product(tangential_law=tuple(LAWS), cycles=1000, **BASE)}
+ROWS = {"quick": product(cycles=20, **BASE), "full": product(tangential_law=tuple(LAWS), seed=(1, 2, 3), cycles=1000, **BASE)}
 
 
 def summarize(runs):
@@ -42,17 +43,16 @@ def draw(runs, rows, path):
     """Draw the strain, and the strain of each cycle, against the number of the cycle."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.9))
     for run in runs:
-        found, (colour, words) = cycles.of(run), LAWS[run.parameters["tangential_law"]]
-        means = [row for row in rows if row["law"] == run.parameters["tangential_law"]]
-        left.plot(found.number, np.abs(found.permanent), color=colour, label=words)
-        right.plot(found.number, np.abs(found.rate), ls="", marker=".", ms=2, color=colour, alpha=0.25)
-        right.plot([np.sqrt(row["from cycle"] * row["to cycle"]) for row in means], [abs(row["rate"]) for row in means], "o-", ms=4,
-                   color=colour)
-    left.set(xscale="log", xlabel="cycle", ylabel=r"accumulated strain $|\gamma|$")
+        law, seed = run.parameters["tangential_law"], run.parameters["seed"]
+        found, (colour, words), line = cycles.of(run), LAWS[law], LINES[(seed - 1) % len(LINES)]
+        means = [row for row in rows if (row["law"], row["seed"]) == (law, seed)]
+        left.plot(found.number, np.abs(found.permanent), color=colour, ls=line, label=words if seed == 1 else None)
+        right.plot([np.sqrt(row["from cycle"] * row["to cycle"]) for row in means], [abs(row["rate"]) for row in means], marker="o", ms=3,
+                   color=colour, ls=line)
+    left.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"accumulated strain $|\gamma|$")
     right.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"strain of a cycle $|\Delta\gamma|$")
     left.legend()
-    style.finish(fig, path, "One packing, springs of $k_n$, cycles of 0.5 s. Right: dots single cycles, lines means over the cycles 1, 2, "
-                 "3 to 5, 6 to 10 and so on.", runs)
+    style.finish(fig, path, "Springs of $k_n$, cycles of 0.5 s; a packing has one kind of line. Right: means over the cycles 1, 2, 3 to 5, 6 to 10 and so on.", runs)
 
 
 ANSWER = """

@@ -37,7 +37,7 @@ struct alignas(64) PairLanes {
 	int32_t index[lanes]; // in World::pairs
 };
 struct RowSettings {
-	double dt, gapCorrection;
+	double dt, gapCorrection, allowedOverlap;
 	double pushedOut; // gap from which an overlap is pushed out, in radii
 	double onCone; // factor on mu p_n up to which a first guess is in the cone
 };

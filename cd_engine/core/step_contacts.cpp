@@ -201,8 +201,9 @@ ContactRow TimeStep::rowOf(const World& world, std::size_t index, const StepSett
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
 	turned = turning(pair, world, touch, gap, settings.dt);
-	const double share = gap > 0 ? 1 : gap < -pushedOut * places[pair.b].radius ? settings.gapCorrection : 0;
-	c.bias = ((share > 0 ? share * gap : 0) + turned) / settings.dt;
+	const double allowed = settings.allowedOverlap * places[pair.b].radius;
+	const bool pushes = gap < -std::max(pushedOut, settings.allowedOverlap) * places[pair.b].radius;
+	c.bias = ((gap > 0 ? gap : pushes ? settings.gapCorrection * (gap + allowed) : 0) + turned) / settings.dt;
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))
 		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
@@ -249,7 +250,8 @@ template <bool rows, class Which> inline std::size_t TimeStep::load(const World&
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
 void TimeStep::fillRows(const World& world, const StepSettings& settings, std::size_t from, std::size_t to)
 {
-	const RowSettings asked { settings.dt, settings.gapCorrection, -pushedOut, onCone };
+	const RowSettings asked { settings.dt, settings.gapCorrection, settings.allowedOverlap, -std::max(pushedOut, settings.allowedOverlap),
+		onCone };
 	for (; from < to; from += batch) {
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[batch / PairLanes::lanes];

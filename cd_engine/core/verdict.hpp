@@ -42,7 +42,7 @@ struct Verdict {
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts = 1000);
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts = 1000);
 
-// Impulses of a larger `growth` leave velocities unknown to a thousandth of those that they must stop. A mass ratio of 1 : 1e8 in contact makes 1e8.
+// With a larger `growth`, round-off makes velocities wrong by a thousandth of those that the impulses must stop. A mass ratio of 1 : 1e8 makes 1e8.
 // Among bodies of equal masses only a press makes more than mostOfEqual.
 constexpr double mostGrowth = 1e12, mostOfEqual = 1e8;
 // The growth alone, without a judgement.

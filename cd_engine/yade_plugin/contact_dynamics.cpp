@@ -14,6 +14,7 @@ namespace {
 
 	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
 	constexpr double deep = 0.01;
+	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
 	constexpr double far = 4; // radii that a disk may move in a step without a warning
 
 	// Steps between two trials of rest, and sweeps in one trial: about one sweep a step since the last trial. This costs less than an island at
@@ -98,6 +99,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.dt = at<double>(of, layout.scene_dt);
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
+	s.allowedOverlap = allowedOverlap;
 	s.warmStart = warmStart;
 	s.iteration = at<long>(of, layout.scene_iter);
 	s.reduce = reduce;
@@ -231,8 +233,8 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
-	    && now.solver.tolerance == last.solver.tolerance && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart
-	    && !handover;
+	    && now.allowedOverlap == last.allowedOverlap && now.solver.tolerance == last.solver.tolerance && now.reduce
+	    && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart && !handover;
 }
 
 // After a failed trial, the next one comes later. After islands have been woken, it comes soon, because they may soon be at rest again.
@@ -326,8 +328,9 @@ void ContactDynamics::watchPenetration(double before) const
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
 	const double way = 2 * link.pairSearch().longestWay() * smallest; // that two bodies can approach each other in the step
 	if (atOnce && maxPenetration - before > way)
-		remedy = "No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start (handover=False). "
-			 "Move them apart, or set gapCorrection=0.1, which pushes overlaps out";
+		remedy = std::string("No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start "
+				     "(handover=False). Move them apart")
+		    + (gapCorrection == 0 ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
 	else if (atOnce && restitution > 0)
 		remedy
 		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
@@ -340,6 +343,8 @@ void ContactDynamics::watchPenetration(double before) const
 			 "proposes one)";
 	else if (misses)
 		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
+	else if (tolerance > loose)
+		remedy = "It grew step by step by what the tolerance leaves: lower it to 1e-4 or less";
 	else if (gapCorrection == 0)
 		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
 			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";

@@ -27,6 +27,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool warmStart = true;
 	double restitution = 0;
 	double gapCorrection = 0;
+	double allowedOverlap = 1e-3;
 	int seed = 0;
 	bool reduce = true;
 	bool handover = true;
@@ -154,14 +155,17 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
 	    "take a smaller one in a step in which this one would add energy, and 0 where nothing solves the step with it.");
 	visit("gapCorrection", &C::gapCorrection, Access::set, Range { 0, 1 },
-	    "Share of an overlap, beyond the reference one, that a step pushes out [1]; 0: overlaps are only kept from growing. The velocity of "
-	    "pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it needs "
-	    "*warmStart* False: impulses that add up from step to step overshoot.");
+	    "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step pushes out [1]; 0: overlaps are only kept from growing. "
+	    "The velocity of pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it "
+	    "needs *warmStart* False: impulses that add up from step to step overshoot.");
+	visit("allowedOverlap", &C::allowedOverlap, Access::set, Range { 0, 1 },
+	    "Overlap that *gapCorrection* leaves, as a share of a disk's radius [1]. With 0, a packing at rest is stirred for ever: the corrections "
+	    "of its contacts contradict each other.");
 	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. },
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
 	visit("reduce", &C::reduce, Access::set, any,
-	    "Solve apart what cannot feel each other: islands of contacts that no movable body connects, each to the tolerance by itself, which is "
-	    "never less than the tolerance for the whole; bodies that touch nothing take no part. A step of one island is the same to the last bit. "
+	    "Solve islands of contacts without a common movable body separately, each to the tolerance by itself, which is never less than the "
+	    "tolerance for the whole; bodies that touch nothing take no part. A step of one island is the same to the last bit. "
 	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
 	visit("handover", &C::handover, Access::set, any,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "

@@ -12,8 +12,9 @@ namespace {
 		return name == base || Singleton<yade::Omega>::instance().isInheritingFrom_recursive(name, base);
 	}
 
-	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics.
-	std::string refusal(const std::string& name, bool before)
+	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
+	// ForceResetter stands before it.
+	std::string refusal(const std::string& name, bool before, bool reset)
 	{
 		const std::string remove = " Remove it or set its dead=True";
 		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
@@ -30,9 +31,10 @@ namespace {
 			    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
 		for (const char* const pushing :
 		    { "ForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier", "DragEngine", "LinearDragEngine", "HydroForceEngine" })
-			if (!before && isA(name, pushing))
-				return name
-				    + " stands after it, so its forces are cleared before they can act. Put it before ContactDynamics in O.engines";
+			if ((!before || !reset) && isA(name, pushing))
+				return name + " stands " + (before ? "before ForceResetter" : "after it")
+				    + ", so its forces are cleared before they can act. Put it between ForceResetter and ContactDynamics in "
+				      "O.engines";
 		return "";
 	}
 
@@ -87,7 +89,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderR
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
-			if (const std::string reason = refusal(name, before); !reason.empty())
+			if (const std::string reason = refusal(name, before, resets); !reason.empty())
 				problem = reason;
 		}
 		others.push_back(other);

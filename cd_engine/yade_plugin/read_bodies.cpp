@@ -54,7 +54,7 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 }
 
 // Checks that the present freedoms and velocities of the body are those of a plane motion.
-void SceneLink::checkMotion(int id) const
+void SceneLink::checkMotion(int id)
 {
 	char* const state = bodies[id].state;
 	const Vector3r& velocity = at<Vector3r>(state, layout.state_vel);
@@ -69,6 +69,8 @@ void SceneLink::checkMotion(int id) const
 	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside) {
 		if (at<int>(bodies[id].body, layout.body_clumpId) >= 0)
 			refuseBody(id, "belongs to a clump", releaseClump);
+		if (kindOf(bodies[id].shape) < 0)
+			readShape(id, world.bodies[id]); // refuses it: to set its freedoms would not help
 		refuseBody(
 		    id, "is free to leave the plane", "Set " + ofBody(id) + ".state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
 	}

@@ -30,17 +30,21 @@ bool SceneLink::listUnchanged(yade::InteractionContainer* container) const
 	return !outdated && at<std::vector<boost::shared_ptr<yade::Interaction>>>(container, layout.interactions_linear) == listed;
 }
 
-// Warns if gravity moves a boundary down onto another one, since nothing will hold it there. The axis with the smaller overlap decides: a boundary
-// that slides along a side wall overlaps it least across gravity.
+// Warns if gravity moves a boundary down onto another one, or its velocity or a force moves it onto one from which it is still apart, since nothing
+// will hold it there. The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion.
 void SceneLink::tellOfFall(int upper, int lower)
 {
 	const cd::Body &a = world.bodies[upper], &b = world.bodies[lower];
 	const cd::Half ha = cd::halfSides(a, world.shapes[upper]), hb = cd::halfSides(b, world.shapes[lower]);
 	const double way[2] = { b.x - a.x, b.y - a.y }, overlap[2] = { ha.x + hb.x - std::abs(way[0]), ha.y + hb.y - std::abs(way[1]) };
 	const int axis = overlap[0] < overlap[1] ? 0 : 1;
-	if (a.inverseMass[axis] > 0 && way[axis] * gravity[axis] > 0)
-		tell("body #" + std::to_string(upper) + " is a boundary that gravity moves onto another: Box and Wall never touch each other.",
-		    "It will fall through body #" + std::to_string(lower) + ". Block its freedoms if it is not to fall.");
+	if (!(a.inverseMass[axis] > 0))
+		return;
+	const bool falls = way[axis] * gravity[axis] > 0;
+	if (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))
+		tell("body #" + std::to_string(upper) + " is a boundary that " + (falls ? "gravity" : "its velocity or a force")
+			+ " moves onto another: Box and Wall never touch each other.",
+		    "It will pass through body #" + std::to_string(lower) + ". Block its freedoms if it is not to do so.");
 }
 
 // Called after a search, because two boundaries make no pair.

@@ -111,7 +111,7 @@ class SceneLink {
 	void findLayer(yade::BodyContainer&);
 	int kindOf(const void* shape);
 	void readBody(int id, const boost::shared_ptr<yade::Body>&, yade::ForceContainer&, const Vector3r& gravity);
-	void checkMotion(int id) const;
+	void checkMotion(int id);
 	void readShape(int id, cd::Body&);
 	void readDisk(int id, cd::Body&);
 	void readBox(int id, cd::Shape&);

@@ -28,12 +28,13 @@ World twoDisks(double overlap, double speed)
 	return w;
 }
 
-StepReport step(World& w, double gapCorrection, double restitution = 0)
+StepReport step(World& w, double gapCorrection, double restitution = 0, double allowedOverlap = 0)
 {
 	StepSettings s;
 	s.dt = h;
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
+	s.allowedOverlap = allowedOverlap;
 	s.solve = findSolver("nsgs");
 	s.solver.tolerance = 1e-13;
 	TimeStep t;
@@ -61,6 +62,16 @@ TEST_CASE("an overlap is kept without gapCorrection, and shrinks by its share a 
 		CHECK(report.dissipated == doctest::Approx(-0.25 * separation(w) * separation(w)).epsilon(1e-11));
 		if (share == 0)
 			CHECK(w.bodies[1].x == radius - 0.5 * overlap); // not even by round-off
+	}
+}
+
+TEST_CASE("an allowed overlap is not pushed out, and more than that only down to it")
+{
+	const double allowed = 1e-3;
+	for (const double overlap : { 0.5 * allowed * radius, 3 * allowed * radius }) {
+		World w = twoDisks(overlap, 0);
+		step(w, 0.25, 0, allowed);
+		CHECK(separation(w) == doctest::Approx(0.25 * std::max(0., overlap - allowed * radius) / h).epsilon(1e-11));
 	}
 }
 

@@ -119,7 +119,8 @@ class Watch:
         self.reference = np.array([self.references.get(pair, 0.) for pair in zip(a, b)]) if self.references else np.zeros(len(a))
         self.gap = self.gap + self.reference
         self.extent = np.abs(self.mid[:, :2]).max() + p.size.max()
-        self.bias = np.where(self.gap > 0, 1, cd.gapCorrection) * self.gap / p.dt
+        beyond = np.minimum(self.gap + cd.allowedOverlap * p.radius[b], 0)
+        self.bias = np.where(self.gap > 0, self.gap, cd.gapCorrection * beyond) / p.dt
         self.rows = fuzz_geometry.rows(p, self.normal, self.point, self.mid, a, b)
         self.inverse = np.stack([p.w[a], p.w[b]], axis=1)  # (pair, side, freedom)
         self.wn, self.wt = ((row ** 2 * self.inverse).sum(axis=(1, 2)) for row in self.rows)

@@ -21,6 +21,12 @@ def test_a_fall_sets_it(O):
     assert cd_engine.timeStep(share=1, gravity=(0, -4 * G, 0)) == pytest.approx(0.5 * 0.005 / math.sqrt(2 * G * 0.51))
 
 
+def test_the_fall_ends_on_a_box_not_in_it(O):
+    plane.disk((0, 0.5), 0.01)
+    plane.box((0, -1), (1, 2), angle=math.pi / 2)  # turned: 1 m high from its middle, so that its top is at 0
+    assert cd_engine.timeStep(gravity=(0, -G, 0)) == pytest.approx(0.25 * 0.01 / math.sqrt(2 * G * 0.5))
+
+
 def test_the_speeds_present_count(O):
     plane.disk((0, 0), 0.01, velocity=(3, 4))
     assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / 5)

@@ -97,6 +97,7 @@ def turning_wall(attribute, value):
     (change("pos", (0.2, 0, 0.05)), ["#1", "z = 0.05", "one plane"]),
     (force((NAN, 0, 0)), ["#1", "force", "not a number"]),
     (append(lambda u, m: u.facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)], material=m)), ["#2", "Facet", "Sphere"]),
+    (append(lambda u, m: u.facet([(0, 0, 0), (1, 0, 0), (0, 1, 0)], material=m, fixed=False)), ["#2", "Facet", "Sphere"]),
     (append(tilted_box), ["#2", "turned out of the plane"]),
     (append(lambda u, m: u.wall(1, axis=0, material="elastic")), ["#2", "friction angle", "FrictMat"]),
     (turning_wall("angVel", (0, 0, 2)), ["#2", "wall with the angular velocity 2 rad/s", "O.bodies[2].state.angVel"]),

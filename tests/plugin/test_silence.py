@@ -3,6 +3,7 @@ import subprocess
 import sys
 
 import pytest
+import yade
 from yade import utils, wrapper
 
 import cd_engine
@@ -20,7 +21,7 @@ def one_disk(**settings):
 
 
 @pytest.mark.parametrize("engine, said", [
-    (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after it.*Put it before"),
+    (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after it.*Put it between"),
     (lambda: wrapper.RadialForceEngine(ids=[1]), r"RadialForceEngine stands after it"),
     (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after it"),
     (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
@@ -33,6 +34,41 @@ def test_engines_that_do_not_go_with_it(O, engine, said):
         O.run(1, True)
     O.engines[-1].dead = True
     O.run(1, True)
+
+
+def test_forces_that_are_cleared_at_once(O):
+    O.engines = [wrapper.ForceEngine(ids=[1], force=(1, 0, 0))] + one_disk()
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match="ForceEngine stands before ForceResetter.*Put it between"):
+        O.run(1, True)
+
+
+def test_lists_at_which_yade_would_end(O):
+    """YADE stops the whole process where an engine in a ParallelEngine throws, and its collider asks for an integrator that is not needed."""
+    reset, collider, cd = one_disk()
+    O.dt = 1e-3
+    O.engines = [reset, collider, wrapper.ParallelEngine([cd])]
+    with pytest.raises(RuntimeError, match="ParallelEngine.*into O.engines itself"):
+        O.run(1, True)
+    O.engines = [reset, wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()], verletDist=0.001), cd]
+    with pytest.raises(RuntimeError, match="give it verletDist=0"):
+        O.run(1, True)
+
+
+def test_springs_on_contacts_that_have_no_stiffness(O):
+    O.engines = one_disk()
+    O.dt = 1e-3
+    O.run(10, True)
+    springs = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()]),
+               wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+               wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
+    O.engines = springs
+    with pytest.raises(RuntimeError, match="no stiffness.*cd_engine.release()"):
+        O.run(1, True)
+    cd_engine.release()
+    O.dt = 1e-5
+    O.run(100, True)
+    assert O.interactions[0, 1].phys.kn > 0
 
 
 def test_forces_before_it_act(O):
@@ -130,6 +166,19 @@ def test_a_boundary_that_gravity_moves(O, capfd):
     box = plane.box((1, 0.1), (0.1, 0.1), blocked="zXY")
     line, = said_by(O, capfd)
     assert f"body #{box} is a boundary that gravity moves" in line and "through body #0" in line
+
+
+@pytest.mark.parametrize("push", [lambda box: yade.O.forces.setPermF(box, (0, -10, 0)), lambda box: setattr(yade.O.bodies[box].state, "vel", (0, -1, 0))],
+                         ids=["force", "velocity"])
+def test_a_boundary_that_something_else_moves(O, capfd, push):
+    """It is told of before they meet."""
+    O.engines = one_disk()
+    O.engines[-1].gravity = (0, 0, 0)
+    O.dt = 1e-3
+    box = plane.box((1, 0.13), (0.1, 0.1), blocked="xzXYZ")
+    push(box)
+    lines = said_by(O, capfd, 300)
+    assert any(f"body #{box} is a boundary that its velocity or a force moves" in line and "through body #0" in line for line in lines)
 
 
 def test_nothing_is_said_of_a_lid_that_disks_hold(O, capfd):

@@ -67,7 +67,7 @@ def drum(O, step, turns, mu):
             state.vel, state.angVel = (dc * x - ds * y, ds * x + dc * y, 0), (0, 0, spin)
 
     import cd_engine
-    reset, collider, engine = cd_engine.engines(tolerance=1e-13, gapCorrection=1)
+    reset, collider, engine = cd_engine.engines(tolerance=1e-13, gapCorrection=1, allowedOverlap=0)
     O.engines = [reset, hooks.runner(turn, iterPeriod=1, initRun=True), collider, engine]
     O.dt = step
     O.run(round(turns * 2 * math.pi / spin / step), True)

@@ -13,6 +13,8 @@ from yade import plot
 
 settings = dict(disks=600, springs=0, seconds=2.0)
 for name, value in (word.split("=") for word in sys.argv[1:]):
+    if name not in settings:
+        sys.exit(f"{name} is no setting of this script; there is {', '.join(settings)}")
     settings[name] = type(settings[name])(value)
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds

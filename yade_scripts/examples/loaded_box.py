@@ -14,6 +14,8 @@ from yade import export, plot
 
 settings = dict(disks=300, springs=0, load=10.0, seconds=0.5)
 for name, value in (word.split("=") for word in sys.argv[1:]):
+    if name not in settings:
+        sys.exit(f"{name} is no setting of this script; there is {', '.join(settings)}")
     settings[name] = type(settings[name])(value)
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]

@@ -94,7 +94,7 @@ KNOWN = _table(
 
 
 def relative_error(measured, exact, scale, deviation=0.0):
-    """Return for a known number |measured - exact|/scale; where only a mean is known no run is nearer than by chance, and the error at least the deviation."""
+    """Return for a known number |measured - exact|/scale; if `exact` is a mean, the error is at least its standard deviation."""
     return max(abs(measured - exact), deviation) / scale
 
 

@@ -7,6 +7,7 @@ from yade_scripts.running import bounds, hooks, walls
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
 SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedIterations": "fixed_iterations", "method": "method_cd",
             "warmStart": "warm_start", "seed": "solver_seed", "restitution": "restitution", "gapCorrection": "gap_correction",
+            "allowedOverlap": "allowed_overlap",
             "handover": "reference_overlaps"}
 
 
