@@ -17,33 +17,7 @@ from yade_scripts.results.reader import ResultError
 
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
          "ECCOMAS 2004")
-# The short answer on top. README has the same sentences; a test holds their numbers against the published tables.
-FINDINGS = (
-    ("fig4", "Load a dense packing by 0.2 P0 and unload it: springs strain by 4.3e-4 and keep 1.2e-4, rigid contacts strain by 3.7e-8 "
-             "(medians of 10 packings)."),
-    ("stiffness", "The strain of MD comes from its springs: over such a cycle the largest strain goes as k_n to the power -0.94 to "
-                  "-1.01, what remains as k_n to the power -0.87 to -0.98 (5 packings)."),
-    ("tolerance", "Rigid grains far below yield do not move. The strain of CD is solver error: on one packing it falls from 7.8e-4 to "
-                  "9.2e-11 as the tolerance falls from 1e-2 to 1e-10."),
-    ("isostatic", "They rest as long as the contacts that they start with can carry the load. With friction of 0.1 that "
-                  "ends at 1.40 to 1.60 P0 (5 packings). Without it, near the rigid limit, it ends at 1.01 to 1.04 P0, and "
-                  "just beyond it rigid grains strain under the load 0.92 times as far as springs do (0.67 to 0.98; 8 "
-                  "cases from 4 packings), but keep 0.06 times as much of it (0.001 to 1.3)."),
-    ("fig3", "The static limit is the largest sigma2/sigma1 that the contacts of a packing can carry, by a linear "
-             "programme. Whether a packing rests or yields under cycles depends on the largest sigma2/sigma1 over this "
-             "limit, whether sigma1 or the mean stress is held. Well below it rigid grains rest while springs strain; above it, "
-             "in cycles of 0.5 s, springs collapse in 39 and rigid grains in 35 of 55 pairs. The paper's loads reach a "
-             "collapse only if the mean stress is held."),
-    ("ratcheting", "Far below the limit springs strain from cycle to cycle because they are soft: at equal load over the "
-                   "limit, up to 0.96 of it, the strain of a late cycle goes as k_n to the power -0.98 (standard error "
-                   "0.13; 13 runs from 7 seeds), within the 4 seeds of several stiffnesses to the power -0.76 (0.09); "
-                   "between 0.96 and the limit rearrangements add to it, and the power is -0.42 (0.17). Rigid contacts "
-                   "rest below 0.98 of the limit in 19 of 19 cases; between 0.98 and the limit 3 of 7 yield."),
-    ("collapse", "With the mean stress held, in cycles of 0.5 s, rigid grains stand 1.46 times as many cycles as springs "
-                 "of k_n before they collapse (median of 12 pairs from 6 packings, more in all), and 1.06 times as many as "
-                 "springs of 10 k_n (0.68 to 3.08), which six packings do not tell from 1; in cycles of 2 s 1.05 times."),
-    ("laws", "The strain of springs under cycles does not come from the tangential law: one whose closed paths leave neither force nor "
-             "energy strains 6 packings 0.995 to 1.000 times as far over 40 cycles."))
+README = Path(__file__).parents[1] / "README.md"
 # What the page needs of the JSON files.
 STUDY = {"extent": str, "runs_finished": int, "packings": int, "computing_seconds": (int, float), "commits": list, "yade": list, "run_command": str,
          "energy_balance": dict}
@@ -65,12 +39,19 @@ def build(folder, path):
     there = {study["name"] for study in found}
     points = sorted(((place, quote, where, verdict, text, name) for name in studies.names() for place, quote, where, verdict, text in studies.module(name).POINTS))
     commits = sorted({commit for study in found for commit in study["commits"]})
+    short_answer, words = findings()
     page = environment.get_template("report.html").render(
-        paper=PAPER, findings=FINDINGS, there=there, studies=found, absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
+        paper=PAPER, findings=short_answer, words=words, there=there, studies=found, absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
-        points=points, definitions=DEFINITIONS, causes=causes.table(folder), processes=causes.PROCESSES, commits=commits, published=all(study["extent"] == "full" for study in found))
+        points=points, definitions=DEFINITIONS, causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE, commits=commits, published=all(study["extent"] == "full" for study in found))
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def findings():
+    """Return README's short answer: [(text, [study])] of its items, each of which ends with links to figures, and what its words mean."""
+    items, words = (" ".join(part.split()) for part in README.read_text(encoding="utf-8").split("## What was found")[1].split("\n\n")[1:3])
+    return [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words.split(" `make report")[0]
 
 
 def _study(name, folder, link):

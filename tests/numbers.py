@@ -29,3 +29,12 @@ def wrong(text, known, given=()):
     swapped = [pair for pair in zip(first, (number for number in known if number in first)) if pair[0] != pair[1]]
     found += [f"{number} stands where {other} is expected" for number, other in swapped[:1]]
     return found + [f"{number}: the table says {value:g}" for number, values in known.items() for value in np.atleast_1d(values) if not agrees(number, value)]
+
+
+def misplaced(text, values):
+    """What is wrong where the numbers of a text have to be these values one by one, each of them one number or several that are alike."""
+    found = written(text)
+    if len(found) != len(values):
+        return [f"{len(found)} numbers for {len(values)} values: {' '.join(found)}"]
+    return [f"{number}, number {place}: the table says {value}" for place, (number, value) in enumerate(zip(found, values), 1)
+            if not all(agrees(number, one) for one in np.atleast_1d(value))]

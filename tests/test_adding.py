@@ -89,7 +89,7 @@ def copy(root, tmp_path_factory):
     """The tracked files and the built engine, with one study, one scene and one map more."""
     target = tmp_path_factory.mktemp("copy")
     for name in subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines():
-        if name.startswith(("analysis", "yade_scripts", "cd_engine")) and (root / name).is_file():
+        if name.startswith(("analysis", "yade_scripts", "cd_engine", "README.md")) and (root / name).is_file():
             (target / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(root / name, target / name)
     for library in root.rglob("cd_engine/**/*.so"):

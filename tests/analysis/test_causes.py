@@ -1,27 +1,106 @@
-"""The table of causes on the first page, from small tables whose answers are known."""
+"""The table of causes on the report's first page: its numbers, one by one, against the published tables."""
 import numpy as np
 import pandas
 import pytest
 
 from analysis import causes, publish
-from analysis.studies import fig3
-from yade_scripts.results.reader import ResultError
+from analysis.studies import collapse, fig3, ratcheting
+from tests import numbers
+from tests.analysis.test_published import FOLDER, values
 
 
-def test_spread_counts_what_never_ended_as_longer_than_all():
-    assert causes._spread([1, 2, 3, 4, 5]) == "3.00 times (quartiles 2.00 and 4.00; 5 cases)"
-    assert causes._spread([1, 2, 3, np.inf, np.inf]) == "3.00 times (quartiles 2.00 and more than was run; 5 cases)"
-    assert causes._spread([np.nan]) == causes.NOT_RUN
+def published(name):
+    return publish.read_table(FOLDER / f"{name}.csv")
+
+
+def with_quartiles(rows):
+    return list(np.quantile(rows.abs(), (0.5, 0.25, 0.75)))
+
+
+def quotients(case, base):
+    """Cycles until collapse over those of base: median, quartiles and load, under both loads. What never ends counts as very many."""
+    times = collapse.times(published("collapse"), case, base).clip(upper=1e9)
+    assert (times.groupby("dSigma").size() == 6).all()
+    return [number for load in collapse.LOADS for number in (*with_quartiles(times.loc[load]), load)]
+
+
+def stiffness_of_collapse():
+    soft, stiff = quotients("rigid", "springs"), quotients("rigid, packing of 10 k_n", "springs, 10 k_n")
+    assert soft.pop(2) > 40  # more cycles than were run
+    return [*soft, 10, *stiff]
+
+
+def tolerance_of_a_rate():
+    rows, tight = published("ratcheting").query("`load over limit` < 1 and `k_n over the usual` == 1"), ratcheting.RIGID["tolerance"]
+    loose, own = (rows[rows.tolerance == tolerance].rate for tolerance in (ratcheting.LOOSER, tight))
+    return [loose.median(), ratcheting.LOOSER, own.median(), tight, [len(loose), len(own)], tight, (own > 1e-7).sum()]
+
+
+def networks_of_a_cycle():
+    packings = published("critical_load").query("method == 'CD'").groupby(["preparation mu", "seed"])["load at 0.0001"]
+    several = [own for _, own in packings if len(own) > 1]
+    return [max(100 * (own.max() / own.min() - 1) for own in several), sum(map(len, several)), len(several)]
+
+
+def limit_of_a_rate():
+    case, rate = ["preparation friction", "stress path", "dSigma", "seed"], f"rate of cycles {fig3.COMPARED // 2 + 1} to {fig3.COMPARED}"
+    springs, rigid = (publish.finished(published("fig3")).query(f"method == '{method}'").set_index(case) for method in ("MD", "CD"))
+    pairs = pandas.concat({"MD": springs[rate], "CD": rigid[rate], "load": springs["load over limit"]}, axis=1).dropna()
+    return [number for own in (pairs[pairs.load < 1], pairs[pairs.load >= 1])
+            for number in (*with_quartiles(own.MD), *with_quartiles(own.CD), len(own), len(own.groupby(level=[case[0], case[3]])))]
+
+
+def limit_of_collapse():
+    load = fig3.standing(published("fig3")).assign(falls=lambda rows: rows["collapses after"].notna()).groupby(["method", "falls"])["load over limit"]
+    return [number for method in ("MD", "CD") for number in (load.min()[method, True], load.max()[method, False])]
+
+
+def dense(name):
+    """What springs do on dense packings, by stress path, load and seed."""
+    rows = publish.finished(published("fig3")).query("method == 'MD' and `preparation friction` == 0")
+    return rows.set_index(["stress path", "dSigma", "seed"])[name]
+
+
+def same_ratio(name):
+    """With the mean stress held at 0.2 over sigma1 held at 0.5: sigma2/sigma1 goes to 1.5 in both."""
+    times = dense(name)["mean", 0.2] / dense(name)["constant", 0.5]
+    return [1.5, *with_quartiles(times), len(times)]
+
+
+def path_of_collapse():
+    falls = dense("collapses after").notna()
+    return [number for path, load, ratio in (("mean", 0.3, 1.3 / 0.7), ("constant", 0.8, 1.8), ("constant", 0.3, 1.3))
+            for number in (falls[path, load].sum(), len(falls[path, load]), ratio)]
+
+
+@pytest.mark.parametrize("cause, expected", [
+    ("Stiffness of the springs", lambda: (
+        [*values("stiffness", "-0.94 -1.01 5 4.5e-4 5.1e-6"), 100],
+        values("ratcheting", "-0.98 0.13 13 7 0.96 -0.76 0.09 4 -0.42 0.17 13 8"), stiffness_of_collapse())),
+    ("Tolerance of the solver", lambda: (
+        values("tolerance", "7.8e-4 1e-2 9.2e-11 1e-10"), tolerance_of_a_rate(), [1e-6, 1e-8, *quotients("rigid, tolerance 1e-6", "rigid")])),
+    ("Indeterminacy: from which forces it starts", lambda: (networks_of_a_cycle(), [], quotients("rigid, other forces", "rigid"))),
+    ("Indeterminacy: what the forces can carry", lambda: (
+        values("fig4", "1.5 4 4 1.7e-6 4.9e-4 4.6e-3 6 6 4.3 12.5"), limit_of_a_rate(), limit_of_collapse())),
+    ("Tangential law", lambda: (
+        values("laws", "0.994 0.999 6"), values("laws", "1.01 0.93 1.02 0.4 0.5 0.39 1.27 5 -0.91"), quotients("springs, path-independent law", "springs"))),
+    ("Stress path", lambda: (same_ratio("first cycle"), [*same_ratio("gamma after 20"), 20], path_of_collapse()))])
+def test_every_number_of_a_cause_is_that_of_the_published_tables(cause, expected):
+    for cell, known in zip(causes.TABLE[cause], expected(), strict=True):
+        assert numbers.misplaced(cell, known) == [], cell
+
+
+def test_every_process_has_a_cell():
+    assert all(len(cells) == len(causes.PROCESSES) for cells in causes.TABLE.values())
 
 
 def test_collapse_counts_packings_that_stand_under_both_as_equal(tmp_path):
     cells = {"springs": (2, 4, 8, None), "rigid": (4, 6, 8, None), "springs, 10 k_n": (2, 4, 8, None), "rigid, packing of 10 k_n": (2, 4, 8, 5)}
     publish.write_table(tmp_path / "collapse.csv", [{"case": case, "dSigma": 0.3, "seed": seed, "collapses after": life}
                                                     for case, lives in cells.items() for seed, life in enumerate(lives)])
-    stiffness = causes._stiffness_of_collapse(publish.read_table(tmp_path / "collapse.csv"))
-    # 4/2, 6/4, 8/8 and both stand: quantiles of 1, 1, 1.5, 2; with stiff springs 1, 1, 1 and 5 cycles over more than was run.
-    assert stiffness == ("cycles that CD stands, over those of springs of k_n: 1.25 times (quartiles 1.00 and 1.62; 4 cases) under dSigma = 0.3; "
-                         "over those of springs of 10 k_n: 1.00 times (quartiles 0.75 and 1.00; 4 cases) under dSigma = 0.3 (cycles of 0.5 s)")
+    table = publish.read_table(tmp_path / "collapse.csv")
+    assert collapse.times(table, "rigid", "springs").tolist() == [2, 1.5, 1, 1]
+    assert collapse.times(table, "rigid, packing of 10 k_n", "springs, 10 k_n").tolist() == [1, 1, 1, 0]  # 5 cycles over more than was run
 
 
 def test_a_run_that_only_the_walls_refuse_at_its_end_has_stood(tmp_path):
@@ -35,31 +114,3 @@ def test_a_run_that_only_the_walls_refuse_at_its_end_has_stood(tmp_path):
     found = fig3.standing(publish.read_table(tmp_path / "fig3.csv"))
     assert list(found.method) == ["MD", "CD"] and found["load over limit"].tolist() == pytest.approx(2 * [1.3 / 0.7 / 1.5])
     assert found["collapses after"].isna().tolist() == [False, True]
-
-
-def test_a_ratio_is_of_the_same_packing():
-    rows = pandas.DataFrame([dict(seed=seed, path=path, gamma=gamma) for seed, path, gamma in ((1, "mean", -4.0), (2, "mean", -9.0), (2, "constant", -3.0), (1, "constant", -2.0))])
-    ratio = causes._over(rows, "gamma", rows.path == "mean", rows.path == "constant")
-    assert ratio.loc[1] == 2 and ratio.loc[2] == 3
-
-
-def test_studies_not_run_are_named(tmp_path):
-    assert {text for texts in causes.table(tmp_path).values() for text in texts} == {causes.NOT_RUN, "not varied"}
-
-
-def test_a_table_of_another_version_is_named(tmp_path):
-    publish.write_table(tmp_path / "fig3.csv", [{"kind": "MD", "seed": 1}])
-    with pytest.raises(ResultError, match="fig3.csv.*another version of the study"):
-        causes.table(tmp_path)
-
-
-def test_a_mistake_of_our_own_is_no_table_of_another_version(tmp_path, monkeypatch):
-    publish.write_table(tmp_path / "fig4.csv", [{"method": "MD"}])
-    monkeypatch.setattr(causes, "CELLS", {"Stress path": (("fig4", lambda rows: None.largest),)})
-    with pytest.raises(AttributeError):
-        causes.table(tmp_path)
-
-
-@pytest.mark.parametrize("cause", causes.CELLS)
-def test_every_cause_has_a_text_for_each_process(cause):
-    assert len(causes.CELLS[cause]) == len(causes.PROCESSES)

@@ -32,7 +32,7 @@ def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
     absent = "; ".join(studies.module(name).TITLE for name in studies.names() if name not in PUBLISHED)  # while they are being written
     assert text.count("Not run yet") == (f"Not run yet: {absent}." in text) == bool(absent)
     assert all(studies.module(name).TITLE in text for name in PUBLISHED)
-    assert page.stat().st_size < 2e6
+    assert page.stat().st_size < 2e6 and text.count("<figure>") == text.count("<figure><a href=")  # every picture leads to the full one
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
@@ -64,22 +64,52 @@ def test_every_number_about_a_chart_stands_in_its_table(name):
     assert numbers.wrong(chart.ANSWER, chart.numbers(publish.read_table(folder / f"{name}.csv")), chart.GIVEN) == []
 
 
-def test_the_short_answer_has_the_numbers_of_the_studies():
-    """README and the page say the same, with numbers that the studies' own texts have and that are tested there."""
-    readme = (FOLDER.parents[1] / "README.md").read_text(encoding="utf-8")
-    for name, text in report.FINDINGS:
-        study = studies.module(name)
-        assert text in " ".join(readme.split())
-        missing = [number for number in numbers.written(text) if number not in numbers.written(study.ANSWER) and number not in study.GIVEN]
-        assert not missing, (name, missing)
+# The numbers of README's short answer and of its advice, one by one: values behind words that stand so in the answers of studies, or settings there.
+SHORT_ANSWER = (
+    ("fig4", "0.2 4.3e-4 1.2e-4 3.7e-8 10"), ("stiffness", "-0.94 -1.01 -0.87 -0.98 5"), ("laws", "6 0.995 1.000 40"), ("tolerance", "7.8e-4 9.2e-11 1e-2 1e-10"),
+    ("isostatic", "1.40 1.60 0.1 5 1.01 1.04 1e-6 0.92 0.67 0.98 8 4 0.06 0.001 1.3"), ("fig3", "0.5 39 35 55"),
+    ("ratcheting", "0.96 -0.98 0.13 13 7 4 -0.76 0.09 -0.42 0.17"), ("ratcheting", "0.98 19 19 0.98 3 7"),
+    ("collapse", "0.5 1.46 12 6 1.08 1.05 2 10 1.06 0.68 3.08 1"))
+ADVICE = ("flows", "500 3.5 4.2 2"), ("speed", "29 100 0.017 0.012"), ("ratcheting", "0.5 2 2e6 3.1 10 0.4 5.6 100 1.06 1.19 3")
+ELSEWHERE = {"2e6"}  # k_n itself, in N/m
 
 
-def test_which_method_when_has_the_numbers_of_the_studies():
-    readme = (FOLDER.parents[1] / "README.md").read_text(encoding="utf-8")
-    advice = re.search(r"## Which method when\n(.*?)- `/usr/bin", readme, re.S)[1]
-    studied = [studies.module(name) for name in ("speed", "flows", "ratcheting")]
-    known = {number for study in studied for number in [*numbers.written(study.ANSWER), *study.GIVEN]}
-    assert set(numbers.written(advice)) - known == {"2e6"}  # k_n itself, in N/m
+def values(name, words):
+    """What the published table of a study says behind words, numbers as its answer has them; a setting stands for itself."""
+    study = studies.module(name)
+    known = study.numbers(publish.read_table(FOLDER / f"{name}.csv"))
+    assert set(words.split()) <= set(known) | set(study.GIVEN) | ELSEWHERE
+    return [known.get(word, float(word)) for word in words.split()]
+
+
+def test_every_number_of_the_short_answer_is_that_of_the_published_table():
+    """README's, which the page shows too."""
+    expected = list(SHORT_ANSWER)
+    for text, names in report.findings()[0]:
+        known = [expected.pop(0) for _ in names]
+        assert [name for name, _ in known] == names
+        assert numbers.misplaced(text, [value for name, words in known for value in values(name, words)]) == [], names
+    assert not expected
+
+
+def test_every_number_of_the_advice_is_that_of_the_published_tables():
+    advice = re.search(r"## Which method when\n(.*?)- `/usr/bin", report.README.read_text(encoding="utf-8"), re.S)[1]
+    assert numbers.misplaced(advice, [value for name, words in ADVICE for value in values(name, words)]) == []
+
+
+def test_every_number_of_the_cost_of_the_engine_is_that_of_the_benchmark(root):
+    """Of the list of the solvers and of a whole step; a space in a number is none, and the million stands there as a word."""
+    text = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## What it costs")[1].split("\n## ")[0]
+    solver, step = (re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(rf"{first}.*?\n\n", text, re.S)[0]) for first in ("A plain sweep", "A whole step"))
+    sweeps, solved, steps = (publish.read_table(FOLDER / "benchmark" / f"{name}.csv") for name in ("sweeps", "solutions", "step"))
+    sweep = sweeps.set_index("problem").loc["packing of 4000"]
+    cold = solved[(solved.kind == "packing") & (solved.disks == 4000) & (solved.start == "cold") & (solved.target == 1e-4)]
+    cold = cold.pivot(index="problem", columns="method", values="seconds")
+    faster = cold["siconos nsgs"] / cold["auto"]
+    assert numbers.misplaced(solver, [4000, sweep.plain_avx512_ns, sweep.siconos_ns, 1e-4, 1e3 * cold["auto"].median(), len(cold), faster.min(), faster.max()]) == []
+    rows = steps[(steps.order == "built") & (steps.tolerance == 1e-4)].set_index("disks").loc[[400, 40000, 250000, 1000000]]
+    small, middle, large, million = rows.ns_a_contact
+    assert numbers.misplaced(step, [1e-4, small, 400, middle, 40000, large, 250000, million, rows.sweeps_a_step.iloc[-1], *rows.over_springs]) == []
 
 
 def test_a_wrong_number_would_be_found():
