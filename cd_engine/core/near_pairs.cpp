@@ -34,6 +34,8 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 		const Half half = halfSides(b, world.shapes[i]);
 		const double x = half.x + margins[i], y = half.y + margins[i];
 		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
+		if (const Shape& shape = world.shapes[i]; b.radius == 0 && shape.kind == ShapeKind::wall && shape.sense != 0)
+			(shape.sense > 0 ? boxes[i].low : boxes[i].high)[shape.axis] = -shape.sense * endless; // solid on the whole of its other side
 		if (world.masks[i] != 0 && b.radius > 0) {
 			sides.push_back(2 * x);
 			xs.push_back(b.x);

@@ -280,3 +280,25 @@ TEST_CASE("pairs keep their places in the order whatever others are listed, and 
 		CHECK(left.empty());
 	}
 }
+
+TEST_CASE("a wall of one side is solid however far behind it")
+{
+	for (const int sense : { -1, 0, 1 })
+		for (const double x : { -5., 5. }) {
+			World w;
+			for (const double at : { 0., x }) {
+				Body b;
+				b.x = at;
+				w.bodies.push_back(b);
+				w.shapes.emplace_back();
+				w.masks.push_back(1);
+			}
+			w.shapes[0].kind = ShapeKind::wall;
+			w.shapes[0].sense = sense;
+			w.bodies[1].radius = 0.1;
+			std::fill_n(w.bodies[1].inverseMass, 3, 1);
+			PairSearch search;
+			REQUIRE(search.needed(w, 1e-3, 0.1, {}));
+			CHECK(pairsOf(search, w).size() == (sense * x < 0 ? 1 : 0));
+		}
+}
