@@ -15,7 +15,9 @@ BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, md_
             delta_sigma=0.4)
 LINES = "-", "--", ":"  # of the packings
 LAWS = {"standard": ("#1A1A1A", "standard law"), "path_independent": ("#CC79A7", "path-independent law")}  # as in the study of the laws
-ROWS = {"quick": product(cycles=20, **BASE), "full": product(tangential_law=tuple(LAWS), seed=(1, 2, 3), cycles=1000, **BASE)}
+ROWS = {"quick": product(cycles=20, **BASE),
+        "full": product(tangential_law="standard", seed=(1, 2, 3), cycles=1000, **BASE)
+        + product(tangential_law="path_independent", seed=(1, 2), cycles=1000, **BASE)}
 
 
 def summarize(runs):
@@ -56,27 +58,31 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-A rate that falls for a hundred cycles need not end the strain. On this packing, at 0.87 of its static limit, springs strain by 1.0e-3 in
-the first cycle. The rate falls from 1.8e-5 a cycle in cycles 6 to 10 to 3.0e-6 in cycles 51 to 100. Then it rises again: in cycles 201 to
-500 the packing strains by 1.6e-3 more, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last 500 cycles the rate
-is 2.2e-7, while single cycles go to and fro by 1.4e-6 (median). So whether a packing shakes down cannot be said after 40 cycles.
+The strain of tens of cycles is not that of a thousand. Three packings stand 1000 cycles at 0.87 to 0.95 of their static limits. Packings 2 and 3
+strain steadily at first, by 9.0e-5 and 2.0e-4 a cycle in cycles 11 to 20. Before cycle 100 this ends: over the last 500 cycles the mean is 1.5e-8
+and 5.5e-7 a cycle. Packing 1 does not end so simply. Its rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in cycles 51 to 100. Then a burst
+comes: in cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last 500 cycles the mean is
+2.2e-7. Meanwhile single cycles go to and fro by 1.4e-6 to 2.9e-6 (medians), so that hardly anything is left of them in the sum. Whether a packing
+shakes down cannot be said after 40 cycles.
 
-Under the path-independent law, whose closed paths leave neither force nor energy, the packing does the same, the late rise included: after
-1, 10, 100 and 1000 cycles, and at the other bounds of the table, it has strained 0.98 to 1.00 times as far. So neither the slow strain
-nor the late rise is made by the tangential law. This is one packing, with cycles of 0.5 s, which are a little hasty for springs of k_n.
+Under the path-independent law, whose closed paths leave neither force nor energy, packings 1 and 2 do the same, the burst and the end included: at
+every bound of the table they have strained 0.98 to 1.00 times as far. So the tangential law makes neither.
 
-The energy balance misses 2.4e-5 of the work after 100 cycles and 3.5e-5 after 1000, under the path-independent law 2.8e-5.
+These are cycles of 0.5 s, which are a little hasty for springs of k_n. The energy balance misses 8.1e-5 of the work at most.
 """
-GIVEN = ("1", "6", "10", "51", "100", "201", "500", "40", "0.5", "1000")
+GIVEN = ("1", "2", "3", "6", "10", "11", "20", "51", "100", "201", "500", "40", "0.5", "1000")
 POINTS = ()
 
 
 def numbers(table):
     """Return the numbers of the text, from the summary table."""
-    at, other = (table[table.law == law].set_index("to cycle") for law in LAWS)
-    alike = other["|gamma|"] / at["|gamma|"]
-    rate, strain, error = at.rate.abs(), at["|gamma|"], at["balance error"].abs()
-    return {"0.87": at["load over limit"].iloc[0], "1.0e-3": rate[1], "1.8e-5": rate[10], "3.0e-6": rate[100],
-            "1.6e-3": [strain[500] - strain[200], strain[100]], "2.4e-5": [at["largest cycle"][500], error[100]], "2.2e-7": rate[1000],
-            "1.4e-6": at["median cycle"][1000], "0.98": alike.min(), "1.00": alike.max(), "3.5e-5": error[1000],
-            "2.8e-5": abs(other["balance error"][1000])}
+    packing = {(law, seed): own.set_index("to cycle") for (law, seed), own in table.groupby(["law", "seed"])}
+    one, two, three = (packing["standard", seed] for seed in (1, 2, 3))
+    rates, strain = [own.rate.abs() for own in (one, two, three)], one["|gamma|"]
+    alike = [packing["path_independent", seed]["|gamma|"] / packing["standard", seed]["|gamma|"] for seed in (1, 2)]
+    last = [own["median cycle"][1000] for own in (one, two, three)]
+    return {"0.87": table["load over limit"].min(), "0.95": table["load over limit"].max(), "9.0e-5": rates[1][20], "2.0e-4": rates[2][20],
+            "1.5e-8": rates[1][1000], "5.5e-7": rates[2][1000], "1.8e-5": rates[0][10], "3.0e-6": rates[0][100],
+            "1.6e-3": [strain[500] - strain[200], strain[100]], "2.4e-5": one["largest cycle"][500], "2.2e-7": rates[0][1000],
+            "1.4e-6": min(last), "2.9e-6": max(last), "0.98": min(map(min, alike)), "1.00": max(map(max, alike)),
+            "8.1e-5": table["balance error"].abs().max()}
