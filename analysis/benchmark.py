@@ -52,7 +52,7 @@ def _rows(path, columns):
 
 def _save(fig, origin, path):
     busy = origin["processes_running_before"]
-    style.finish(fig, path, "Processor time of one core; the error is found by code that shares nothing with the solvers.",
+    style.finish(fig, path, "Processor time of one core" + ("; the error is found by code that shares nothing with the solvers" if "error" in path.stem else "") + ".",
                  f"commit {provenance.short(origin['commit'])}, {origin['processor']}" + (f"; {busy:.1f} other processes were running" if busy > 0.5 else ""))
     return path
 
