@@ -11,6 +11,7 @@ what their dashpots dissipate. Import this module before `O.load` of a scene tha
 """
 import sys
 
+from . import run_hooks
 from .proposed_step import timeStep
 
 __all__ = ["ContactDynamics", "DashpotWork", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
@@ -45,64 +46,8 @@ def _plugin():
         print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
               file=sys.stderr)
     _report_at_exit()
-    _tell_of_waiting(module)
+    run_hooks.install(module)
     return module
-
-
-def _tell_of_waiting(plugin):
-    """Have O.run(n, True) and O.wait() tell the plug-in that nobody looks at the scene before they return, and O.pause() that somebody does.
-
-    ContactDynamics then writes to the scene only what its other engines look at, and all of it at the end.
-    """
-    from yade import O
-    run, wait, pause = type(O).run, type(O).wait, type(O).pause
-    rigid = False  # whether ContactDynamics has run last
-
-    def run_and_tell(self, nSteps=-1, wait=False):
-        nonlocal rigid
-        rigid = _check_engines(O, rigid)
-        plugin.run_begins()
-        if not wait:
-            return run(self, nSteps)
-        plugin.wait_begins()
-        try:
-            return run(self, nSteps, True)
-        finally:
-            plugin.wait_ends()
-
-    def wait_and_tell(self):
-        plugin.wait_begins()
-        try:
-            return wait(self)
-        finally:
-            plugin.wait_ends()
-
-    def pause_and_tell(self):
-        plugin.pause_begins()
-        pause(self)
-        plugin.settle()
-
-    for name, told, original in (("run", run_and_tell, run), ("wait", wait_and_tell, wait), ("pause", pause_and_tell, pause)):
-        told.__name__, told.__doc__ = name, original.__doc__
-        setattr(type(O), name, told)
-
-
-def _check_engines(O, rigid):
-    """RuntimeError for lists of engines at which YADE ends, or with which springs do nothing. Return whether the list has ContactDynamics."""
-    engines = [engine for engine in O.engines if not engine.dead]
-    names = [type(engine).__name__ for engine in engines]
-    for engine in engines:
-        if type(engine).__name__ == "ParallelEngine" and "ContactDynamics" in str(engine.slaves):
-            raise RuntimeError("ContactDynamics stands in a ParallelEngine, and YADE would end at its first refusal. Put it into O.engines itself")
-    if "ContactDynamics" in names:
-        if "NewtonIntegrator" not in names and any(getattr(engine, "verletDist", 0) != 0 for engine in engines):
-            raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list of "
-                               "cd_engine.engines()")
-        return True
-    if rigid and "InteractionLoop" in names and any(i.isReal and getattr(i.phys, "kn", 1) == 0 for i in O.interactions):
-        raise RuntimeError("The contacts that ContactDynamics has left have no stiffness, so that springs cannot carry anything there. Call "
-                           "cd_engine.release() before you set the engines of the springs")
-    return False
 
 
 def _tested():

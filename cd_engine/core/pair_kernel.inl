@@ -50,9 +50,8 @@ static void assemble(const Place* places, const BodyVelocity* bodies, const Carr
 		const Bodies A = gather<2>(bodies->w, p.a + lane), B = gather<2>(bodies->w, p.b + lane); // the inverse masses
 		const Bodies was = gather<2>(&carried->nx, p.index + lane), tangent = gather<2>(carried->ft, p.index + lane);
 		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = -(d.radiusB - 0.5 * d.overlap), mu = load(p.mu + lane);
-		const Vector gap = load(p.reference + lane) - d.overlap,
-			     pushed
-		    = gap < settings.pushedOut * d.radiusB ? settings.gapCorrection * (gap + settings.allowedOverlap * d.radiusB) : none;
+		const Vector gap = load(p.reference + lane) - d.overlap, radius = smaller(d.radiusA, d.radiusB),
+			     pushed = gap < settings.pushedOut * radius ? settings.gapCorrection * (gap + settings.allowedOverlap * radius) : none;
 		const Vector wx = A.vx + B.vx, wy = A.vy + B.vy;
 		const Vector wnn = nx * nx * wx + ny * ny * wy, wtt = ny * ny * wx + nx * nx * wy + at * at * A.spin + bt * bt * B.spin;
 		const Vector wnt = nx * ny * (wy - wx) + none * at * A.spin + none * bt * B.spin;

@@ -131,11 +131,17 @@ inline double TimeStep::relativeSpeed(const Pair& pair, const World& world, cons
 	return std::sqrt(x * x + y * y) + turns;
 }
 
+// Radius of the smaller disk of a pair; a boundary has none [m].
+inline double TimeStep::smallerRadius(const Pair& pair) const
+{
+	const double a = places[pair.a].radius, b = places[pair.b].radius;
+	return a > 0 ? std::min(a, b) : b;
+}
+
 // Whether a pair is a contact. This depends only on its gap and its two bodies' velocities, so a fast body makes no contacts elsewhere.
 inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap, double dt) const
 {
-	const double a = places[pair.a].radius, b = places[pair.b].radius, radius = a > 0 ? std::min(a, b) : b;
-	const double beyond = gap - nearby * radius;
+	const double radius = smallerRadius(pair), beyond = gap - nearby * radius;
 	if (beyond > mostWays * (ways[pair.a] + ways[pair.b]))
 		return false;
 	if (beyond <= pushed * radius)
@@ -201,8 +207,8 @@ ContactRow TimeStep::rowOf(const World& world, std::size_t index, const StepSett
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
 	turned = turning(pair, world, touch, gap, settings.dt);
-	const double allowed = settings.allowedOverlap * places[pair.b].radius;
-	const bool pushes = gap < -std::max(pushedOut, settings.allowedOverlap) * places[pair.b].radius;
+	const double radius = smallerRadius(pair), allowed = settings.allowedOverlap * radius;
+	const bool pushes = gap < -std::max(pushedOut, settings.allowedOverlap) * radius;
 	c.bias = ((gap > 0 ? gap : pushes ? settings.gapCorrection * (gap + allowed) : 0) + turned) / settings.dt;
 	c.assembleBlock(system.bodies[c.a], system.bodies[c.b]);
 	if (!(c.wnn > 0))

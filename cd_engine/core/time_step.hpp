@@ -119,6 +119,7 @@ class TimeStep {
 	void tellNeeded(const World&, double dt, StepReport&) const;
 	double needed(const World&, std::size_t body, double dt) const;
 	double relativeSpeed(const Pair&, const World&, const double* a, const double* b) const;
+	double smallerRadius(const Pair&) const;
 	bool mayClose(const Pair&, const World&, double gap, double dt) const;
 	Touch locate(const Pair&, const World&) const;
 	struct Seen;

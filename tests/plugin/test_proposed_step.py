@@ -27,6 +27,16 @@ def test_the_fall_ends_on_a_box_not_in_it(O):
     assert cd_engine.timeStep(gravity=(0, -G, 0)) == pytest.approx(0.25 * 0.01 / math.sqrt(2 * G * 0.5))
 
 
+@pytest.mark.parametrize("slope", [30, 60, 89])
+def test_the_fall_ends_at_the_foot_of_a_slope(O, slope):
+    """A chute and nothing below it: a disk slides to the lower end of its upper face, however steep that is."""
+    angle = math.radians(slope)
+    plane.box((0, 0), (1, 0.02), angle=angle)
+    plane.disk((0, 0.5), 0.01)
+    foot = -math.sin(angle) + 0.02 * math.cos(angle)
+    assert cd_engine.timeStep(gravity=(0, -G, 0)) == pytest.approx(0.25 * 0.01 / math.sqrt(2 * G * (0.5 - foot)))
+
+
 def test_the_speeds_present_count(O):
     plane.disk((0, 0), 0.01, velocity=(3, 4))
     assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / 5)

@@ -43,32 +43,64 @@ def test_forces_that_are_cleared_at_once(O):
         O.run(1, True)
 
 
-def test_lists_at_which_yade_would_end(O):
+@pytest.mark.parametrize("go", [lambda O: O.run(1, True), lambda O: O.step()], ids=["run", "step"])
+def test_lists_at_which_yade_would_end(O, go):
     """YADE stops the whole process where an engine in a ParallelEngine throws, and its collider asks for an integrator that is not needed."""
     reset, collider, cd = one_disk()
     O.dt = 1e-3
     O.engines = [reset, collider, wrapper.ParallelEngine([cd])]
     with pytest.raises(RuntimeError, match="ParallelEngine.*into O.engines itself"):
-        O.run(1, True)
-    O.engines = [reset, wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()], verletDist=0.001), cd]
+        go(O)
+    far_looking = wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()], verletDist=0.001)
+    O.engines = [reset, far_looking, cd]
     with pytest.raises(RuntimeError, match="give it verletDist=0"):
-        O.run(1, True)
+        go(O)
+    O.engines = [reset, far_looking, cd, wrapper.NewtonIntegrator(dead=True)]  # as the refusal of a living one advises
+    go(O)
+    assert cd.steps == 1
 
 
-def test_springs_on_contacts_that_have_no_stiffness(O):
+def springs():
+    return [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()]),
+            wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+            wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
+
+
+@pytest.mark.parametrize("path", ["run", "step", "loaded"])
+def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
+    """However ContactDynamics came to leave them: by O.run, by O.step, or in a file that is loaded when springs have run last."""
     O.engines = one_disk()
     O.dt = 1e-3
     O.run(10, True)
-    springs = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()]),
-               wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
-               wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
-    O.engines = springs
-    with pytest.raises(RuntimeError, match="no stiffness.*cd_engine.release()"):
+    O.save(str(tmp_path / "rigid.yade.gz"))
+    if path == "step":
+        O.step()
+    elif path == "loaded":
+        cd_engine.release()
+        O.engines = springs()
         O.run(1, True)
+        O.load(str(tmp_path / "rigid.yade.gz"))
+    O.engines = springs()
+    for go in (lambda: O.run(1, True), O.step):
+        with pytest.raises(RuntimeError, match="no stiffness.*cd_engine.release()"):
+            go()
     cd_engine.release()
     O.dt = 1e-5
     O.run(100, True)
     assert O.interactions[0, 1].phys.kn > 0
+
+
+def test_springs_of_a_soft_material_are_its_own(O):
+    """Young's modulus 0 gives contacts without stiffness as well, and they are meant so."""
+    O.engines = one_disk()
+    O.bodies[1].material = wrapper.FrictMat(young=0, poisson=0.3)
+    cd_engine.release()
+    O.engines = springs()
+    O.dt = 1e-5
+    O.run(2, True)
+    O.engines = springs()
+    O.run(2, True)
+    assert O.interactions[0, 1].phys.kn == 0
 
 
 def test_forces_before_it_act(O):

@@ -1,0 +1,80 @@
+"""What O.run, O.step, O.wait and O.pause do besides, once cd_engine is imported: they check the list of engines, and tell who looks at the scene."""
+
+
+def install(plugin):
+    """Replace the four methods of YADE's O. plugin: the compiled module.
+
+    O.run(n, True) and O.wait() tell it that nobody looks at the scene before they return, and O.pause() that somebody does. ContactDynamics then
+    writes to the scene only what its other engines look at, and all of it at the end.
+    """
+    from yade import O
+    originals = {name: getattr(type(O), name) for name in ("run", "step", "wait", "pause")}
+    check = _EngineCheck(O)
+
+    def run(self, nSteps=-1, wait=False):
+        check()
+        plugin.run_begins()
+        if not wait:
+            return originals["run"](self, nSteps)
+        plugin.wait_begins()
+        try:
+            return originals["run"](self, nSteps, True)
+        finally:
+            plugin.wait_ends()
+
+    def step(self):
+        check()
+        originals["step"](self)
+
+    def wait(self):
+        plugin.wait_begins()
+        try:
+            return originals["wait"](self)
+        finally:
+            plugin.wait_ends()
+
+    def pause(self):
+        plugin.pause_begins()
+        originals["pause"](self)
+        plugin.settle()
+
+    for told in (run, step, wait, pause):
+        told.__doc__ = originals[told.__name__].__doc__
+        setattr(type(O), told.__name__, told)
+
+
+class _EngineCheck:
+    """Refuses lists of engines at which YADE ends the process, asks for what is not needed, or lets springs do nothing."""
+
+    def __init__(self, O):
+        self.O = O
+        self.passed = []  # the engines of springs that ran last, each with its `dead`; none if ContactDynamics ran last
+
+    def __call__(self):
+        """RuntimeError with the remedy."""
+        engines = self.O.engines
+        names = [type(engine).__name__ for engine in engines if not engine.dead]
+        if any(type(engine).__name__ == "ParallelEngine" and "ContactDynamics" in str(engine.slaves) for engine in engines if not engine.dead):
+            raise RuntimeError("ContactDynamics stands in a ParallelEngine, and YADE would end at its first refusal. Put it into O.engines itself")
+        if "ContactDynamics" in names:
+            # YADE's collider is content with an integrator that is dead.
+            if not any(type(engine).__name__ == "NewtonIntegrator" for engine in engines) \
+                    and any(getattr(engine, "verletDist", 0) != 0 for engine in engines if not engine.dead):
+                raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
+                                   "of cd_engine.engines()")
+            self.passed = []
+        elif "InteractionLoop" in names:
+            listed = [(engine, engine.dead) for engine in engines]
+            if listed != self.passed:
+                self._check_stiffness()
+                self.passed = listed
+
+    def _check_stiffness(self):
+        """RuntimeError if springs find contacts of ContactDynamics. A material with young = 0 gives contacts that look the same."""
+        def is_left(contact):
+            return type(contact.phys).__name__ == "FrictPhys" and contact.phys.kn == 0 \
+                and all(getattr(getattr(self.O.bodies[i], "material", None), "young", 1) > 0 for i in (contact.id1, contact.id2))
+
+        if any(map(is_left, self.O.interactions)):
+            raise RuntimeError("The contacts that ContactDynamics has left have no stiffness, so that springs cannot carry anything there. Call "
+                               "cd_engine.release() before you set the engines of the springs")
