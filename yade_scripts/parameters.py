@@ -146,7 +146,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
     Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an elastic "
               "medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
-    Parameter("allowed_overlap", 0.0, "1", "overlap that gap_correction leaves, as a share of a disk's radius; 1e-3 keeps piles at rest",
+    Parameter("allowed_overlap", 0.0, "1", "overlap that gap_correction leaves, as a share of the smaller disk's radius; 1e-3 keeps piles at rest",
               low=0, high=1, method="CD"),
     Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon as they are unloaded; "
               "False: from geometric contact, so that they open where the springs would", method="CD"),

@@ -93,7 +93,8 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order drawn from it
     threads           that share the work of a large `BodyProblem`; the result has the same bits with any number. A `Problem` uses one thread
-    trace             also record how the error falls, of all methods tried and in their order (`Report.trace`); the error jumps where one begins
+    trace             also record how the error falls, of all methods tried and in their order (`Report.trace`); the error jumps where one begins, and
+                      is infinite where no contact carries anything yet
 
     A problem that is not solved raises no exception: the report's `status` says so, and it holds the best impulses found. Input of a wrong kind or
     out of range raises ValueError. `no_solution`: the impulses grow for ever along a self-stress against which the free velocities work, as between

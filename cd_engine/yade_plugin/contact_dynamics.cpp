@@ -324,13 +324,16 @@ void ContactDynamics::watchPenetration(double before) const
 	const double smallest = cd::smallestRadius(link.world);
 	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
 		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
+	const cd::Pair& deepest = link.deepest(step);
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
 	const double way = 2 * link.pairSearch().longestWay() * smallest; // that two bodies can approach each other in the step
-	if (atOnce && maxPenetration - before > way)
+	if (atOnce && maxPenetration - before > way && link.isBehind(deepest))
+		remedy = "No speed explains it: " + link.tellBehind(deepest);
+	else if (atOnce && maxPenetration - before > way)
 		remedy = std::string("No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start "
 				     "(handover=False). Move them apart")
-		    + (gapCorrection == 0 ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
+		    + (gapCorrection == 0 && maxPenetration < smallest ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
 	else if (atOnce && restitution > 0)
 		remedy
 		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
@@ -352,8 +355,7 @@ void ContactDynamics::watchPenetration(double before) const
 		remedy
 		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
 		      "of their masses less) or take a smaller O.dt";
-	const std::array<int, 2> deepest = link.deepest(step);
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": bodies #" << deepest[0] << " and #" << deepest[1]
+	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": bodies #" << deepest.a << " and #" << deepest.b
 		  << " overlap by " << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, and more than when they were taken over. " << remedy
 		  << ". deepestPenetration tells how far it goes.\n";

@@ -31,14 +31,15 @@ bool SceneLink::listUnchanged(yade::InteractionContainer* container) const
 }
 
 // Warns if gravity moves a boundary down onto another one, or its velocity or a force moves it onto one from which it is still apart, since nothing
-// will hold it there. The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion.
+// will hold it there. The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion, and
+// a piston with clearance not at all.
 void SceneLink::tellOfFall(int upper, int lower)
 {
 	const cd::Body &a = world.bodies[upper], &b = world.bodies[lower];
 	const cd::Half ha = cd::halfSides(a, world.shapes[upper]), hb = cd::halfSides(b, world.shapes[lower]);
 	const double way[2] = { b.x - a.x, b.y - a.y }, overlap[2] = { ha.x + hb.x - std::abs(way[0]), ha.y + hb.y - std::abs(way[1]) };
 	const int axis = overlap[0] < overlap[1] ? 0 : 1;
-	if (!(a.inverseMass[axis] > 0))
+	if (!(a.inverseMass[axis] > 0 && overlap[1 - axis] > 0))
 		return;
 	const bool falls = way[axis] * gravity[axis] > 0;
 	if (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))
@@ -271,6 +272,21 @@ void SceneLink::setFriction(cd::Threads* threads)
 	});
 }
 
+bool SceneLink::isBehind(const cd::Pair& pair) const
+{
+	const cd::Shape& wall = world.shapes[pair.a];
+	const cd::Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
+	return a.radius == 0 && wall.kind == cd::ShapeKind::wall && wall.sense * (wall.axis == 0 ? b.x - a.x : b.y - a.y) < 0;
+}
+
+std::string SceneLink::tellBehind(const cd::Pair& pair) const
+{
+	return "body #" + std::to_string(pair.b) + " is behind Wall #" + std::to_string(pair.a) + ", which with sense="
+	    + std::to_string(world.shapes[pair.a].sense)
+	    + " has one side only and is solid behind it. Move the body to the other side, or set O.bodies[" + std::to_string(pair.a)
+	    + "].shape.sense=0 for a wall of two sides";
+}
+
 void SceneLink::takeOverlaps()
 {
 	for (cd::Pair& pair : world.pairs) {
@@ -282,26 +298,20 @@ void SceneLink::takeOverlaps()
 			    + std::to_string(pair.reference / radius) + " of a radius at the start";
 		};
 		if (!(pair.reference <= mostOverlap * radius))
-			throw SceneError("ContactDynamics: " + what() + ", more than springs leave behind. Move them apart");
+			throw SceneError("ContactDynamics: "
+			    + (isBehind(pair) ? tellBehind(pair) : what() + ", more than springs leave behind. Move them apart"));
 		if (pair.reference > visible * radius && !world.carried[&pair - world.pairs.data()].any() && told.insert("overlap").second)
 			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
 			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
 	}
 }
 
-std::array<int, 2> SceneLink::deepest(const cd::TimeStep& step) const
+const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
 {
-	std::array<int, 2> ids { -1, -1 };
-	double most = 0;
-	for (const int32_t i : step.pairs()) {
-		const cd::Pair& pair = world.pairs[i];
-		const double overlap = -step.gapOf(world, i);
-		if (overlap > most) {
-			most = overlap;
-			ids = { pair.a, pair.b };
-		}
-	}
-	return ids;
+	const std::vector<int32_t>& pairs = step.pairs();
+	assert(!pairs.empty());
+	return world.pairs[*std::min_element(
+	    pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return step.gapOf(world, i) < step.gapOf(world, k); })];
 }
 
 } // namespace cd_engine

@@ -78,8 +78,11 @@ class SceneLink {
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 	// Whether somebody moves a boundary by its position.
 	bool boundariesPlaced() const { return placesBoundaries; }
-	// The two bodies that overlapped most in a step, beyond their reference overlaps.
-	std::array<int, 2> deepest(const cd::TimeStep&) const;
+	// The pair that overlapped most in a step, beyond its reference overlap. The step must have had contacts.
+	const cd::Pair& deepest(const cd::TimeStep&) const;
+	// Whether it is a disk behind a Wall that has only one side, and a sentence for the user that says so.
+	bool isBehind(const cd::Pair&) const;
+	std::string tellBehind(const cd::Pair&) const;
 
 	// Prints a warning once.
 	void tell(const std::string& what, const std::string& remedy);

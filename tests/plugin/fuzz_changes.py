@@ -1,4 +1,4 @@
-"""Changes that may happen to a scene between two steps. Each takes the Run; some return the words with which the next step may refuse it."""
+"""Changes that may happen to a scene between two steps. Each takes the Run; some return the pattern of the words with which the next step may refuse it."""
 import math
 
 import yade
@@ -154,7 +154,7 @@ def save_and_load(run):
 def new_engines(run):
     """Set Contact Dynamics anew: overlaps are taken over anew, and may have become too deep for that."""
     run.set_engines()
-    return "overlap"
+    return "overlap by|is behind Wall"
 
 
 def springs(run):
@@ -171,7 +171,7 @@ def springs(run):
     scene.run(run.r.choice((1, 50, 400)), True)
     scene.dt = dt
     run.set_engines()
-    return "overlap"
+    return "overlap by|is behind Wall"
 
 
 def interlude(run):

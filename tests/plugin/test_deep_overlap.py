@@ -126,3 +126,30 @@ def test_an_overlap_that_no_speed_explains_is_not_put_down_to_the_step(O, capfd,
         O.run(3, True)
     said = capfd.readouterr().err
     assert "No speed explains it" in said and "smaller O.dt" not in said
+
+
+@pytest.mark.parametrize("handover", (True, False))
+def test_a_disk_behind_a_wall_of_one_side_is_named(O, capfd, handover):
+    """To move them apart by a radius is no remedy there, and to push the disk out at 50 m/s is none either."""
+    mat = plane.material()
+    O.bodies.append(utils.wall(0, axis=1, sense=1, material=mat))
+    plane.disk((0, -0.05), 0.01, mat=mat)
+    said = "body #1 is behind Wall #0.*sense=1 .*sense=0"
+    if handover:
+        with pytest.raises(RuntimeError, match=said):
+            plane.run(1, 1e-3)
+    else:
+        plane.run(1, 1e-3, handover=False)
+        line = capfd.readouterr().err
+        assert re.search(said, line) and "gapCorrection" not in line
+
+
+@pytest.mark.parametrize("turns", (True, False))
+@pytest.mark.parametrize("radii", ((0.01, 0.1), (0.1, 0.01)))
+def test_allowed_overlap_is_a_share_of_the_smaller_disk(O, radii, turns):
+    """Whichever was appended first, and whether the row is made by the kernel or, for a disk that cannot turn, alone."""
+    for k, radius in enumerate(radii):
+        plane.disk((0, k * (sum(radii) - 0.001)), radius, blocked="zXY" if turns else "zXYZ")
+    plane.run(1, 1e-3, handover=False, gapCorrection=0.5, allowedOverlap=0.05, tolerance=1e-9)
+    apart = O.bodies[1].state.vel[1] - O.bodies[0].state.vel[1]
+    assert apart == pytest.approx(0.5 * (0.001 - 0.05 * 0.01) / 1e-3, rel=1e-6)

@@ -213,6 +213,18 @@ def test_a_boundary_that_something_else_moves(O, capfd, push):
     assert any(f"body #{box} is a boundary that its velocity or a force moves" in line and "through body #0" in line for line in lines)
 
 
+def test_nothing_is_said_of_a_piston_with_clearance(O, capfd):
+    """It enters between two side walls and touches neither."""
+    O.engines = one_disk()
+    O.engines[-1].gravity = (0, 0, 0)
+    O.dt = 1e-3
+    for x in (1, 1.4):
+        plane.box((x, 0.3), (0.1, 0.2))
+    piston = plane.box((1.2, 0.61), (0.099, 0.1), blocked="xzXYZ")
+    O.bodies[piston].state.vel = (0, -1, 0)
+    assert not said_by(O, capfd, 150)
+
+
 def test_nothing_is_said_of_a_lid_that_disks_hold(O, capfd):
     """The lid also touches side walls."""
     O.engines = one_disk()
