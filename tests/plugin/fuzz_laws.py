@@ -24,6 +24,7 @@ SLACK = 10         # error of a contact, over what the tolerance allows its two 
 # solved is off by all of what acts, 1/tolerance times as much as is allowed a single contact.
 SLACK_WHOLE = 3000
 ONLY_SLIDING = 1e-9  # distance from the cone at which "sliding" begins
+TOO_DEEP = "#.* overlap by|is behind Wall #"  # in the message that refuses overlaps too deep to be taken over
 UNSURE = object()  # stands for an exact solution that round-off has spoilt
 STATUS = {"converged", "fixed_iterations", "max_iterations", "stagnated", "no_solution"}
 
