@@ -281,8 +281,8 @@ bool SceneLink::isBehind(const cd::Pair& pair) const
 
 std::string SceneLink::tellBehind(const cd::Pair& pair) const
 {
-	return "body #" + std::to_string(pair.b) + " is behind Wall #" + std::to_string(pair.a) + ", which with sense="
-	    + std::to_string(world.shapes[pair.a].sense)
+	return "body #" + std::to_string(pair.b) + " is behind Wall #" + std::to_string(pair.a)
+	    + ", which with sense=" + std::to_string(world.shapes[pair.a].sense)
 	    + " has one side only and is solid behind it. Move the body to the other side, or set O.bodies[" + std::to_string(pair.a)
 	    + "].shape.sense=0 for a wall of two sides";
 }
@@ -298,8 +298,8 @@ void SceneLink::takeOverlaps()
 			    + std::to_string(pair.reference / radius) + " of a radius at the start";
 		};
 		if (!(pair.reference <= mostOverlap * radius))
-			throw SceneError("ContactDynamics: "
-			    + (isBehind(pair) ? tellBehind(pair) : what() + ", more than springs leave behind. Move them apart"));
+			throw SceneError(
+			    "ContactDynamics: " + (isBehind(pair) ? tellBehind(pair) : what() + ", more than springs leave behind. Move them apart"));
 		if (pair.reference > visible * radius && !world.carried[&pair - world.pairs.data()].any() && told.insert("overlap").second)
 			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
 			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
@@ -310,8 +310,8 @@ const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
 {
 	const std::vector<int32_t>& pairs = step.pairs();
 	assert(!pairs.empty());
-	return world.pairs[*std::min_element(
-	    pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return step.gapOf(world, i) < step.gapOf(world, k); })];
+	return world
+	    .pairs[*std::min_element(pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return step.gapOf(world, i) < step.gapOf(world, k); })];
 }
 
 } // namespace cd_engine
