@@ -159,8 +159,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "The velocity of pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it "
 	    "needs *warmStart* False: impulses that add up from step to step overshoot.");
 	visit("allowedOverlap", &C::allowedOverlap, Access::set, Range { 0, 1 },
-	    "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing at rest is stirred for ever: the corrections "
-	    "of its contacts contradict each other.");
+	    "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing at rest is stirred for ever: the "
+	    "corrections of its contacts contradict each other.");
 	visit("seed", &C::seed, Access::set, Range { 0, 2147483647. },
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
 	visit("reduce", &C::reduce, Access::set, any,
