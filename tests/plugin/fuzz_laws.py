@@ -24,6 +24,7 @@ SLACK = 10         # error of a contact, over what the tolerance allows its two 
 # solved is off by all of what acts, 1/tolerance times as much as is allowed a single contact.
 SLACK_WHOLE = 3000
 ONLY_SLIDING = 1e-9  # distance from the cone at which "sliding" begins
+NOT_PUSHED = 1e-9    # overlap over the smaller radius that gapCorrection takes for round-off
 TOO_DEEP = "#.* overlap by|is behind Wall #"  # in the message that refuses overlaps too deep to be taken over
 UNSURE = object()  # stands for an exact solution that round-off has spoilt
 STATUS = {"converged", "fixed_iterations", "max_iterations", "stagnated", "no_solution"}
@@ -122,7 +123,8 @@ class Watch:
         self.reference = np.array([self.references.get(pair, 0.) for pair in zip(a, b)]) if self.references else np.zeros(len(a))
         self.gap = self.gap + self.reference
         self.extent = np.abs(self.mid[:, :2]).max() + p.size.max()
-        beyond = np.minimum(self.gap + cd.allowedOverlap * p.radius[b], 0)
+        self.least = np.where(p.kind[a] == DISK, np.minimum(p.radius[a], p.radius[b]), p.radius[b])
+        beyond = np.where(self.gap < -max(cd.allowedOverlap, NOT_PUSHED) * self.least, self.gap + cd.allowedOverlap * self.least, 0)
         self.bias = np.where(self.gap > 0, self.gap, cd.gapCorrection * beyond) / p.dt
         self.rows = fuzz_geometry.rows(p, self.normal, self.point, self.mid, a, b)
         self.inverse = np.stack([p.w[a], p.w[b]], axis=1)  # (pair, side, freedom)
@@ -277,8 +279,7 @@ class Watch:
         free_v = p.v + p.w * p.push
         self.free_v = free_v
         way = h * np.maximum(np.hypot(p.v[:, 0], p.v[:, 1]), np.hypot(free_v[:, 0], free_v[:, 1]))
-        least = np.where(p.kind[self.a] == DISK, np.minimum(p.radius[self.a], p.radius[self.b]), p.radius[self.b])
-        self.near = (self.gap <= 2 * (way[self.a] + way[self.b]) + 1e-3 * least) | (self.pn > 0)
+        self.near = (self.gap <= 2 * (way[self.a] + way[self.b]) + 1e-3 * self.least) | (self.pn > 0)
         self.un, self.ut = self._relative(row_n, self.v) + self.bias, self._relative(row_t, self.v)
         self.near &= self.gives
         self.typical = self._typical()
