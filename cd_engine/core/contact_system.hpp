@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace cd {
@@ -68,11 +69,90 @@ struct ContactRow {
 };
 static_assert(sizeof(ContactRow) == 8 + 13 * 8 && offsetof(ContactRow, at) == 32 && offsetof(ContactRow, mu) == 64 && offsetof(ContactRow, pn) == 96);
 
+struct Group;
+
+// Knows the contacts of a system whose rows have not been made.
+class RowSource {
+    public:
+	virtual ~RowSource() = default;
+	// All rows, with their first guesses.
+	virtual void makeRows(std::vector<ContactRow>&) = 0;
+	virtual ContactRow row(int32_t contact) const = 0;
+	// The first guess of a contact.
+	virtual std::array<double, 2> guess(int32_t contact) const = 0;
+	// Writes contacts straight into the lanes of `count` groups (group.hpp), eight a group. inverseRadius: of every body, 1/k. Sets a bit of
+	// `left` for each lane that only row() can tell, and for every empty lane (-1).
+	virtual void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const = 0;
+};
+
+// The contacts of a system. Where nothing but the numbers of the contacts has changed since the last step, sweeps take them from the step itself, and
+// the rows are made only if somebody reads one. Not thread-safe before they are made.
+class ContactRows {
+    public:
+	std::size_t size() const { return rows.size(); }
+	bool empty() const { return rows.empty(); }
+	void resize(std::size_t count) { rows.resize(count); }
+	void clear() { rows.clear(); }
+	void push_back(const ContactRow& c) { all().push_back(c); }
+	ContactRow& back() { return all().back(); }
+	ContactRow& operator[](std::size_t i) { return all()[i]; }
+	const ContactRow& operator[](std::size_t i) const { return all()[i]; }
+	ContactRow* data() { return all().data(); }
+	auto begin() { return all().begin(); }
+	auto end() { return all().end(); }
+	auto begin() const { return std::as_const(all()).begin(); }
+	auto end() const { return std::as_const(all()).end(); }
+
+	// `from` must stay valid until the next step, or until the rows are made.
+	void postpone(RowSource* from)
+	{
+		source = from;
+		solved = false;
+	}
+	const RowSource* postponed() const { return source; } // null: the rows are made
+	void make() const { (void)all(); }
+	std::vector<ContactRow>& all() const
+	{
+		if (source)
+			makeAll();
+		return rows;
+	}
+
+	// Until they are made: impulses beside the rows, two a contact. Sweeps leave their result there.
+	double* solve()
+	{
+		solved = true;
+		impulses.resize(2 * rows.size());
+		return impulses.data();
+	}
+	const double* solution() const { return impulses.data(); }
+	bool isSolved() const { return solved; }
+	void forgetSolution() { solved = false; }
+
+    private:
+	void makeAll() const
+	{
+		source->makeRows(rows);
+		source = nullptr;
+		for (std::size_t i = 0; solved && i < rows.size(); i++) {
+			rows[i].pn = impulses[2 * i];
+			rows[i].pt = impulses[2 * i + 1];
+		}
+	}
+
+	mutable std::vector<ContactRow> rows;
+	mutable RowSource* source = nullptr;
+	std::vector<double> impulses;
+	bool solved = false;
+};
+
 struct ContactSystem {
 	std::vector<std::array<double, 2>> places; // of the bodies' centres [m]; empty where they are not known
 	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
-	std::vector<ContactRow> contacts; // solvers may sweep them in any order but must not reorder them
+	ContactRows contacts; // solvers may sweep them in any order but must not reorder them
 	Workspace* memory = nullptr; // for those who work on it (workspace.hpp); null: they allocate their own each time
+	// Systems with the same memory and the same number have contacts between the same bodies, all of them solvable. 0: nothing is known.
+	std::size_t contactSet = 0;
 
 	void assembleBlocks()
 	{

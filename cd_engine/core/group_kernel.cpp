@@ -42,13 +42,13 @@ namespace {
 	const GroupKernel all[] = {
 #ifdef __x86_64__
 		{ "avx512", 8, avx512::sweep, avx512::sweepAhead, avx512::extrapolate, avx512::press, avx512::miss, avx512::sweepRows,
-		    avx512::sweepRowsAhead, avx512::extrapolateRows, avx512::overlaps, avx512::assemble },
+		    avx512::sweepRowsAhead, avx512::extrapolateRows, avx512::overlaps, avx512::assemble, avx512::effects, avx512::assembleGroup },
 		{ "avx2", 4, avx2::sweep, avx2::sweepAhead, avx2::extrapolate, avx2::press, avx2::miss, avx2::sweepRows, avx2::sweepRowsAhead,
-		    avx2::extrapolateRows, avx2::overlaps, avx2::assemble },
+		    avx2::extrapolateRows, avx2::overlaps, avx2::assemble, avx2::effects, avx2::assembleGroup },
 #endif
 		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate, any_processor::press, any_processor::miss,
 		    any_processor::sweepRows, any_processor::sweepRowsAhead, any_processor::extrapolateRows, any_processor::overlaps,
-		    any_processor::assemble },
+		    any_processor::assemble, any_processor::effects, any_processor::assembleGroup },
 	};
 	constexpr std::size_t known = sizeof all / sizeof *all;
 

@@ -30,11 +30,21 @@ struct alignas(64) PairLanes {
 		int32_t a, b;
 	};
 	double mu[lanes], reference[lanes];
+	double scaleA[lanes], scaleB[lanes]; // 1/k of the bodies, for groups
 	double overlap[lanes], gap[lanes]; // as in Touch, and beyond the reference overlap [m]
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
 	Ends ends[lanes];
 	int32_t a[lanes], b[lanes]; // the same
 	int32_t index[lanes]; // in World::pairs
+};
+// What impulses on eight contacts between disks do.
+struct alignas(64) PairEffects {
+	static constexpr int lanes = PairLanes::lanes;
+	double nx[lanes], ny[lanes];
+	double fn[2][lanes], ft[2][lanes]; // as in Carried
+	double x[lanes], y[lanes]; // impulse on b [N s]
+	double turnA[lanes], turnB[lanes]; // moments about the centres [N m s]
+	double work[lanes]; // [J]
 };
 struct RowSettings {
 	double dt, gapCorrection, allowedOverlap;
@@ -67,6 +77,12 @@ struct GroupKernel {
 	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
 	void (*assemble)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
 	    std::size_t count, const RowSettings& settings);
+	// What `count` impulses p, two a contact, do; rate: 1/dt.
+	void (*effects)(const Place* places, const Mean* means, const double* p, std::size_t count, double rate, const PairLanes* pairs,
+	    PairEffects* effects, std::size_t groups);
+	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
+	unsigned (*assembleGroup)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& pairs, Group& group,
+	    const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.

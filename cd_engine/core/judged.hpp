@@ -37,18 +37,22 @@ namespace judging {
 
 	// Whether the impulses have more than doubled the kinetic energy although no boundary and no bias adds any. Impulses that balance each other
 	// may be so large that all velocities they cause are within the tolerance.
-	inline bool makesEnergy(const ContactSystem& s, const Start& start, double guess, Threads* threads)
+	template <class Guess> bool makesEnergy(const ContactSystem& s, const Start& start, const Guess& guess, Threads* threads)
 	{
 		double more = 0; // twice the energy after them, less four times that before [J]
-		for (std::size_t i = 0; i < s.bodies.size(); i++)
-			for (int k = 0; k < 3; k++)
-				if (s.bodies[i].w[k] > 0) {
-					const double v = s.bodies[i].v[k], free = start.freeVelocity()[3 * i + k];
-					more += (v * v - 2 * free * free) / s.bodies[i].w[k];
-				}
-		return more > 0 && Start(s, threads).weight > 10 * guess; // the guess was in balance, to the tolerance
+		for (std::size_t i = 0; i < s.bodies.size(); i++) {
+			const double *v = s.bodies[i].v, *w = s.bodies[i].w, *free = &start.freeVelocity()[3 * i];
+			const auto gained = [&](int k) { return w[k] > 0 ? v[k] * v[k] - 2 * free[k] * free[k] : 0; };
+			more += w[0] == w[1] && w[0] > 0 ? (gained(0) + gained(1)) / w[0] : 0;
+			for (int k = w[0] == w[1] ? 2 : 0; k < 3; k++)
+				more += w[k] > 0 ? gained(k) / w[k] : 0;
+		}
+		return more > 0 && Start(s, threads).weight(s) > 10 * guess(); // the guess was in balance, to the tolerance
 	}
-	inline bool makesEnergy(const DelassusSystem&, const Start&, double, Threads*) { return false; } // not called for a matrix
+	template <class Guess> bool makesEnergy(const DelassusSystem&, const Start&, const Guess&, Threads*)
+	{
+		return false;
+	} // not called for a matrix
 
 	inline int32_t strongest(const ContactSystem& s)
 	{
@@ -100,8 +104,8 @@ namespace judging {
 	}
 
 	// Plain sweeps from zero impulses. They create no impulses that balance each other unless something presses.
-	template <class System>
-	inline void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, double guess)
+	template <class System, class Guess>
+	void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, const Guess& guess)
 	{
 		clearImpulses(system);
 		report = goOn<System>(system, start, settings, report, nsgs);
@@ -171,7 +175,6 @@ namespace judging {
 		    , start(problem, asked.threads)
 		    , fixed(asked.fixedIterations > 0)
 		    , solvable(start.solvable)
-		    , guess(asked.guessSolved ? start.weight : 0)
 		    , part(asked)
 		{
 			part.start = &start;
@@ -189,10 +192,11 @@ namespace judging {
 			}
 			report = goOn<System>(system, start, part, report, method);
 			tryPlain(system, start, part, report, method);
+			const auto weightOfGuess = [this] { return guess(); };
 			if (solvable) {
-				const bool changed = report.iterations > 0 || guess == 0; // else the impulses are those that count as in balance
-				if (report.status == Status::converged && changed && makesEnergy(system, start, guess, settings.threads))
-					beginFromNothing(system, start, settings, report, guess);
+				if (report.status == Status::converged && makesEnergy(system, start, weightOfGuess, settings.threads)
+				    && (report.iterations > 0 || guess() == 0)) // else the impulses are those that count as in balance
+					beginFromNothing(system, start, settings, report, weightOfGuess);
 				return report;
 			}
 			proofTried = report.status != Status::converged;
@@ -206,9 +210,11 @@ namespace judging {
 	    private:
 		void look()
 		{
-			verdict = judge(system, start, guess, part.tolerance,
+			verdict = judge(system, start, guess(), part.tolerance,
 			    proofTried ? productsAfter(report.iterations) : productsBeforeDoubts(report.iterations));
 		}
+		// The weighted norm of the first guess, if its step was solved.
+		double guess() const { return settings.guessSolved ? start.weight(system) : 0; }
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
 
 		// An unsolved guess may be so large that any error is small beside it. The method must reach its result without it, too.
@@ -280,7 +286,6 @@ namespace judging {
 		const Method<System> method;
 		const Start start;
 		const bool fixed, solvable;
-		const double guess; // its weighted norm if its step was solved, else 0
 		SolverSettings part; // settings of the next call of the method
 		SolverReport report;
 		Verdict verdict;

@@ -38,7 +38,35 @@ static void overlaps(const Place* places, PairLanes* pairs, std::size_t count, d
 typedef double RowPart __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double RowEnd __attribute__((vector_size(16), aligned(8), may_alias));
 
+// Rows of LANES contacts between two disks; wnn = 0 where one of them cannot turn or can hardly move, or `a` is no disk.
+struct Rows {
+	Vector nx, ny, at, bt, bias, mu, wnn, wnt, wtt, pn, pt;
+};
+
 // ContactRow::assembleBlock for arms an = bn = 0, and TimeStep::firstGuess().
+INLINE Rows rowsOf(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& p, int lane, const RowSettings& settings)
+{
+	const Vector none = {};
+	const Disks d = locateDisks(places, p, lane);
+	const Bodies A = gather<2>(bodies->w, p.a + lane), B = gather<2>(bodies->w, p.b + lane); // the inverse masses
+	const Bodies was = gather<2>(&carried->nx, p.index + lane), tangent = gather<2>(carried->ft, p.index + lane);
+	const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = -(d.radiusB - 0.5 * d.overlap), mu = load(p.mu + lane);
+	const Vector gap = load(p.reference + lane) - d.overlap, radius = smaller(d.radiusA, d.radiusB),
+		     pushed = gap < settings.pushedOut * radius ? settings.gapCorrection * (gap + settings.allowedOverlap * radius) : none;
+	const Vector wx = A.vx + B.vx, wy = A.vy + B.vy;
+	const Vector wnn = nx * nx * wx + ny * ny * wy, wtt = ny * ny * wx + nx * nx * wy + at * at * A.spin + bt * bt * B.spin;
+	const Vector wnt = nx * ny * (wy - wx) + none * at * A.spin + none * bt * B.spin;
+	const Vector freedom = A.vx + A.vy + B.vx + B.vy + at * at * A.spin + bt * bt * B.spin;
+	const auto known = (d.radiusA > none) & (A.spin > none) & (B.spin > none) & (wnn > ContactRow::leastShare * freedom);
+	const Vector square = was.vx * was.vx + was.vy * was.vy, normal = was.vx * was.spin + was.vy * was.w;
+	const Vector tangential = was.vx * tangent.vy - was.vy * tangent.vx;
+	const auto carries = (normal > none) & (tangential * none == none);
+	const Vector pn = carries ? settings.dt * normal / square : none, pt = carries ? settings.dt * tangential / square : none;
+	const Vector most = mu * pn;
+	return { nx, ny, at, bt, ((gap > none ? gap : pushed) + none) / settings.dt, mu, known ? wnn : none, wnt, wtt, pn,
+		absolute(pt) > most * settings.onCone ? (pt < none ? -most : most) : pt };
+}
+
 static void assemble(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
     std::size_t count, const RowSettings& settings)
 {
@@ -46,22 +74,7 @@ static void assemble(const Place* places, const BodyVelocity* bodies, const Carr
 	for (std::size_t i = 0; i < count; i += LANES) {
 		const PairLanes& p = pairs[i / PairLanes::lanes];
 		const int lane = i % PairLanes::lanes;
-		const Disks d = locateDisks(places, p, lane);
-		const Bodies A = gather<2>(bodies->w, p.a + lane), B = gather<2>(bodies->w, p.b + lane); // the inverse masses
-		const Bodies was = gather<2>(&carried->nx, p.index + lane), tangent = gather<2>(carried->ft, p.index + lane);
-		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = -(d.radiusB - 0.5 * d.overlap), mu = load(p.mu + lane);
-		const Vector gap = load(p.reference + lane) - d.overlap, radius = smaller(d.radiusA, d.radiusB),
-			     pushed = gap < settings.pushedOut * radius ? settings.gapCorrection * (gap + settings.allowedOverlap * radius) : none;
-		const Vector wx = A.vx + B.vx, wy = A.vy + B.vy;
-		const Vector wnn = nx * nx * wx + ny * ny * wy, wtt = ny * ny * wx + nx * nx * wy + at * at * A.spin + bt * bt * B.spin;
-		const Vector wnt = nx * ny * (wy - wx) + none * at * A.spin + none * bt * B.spin;
-		const Vector freedom = A.vx + A.vy + B.vx + B.vy + at * at * A.spin + bt * bt * B.spin;
-		const auto known = (d.radiusA > none) & (A.spin > none) & (B.spin > none) & (wnn > ContactRow::leastShare * freedom);
-		const Vector square = was.vx * was.vx + was.vy * was.vy, normal = was.vx * was.spin + was.vy * was.w;
-		const Vector tangential = was.vx * tangent.vy - was.vy * tangent.vx;
-		const auto carries = (normal > none) & (tangential * none == none);
-		const Vector pn = carries ? settings.dt * normal / square : none, pt = carries ? settings.dt * tangential / square : none;
-		const Vector most = mu * pn;
+		const Rows r = rowsOf(places, bodies, carried, p, lane, settings);
 		char* const row = reinterpret_cast<char*>(rows + i);
 		const int here = count - i < LANES ? static_cast<int>(count - i) : LANES;
 		const auto to = [&](std::size_t member) {
@@ -70,12 +83,68 @@ static void assemble(const Place* places, const BodyVelocity* bodies, const Carr
 					*reinterpret_cast<RowPart*>(row + l * sizeof(ContactRow) + member) = q;
 			};
 		};
-		scatter({ load(reinterpret_cast<const double*>(p.ends + lane)), nx, ny, none }, to(0));
-		scatter({ at, none, bt, ((gap > none ? gap : pushed) + none) / settings.dt }, to(offsetof(ContactRow, at)));
-		scatter({ mu, known ? wnn : none, wnt, wtt }, to(offsetof(ContactRow, mu)));
-		scatter({ pn, absolute(pt) > most * settings.onCone ? (pt < none ? -most : most) : pt, none, none }, [=](int l, const Quad& q) {
+		scatter({ load(reinterpret_cast<const double*>(p.ends + lane)), r.nx, r.ny, none }, to(0));
+		scatter({ r.at, none, r.bt, r.bias }, to(offsetof(ContactRow, at)));
+		scatter({ r.mu, r.wnn, r.wnt, r.wtt }, to(offsetof(ContactRow, mu)));
+		scatter({ r.pn, r.pt, none, none }, [=](int l, const Quad& q) {
 			if (l < here)
 				*reinterpret_cast<RowEnd*>(row + l * sizeof(ContactRow) + offsetof(ContactRow, pn)) = RowEnd { q[0], q[1] };
 		});
+	}
+}
+
+// The same straight into the lanes of a group. Returns the lanes where wnn = 0, one bit each.
+static unsigned assembleGroup(
+    const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& p, Group& g, const RowSettings& settings)
+{
+	unsigned unknown = 0;
+	for (int lane = 0; lane < Group::lanes; lane += LANES) {
+		const Rows r = rowsOf(places, bodies, carried, p, lane, settings);
+		store(g.nx + lane, r.nx);
+		store(g.ny + lane, r.ny);
+		store(g.at + lane, r.at * load(p.scaleA + lane));
+		store(g.bt + lane, r.bt * load(p.scaleB + lane));
+		store(g.bias + lane, r.bias);
+		store(g.mu + lane, r.mu);
+		store(g.inverseWnn + lane, 1 / r.wnn);
+		store(g.inverseWtt + lane, 1 / r.wtt);
+		store(g.pn + lane, r.pn);
+		store(g.pt + lane, r.pt);
+		for (int l = 0; l < LANES; l++)
+			unknown |= static_cast<unsigned>(!(r.wnn[l] > 0)) << (lane + l);
+	}
+	return unknown;
+}
+
+// The formulas of TimeStep::share(), carry() and account(), for arms an = bn = 0.
+static void effects(const Place* places, const Mean* means, const double* p, std::size_t count, double rate, const PairLanes* pairs,
+    PairEffects* effects, std::size_t groups)
+{
+	for (std::size_t i = 0; i < groups * PairLanes::lanes; i += LANES) {
+		const PairLanes& pair = pairs[i / PairLanes::lanes];
+		PairEffects& e = effects[i / PairLanes::lanes];
+		const int lane = i % PairLanes::lanes;
+		const Disks d = locateDisks(places, pair, lane);
+		const Bodies A = gather(means, pair.a + lane), B = gather(means, pair.b + lane);
+		Vector pn, pt;
+		for (int l = 0; l < LANES; l++) {
+			const std::size_t at = i + l < count ? 2 * (i + l) : 0;
+			pn[l] = p[at];
+			pt[l] = p[at + 1];
+		}
+		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = d.radiusB - 0.5 * d.overlap;
+		const Vector fn = pn * rate, ft = pt * rate, dx = B.vx - A.vx, dy = B.vy - A.vy;
+		const Vector un = nx * dx + ny * dy, ut = nx * dy - ny * dx + -bt * B.spin - at * A.spin;
+		store(e.nx + lane, nx);
+		store(e.ny + lane, ny);
+		store(e.fn[0] + lane, fn * nx);
+		store(e.fn[1] + lane, fn * ny);
+		store(e.ft[0] + lane, -ft * ny);
+		store(e.ft[1] + lane, ft * nx);
+		store(e.x + lane, nx * pn - ny * pt);
+		store(e.y + lane, ny * pn + nx * pt);
+		store(e.turnA + lane, -(at * pt));
+		store(e.turnB + lane, -bt * pt);
+		store(e.work + lane, pn * un + pt * ut);
 	}
 }

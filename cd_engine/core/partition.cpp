@@ -13,12 +13,14 @@ int32_t Partition::root(int32_t body)
 	return body;
 }
 
-bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
-{
-	const auto same = [threads](auto& of, const auto& all, const auto& now) { // and makes them so
+namespace {
+
+	// Whether `of` holds what now() says of all; makes it so.
+	template <class Of, class All, class Now> bool renew(Of& of, const All& all, const Now& now, Threads* threads)
+	{
 		const bool known = of.size() == all.size();
 		of.resize(all.size());
-		const auto renew = [&](std::size_t from, std::size_t to) {
+		const auto compare = [&](std::size_t from, std::size_t to) {
 			bool same = known;
 			for (std::size_t i = from; i < to; i++) {
 				const auto one = now(all[i]);
@@ -27,15 +29,30 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 			}
 			return same;
 		};
-		return reduceRanges<bool>(threads, of.size(), renew, std::logical_and<bool>());
-	};
-	const bool bodies = same(freedom, system.bodies, [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); });
-	return same(links, system.contacts, linkOf) && bodies;
+		return reduceRanges<bool>(threads, of.size(), compare, std::logical_and<bool>());
+	}
+
+} // namespace
+
+bool Partition::sameFreedoms(const ContactSystem& system, Threads* threads)
+{
+	return renew(
+	    freedom, system.bodies, [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); }, threads);
+}
+
+bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
+{
+	if (system.contacts.postponed() && system.contactSet == contactSet)
+		return true;
+	contactSet = system.contactSet;
+	system.contacts.make();
+	return renew(links, system.contacts, linkOf, threads);
 }
 
 bool Partition::update(const ContactSystem& system, Threads* threads)
 {
-	if (sameLinks(system, threads))
+	const bool freedoms = sameFreedoms(system, threads);
+	if (sameLinks(system, threads) && freedoms)
 		return false;
 	name.resize(freedom.size());
 	std::iota(name.begin(), name.end(), 0);

@@ -137,7 +137,7 @@ void Sleepers::listAwake(World& world) const
 	}
 }
 
-bool Sleepers::wake(const std::vector<ContactRow>& contacts, World& world)
+bool Sleepers::wake(const ContactRows& contacts, World& world)
 {
 	if (none())
 		return false;

@@ -46,7 +46,7 @@ class Sleepers {
 	SleepingIsland& islandOf(int32_t body) { return list[indexOf[nameOf[body]]]; }
 
 	// Wakes the islands that sleep on and have a body in one of these contacts. Returns whether there were any.
-	bool wake(const std::vector<ContactRow>&, World&);
+	bool wake(const ContactRows&, World&);
 
 	// Record what a step finds, in place of what this step or the last one found before: first all islands, then their bodies.
 	void startSearch(std::size_t bodies);

@@ -24,7 +24,10 @@ class Start {
 	    , kept(s.memory)
 	{
 		velocities.resize(3 * s.bodies.size());
-		impulses.resize(2 * s.contacts.size());
+		if (s.contacts.isSolved()) // else the source of postponed rows still knows the guess
+			s.contacts.make();
+		source = s.contacts.postponed();
+		impulses.resize(source ? 0 : 2 * s.contacts.size());
 		std::atomic<bool> driven { false };
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
@@ -34,25 +37,22 @@ class Start {
 			}
 		});
 		const auto keep = [&](std::size_t from, std::size_t to) {
-			double square = 0;
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
 				const ContactRow& c = s.contacts[i];
 				impulses[2 * i] = c.pn;
 				impulses[2 * i + 1] = c.pt;
-				square += c.wnn * (c.pn * c.pn + c.pt * c.pt);
 				pushed = pushed || !(c.bias >= 0);
 			}
 			if (pushed)
 				driven = true;
-			return square;
 		};
-		weight = std::sqrt(reduceRanges<double>(threads, s.contacts.size(), keep, std::plus<double>()));
+		if (!source) // postponed contacts push nothing
+			forRanges(threads, s.contacts.size(), keep);
 		solvable = !driven;
 	}
 	explicit Start(const DelassusSystem& s, Threads* t)
-	    : weight(weighted(s))
-	    , threads(t)
+	    : threads(t)
 	    , kept(s.memory)
 	{
 		impulses = s.p;
@@ -70,20 +70,49 @@ class Start {
 
 	void guess(ContactSystem& s) const
 	{
+		if (s.contacts.postponed())
+			return s.contacts.forgetSolution();
 		for (std::size_t i = 0; i < s.contacts.size(); i++) {
-			s.contacts[i].pn = impulses[2 * i];
-			s.contacts[i].pt = impulses[2 * i + 1];
+			const auto [pn, pt] = guessOf(i);
+			s.contacts[i].pn = pn;
+			s.contacts[i].pt = pt;
 		}
 	}
 	void guess(DelassusSystem& s) const { s.p = impulses; }
 
 	const std::vector<double>& freeVelocity() const { return velocities; } // three a body; none for a matrix
 
-	double weight = 0; // of the guess: sqrt(sum W_nn |p|^2)
+	// Of the guess: sqrt(sum W_nn |p|^2).
+	double weight(const ContactSystem& s) const
+	{
+		s.contacts.make();
+		const auto add = [&](std::size_t from, std::size_t to) {
+			double square = 0;
+			for (std::size_t i = from; i < to; i++) {
+				const auto [pn, pt] = guessOf(i);
+				square += s.contacts[i].wnn * (pn * pn + pt * pt);
+			}
+			return square;
+		};
+		return std::sqrt(reduceRanges<double>(threads, s.contacts.size(), add, std::plus<double>()));
+	}
+	double weight(const DelassusSystem& s) const
+	{
+		double square = 0;
+		for (std::size_t i = 0; i < s.contacts(); i++)
+			square += s.blocks[s.diagonal[i]].nn * (impulses[2 * i] * impulses[2 * i] + impulses[2 * i + 1] * impulses[2 * i + 1]);
+		return std::sqrt(square);
+	}
 	bool solvable = false; // surelySolvable()
 
     private:
+	std::array<double, 2> guessOf(std::size_t i) const
+	{
+		return source ? source->guess(static_cast<int32_t>(i)) : std::array<double, 2> { impulses[2 * i], impulses[2 * i + 1] };
+	}
+
 	Threads* const threads;
+	const RowSource* source = nullptr; // of the guess, while the rows were not made
 	struct State {
 		std::vector<double> velocities, impulses; // three a body, none for a matrix; two a contact
 	};

@@ -1,4 +1,5 @@
 // Applies the impulses of a step to the pairs, the bodies and the energy.
+#include "group_kernel.hpp"
 #include "time_step.hpp"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace {
 		on[2] += turn;
 	}
 
-	bool slides(const ContactRow& c) { return c.mu > 0 && std::abs(c.pt) >= c.mu * c.pn * (1 - onCone); }
+	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
 
 } // namespace
 
@@ -44,16 +45,22 @@ void TimeStep::release(const Pair& pair, Carried& was)
 	was = {};
 }
 
-// Keeps the force of a contact. One that already has the right value is not written, because it would differ in the last digit when read again.
+// Whether a contact already has the right force. It is not written again, because it would differ in the last digit when read.
+inline bool TimeStep::keeps(double nx, double ny, double pn, double pt, Carried& was, double dt)
+{
+	if (was.nx != nx || was.ny != ny || !was.any() || was.impulse(dt) != std::array<double, 2> { pn, pt })
+		return false;
+	if (std::signbit(was.nx) != std::signbit(nx) || std::signbit(was.ny) != std::signbit(ny)) { // springs may leave -0
+		was.nx = nx;
+		was.ny = ny;
+	}
+	return true;
+}
+
 inline void TimeStep::carry(const ContactRow& c, Carried& was, const StepSettings& settings, double rate)
 {
-	if (was.nx == c.nx && was.ny == c.ny && was.any() && was.impulse(settings.dt) == std::array<double, 2> { c.pn, c.pt }) {
-		if (std::signbit(was.nx) != std::signbit(c.nx) || std::signbit(was.ny) != std::signbit(c.ny)) { // springs may leave -0
-			was.nx = c.nx;
-			was.ny = c.ny;
-		}
+	if (keeps(c.nx, c.ny, c.pn, c.pt, was, settings.dt))
 		return;
-	}
 	const double fn = c.pn * rate, ft = c.pt * rate;
 	was = { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx }, was.any() ? was.since : settings.iteration };
 	sleepers.disturb(c.a, c.b);
@@ -110,36 +117,81 @@ struct TimeStep::Account {
 	double dissipated = 0; // [J]
 };
 
-TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, double dissipated, size_t from, size_t to)
+inline void TimeStep::accountFor(World& world, const StepSettings& settings, double rate, size_t i, const ContactRow& c, Account& sum)
 {
 	const bool keepsShares = !shares.empty();
+	if (keepsShares)
+		shares[i] = c.pn > 0 || !sleepers.none() ? share(i, c) : Share { -1, -1, 0, 0, 0, 0 };
+	if (c.pn <= 0)
+		return release(world.pairs[rowPair[i]], world.carried[rowPair[i]]);
+	carry(c, world.carried[rowPair[i]], settings, rate);
+	if (!keepsShares)
+		give(share(i, c));
+	const bool asleep = !sleepers.none() && asleepAt(c);
+	sum.loaded += !asleep;
+	sum.sliding += !asleep && slides(c.mu, c.pn, c.pt);
+	// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
+	const double *a = means[c.a].v, *b = means[c.b].v;
+	const double dx = b[0] - a[0], dy = b[1] - a[1];
+	const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
+	const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
+	sum.dissipated -= c.pn * un + c.pt * ut;
+}
+
+// The same for contacts whose rows nobody has made; nothing sleeps then.
+inline void TimeStep::accountForPostponed(World& world, const StepSettings& settings, double rate, size_t from, size_t count, Account& sum)
+{
+	PairEffects effects[batch / PairLanes::lanes];
+	effectsOf(world, rate, from, count, effects);
+	const double* const p = system.contacts.solution() + 2 * from;
+	for (size_t k = 0; k < count; k++) {
+		const size_t i = from + k, lane = k % PairLanes::lanes;
+		const Pair& pair = world.pairs[rowPair[i]];
+		Carried& was = world.carried[rowPair[i]];
+		const PairEffects& e = effects[k / PairLanes::lanes];
+		const double pn = p[2 * k], pt = p[2 * k + 1];
+		if (apartOf[i] >= 0) {
+			ContactRow c = apartRows[apartOf[i]];
+			c.pn = pn;
+			c.pt = pt;
+			accountFor(world, settings, rate, i, c, sum);
+			continue;
+		}
+		const Share of { pair.a, pair.b, e.x[lane], e.y[lane], e.turnA[lane], e.turnB[lane] };
+		if (!shares.empty())
+			shares[i] = pn > 0 ? of : Share { -1, -1, 0, 0, 0, 0 };
+		if (pn <= 0) {
+			release(pair, was);
+			continue;
+		}
+		if (!keeps(e.nx[lane], e.ny[lane], pn, pt, was, settings.dt))
+			was = { e.nx[lane], e.ny[lane], { e.fn[0][lane], e.fn[1][lane] }, { e.ft[0][lane], e.ft[1][lane] },
+				was.any() ? was.since : settings.iteration };
+		if (shares.empty())
+			give(of);
+		sum.loaded++;
+		sum.sliding += slides(pair.mu, pn, pt);
+		sum.dissipated -= e.work[lane];
+	}
+}
+
+TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, double dissipated, size_t from, size_t to)
+{
 	const double rate = 1 / settings.dt;
 	Account sum;
 	sum.dissipated = dissipated;
+	if (system.contacts.postponed()) {
+		for (; from < to; from += batch)
+			accountForPostponed(world, settings, rate, from, std::min(batch, to - from), sum);
+		return sum;
+	}
+	const ContactRow* const rows = system.contacts.data();
 	for (size_t i = from; i < to; i++) {
-		if (i + ahead < system.contacts.size()) {
-			__builtin_prefetch(&means[system.contacts[i + ahead].a]);
-			__builtin_prefetch(&means[system.contacts[i + ahead].b]);
+		if (i + ahead < to) {
+			__builtin_prefetch(&means[rows[i + ahead].a]);
+			__builtin_prefetch(&means[rows[i + ahead].b]);
 		}
-		const ContactRow& c = system.contacts[i];
-		if (keepsShares)
-			shares[i] = c.pn > 0 || !sleepers.none() ? share(i, c) : Share { -1, -1, 0, 0, 0, 0 };
-		if (c.pn <= 0) {
-			release(world.pairs[rowPair[i]], world.carried[rowPair[i]]);
-			continue;
-		}
-		carry(c, world.carried[rowPair[i]], settings, rate);
-		if (!keepsShares)
-			give(share(i, c));
-		const bool asleep = !sleepers.none() && asleepAt(c);
-		sum.loaded += !asleep;
-		sum.sliding += !asleep && slides(c);
-		// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
-		const double *a = means[c.a].v, *b = means[c.b].v;
-		const double dx = b[0] - a[0], dy = b[1] - a[1];
-		const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
-		const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-		sum.dissipated -= c.pn * un + c.pt * ut;
+		accountFor(world, settings, rate, i, rows[i], sum);
 	}
 	return sum;
 }
@@ -153,6 +205,8 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 				impulses[i] = { 0, 0, 0 };
 	});
 	// A single thread adds the shares to the bodies at once, without storing them.
+	if (!sleepers.none() || !system.contacts.isSolved())
+		system.contacts.make();
 	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());
 	const Account all = reduceRanges<Account>(
 	    sleepers.none() ? &threads : nullptr, // only one thread may report what it wakes
@@ -177,7 +231,7 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 			asleep->deepest = std::max(asleep->deepest, -gapOf(world, rowPair[i]));
 			asleep->disturbed = asleep->disturbed || i >= assembled; // a contact that was added later is none in the next step
 			asleep->loaded += c.pn > 0;
-			asleep->sliding += c.pn > 0 && slides(c);
+			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
 			push(of, *asleep);
 		} else if (c.pn > 0)
 			give(of);

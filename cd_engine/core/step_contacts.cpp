@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace cd {
@@ -16,9 +17,6 @@ namespace {
 	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force
 	// and back must not be cut, or it would be written anew step by step.
 	constexpr double onCone = 1 + 1e-9;
-
-	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
-	constexpr std::size_t batch = 64;
 
 } // namespace
 
@@ -49,8 +47,8 @@ void TimeStep::freeAgain(const World& world, double dt)
 	});
 }
 
-// Sets the free velocities of the bodies, their places at the mid-configuration, and their ways.
-void TimeStep::beginBodies(const World& world, double dt)
+// Sets the free velocities of the bodies, their places at the mid-configuration, and their ways. Returns whether a boundary turns.
+bool TimeStep::beginBodies(const World& world, double dt)
 {
 	const std::size_t count = world.bodies.size();
 	system.memory = &memory;
@@ -58,15 +56,19 @@ void TimeStep::beginBodies(const World& world, double dt)
 	system.places.resize(count);
 	places.resize(count);
 	ways.resize(count);
-	forRanges(&threads, count, [&](size_t from, size_t to) {
+	const auto begin = [&](size_t from, size_t to) {
+		bool turns = false;
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
 			free(b, dt, system.bodies[i]);
 			places[i] = placeAhead(b, 0.5 * dt);
 			system.places[i] = { places[i].x, places[i].y };
 			ways[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
+			turns = turns || (b.radius == 0 && system.bodies[i].v[2] != 0);
 		}
-	});
+		return turns;
+	};
+	return reduceRanges<bool>(&threads, count, begin, [](bool a, bool b) { return a || b; });
 }
 
 // The face through which the centre of disk b has entered boundary a in the first half of the step, if it has. Two earlier positions must
@@ -227,8 +229,10 @@ void TimeStep::askRebound(const World& world, std::size_t row, ContactRow& c, do
 		c.bias = Rebounds::bias(c.bias, rebound);
 }
 
-// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left. rows: also what rows need.
-template <bool rows, class Which> inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which)
+// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left. rows: also what rows need;
+// inverseRadius: and what groups need.
+template <bool rows, class Which>
+inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius) const
 {
 	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
 	for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
@@ -239,14 +243,17 @@ template <bool rows, class Which> inline std::size_t TimeStep::load(const World&
 		p.a[lane] = pair.a;
 		p.b[lane] = pair.b;
 		p.reference[lane] = pair.reference;
-		if (!rows) {
-			__builtin_prefetch(&places[pair.a]);
-			__builtin_prefetch(&places[pair.b]);
+		__builtin_prefetch(&places[pair.a]);
+		__builtin_prefetch(&places[pair.b]);
+		if (!rows)
 			continue;
-		}
 		p.ends[lane] = { pair.a, pair.b };
 		p.index[lane] = index;
 		p.mu[lane] = pair.mu;
+		if (inverseRadius) {
+			p.scaleA[lane] = inverseRadius[pair.a];
+			p.scaleB[lane] = inverseRadius[pair.b];
+		}
 		__builtin_prefetch(&system.bodies[pair.a]);
 		__builtin_prefetch(&system.bodies[pair.b]);
 	}
@@ -254,19 +261,18 @@ template <bool rows, class Which> inline std::size_t TimeStep::load(const World&
 }
 
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
-void TimeStep::fillRows(const World& world, const StepSettings& settings, std::size_t from, std::size_t to)
+void TimeStep::fillRows(const World& world, const StepSettings& settings, ContactRow* rows, std::size_t from, std::size_t to)
 {
-	const RowSettings asked { settings.dt, settings.gapCorrection, settings.allowedOverlap, -std::max(pushedOut, settings.allowedOverlap),
-		onCone };
 	for (; from < to; from += batch) {
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[batch / PairLanes::lanes];
 		load<true>(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
-		groupKernel().assemble(places.data(), system.bodies.data(), world.carried.data(), pairs, system.contacts.data() + from, count, asked);
+		groupKernel().assemble(places.data(), system.bodies.data(), world.carried.data(), pairs, rows + from, count, asked(settings));
 		for (std::size_t row = from; row < from + count; row++) {
-			ContactRow& c = system.contacts[row];
+			ContactRow& c = rows[row];
 			double turned = 0;
-			if (!(c.wnn > 0))
+			special[row] = !(c.wnn > 0);
+			if (special[row])
 				c = rowOf(world, rowPair[row], settings, turned);
 			if (!settings.warmStart)
 				c.pn = c.pt = 0;
@@ -276,11 +282,86 @@ void TimeStep::fillRows(const World& world, const StepSettings& settings, std::s
 	}
 }
 
+RowSettings TimeStep::asked(const StepSettings& settings)
+{
+	return { settings.dt, settings.gapCorrection, settings.allowedOverlap, -std::max(pushedOut, settings.allowedOverlap), onCone };
+}
+
+void TimeStep::makeRows(std::vector<ContactRow>& all)
+{
+	forRanges(&threads, all.size(), [&](std::size_t from, std::size_t to) { fillRows(*source, *sourceSettings, all.data(), from, to); });
+}
+
+ContactRow TimeStep::row(int32_t contact) const
+{
+	if (apartOf[contact] >= 0)
+		return apartRows[apartOf[contact]];
+	double turned;
+	return rowOf(*source, rowPair[contact], *sourceSettings, turned);
+}
+
+std::array<double, 2> TimeStep::guess(int32_t contact) const { return firstGuess(*source, rowPair[contact], *sourceSettings); }
+
+void TimeStep::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const
+{
+	PairLanes pairs[batch / PairLanes::lanes];
+	const std::size_t most = batch / PairLanes::lanes;
+	for (std::size_t from = 0; from < count; from += most, contacts += batch) {
+		const std::size_t here = std::min(most, count - from);
+		const auto which = [&](std::size_t k) { return rowPair[std::max(contacts[k], 0)]; };
+		if (from + most < count) // the next ones: in the order of the groups no processor foresees them
+			for (std::size_t k = batch; k < 2 * batch && k < (count - from) * PairLanes::lanes; k++) {
+				__builtin_prefetch(&source->pairs[which(k)]);
+				__builtin_prefetch(&source->carried[which(k)]);
+			}
+		load<true>(*source, here * PairLanes::lanes, pairs, which, inverseRadius);
+		for (std::size_t k = 0; k < here; k++) {
+			unsigned unknown = groupKernel().assembleGroup(
+			    places.data(), system.bodies.data(), source->carried.data(), pairs[k], groups[from + k], asked(*sourceSettings));
+			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
+				unknown |= static_cast<unsigned>(contacts[k * PairLanes::lanes + lane] < 0) << lane;
+			left[from + k] = static_cast<uint8_t>(unknown);
+		}
+	}
+}
+
+// What the solved impulses of postponed contacts do.
+void TimeStep::effectsOf(const World& world, double rate, std::size_t from, std::size_t count, PairEffects* effects) const
+{
+	PairLanes pairs[batch / PairLanes::lanes];
+	const std::size_t groups = load<false>(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
+	groupKernel().effects(places.data(), means.data(), system.contacts.solution() + 2 * from, count, rate, pairs, effects, groups);
+}
+
+// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether they push nothing and can all be solved.
+bool TimeStep::findApart(const World& world, const StepSettings& settings)
+{
+	if (apartFor != system.contactSet) {
+		apartFor = system.contactSet;
+		apart.clear();
+		apartOf.assign(rows, -1);
+		for (std::size_t i = 0; i < rows; i++)
+			if (special[i]) {
+				apartOf[i] = static_cast<int32_t>(apart.size());
+				apart.push_back(static_cast<int32_t>(i));
+			}
+	}
+	apartRows.resize(apart.size());
+	for (std::size_t k = 0; k < apart.size(); k++) {
+		double turned;
+		apartRows[k] = rowOf(world, rowPair[apart[k]], settings, turned);
+		if (!(apartRows[k].wnn > 0) || !(apartRows[k].bias >= 0))
+			return false;
+	}
+	return true;
+}
+
 // Keeps the rows of the last step, so that they are not constructed again.
 void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 {
 	rows = count;
 	system.contacts.resize(count);
+	special.resize(count);
 	rowPair.resize(count);
 	rebounds.resize(settings.restitution > 0 ? count : 0);
 }
@@ -318,11 +399,12 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 {
 	const Cut cut(world.awake.size());
 	overlaps.resize(world.pairs.size());
-	solved.assign(world.pairs.size(), 0);
+	if (solved.size() != world.pairs.size() || world.awake.size() != world.pairs.size())
+		solved.assign(world.pairs.size(), 0);
 	rowPair.resize(world.awake.size());
 	forEach(&threads, cut.parts, [&](std::size_t part) {
 		double deepest = 0, narrowest = endless;
-		bool through = false, apart = false;
+		bool through = false, apart = false, same = true;
 		const bool bounces = settings.restitution > 0;
 		// Copies of the addresses, because to the compiler a store to `solved` might change the vectors themselves.
 		char* const contact = solved.data();
@@ -336,6 +418,31 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 			const std::size_t groups = load<false>(world, count, pairs, [&](std::size_t k) { return which[k]; });
 			groupKernel().overlaps(places.data(), pairs, groups, nearby);
 			for (std::size_t k = 0; k < count; k++) {
+				if (k % PairLanes::lanes == 0 && !bounces && k + PairLanes::lanes <= count
+				    && which[k + PairLanes::lanes - 1] - which[k] == PairLanes::lanes - 1) {
+					const PairLanes& p = pairs[k / PairLanes::lanes];
+					bool all = true, ended = false;
+					double deep = 0;
+					for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
+						all &= p.beyond[lane] <= 0;
+						ended |= (p.reference[lane] > 0) & (p.overlap[lane] <= 0);
+						deep = std::max(deep, -p.gap[lane]);
+					}
+					if (all) { // as in most of a packing: eight contacts that follow one another
+						static constexpr char yes[PairLanes::lanes] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+						const int32_t i = which[k];
+						std::memcpy(overlapOf + i, p.overlap, sizeof p.overlap);
+						same = same && std::memcmp(contact + i, yes, sizeof yes) == 0;
+						std::memcpy(contact + i, yes, sizeof yes);
+						for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
+							row[lane] = i + static_cast<int32_t>(lane);
+						row += PairLanes::lanes;
+						deepest = std::max(deepest, deep);
+						apart = apart || ended;
+						k += PairLanes::lanes - 1;
+						continue;
+					}
+				}
 				const PairLanes& p = pairs[k / PairLanes::lanes];
 				const std::size_t lane = k % PairLanes::lanes;
 				const int32_t i = which[k];
@@ -346,6 +453,7 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 					narrowest = is ? narrowest : std::min(narrowest, gap);
 				}
 				overlapOf[i] = overlap;
+				same = same && contact[i] == is;
 				contact[i] = is;
 				*row = i;
 				row += is;
@@ -353,13 +461,14 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 				apart = apart || (p.reference[lane] > 0 && overlap <= 0);
 			}
 		}
-		parts[part] = { static_cast<std::size_t>(row - first), 0, through, apart, deepest, narrowest };
+		parts[part] = { static_cast<std::size_t>(row - first), 0, through, same, apart, deepest, narrowest };
 	});
 	Seen all;
 	for (std::size_t part = 0; part < cut.parts; part++) {
 		parts[part].first = all.contacts;
 		all.contacts += parts[part].contacts;
 		all.through = all.through || parts[part].through;
+		all.same = all.same && parts[part].same;
 		all.apart = all.apart || parts[part].apart;
 		all.deepest = std::max(all.deepest, parts[part].deepest);
 		all.narrowest = std::min(all.narrowest, parts[part].narrowest);
@@ -367,8 +476,16 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 	return all;
 }
 
-void TimeStep::findContacts(World& world, const StepSettings& settings)
+// Whether the flags `solved` tell which pairs were contacts in the last step.
+bool TimeStep::looksOn(const World& world) const
 {
+	return world.listing != 0 && world.listing == listing && !appended && solved.size() == world.pairs.size()
+	    && world.awake.size() == world.pairs.size();
+}
+
+void TimeStep::findContacts(World& world, const StepSettings& settings, bool turns)
+{
+	const bool known = looksOn(world);
 	Seen parts[Cut::most], all = look(world, settings, parts);
 	if (all.through) {
 		stopAtFaces(world, settings.dt);
@@ -388,21 +505,39 @@ void TimeStep::findContacts(World& world, const StepSettings& settings)
 		    rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
-	forEach(
-	    &threads, cut.parts, [&](std::size_t part) { fillRows(world, settings, parts[part].first, parts[part].first + parts[part].contacts); });
+	const bool same = known && all.same && !all.through;
+	system.contactSet += !same;
+	listing = world.listing;
+	appended = false;
+	source = &world;
+	sourceSettings = &settings;
+	// Rows that push need a proof that there is a solution (verdict.hpp), which reads all of them.
+	const bool pushes = turns || settings.gapCorrection != 0 || settings.restitution != 0;
+	if (same && !pushes && settings.warmStart && sleepers.none() && findApart(world, settings))
+		return system.contacts.postpone(this);
+	system.contacts.postpone(nullptr);
+	ContactRow* const first = system.contacts.data();
+	forEach(&threads, cut.parts,
+	    [&](std::size_t part) { fillRows(world, settings, first, parts[part].first, parts[part].first + parts[part].contacts); });
 }
 
 const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
+	prepare(world, settings);
+	system.contacts.make();
+	return system;
+}
+
+void TimeStep::prepare(World& world, const StepSettings& settings)
+{
 	world.carried.resize(world.pairs.size());
-	beginBodies(world, settings.dt);
+	const bool turns = beginBodies(world, settings.dt);
 	freeVelocity.clear();
 	if (settings.restitution > 0)
 		for (const BodyVelocity& b : system.bodies)
 			freeVelocity.insert(freeVelocity.end(), b.v, b.v + 3);
 	shifts.clear();
-	findContacts(world, settings);
-	return system;
+	findContacts(world, settings, turns);
 }
 
 // Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.
@@ -441,11 +576,13 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!anyViolated(world, settings))
 		return false;
+	system.contactSet++;
+	appended = true;
 	for (const int32_t i : world.awake)
 		if (!solved[i] && within(i, world, settings.dt)) {
 			resizeRows(rows + 1, settings);
 			rowPair.back() = i;
-			fillRows(world, settings, rows - 1, rows);
+			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gapOf(world, i));
 			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.

@@ -34,12 +34,19 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     , threads(t)
 {
 	bool sameMasses = true;
-	const bool same = classifyBodies(sameMasses) && !packed.begin.empty() && packed.partition.links.size() == system.contacts.size()
-	    && sameLeftOut() && fill();
+	const bool sameKinds = classifyBodies(sameMasses);
+	if (!sameKinds || !sameMasses || !sameContacts())
+		system.contacts.make();
+	bool same = sameKinds && !packed.begin.empty() && packed.partition.links.size() == system.contacts.size() && sameLeftOut() && fill();
+	if (!same && system.contacts.postponed()) { // a contact has become of another kind
+		system.contacts.make();
+		same = fill();
+	}
 	if (!same) {
 		groupContacts();
 		fill();
 	}
+	packed.contactSet = system.contactSet;
 	if (!same || !sameMasses)
 		findCarried();
 	restoreVelocities();
@@ -60,7 +67,13 @@ void Sweep::restoreVelocities()
 
 void Sweep::store()
 {
+	double* const apart = system.contacts.postponed() ? system.contacts.solve() : nullptr;
 	const auto store = [&](int32_t contact, double pn, double pt) {
+		if (apart) {
+			apart[2 * contact] = pn;
+			apart[2 * contact + 1] = pt;
+			return;
+		}
 		system.contacts[contact].pn = pn;
 		system.contacts[contact].pt = pt;
 	};
@@ -74,6 +87,8 @@ void Sweep::store()
 		for (std::size_t i = begin.loose; i < end.loose; i++)
 			store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
 		for (std::size_t i = begin.body; i < end.body; i++) {
+			if (i + soon < end.body)
+				__builtin_prefetch(&system.bodies[packed.bodyAt[i + soon]], 1);
 			if (packed.partition.freedom[packed.bodyAt[i]] == 0)
 				continue; // immobile: keeps its velocity
 			BodyVelocity& b = system.bodies[packed.bodyAt[i]];
@@ -81,7 +96,7 @@ void Sweep::store()
 			b.v[0] = v.vx;
 			b.v[1] = v.vy;
 			// Adds only the change, so that a spin that nothing changes stays the same to the last bit.
-			b.v[2] += (v.spin - packed.freeBodies[i].spin) * packed.kinds[packed.bodyAt[i]].inverseRadius;
+			b.v[2] += (v.spin - packed.freeBodies[i].spin) * packed.inverseRadii[packed.bodyAt[i]];
 		}
 	});
 }

@@ -55,6 +55,8 @@ class Sweep {
 	Workspace* memory() const { return system.memory; }
 
     private:
+	static constexpr std::size_t soon = 8; // bodies of the system are fetched so many packed bodies ahead
+
 	// A contact that is solved alone: it couples n and t, or one of its bodies has no uniform inverse mass (BodyKind).
 	struct Loose {
 		ContactRow row; // a, b: packed bodies; arms divided by k
@@ -63,7 +65,7 @@ class Sweep {
 	};
 	struct BodyKind {
 		double w[3]; // inverse masses that the members below are made from
-		double radius, inverseRadius; // k [m] and 1/k; 1 where the body does not turn
+		double radius; // k [m]; 1 where the body does not turn
 		bool uniform; // x, y and spin have one inverse mass: its contacts may be in a group
 		bool turns, movable;
 	};
@@ -89,6 +91,8 @@ class Sweep {
 		std::vector<int32_t> metIn; // the last block that gave it a packed number; 0 for movable bodies
 		std::vector<int32_t> bodyAt; // of each packed body: its number in the system
 		std::vector<BodyKind> kinds; // of each body of the system
+		std::vector<double> inverseRadii; // of the same: 1/k
+		std::size_t contactSet = 0; // of the system whose contacts were grouped
 		std::vector<Ends> ends;
 		std::vector<PackedBody> bodies, bodiesBefore; // the last ones are immobile, for the empty lanes of each block
 		std::vector<PackedBody> freeBodies; // their free velocities; w: the velocity by external forces, BodyVelocity::pushed [m/s]
@@ -117,6 +121,7 @@ class Sweep {
 	bool groupable(const ContactRow&) const;
 	bool sameLinks(std::size_t block) const;
 	bool sameLeftOut() const;
+	bool sameContacts() const;
 	void groupContacts();
 	void linkGroups();
 	void numberBodies();
@@ -125,6 +130,9 @@ class Sweep {
 	// Fill in this problem's numbers. Return false if its contacts are not those that were grouped, so that the groups must be made anew.
 	bool fill();
 	bool fillGroups(std::size_t block);
+	bool fillFromStep(std::size_t block);
+	static void setLane(Group&, int lane, const ContactRow&, double radiusA, double radiusB);
+	static void clearLane(Group&, int lane);
 	bool fillLoose(std::size_t block);
 	void packBodies(std::size_t block);
 	template <class Work> void inEveryBlock(const Work&) const;

@@ -12,6 +12,7 @@ bool Sweep::classifyBodies(bool& sameMasses)
 {
 	const bool known = packed.kinds.size() == system.bodies.size();
 	packed.kinds.resize(system.bodies.size());
+	packed.inverseRadii.resize(system.bodies.size());
 	struct Same {
 		bool kinds, masses, twisted;
 	};
@@ -27,7 +28,8 @@ bool Sweep::classifyBodies(bool& sameMasses)
 			const bool turns = w[0] > 0 && w[2] > 0, uniform = w[0] == w[1] && (w[0] > 0 || w[2] == 0), movable = w[0] > 0;
 			const double k = turns ? std::sqrt(w[0] / w[2]) : 1;
 			same.kinds = same.kinds && uniform == kind.uniform && turns == kind.turns && movable == kind.movable;
-			kind = { { w[0], w[1], w[2] }, k, 1 / k, uniform, turns, movable };
+			kind = { { w[0], w[1], w[2] }, k, uniform, turns, movable };
+			packed.inverseRadii[i] = 1 / k;
 		}
 		return same;
 	};
@@ -61,6 +63,13 @@ bool Sweep::sameLeftOut() const
 	const std::vector<Link>& links = packed.partition.links;
 	return packed.blocks.contacts.size() == links.size()
 	    || !anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable && !(links[i] == linkOf(system.contacts[i])); });
+}
+
+// Whether sweeps may take the contacts from the step itself: they link the same bodies as those that were grouped, and nobody asks for single ones.
+bool Sweep::sameContacts() const
+{
+	return system.contacts.postponed() && !system.contacts.isSolved() && packed.contactSet == system.contactSet
+	    && packed.blocks.contacts.size() == system.contacts.size() && packed.partition.islands.size() == 1 && packed.carried.empty();
 }
 
 void Sweep::groupContacts()
@@ -148,13 +157,62 @@ bool Sweep::fill()
 	packed.masses.resize(bodies);
 	packed.blockSums.resize(packed.blocks.count());
 	std::atomic<bool> same { true };
+	const bool fromStep = system.contacts.postponed();
 	inEveryBlock([&](std::size_t block) {
-		if (same && sameLinks(block) && fillGroups(block) && fillLoose(block))
+		if (same && (fromStep ? fillFromStep(block) : sameLinks(block) && fillGroups(block)) && fillLoose(block))
 			packBodies(block);
 		else
 			same = false;
 	});
 	return same;
+}
+
+inline void Sweep::clearLane(Group& g, int lane)
+{
+	g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
+	g.inverseWnn[lane] = g.inverseWtt[lane] = 0;
+}
+
+// inverseA, inverseB: 1/k of the bodies.
+inline void Sweep::setLane(Group& g, int lane, const ContactRow& c, double inverseA, double inverseB)
+{
+	g.nx[lane] = c.nx;
+	g.ny[lane] = c.ny;
+	g.at[lane] = c.at * inverseA;
+	g.bt[lane] = c.bt * inverseB;
+	g.bias[lane] = c.bias;
+	g.mu[lane] = c.mu;
+	g.pn[lane] = c.pn;
+	g.pt[lane] = c.pt;
+	g.inverseWnn[lane] = 1 / c.wnn;
+	g.inverseWtt[lane] = 1 / c.wtt;
+}
+
+bool Sweep::fillFromStep(std::size_t block)
+{
+	constexpr std::size_t batch = 128; // groups
+	const RowSource& step = *system.contacts.postponed();
+	const int32_t* const member = packed.grouping.members.data();
+	for (std::size_t from = packed.begin[block].group; from < packed.begin[block + 1].group; from += batch) {
+		const std::size_t count = std::min(batch, packed.begin[block + 1].group - from);
+		uint8_t left[batch];
+		step.fill(member + from * Group::lanes, count, packed.inverseRadii.data(), packed.groups.data() + from, left);
+		for (std::size_t k = 0; k < count; k++)
+			for (unsigned lanes = left[k]; lanes != 0; lanes &= lanes - 1) {
+				Group& g = packed.groups[from + k];
+				const int lane = __builtin_ctz(lanes);
+				const int32_t contact = member[(from + k) * Group::lanes + lane];
+				if (contact < 0) {
+					clearLane(g, lane);
+					continue;
+				}
+				const ContactRow c = step.row(contact);
+				if (!groupable(c))
+					return false;
+				setLane(g, lane, c, packed.inverseRadii[c.a], packed.inverseRadii[c.b]);
+			}
+	}
+	return true;
 }
 
 bool Sweep::fillGroups(std::size_t block)
@@ -163,32 +221,17 @@ bool Sweep::fillGroups(std::size_t block)
 	for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++) {
 		Group& g = packed.groups[k];
 		bool same = true;
-		double wnn[Group::lanes], wtt[Group::lanes];
 		for (int lane = 0; lane < Group::lanes; lane++, member++) {
 			if (*member < 0) {
-				g.nx[lane] = g.ny[lane] = g.at[lane] = g.bt[lane] = g.bias[lane] = g.mu[lane] = g.pn[lane] = g.pt[lane] = 0;
-				wnn[lane] = wtt[lane] = std::numeric_limits<double>::infinity();
+				clearLane(g, lane);
 				continue;
 			}
 			const ContactRow& c = system.contacts[*member];
 			same = same && groupable(c);
-			g.nx[lane] = c.nx;
-			g.ny[lane] = c.ny;
-			g.at[lane] = c.at * packed.kinds[c.a].inverseRadius;
-			g.bt[lane] = c.bt * packed.kinds[c.b].inverseRadius;
-			g.bias[lane] = c.bias;
-			g.mu[lane] = c.mu;
-			g.pn[lane] = c.pn;
-			g.pt[lane] = c.pt;
-			wnn[lane] = c.wnn;
-			wtt[lane] = c.wtt;
+			setLane(g, lane, c, packed.inverseRadii[c.a], packed.inverseRadii[c.b]);
 		}
 		if (!same)
 			return false;
-		for (int lane = 0; lane < Group::lanes; lane++) {
-			g.inverseWnn[lane] = 1 / wnn[lane];
-			g.inverseWtt[lane] = 1 / wtt[lane];
-		}
 	}
 	return true;
 }
@@ -198,14 +241,14 @@ bool Sweep::fillLoose(std::size_t block)
 	for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
 		Loose& l = packed.loose[i];
 		const int32_t contact = packed.grouping.loose[i];
-		l.row = system.contacts[contact];
-		if (groupable(l.row) != packed.ends[contact].groupable)
+		l.row = system.contacts.postponed() ? system.contacts.postponed()->row(contact) : system.contacts[contact];
+		if (!(l.row.wnn > 0) || groupable(l.row) != packed.ends[contact].groupable)
 			return false;
 		const auto fill = [&](int32_t& body, int32_t place, double& n, double& t, double* w) {
 			std::copy_n(system.bodies[body].w, 3, w);
 			const BodyKind& kind = packed.kinds[body];
-			n *= kind.inverseRadius;
-			t *= kind.inverseRadius;
+			n *= packed.inverseRadii[body];
+			t *= packed.inverseRadii[body];
 			w[2] *= kind.radius * kind.radius;
 			body = place;
 		};
@@ -218,6 +261,8 @@ bool Sweep::fillLoose(std::size_t block)
 void Sweep::packBodies(std::size_t block)
 {
 	for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
+		if (i + soon < packed.begin[block + 1].body)
+			__builtin_prefetch(&system.bodies[packed.bodyAt[i + soon]]);
 		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
 		packed.bodies[i].w = b.w[0];
 		packed.freeBodies[i] = { b.v[0], b.v[1], b.v[2] * packed.kinds[packed.bodyAt[i]].radius, b.pushed };

@@ -102,7 +102,7 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
 bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& report)
 {
-	assemble(world, settings);
+	prepare(world, settings);
 	if (sleepers.wake(system.contacts, world))
 		return false;
 	static const std::vector<int> unknown;

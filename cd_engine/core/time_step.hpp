@@ -13,6 +13,8 @@
 namespace cd {
 
 struct PairLanes;
+struct PairEffects;
+struct RowSettings;
 
 struct StepSettings {
 	double dt = 0; // [s]
@@ -67,7 +69,7 @@ inline double reachOf(const Body& b, double way)
 	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
 }
 
-class TimeStep {
+class TimeStep : RowSource {
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4). Only the
 	// pairs in world.awake may touch. Contact is required at the mid-configurations, which are a step apart. So u_n + max(gap, 0)/h >= 0 keeps
@@ -102,6 +104,8 @@ class TimeStep {
 	// The impulse of all contacts on a body, those of sleeping islands included.
 	const std::array<double, 3>& impulseOn(std::size_t body) const { return impulses[body]; }
 
+	// Whether nobody has read a row of the last step's contacts, so that none was made.
+	bool rowsPostponed() const { return system.contacts.postponed(); }
 	// Whether the last step woke pairs that were asleep before it.
 	bool woke() const { return wokeSome; }
 
@@ -113,7 +117,7 @@ class TimeStep {
     private:
 	static void free(const Body&, double dt, BodyVelocity&);
 	void freeAgain(const World&, double dt);
-	void beginBodies(const World&, double dt);
+	bool beginBodies(const World&, double dt);
 	void noteLoads(const World&, const StepSettings&);
 	bool meanVelocities(const World&, double dt, bool solved);
 	void tellNeeded(const World&, double dt, StepReport&) const;
@@ -125,7 +129,9 @@ class TimeStep {
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
 	bool judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
-	void findContacts(World&, const StepSettings&);
+	void findContacts(World&, const StepSettings&, bool turns);
+	bool looksOn(const World&) const;
+	void prepare(World&, const StepSettings&);
 	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
 	void stopAtFaces(const World&, double dt);
 	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;
@@ -133,8 +139,15 @@ class TimeStep {
 	void resizeRows(std::size_t count, const StepSettings&);
 	std::array<double, 2> firstGuess(const World&, std::size_t pair, const StepSettings&) const;
 	ContactRow rowOf(const World&, std::size_t pair, const StepSettings&, double& turned) const;
-	template <bool rows, class Which> std::size_t load(const World&, std::size_t count, PairLanes*, const Which&);
-	void fillRows(const World&, const StepSettings&, std::size_t from, std::size_t to);
+	template <bool rows, class Which>
+	std::size_t load(const World&, std::size_t count, PairLanes*, const Which&, const double* inverseRadius = nullptr) const;
+	void fillRows(const World&, const StepSettings&, ContactRow* all, std::size_t from, std::size_t to);
+	static RowSettings asked(const StepSettings&);
+	bool findApart(const World&, const StepSettings&);
+	void makeRows(std::vector<ContactRow>&) override;
+	ContactRow row(int32_t contact) const override;
+	std::array<double, 2> guess(int32_t contact) const override;
+	void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group*, uint8_t* left) const override;
 	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool within(std::size_t pair, const World&, double dt) const;
@@ -146,8 +159,14 @@ class TimeStep {
 	static bool end(StepReport&);
 	void finishContacts(World&, const StepSettings&, StepReport&);
 	SleepingIsland* asleepAt(const ContactRow&);
+	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
+	static constexpr std::size_t batch = 64;
+	void effectsOf(const World&, double rate, std::size_t from, std::size_t count, PairEffects*) const;
 	struct Account;
+	void accountFor(World&, const StepSettings&, double rate, std::size_t i, const ContactRow&, Account&);
+	void accountForPostponed(World&, const StepSettings&, double rate, std::size_t from, std::size_t count, Account&);
 	Account account(World&, const StepSettings&, double dissipated, std::size_t from, std::size_t to);
+	static bool keeps(double nx, double ny, double pn, double pt, Carried&, double dt);
 	void carry(const ContactRow&, Carried&, const StepSettings&, double rate);
 	void release(const Pair&, Carried&);
 	struct Share;
@@ -162,13 +181,9 @@ class TimeStep {
 	struct Seen {
 		std::size_t contacts = 0, first = 0; // first: row of the first contact
 		bool through = false; // a disk must be taken back to a face
+		bool same = true; // the contacts are those of the last look
 		bool apart = false; // a reference overlap has ended
 		double deepest = 0, narrowest = endless; // largest overlap beyond the reference, smallest gap left out [m]
-	};
-
-	struct Mean {
-		double v[3]; // mean of the velocities before and after the step
-		double speed; // speed of the fastest point of its outline after the step, which bounds its motion [m/s]
 	};
 
 	Workspace memory; // of the solvers
@@ -191,6 +206,15 @@ class TimeStep {
 	double deepest = 0; // largest overlap beyond the reference one [m]
 	std::size_t rows = 0; // contacts of the system, while it is assembled
 	bool wokeSome = false;
+	std::vector<char> special; // of each contact: whether the kernel cannot make its row
+	// These contacts, their rows if all rows are postponed, and of every contact its index among them, -1: none. Known for this contactSet.
+	std::vector<int32_t> apart, apartOf;
+	std::vector<ContactRow> apartRows;
+	std::size_t apartFor = 0;
+	const World* source = nullptr; // what postponed rows are made from
+	const StepSettings* sourceSettings = nullptr;
+	long listing = 0; // World::listing of the last step
+	bool appended = false; // the last step has added contacts
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<char> solved; // whether a pair has a contact in the system

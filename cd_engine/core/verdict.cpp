@@ -340,20 +340,11 @@ double growth(const ContactSystem& system, const std::vector<double>& freeVeloci
 }
 double growth(const DelassusSystem& system) { return growthOf(Borrowed<MatrixForm>(system.memory)->of(system)); }
 
-double weighted(const DelassusSystem& system)
-{
-	double square = 0;
-	for (std::size_t i = 0; i < system.contacts(); i++) {
-		const double* const p = &system.p[2 * i];
-		square += system.blocks[system.diagonal[i]].nn * (p[0] * p[0] + p[1] * p[1]);
-	}
-	return std::sqrt(square);
-}
-
 bool surelySolvable(const ContactSystem& system, Threads* threads)
 {
 	return !anyOf(threads, system.bodies.size(), [&](std::size_t i) { return isDriven(system.bodies[i]); })
-	    && !anyOf(threads, system.contacts.size(), [&](std::size_t i) { return !(system.contacts[i].bias >= 0); });
+	    && (system.contacts.postponed() // they push nothing
+		|| !anyOf(threads, system.contacts.size(), [&](std::size_t i) { return !(system.contacts[i].bias >= 0); }));
 }
 
 } // namespace cd

@@ -49,9 +49,6 @@ constexpr double mostGrowth = 1e12, mostOfEqual = 1e8;
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity);
 double growth(const DelassusSystem& system);
 
-// The norm of the impulses that `guess` is: sqrt(sum W_nn |p|^2). Start has that of a problem given by its bodies.
-double weighted(const DelassusSystem& system);
-
 // Whether a blocked freedom of a body moves.
 inline bool isDriven(const BodyVelocity& b)
 {

@@ -83,6 +83,7 @@ struct World {
 	std::vector<Carried> carried; // by the contacts of the pairs
 	// Of each body [m]: the list of pairs holds every two bodies whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
+	long listing = 0; // another number for every other list of pairs; 0: nobody counts, and each step looks for itself
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
 };
 
@@ -93,6 +94,13 @@ struct alignas(32) Place {
 	double radius; // of a disk [m]; 0: a boundary
 };
 static_assert(sizeof(Place) == 32);
+
+// The motion of a body in a step.
+struct alignas(32) Mean {
+	double v[3]; // mean of the velocities before and after the step
+	double speed; // speed of the fastest point of its outline after the step, which bounds its motion [m/s]
+};
+static_assert(sizeof(Mean) == 32);
 
 // The place of a body after `ahead` [s] at its present velocities.
 inline Place placeAhead(const Body& b, double ahead) { return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.radius }; }

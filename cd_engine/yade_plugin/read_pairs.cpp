@@ -148,6 +148,7 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 // Copies the pairs into the core's world.
 void SceneLink::listPairs(const Memory& memory)
 {
+	world.listing++;
 	world.pairs.clear();
 	std::size_t touching = 0;
 	for (const cd::NearPair& pair : pairs) {

@@ -258,7 +258,7 @@ TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are no
 		pressed.b = 10;
 		pressed.nx = 1;
 		pressed.bias = -1;
-		still.contacts.insert(still.contacts.begin(), pressed);
+		still.contacts.all().insert(still.contacts.begin(), pressed);
 		still.assembleBlocks();
 		CHECK(solver(still, to(1e-8)).status == Status::converged);
 		ContactSystem broken = lattice(3, 0.3);
