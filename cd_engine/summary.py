@@ -18,6 +18,8 @@ def text(engine):
         f"{1e3 * engine.solveTime / engine.steps:.3g} ms in the solver a step; overlap at most {engine.deepestPenetration:.2g} m; "
         f"{engine.dissipatedEnergy:.3g} J lost in friction and impacts",
     ]
+    if engine.woken:
+        lines.append(f"Woken last in {engine.woken}")
     if engine.handoverOverlap > 1e-12:  # else round-off
         lines.append(f"Overlaps of up to {engine.handoverOverlap:.2g} m were there at the start and count as touching")
     if engine.unsolvableContact:

@@ -52,6 +52,8 @@ void Sleepers::recycle(SleepingIsland& island)
 
 void Sleepers::wakeAll(World& world)
 {
+	if (!list.empty())
+		last = { "settings, or which bodies are near each other, have changed", -1 };
 	for (SleepingIsland& island : list)
 		recycle(island);
 	list.clear();
@@ -73,8 +75,9 @@ void Sleepers::look(World& world)
 	bool changes = compareBodies(world);
 	for (SleepingIsland& island : list)
 		for (const Push& push : island.onImmobile)
-			island.disturbed = island.disturbed || !quiet[push.body];
-	changes = remove([](const SleepingIsland& island) { return island.disturbed; }) || changes;
+			if (!quiet[push.body])
+				island.disturb("a boundary that it touches was moved or changed", push.body);
+	changes = removeDisturbed(false) || changes;
 	for (SleepingIsland& island : list)
 		island.found = false;
 	if (changes)
@@ -91,7 +94,8 @@ bool Sleepers::compareBodies(const World& world)
 		const bool still
 		    = (asleep || immobile) && isStill(now) && isSame(now, bodies[i]) && (now.radius > 0 || isSame(world.shapes[i], shapes[i]));
 		if (asleep && !still)
-			islandOf(static_cast<int32_t>(i)).disturbed = true;
+			islandOf(static_cast<int32_t>(i))
+			    .disturb("a body was moved or changed, or another force acts on it", static_cast<int32_t>(i));
 		if (immobile && !asleep) {
 			bodies[i] = now;
 			shapes[i] = world.shapes[i];
@@ -120,6 +124,17 @@ template <class Condition> bool Sleepers::remove(Condition condition)
 	return true;
 }
 
+// Removes the islands in which something has changed; sleepingOn: only those that this step has not looked at.
+bool Sleepers::removeDisturbed(bool sleepingOn)
+{
+	const auto wakes = [sleepingOn](const SleepingIsland& island) { return island.disturbed.what && !(sleepingOn && island.found); };
+	const auto first = std::find_if(list.begin(), list.end(), wakes);
+	if (first == list.end())
+		return false;
+	last = first->disturbed;
+	return remove(wakes);
+}
+
 void Sleepers::number()
 {
 	for (std::size_t k = 0; k < list.size(); k++)
@@ -144,8 +159,8 @@ bool Sleepers::wake(const ContactRows& contacts, World& world)
 	for (const ContactRow& c : contacts)
 		for (const int32_t body : { c.a, c.b })
 			if (sleepsOn(body))
-				islandOf(body).disturbed = true;
-	const bool any = remove([](const SleepingIsland& island) { return !island.found && island.disturbed; });
+				islandOf(body).disturb("a body that is awake came near", body == c.a ? c.b : c.a);
+	const bool any = removeDisturbed(true);
 	if (any)
 		listAwake(world);
 	return any;

@@ -18,6 +18,12 @@ struct Push {
 	double impulse[3]; // [N s], [N s], angular momentum about the body's centre [N m s]
 };
 
+// Why an island is woken.
+struct Cause {
+	const char* what = nullptr; // null: there is no reason
+	int32_t body = -1; // with this body; -1: with none
+};
+
 struct SleepingIsland {
 	int32_t name = 0; // the first of its movable bodies
 	int unknowns = 0;
@@ -27,7 +33,13 @@ struct SleepingIsland {
 	double deepest = 0; // overlap beyond the reference one [m]
 	std::vector<Push> onImmobile; // one for every contact with an immobile body
 	bool found = true; // whether the present or last step looked at the island and found it asleep
-	bool disturbed = false; // something in it has changed
+	Cause disturbed; // the first thing in it that has changed
+
+	void disturb(const char* what, int32_t body)
+	{
+		if (!disturbed.what)
+			disturbed = { what, body };
+	}
 };
 
 // To be called in a step in this order: look (or wakeAll), wake, startSearch, add, finishSearch, join, disturb, remember.
@@ -61,19 +73,24 @@ class Sleepers {
 	{
 		for (const int32_t body : { a, b })
 			if (sleeps(body))
-				islandOf(body).disturbed = true;
+				islandOf(body).disturb("the force of a contact was changed", body);
 	}
+	// Why islands were woken last.
+	const Cause& woken() const { return last; }
+	void forgetWoken() { last = {}; }
 
     private:
 	void resize(std::size_t bodies);
 	bool compareBodies(const World&);
 	template <class Condition> bool remove(Condition);
+	bool removeDisturbed(bool sleepingOn);
 	void number();
 	void listAwake(World&) const;
 
 	void recycle(SleepingIsland&);
 
 	std::vector<SleepingIsland> list;
+	Cause last;
 	std::vector<std::vector<Push>> memory; // of islands that no longer exist, for reuse
 	std::vector<int32_t> nameOf; // by body: the name of its island, -1: it is awake
 	std::vector<int32_t> indexOf; // by name: the index of the island in the list

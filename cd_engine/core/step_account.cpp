@@ -229,7 +229,8 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 		if (SleepingIsland* const asleep = asleepAt(c)) {
 			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gapOf(world, rowPair[i]));
-			asleep->disturbed = asleep->disturbed || i >= assembled; // a contact that was added later is none in the next step
+			if (i >= assembled) // a contact that was added later is none in the next step
+				asleep->disturb("a contact came late", c.a);
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
 			push(of, *asleep);

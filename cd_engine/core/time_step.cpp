@@ -177,9 +177,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	threads.use(settings.threads);
 	forgotten.clear();
 	noteLoads(world, settings);
-	wokeSome = false;
-	while (!attempt(world, settings, report))
-		wokeSome = true;
+	while (!attempt(world, settings, report)) { }
 	if (report.solver.status == Status::diverged || !report.outran.empty())
 		return report; // the world has not been changed
 	report.dissipated += report.effort.stopped;

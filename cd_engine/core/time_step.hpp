@@ -106,9 +106,6 @@ class TimeStep : RowSource {
 
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool rowsPostponed() const { return system.contacts.postponed(); }
-	// Whether the last step woke pairs that were asleep before it.
-	bool woke() const { return wokeSome; }
-
 	// Asked before the pairs are read, and told which parts of the scene a step has changed.
 	Sleepers sleepers;
 	// Share the work of a step, and of what is done before and after it.
@@ -205,7 +202,6 @@ class TimeStep : RowSource {
 	std::vector<int32_t> forgotten;
 	double deepest = 0; // largest overlap beyond the reference one [m]
 	std::size_t rows = 0; // contacts of the system, while it is assembled
-	bool wokeSome = false;
 	std::vector<char> special; // of each contact: whether the kernel cannot make its row
 	// These contacts, their rows if all rows are postponed, and of every contact its index among them, -1: none. Known for this contactSet.
 	std::vector<int32_t> apart, apartOf;

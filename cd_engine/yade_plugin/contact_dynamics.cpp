@@ -217,6 +217,11 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 		loadsBeforeTrial = step.loads();
 	planRestTrial(report.effort, settings.trial > 0);
 	sleeping = report.effort.sleeping;
+	if (const cd::Cause& cause = step.sleepers.woken(); cause.what) {
+		woken = "step " + std::to_string(at<long>(scene, layout.scene_iter)) + ": " + cause.what
+		    + (cause.body >= 0 ? " (body #" + std::to_string(cause.body) + ")" : "");
+		step.sleepers.forgetWoken();
+	}
 	loadedContacts = report.loadedContacts;
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;

@@ -51,6 +51,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int islands = 0;
 	int resting = 0;
 	int sleeping = 0;
+	std::string woken;
 	int loadedContacts = 0;
 	int slidingContacts = 0;
 	double maxPenetration = 0;
@@ -213,6 +214,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("sleeping", &C::sleeping, Access::read, any,
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing of "
 	    "them is looked at but their bodies [1].");
+	visit("woken", &C::woken, Access::read, any, "Why islands were woken last: the step, what had changed, and the body.");
 	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::internal, any,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
 	visit("restTrialAt", &C::restTrialAt, Access::internal, any,

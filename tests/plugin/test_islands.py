@@ -106,9 +106,11 @@ def test_what_is_at_rest_sleeps_until_something_changes(O):
     assert (cd.islands, cd.sleeping, cd.resting, cd.iterations) == (3, 3, 3, 0)
     assert all(b.state.vel.norm() == 0 for b in O.bodies)
     assert cd.residual <= 1e-6
+    assert cd.woken == ""
     O.bodies[columns[0][2]].state.vel = (0.01, 0, 0)
     O.run(1, True)
     assert (cd.islands, cd.sleeping) == (3, 2)
+    assert cd.woken == f"step 600: a body was moved or changed, or another force acts on it (body #{columns[0][2]})"
     cd.gravity = (0, -9.81 * (1 + 1e-3), 0)
     O.run(1, True)
     assert cd.sleeping == 0
@@ -200,7 +202,7 @@ def test_a_finer_tolerance_wakes(O):
     assert cd.sleeping == 1
     cd.tolerance = 1e-10
     O.run(1, True)
-    assert cd.converged and cd.residual <= 1e-10
+    assert cd.converged and cd.residual <= 1e-10 and "settings" in cd.woken
     assert O.interactions[0, 1].phys.normalForce.norm() == pytest.approx(4 * 9.81, rel=1e-8)
 
 
