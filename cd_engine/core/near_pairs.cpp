@@ -8,9 +8,10 @@ namespace {
 
 	constexpr double mostCells = 64; // a body that covers more is not entered in the grid
 	constexpr double widthOfCells = 1.5; // in bounding boxes of the median disk
+	constexpr std::size_t fewestPlaces = 256; // more than any body covers
 
 	// Cells that are neighbours along x get neighbouring slots; the rows are scattered (Knuth, vol. 3, section 6.4).
-	uint32_t placeOf(const int32_t* cell) { return static_cast<uint32_t>(cell[0]) + static_cast<uint32_t>(cell[1]) * 0x9E3779B1u; }
+	uint32_t placeOf(int32_t x, int32_t y) { return static_cast<uint32_t>(x) + static_cast<uint32_t>(y) * 0x9E3779B1u; }
 
 	double median(std::vector<double>& values)
 	{
@@ -55,7 +56,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 		if (world.masks[i] != 0)
 			enter(static_cast<int32_t>(i));
 	sortByPlace();
-	compareInCells(world, margins, found);
+	compareInRows(world, margins, found);
 	for (const int32_t i : large)
 		for (int32_t j = 0; j < static_cast<int32_t>(n); j++)
 			if (!boxes[j].large || j > i)
@@ -72,24 +73,25 @@ void NearPairs::enter(int32_t body)
 		large.push_back(body);
 		return;
 	}
-	const int32_t last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
-	for (const int axis : { 0, 1 })
-		box.first[axis] = cellOf(box.low[axis], axis);
-	for (int32_t y = box.first[1]; y <= last[1]; y++)
-		for (int32_t x = box.first[0]; x <= last[0]; x++)
-			entries.push_back({ { x, y }, body });
+	const int32_t first[2] = { cellOf(box.low[0], 0), cellOf(box.low[1], 1) }, last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
+	for (int32_t row = first[1]; row <= last[1]; row++)
+		entries.push_back(
+		    { { box.low[0], box.low[1] }, { box.high[0], box.high[1] }, row, first[1], body, placeOf(first[0], row), placeOf(last[0], row) });
 }
 
-// Counting sort by slot. Entries of one slot keep their order.
+// Counting sort by slot.
 void NearPairs::sortByPlace()
 {
-	std::size_t places = 64;
+	std::size_t places = fewestPlaces;
 	while (places < entries.size())
 		places *= 2;
 	const auto mask = static_cast<uint32_t>(places - 1);
 	ends.assign(places, 0);
-	for (const Entry& e : entries)
-		ends[placeOf(e.cell) & mask]++;
+	for (Entry& e : entries) {
+		e.place &= mask;
+		e.lastPlace &= mask;
+		ends[e.place]++;
+	}
 	uint32_t before = 0;
 	for (uint32_t& end : ends) {
 		const uint32_t count = end;
@@ -98,22 +100,27 @@ void NearPairs::sortByPlace()
 	}
 	sorted.resize(entries.size());
 	for (const Entry& e : entries)
-		sorted[ends[placeOf(e.cell) & mask]++] = e;
+		sorted[ends[e.place]++] = e;
 }
 
-void NearPairs::compareInCells(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
+void NearPairs::compareInRows(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
 {
-	uint32_t begin = 0;
-	for (const uint32_t end : ends) {
-		for (uint32_t k = begin; k < end; k++)
-			for (uint32_t m = k + 1; m < end; m++) {
-				const Entry &p = sorted[k], &q = sorted[m];
-				const Box &r = boxes[p.body], &s = boxes[q.body];
-				if (p.cell[0] == q.cell[0] && p.cell[1] == q.cell[1] && std::max(r.first[0], s.first[0]) == p.cell[0]
-				    && std::max(r.first[1], s.first[1]) == p.cell[1])
+	const auto count = static_cast<uint32_t>(sorted.size());
+	for (uint32_t k = 0; k < count; k++) {
+		const Entry& p = sorted[k];
+		const auto compareWith = [&](uint32_t from, uint32_t to) {
+			for (uint32_t m = from; m < to; m++) {
+				const Entry& q = sorted[m];
+				// One branch, since nobody can predict the single ones.
+				if ((q.row == p.row) & (std::max(p.firstRow, q.firstRow) == p.row) & (p.low[0] <= q.high[0]) & (q.low[0] <= p.high[0])
+				    & (p.low[1] <= q.high[1]) & (q.low[1] <= p.high[1]))
 					compare(world, margins, p.body, q.body, found);
 			}
-		begin = end;
+		};
+		const bool wraps = p.lastPlace < p.place;
+		compareWith(k + 1, wraps ? count : ends[p.lastPlace]);
+		if (wraps)
+			compareWith(0, ends[p.lastPlace]);
 	}
 }
 
