@@ -8,6 +8,7 @@ namespace {
 
 	constexpr double mostCells = 64; // a body that covers more is not entered in the grid
 	constexpr double widthOfCells = 1.5; // in bounding boxes of the median disk
+	constexpr std::size_t sample = 256; // disks whose medians are taken, about
 	constexpr std::size_t fewestPlaces = 256; // more than any body covers
 
 	// Cells that are neighbours along x get neighbouring slots; the rows are scattered (Knuth, vol. 3, section 6.4).
@@ -30,6 +31,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 	boxes.resize(n);
 	for (auto& values : { &sides, &xs, &ys })
 		values->clear();
+	std::size_t disks = 0;
 	for (std::size_t i = 0; i < n; i++) {
 		const Body& b = world.bodies[i];
 		const Half half = halfSides(b, world.shapes[i]);
@@ -37,7 +39,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
 		if (const Shape& shape = world.shapes[i]; b.radius == 0 && shape.kind == ShapeKind::wall && shape.sense != 0)
 			(shape.sense > 0 ? boxes[i].low : boxes[i].high)[shape.axis] = -shape.sense * endless; // solid on the whole of its other side
-		if (world.masks[i] != 0 && b.radius > 0) {
+		if (world.masks[i] != 0 && b.radius > 0 && disks++ % (1 + n / sample) == 0) {
 			sides.push_back(2 * x);
 			xs.push_back(b.x);
 			ys.push_back(b.y);
@@ -48,7 +50,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 	entries.clear();
 	if (sides.empty())
 		return;
-	// Medians, so that neither a giant body nor one far away makes the cells useless.
+	// Medians of some disks, so that neither a giant body nor one far away makes the cells useless.
 	width = widthOfCells * median(sides);
 	origin[0] = median(xs);
 	origin[1] = median(ys);
@@ -59,7 +61,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 	compareInRows(world, margins, found);
 	for (const int32_t i : large)
 		for (int32_t j = 0; j < static_cast<int32_t>(n); j++)
-			if (!boxes[j].large || j > i)
+			if ((!boxes[j].large || j > i) && boxes[i].meets(boxes[j]))
 				compare(world, margins, i, j, found);
 }
 
@@ -75,8 +77,7 @@ void NearPairs::enter(int32_t body)
 	}
 	const int32_t first[2] = { cellOf(box.low[0], 0), cellOf(box.low[1], 1) }, last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
 	for (int32_t row = first[1]; row <= last[1]; row++)
-		entries.push_back(
-		    { { box.low[0], box.low[1] }, { box.high[0], box.high[1] }, row, first[1], body, placeOf(first[0], row), placeOf(last[0], row) });
+		entries.push_back({ box, row, first[1], body, placeOf(first[0], row), placeOf(last[0], row) });
 }
 
 // Counting sort by slot.
@@ -111,9 +112,7 @@ void NearPairs::compareInRows(const World& world, const std::vector<double>& mar
 		const auto compareWith = [&](uint32_t from, uint32_t to) {
 			for (uint32_t m = from; m < to; m++) {
 				const Entry& q = sorted[m];
-				// One branch, since nobody can predict the single ones.
-				if ((q.row == p.row) & (std::max(p.firstRow, q.firstRow) == p.row) & (p.low[0] <= q.high[0]) & (q.low[0] <= p.high[0])
-				    & (p.low[1] <= q.high[1]) & (q.low[1] <= p.high[1]))
+				if ((q.row == p.row) & (std::max(p.firstRow, q.firstRow) == p.row) & p.box.meets(q.box))
 					compare(world, margins, p.body, q.body, found);
 			}
 		};
@@ -128,9 +127,6 @@ void NearPairs::compare(const World& world, const std::vector<double>& margins, 
 {
 	constexpr double roundOff = 1e-12;
 	const Body &p = world.bodies[a], &q = world.bodies[b];
-	const Box &r = boxes[a], &s = boxes[b];
-	if (r.low[0] > s.high[0] || s.low[0] > r.high[0] || r.low[1] > s.high[1] || s.low[1] > r.high[1])
-		return;
 	if (p.radius > 0 && q.radius > 0) {
 		const double dx = p.x - q.x, dy = p.y - q.y, most = (p.radius + q.radius + margins[a] + margins[b]) * (1 + roundOff);
 		if (dx * dx + dy * dy > most * most)

@@ -28,9 +28,15 @@ class NearPairs {
 	struct Box {
 		double low[2], high[2];
 		bool large = false; // not in the grid
+
+		// One branch, since nobody can predict the single ones.
+		bool meets(const Box& o) const
+		{
+			return (low[0] <= o.high[0]) & (o.low[0] <= high[0]) & (low[1] <= o.high[1]) & (o.low[1] <= high[1]);
+		}
 	};
 	struct Entry {
-		double low[2], high[2]; // the body's box
+		Box box; // of the body
 		int32_t row, firstRow, body;
 		uint32_t place, lastPlace; // slots of the first and last cell of the box in this row
 	};
