@@ -190,10 +190,6 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 // Finds the objects that hold a contact's force, and prefetches them.
 void SceneLink::findForces(std::size_t index)
 {
-	if (!interactions[index]) {
-		forces[index] = { nullptr, nullptr, false };
-		return;
-	}
 	char* const interaction = reinterpret_cast<char*>(interactions[index]);
 	void* const geom = pointer<yade::IGeom>(interaction, layout.interaction_geom);
 	void* const phys = pointer<yade::IPhys>(interaction, layout.interaction_phys);
@@ -221,8 +217,6 @@ cd::Carried SceneLink::carriedIn(const Forces& f) const
 // Discards objects that a step cannot read or write. Returns false if the interaction's bodies were swapped, which the step itself would not notice.
 bool SceneLink::checkForces(std::size_t index)
 {
-	if (!interactions[index])
-		return true;
 	const bool turned = pairs[index].a != at<int>(interactions[index], layout.interaction_id1);
 	Forces& f = forces[index];
 	if (turned || !f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
@@ -242,10 +236,10 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 			prefetch(interactions[i], layout.interaction_id1);
 			prefetch(interactions[i], layout.interaction_phys);
 		}
-		if (i >= early && i - early < count)
+		if (i >= early && i - early < count && interactions[i - early])
 			findForces(i - early);
-		if (i < 2 * early)
-			continue;
+		if (i < 2 * early || !interactions[i - 2 * early])
+			continue; // a pair without interaction carries nothing
 		const std::size_t now = i - 2 * early;
 		if (!checkForces(now) && !inspecting)
 			return false;
