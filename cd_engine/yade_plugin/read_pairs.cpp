@@ -108,6 +108,7 @@ void SceneLink::keepPairs()
 	rearrange(interactions);
 	rearrange(forces);
 	rearrange(world.carried);
+	rearrange(world.pairs);
 	rearrange(spare);
 }
 
@@ -145,16 +146,17 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 	world.carried.assign(pairs.size(), {});
 }
 
-// Copies the pairs into the core's world.
-void SceneLink::listPairs(const Memory& memory)
+// Copies the pairs into the core's world: all, or those that were not listed before.
+void SceneLink::listPairs(const Memory& memory, bool all)
 {
-	world.pairs.clear();
+	world.pairs.resize(pairs.size());
 	std::size_t touching = 0;
-	for (const cd::NearPair& pair : pairs) {
+	for (std::size_t k = 0; k < pairs.size(); k++) {
+		const cd::NearPair& pair = pairs[k];
 		assert(pair.a != pair.b && !bodies[pair.b].boundary);
-		world.pairs.push_back({ pair.a, pair.b });
-		world.pairs.back().reference = memory.overlaps.of(pair.a, pair.b);
-		touching += world.pairs.back().reference > 0;
+		if (all || pair.from < 0)
+			world.pairs[k] = { pair.a, pair.b, 0, memory.overlaps.of(pair.a, pair.b) };
+		touching += world.pairs[k].reference > 0;
 	}
 	if (inspecting || touching == memory.overlaps.overlaps.size())
 		return;
@@ -181,7 +183,7 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 		outdated = false;
 	}
 	if (searched || taken) {
-		listPairs(memory);
+		listPairs(memory, taken);
 		sleepers.wakeAll(world);
 	} else
 		sleepers.look(world);

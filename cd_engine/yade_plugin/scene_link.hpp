@@ -133,7 +133,7 @@ class SceneLink {
 	void takePairs(yade::InteractionContainer*, const std::vector<int>& rank);
 	void forget(yade::Interaction*) const;
 	void turn(std::size_t pair) const;
-	void listPairs(const Memory&);
+	void listPairs(const Memory&, bool all);
 	bool readForces(cd::Sleepers*);
 	cd::Carried carriedIn(const Forces&) const;
 	void setFriction(cd::Threads*);
