@@ -8,9 +8,11 @@ namespace {
 
 	constexpr double mostCells = 64; // a body that covers more is not entered in the grid
 	constexpr double widthOfCells = 1.5; // in bounding boxes of the median disk
+	constexpr std::size_t sample = 256; // disks whose medians are taken, about
+	constexpr std::size_t fewestPlaces = 256; // more than any body covers
 
 	// Cells that are neighbours along x get neighbouring slots; the rows are scattered (Knuth, vol. 3, section 6.4).
-	uint32_t placeOf(const int32_t* cell) { return static_cast<uint32_t>(cell[0]) + static_cast<uint32_t>(cell[1]) * 0x9E3779B1u; }
+	uint32_t placeOf(int32_t x, int32_t y) { return static_cast<uint32_t>(x) + static_cast<uint32_t>(y) * 0x9E3779B1u; }
 
 	double median(std::vector<double>& values)
 	{
@@ -29,6 +31,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 	boxes.resize(n);
 	for (auto& values : { &sides, &xs, &ys })
 		values->clear();
+	std::size_t disks = 0;
 	for (std::size_t i = 0; i < n; i++) {
 		const Body& b = world.bodies[i];
 		const Half half = halfSides(b, world.shapes[i]);
@@ -36,7 +39,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
 		if (const Shape& shape = world.shapes[i]; b.radius == 0 && shape.kind == ShapeKind::wall && shape.sense != 0)
 			(shape.sense > 0 ? boxes[i].low : boxes[i].high)[shape.axis] = -shape.sense * endless; // solid on the whole of its other side
-		if (world.masks[i] != 0 && b.radius > 0) {
+		if (world.masks[i] != 0 && b.radius > 0 && disks++ % (1 + n / sample) == 0) {
 			sides.push_back(2 * x);
 			xs.push_back(b.x);
 			ys.push_back(b.y);
@@ -47,7 +50,7 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 	entries.clear();
 	if (sides.empty())
 		return;
-	// Medians, so that neither a giant body nor one far away makes the cells useless.
+	// Medians of some disks, so that neither a giant body nor one far away makes the cells useless.
 	width = widthOfCells * median(sides);
 	origin[0] = median(xs);
 	origin[1] = median(ys);
@@ -55,10 +58,10 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 		if (world.masks[i] != 0)
 			enter(static_cast<int32_t>(i));
 	sortByPlace();
-	compareInCells(world, margins, found);
+	compareInRows(world, margins, found);
 	for (const int32_t i : large)
 		for (int32_t j = 0; j < static_cast<int32_t>(n); j++)
-			if (!boxes[j].large || j > i)
+			if ((!boxes[j].large || j > i) && boxes[i].meets(boxes[j]))
 				compare(world, margins, i, j, found);
 }
 
@@ -72,24 +75,24 @@ void NearPairs::enter(int32_t body)
 		large.push_back(body);
 		return;
 	}
-	const int32_t last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
-	for (const int axis : { 0, 1 })
-		box.first[axis] = cellOf(box.low[axis], axis);
-	for (int32_t y = box.first[1]; y <= last[1]; y++)
-		for (int32_t x = box.first[0]; x <= last[0]; x++)
-			entries.push_back({ { x, y }, body });
+	const int32_t first[2] = { cellOf(box.low[0], 0), cellOf(box.low[1], 1) }, last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
+	for (int32_t row = first[1]; row <= last[1]; row++)
+		entries.push_back({ box, row, first[1], body, placeOf(first[0], row), placeOf(last[0], row) });
 }
 
-// Counting sort by slot. Entries of one slot keep their order.
+// Counting sort by slot.
 void NearPairs::sortByPlace()
 {
-	std::size_t places = 64;
+	std::size_t places = fewestPlaces;
 	while (places < entries.size())
 		places *= 2;
 	const auto mask = static_cast<uint32_t>(places - 1);
 	ends.assign(places, 0);
-	for (const Entry& e : entries)
-		ends[placeOf(e.cell) & mask]++;
+	for (Entry& e : entries) {
+		e.place &= mask;
+		e.lastPlace &= mask;
+		ends[e.place]++;
+	}
 	uint32_t before = 0;
 	for (uint32_t& end : ends) {
 		const uint32_t count = end;
@@ -98,22 +101,25 @@ void NearPairs::sortByPlace()
 	}
 	sorted.resize(entries.size());
 	for (const Entry& e : entries)
-		sorted[ends[placeOf(e.cell) & mask]++] = e;
+		sorted[ends[e.place]++] = e;
 }
 
-void NearPairs::compareInCells(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
+void NearPairs::compareInRows(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
 {
-	uint32_t begin = 0;
-	for (const uint32_t end : ends) {
-		for (uint32_t k = begin; k < end; k++)
-			for (uint32_t m = k + 1; m < end; m++) {
-				const Entry &p = sorted[k], &q = sorted[m];
-				const Box &r = boxes[p.body], &s = boxes[q.body];
-				if (p.cell[0] == q.cell[0] && p.cell[1] == q.cell[1] && std::max(r.first[0], s.first[0]) == p.cell[0]
-				    && std::max(r.first[1], s.first[1]) == p.cell[1])
+	const auto count = static_cast<uint32_t>(sorted.size());
+	for (uint32_t k = 0; k < count; k++) {
+		const Entry& p = sorted[k];
+		const auto compareWith = [&](uint32_t from, uint32_t to) {
+			for (uint32_t m = from; m < to; m++) {
+				const Entry& q = sorted[m];
+				if ((q.row == p.row) & (std::max(p.firstRow, q.firstRow) == p.row) & p.box.meets(q.box))
 					compare(world, margins, p.body, q.body, found);
 			}
-		begin = end;
+		};
+		const bool wraps = p.lastPlace < p.place;
+		compareWith(k + 1, wraps ? count : ends[p.lastPlace]);
+		if (wraps)
+			compareWith(0, ends[p.lastPlace]);
 	}
 }
 
@@ -121,9 +127,6 @@ void NearPairs::compare(const World& world, const std::vector<double>& margins, 
 {
 	constexpr double roundOff = 1e-12;
 	const Body &p = world.bodies[a], &q = world.bodies[b];
-	const Box &r = boxes[a], &s = boxes[b];
-	if (r.low[0] > s.high[0] || s.low[0] > r.high[0] || r.low[1] > s.high[1] || s.low[1] > r.high[1])
-		return;
 	if (p.radius > 0 && q.radius > 0) {
 		const double dx = p.x - q.x, dy = p.y - q.y, most = (p.radius + q.radius + margins[a] + margins[b]) * (1 + roundOff);
 		if (dx * dx + dy * dy > most * most)

@@ -14,9 +14,10 @@ struct NearPair {
 	int32_t from = -1; // index of the same pair in another list; -1: none
 };
 
-// Each body has a bounding box, enlarged by its margin, and is entered in every cell that this box covers. Two bodies are compared in the first cell
-// that they share. The cells are kept in a hash table with at least one slot an entry. Distant cells may share a slot, so one body far away costs
-// nothing. Bodies that cover many cells are compared with all others.
+// Each body has a bounding box, enlarged by its margin. In every row of cells that this box covers, the body is entered in its first cell, and
+// compared with those that are entered in its cells after it; two bodies that share several rows are compared in the first. The cells are kept in a
+// hash table with at least one slot an entry. Distant cells may share a slot, so one body far away costs nothing. Bodies that cover many cells are
+// compared with all others.
 class NearPairs {
     public:
 	// Finds all pairs whose surfaces are at most the sum of their margins apart [m], except pairs of two boundaries. With boxes it also finds
@@ -26,16 +27,23 @@ class NearPairs {
     private:
 	struct Box {
 		double low[2], high[2];
-		int32_t first[2] = { 0, 0 }; // cell of the low corner of the box
 		bool large = false; // not in the grid
+
+		// One branch, since nobody can predict the single ones.
+		bool meets(const Box& o) const
+		{
+			return (low[0] <= o.high[0]) & (o.low[0] <= high[0]) & (low[1] <= o.high[1]) & (o.low[1] <= high[1]);
+		}
 	};
 	struct Entry {
-		int32_t cell[2], body;
+		Box box; // of the body
+		int32_t row, firstRow, body;
+		uint32_t place, lastPlace; // slots of the first and last cell of the box in this row
 	};
 	int32_t cellOf(double at, int axis) const;
 	void enter(int32_t body);
 	void sortByPlace();
-	void compareInCells(const World&, const std::vector<double>& margins, std::vector<NearPair>& found) const;
+	void compareInRows(const World&, const std::vector<double>& margins, std::vector<NearPair>& found) const;
 	void compare(const World&, const std::vector<double>& margins, int32_t a, int32_t b, std::vector<NearPair>& found) const;
 
 	double width = 0, origin[2] = { 0, 0 }; // of the cells [m]

@@ -15,7 +15,7 @@ class PairOrder {
 
     private:
 	std::vector<NearPair> sorted;
-	std::vector<std::size_t> begins, next; // of each block: its first place in `sorted`, and its next free one
+	std::vector<std::size_t> begins, next; // of each part: its first place in `sorted`, and its next free one
 };
 
 // Sets `from` of every pair in `now` to its index in `before`, or to -1. Both lists are sorted by the same ranks. left: the indices of the pairs in

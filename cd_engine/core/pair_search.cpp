@@ -9,17 +9,17 @@ namespace cd {
 namespace {
 
 	constexpr std::size_t fewQuick = 8;
-	// A margin covers this many ways of its body, each the motion in one step: at least, at most, and for the few fastest disks.
-	constexpr double leastWays = 1.1, mostWays = 4, spareQuick = 50;
+	// A margin covers this many ways of its body, each the motion in one step: at least, at most, and at most for the few fastest disks.
+	constexpr double leastWays = 1.1, mostWays = 8, mostQuick = 50;
 	// Target for the mean margin of the disks, in radii.
-	constexpr double meanMargin = 0.5;
+	constexpr double meanMargin = 1;
 	// Largest margin, in its radii, that a slow disk gets because others are fast.
 	constexpr double hitRadius = 0.5;
 
 } // namespace
 
-// Chooses margins that last for several steps. The few fastest disks, which may be far from all others, get the widest. If some bodies are fast, slow
-// ones get a margin for the impact that they may suffer.
+// Chooses margins that last for several steps. Those of the few fastest disks last as long as that of the next fastest, which may be far slower. If
+// some bodies are fast, slow ones get a margin for the impact that they may suffer.
 void PairSearch::chooseMargins(const World& world)
 {
 	const std::size_t count = world.bodies.size();
@@ -27,10 +27,9 @@ void PairSearch::chooseMargins(const World& world)
 	for (std::size_t i = 0; i < count; i++)
 		if (world.bodies[i].radius > 0 && ways[i] > least)
 			quick.push_back(i);
-	const std::size_t many = std::min(fewQuick, quick.size());
+	const std::size_t many = std::min(fewQuick + 1, quick.size());
 	std::partial_sort(quick.begin(), quick.begin() + static_cast<long>(many), quick.end(),
 	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
-	quick.resize(many);
 	margins.resize(count);
 	double radii = 0, need = 0, way = 0; // sums over the disks; a disk far faster than the others counts with its radius at most
 	for (std::size_t i = 0; i < count; i++)
@@ -44,8 +43,14 @@ void PairSearch::chooseMargins(const World& world)
 		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
 		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });
 	}
+	double quickWays = mostQuick;
+	if (quick.size() > fewQuick) {
+		const std::size_t next = quick[fewQuick];
+		quickWays = std::min(quickWays, (margins[next] - needs[next]) / ways[next]);
+		quick.resize(fewQuick);
+	}
 	for (const std::size_t i : quick)
-		margins[i] = needs[i] + spareQuick * ways[i];
+		margins[i] = std::max(margins[i], needs[i] + quickWays * ways[i]);
 }
 
 // The part of its margin that a body has used up by moving [m]; infinite if its radius, mask or shape has changed.

@@ -120,14 +120,16 @@ void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Ve
 	body.force[2] = torque[2];
 }
 
-void SceneLink::readFriction(int id, void* material)
+void SceneLink::readFriction(int id, void* mat)
 {
 	KnownBody& known = bodies[id];
-	if (!material || !inherits(material, Base::FrictMat))
+	if (!mat || !inherits(mat, Base::FrictMat))
 		refuseBody(id, "has a material without friction angle", "Set " + ofBody(id) + ".mat to a FrictMat or a material derived from it");
-	if (*static_cast<const void* const*>(material) != frictMat)
-		tellOfMaterial(id, material);
-	const double angle = at<double>(material, layout.frictMat_frictionAngle);
+	if (const void* const vtable = *static_cast<const void* const*>(mat); vtable != material) {
+		tellOfMaterial(id, className(mat));
+		material = vtable;
+	}
+	const double angle = at<double>(mat, layout.frictMat_frictionAngle);
 	if (angle == known.frictionAngle)
 		return;
 	if (!(angle >= 0 && angle < 1.5707963267948966))
@@ -136,12 +138,9 @@ void SceneLink::readFriction(int id, void* material)
 	known.friction = std::tan(angle);
 }
 
-void SceneLink::tellOfMaterial(int id, const void* material)
+void SceneLink::tellOfMaterial(int id, const std::string& name)
 {
-	const std::string name = className(material);
-	if (name == "FrictMat")
-		frictMat = *static_cast<const void* const*>(material);
-	else
+	if (name != "FrictMat")
 		tell("of a " + name + " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping.",
 		    "(Body #" + std::to_string(id) + " has one.) Use a FrictMat to say so, and `restitution` for bouncing.");
 }

@@ -108,6 +108,7 @@ void SceneLink::keepPairs()
 	rearrange(interactions);
 	rearrange(forces);
 	rearrange(world.carried);
+	rearrange(world.pairs);
 	rearrange(spare);
 }
 
@@ -145,17 +146,18 @@ void SceneLink::takePairs(yade::InteractionContainer* container, const std::vect
 	world.carried.assign(pairs.size(), {});
 }
 
-// Copies the pairs into the core's world.
-void SceneLink::listPairs(const Memory& memory)
+// Copies the pairs into the core's world: all, or those that were not listed before.
+void SceneLink::listPairs(const Memory& memory, bool all)
 {
 	world.listing++;
-	world.pairs.clear();
+	world.pairs.resize(pairs.size());
 	std::size_t touching = 0;
-	for (const cd::NearPair& pair : pairs) {
+	for (std::size_t k = 0; k < pairs.size(); k++) {
+		const cd::NearPair& pair = pairs[k];
 		assert(pair.a != pair.b && !bodies[pair.b].boundary);
-		world.pairs.push_back({ pair.a, pair.b });
-		world.pairs.back().reference = memory.overlaps.of(pair.a, pair.b);
-		touching += world.pairs.back().reference > 0;
+		if (all || pair.from < 0)
+			world.pairs[k] = { pair.a, pair.b, 0, memory.overlaps.of(pair.a, pair.b) };
+		touching += world.pairs[k].reference > 0;
 	}
 	if (inspecting || touching == memory.overlaps.overlaps.size())
 		return;
@@ -182,7 +184,7 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 		outdated = false;
 	}
 	if (searched || taken) {
-		listPairs(memory);
+		listPairs(memory, taken);
 		sleepers.wakeAll(world);
 	} else
 		sleepers.look(world);
@@ -191,10 +193,6 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 // Finds the objects that hold a contact's force, and prefetches them.
 void SceneLink::findForces(std::size_t index)
 {
-	if (!interactions[index]) {
-		forces[index] = { nullptr, nullptr, false };
-		return;
-	}
 	char* const interaction = reinterpret_cast<char*>(interactions[index]);
 	void* const geom = pointer<yade::IGeom>(interaction, layout.interaction_geom);
 	void* const phys = pointer<yade::IPhys>(interaction, layout.interaction_phys);
@@ -222,8 +220,6 @@ cd::Carried SceneLink::carriedIn(const Forces& f) const
 // Discards objects that a step cannot read or write. Returns false if the interaction's bodies were swapped, which the step itself would not notice.
 bool SceneLink::checkForces(std::size_t index)
 {
-	if (!interactions[index])
-		return true;
 	const bool turned = pairs[index].a != at<int>(interactions[index], layout.interaction_id1);
 	Forces& f = forces[index];
 	if (turned || !f.geom || !f.phys || !inherits(f.geom, Base::ScGeom) || !inherits(f.phys, Base::FrictPhys))
@@ -243,10 +239,10 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 			prefetch(interactions[i], layout.interaction_id1);
 			prefetch(interactions[i], layout.interaction_phys);
 		}
-		if (i >= early && i - early < count)
+		if (i >= early && i - early < count && interactions[i - early])
 			findForces(i - early);
-		if (i < 2 * early)
-			continue;
+		if (i < 2 * early || !interactions[i - 2 * early])
+			continue; // a pair without interaction carries nothing
 		const std::size_t now = i - 2 * early;
 		if (!checkForces(now) && !inspecting)
 			return false;

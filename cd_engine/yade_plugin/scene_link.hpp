@@ -119,8 +119,8 @@ class SceneLink {
 	void readDisk(int id, cd::Body&);
 	void readBox(int id, cd::Shape&);
 	void readWall(int id, cd::Shape&);
-	void readFriction(int id, void* material);
-	void tellOfMaterial(int id, const void* material);
+	void readFriction(int id, void* mat);
+	void tellOfMaterial(int id, const std::string& name);
 	void tellOfFall(int upper, int lower);
 	void tellOfPlacing(int id, bool same, double x, double y);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
@@ -133,7 +133,7 @@ class SceneLink {
 	void takePairs(yade::InteractionContainer*, const std::vector<int>& rank);
 	void forget(yade::Interaction*) const;
 	void turn(std::size_t pair) const;
-	void listPairs(const Memory&);
+	void listPairs(const Memory&, bool all);
 	bool readForces(cd::Sleepers*);
 	cd::Carried carriedIn(const Forces&) const;
 	void setFriction(cd::Threads*);
@@ -152,7 +152,7 @@ class SceneLink {
 	void writeMotion(std::size_t id);
 
 	std::array<const void*, 3> vtables {}; // of the classes of shapes that have been met
-	const void* frictMat = nullptr; // vtable of this class, if it has been met
+	const void* material = nullptr; // vtable of the class of the material that was last told of
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced

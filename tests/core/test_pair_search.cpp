@@ -163,6 +163,22 @@ TEST_CASE("fast bodies make nobody else's margin wider")
 	}
 }
 
+TEST_CASE("a few fast disks have margins that last long, but not where others are as fast")
+{
+	constexpr double dt = 1e-3, way = 0.01;
+	for (const int fast : { 5, 100 }) {
+		World w = scene(150, 1, 0);
+		for (int i = 0; i < 150; i++)
+			w.bodies[i].v[0] = i < fast ? way / dt : 0;
+		PairSearch search;
+		REQUIRE(search.needed(w, dt, 0.1, {}));
+		pairsOf(search, w);
+		for (int i = 0; i < fast; i++)
+			if (w.masks[i] != 0)
+				CHECK((search.marginOf(i) - reach(w, i, dt) > 20 * way) == (fast == 5));
+	}
+}
+
 TEST_CASE("what changes a body makes the list anew")
 {
 	World w = scene(50, 1, 0);
