@@ -2,7 +2,6 @@
 
 Every command has a --help of its own.
 """
-
 import sys
 from pathlib import Path
 

@@ -4,7 +4,6 @@ The accumulated permanent strain is gamma at the end of a cycle, where the load 
 rate of Fig. 3. Everything here is per cycle, counted from 1. Rates are given and no verdicts: whether a rate that falls will end is not known from
 the cycles that were run.
 """
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,6 @@ class Cycles:
     cycle [1]. dissipated: energy over P0 V0 [1]. sliding_max: largest share of the contacts at the Coulomb limit. contacts:
     2M/N at the end of the cycle, walls' contacts included.
     """
-
     number: np.ndarray
     start: float
     permanent: np.ndarray

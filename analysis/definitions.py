@@ -2,7 +2,6 @@
 
 Equations are HTML; numbers in brackets are those of the paper's equations.
 """
-
 from dataclasses import dataclass
 
 from yade_scripts.results import schema
@@ -11,7 +10,6 @@ from yade_scripts.results import schema
 @dataclass(frozen=True)
 class Definition:
     """One measured number."""
-
     name: str
     equation: str
     words: str

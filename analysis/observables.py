@@ -3,7 +3,6 @@
 Strains are extension positive and gamma = strain2 - strain1 (eqs. 2-4), so a sample that shortens
 along the loaded axis 2 has gamma < 0. SI units.
 """
-
 import numpy as np
 
 from yade_scripts.results import schema

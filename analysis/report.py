@@ -1,5 +1,4 @@
 """The report: one HTML page of the published files, images inlined; tables are linked files, nothing is loaded from elsewhere."""
-
 import base64
 import io
 import os

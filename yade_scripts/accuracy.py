@@ -101,7 +101,6 @@ def check(row, accuracy):
 def run_in_yade(folder):
     """Return a run(row) -> Level for `search`; `folder` holds the prepared packings."""
     from yade import O
-
     from yade_scripts import scenes
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, timing, walls

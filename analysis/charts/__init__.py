@@ -7,7 +7,6 @@ A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN as a 
 
 Accuracy is a relative error: |measured - exact| over a scale that the scene names, the largest of all that is known of it.
 """
-
 import importlib
 from pathlib import Path
 

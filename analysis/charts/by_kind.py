@@ -1,5 +1,4 @@
 """Time to an accuracy, by kind of scene: MD against CD. What to use when, in one picture."""
-
 import math
 
 import pandas

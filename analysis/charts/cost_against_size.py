@@ -1,5 +1,4 @@
 """Time of computing against the number of disks, at a fixed accuracy, for both methods."""
-
 import numpy as np
 import pandas
 

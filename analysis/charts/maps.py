@@ -1,5 +1,4 @@
 """Stability maps: what the probes found, as rows, boundaries and figures. Runs nothing."""
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

@@ -4,7 +4,6 @@ A row: name (of its measurement), status (empty if finished), scene, kind, size 
 (0 the coarsest), setting, arguments (of yade_scripts/run.py), error, worst (the known quantity that has it), seconds (median of the repeats),
 fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are NaN.
 """
-
 import statistics
 from pathlib import Path
 

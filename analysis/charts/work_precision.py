@@ -1,5 +1,4 @@
 """Error against time of computing, one chart a scene: a series a line, a setting a point."""
-
 import numpy as np
 import pandas
 

@@ -26,7 +26,6 @@ class BodyProblem:
     Sweeps visit the contacts in the order given, so contacts near in space should be near in the list. ValueError, with the place, is raised for
     any other input, and for a contact of two bodies that cannot move along its normal.
     """
-
     inverse_masses: np.ndarray
     free_velocities: np.ndarray
     pairs: np.ndarray

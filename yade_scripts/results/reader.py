@@ -1,5 +1,4 @@
 """Reads result files and checks that they are undamaged, made by this project, finished, and without NaN or infinity."""
-
 import json
 import os
 from dataclasses import dataclass, field
@@ -32,7 +31,6 @@ class NoRunError(ResultError):
 @dataclass(frozen=True)
 class Known:
     """A number measured in a run and its exact value, as `yade_scripts.scenes.Known` declares it."""
-
     measured: float
     exact: float
     unit: str
@@ -57,7 +55,6 @@ class Run:
 
     extra: {name: array} of quantities that only this scene has. known: {name: Known}.
     """
-
     path: Path
     attributes: dict
     parameters: dict

@@ -9,7 +9,6 @@ that only its scene has, with `unit` and `doc`.
 Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls.
 Strain is extension positive. Equations are those of Garcia-Rojo, McNamara and Herrmann (2004).
 """
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +28,6 @@ class Field:
     `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which
     are 1-D. `methods` are those whose files must hold the field; none if it is optional.
     """
-
     name: str
     unit: str
     doc: str

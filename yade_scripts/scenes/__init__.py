@@ -123,7 +123,6 @@ def method(full):
 def build(full, folder):
     """Build the scene of a full row in O. Return its Scene."""
     from yade import O
-
     from yade_scripts.parameters import ParameterError
     from yade_scripts.running import precision
     precision.check()

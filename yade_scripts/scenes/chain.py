@@ -28,7 +28,6 @@ STRAIN = 1e-5  # of the row at rest under the force: so small that the linear th
 def build(full, folder):
     """Build `disks` touching disks that can only move along x. /extra holds the displacement of the last one after every step."""
     from yade import O
-
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)
     radius = ground.radius

@@ -33,7 +33,6 @@ def build(full, folder):
     """Build the deposit of `seed` from x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
     import numpy as np
     from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
     ground = stage.Ground(full)

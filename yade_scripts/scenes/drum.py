@@ -34,7 +34,6 @@ def build(full, folder):
     """Build the drum about the origin, with the disks in rows in its lower part."""
     from yade import O
     from yade.wrapper import RotationEngine
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)

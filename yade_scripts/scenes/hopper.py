@@ -41,7 +41,6 @@ def check(full):
 def build(full, folder):
     """Build the filled silo between x = 0 and its width, with its floor at y = 0, above a bin of equal width that holds all disks."""
     from yade import O
-
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)
     radius, span = ground.radius, parameters.width(full, full["silo_aspect"])

@@ -14,7 +14,6 @@ CHART = Chart()
 def build(full, folder):
     """Build a block of radius_mean on a slope that falls towards +x."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     t, radius = math.radians(full["slope"]), ground.radius

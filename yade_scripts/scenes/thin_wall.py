@@ -18,7 +18,6 @@ CHART = Chart(physics=("beta_n",))
 def build(full, folder):
     """Build the wall with its face at x = 0 and the disk, which moves along +x and reaches the wall after a third of the time."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     radius, speed, time = ground.radius, full["speed"], ground.time

@@ -41,7 +41,6 @@ def check(full):
 def build(full, folder):
     """Build two disks of radius_mean (1 -+ radius_spread); the second one is led `cycles` times around the path."""
     from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, md, stage
     path = Path(full)

@@ -36,7 +36,6 @@ def weight(tangent):
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     ground = rigid.ground(FRICTION)
     ground.floor(1000 * rigid.RADIUS)

@@ -28,7 +28,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import cd, hooks, walls

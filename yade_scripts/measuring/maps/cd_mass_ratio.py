@@ -31,7 +31,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies
     ground = rigid.ground(0.5)

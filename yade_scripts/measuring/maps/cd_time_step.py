@@ -33,7 +33,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O, utils
-
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks

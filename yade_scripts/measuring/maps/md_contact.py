@@ -51,7 +51,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O
-
     from yade_scripts.running import hooks, md, stage
     full = parameters.complete({"friction": 2.0, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
     ground, stiffness = stage.Ground(full), parameters.stiffness(full)

@@ -49,7 +49,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O, utils
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, md, md_step
     full = parameters.complete({"disks": DISKS, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})

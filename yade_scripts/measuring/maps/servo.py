@@ -76,7 +76,6 @@ def gain_limit(own_gain):
 def run(case):
     """Run a case. Return (the message of the error that ended it or '', what the map measures but for the strain_error)."""
     from yade import O
-
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import hooks, loading, md, recorder, stage, wall_check, walls
     prepare.load(parameters.complete({"disks": DISKS}))

@@ -40,7 +40,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     throw = springs if case["kind"] == "MD" else rigidly
     flights = []
@@ -58,7 +57,6 @@ def probe(case):
 def springs(ground, case, contact, distance):
     """Return (whether it got through, largest overlap [m], '') by the default springs and their default step, without dashpots."""
     from yade import O
-
     from yade_scripts.measuring import rigid
     from yade_scripts.running import hooks, md
     full = parameters.complete({})
@@ -75,7 +73,6 @@ def springs(ground, case, contact, distance):
 def rigidly(ground, case, contact, distance):
     """Return (whether it got through, largest overlap [m], what the engine said) of rigid contacts."""
     from yade import O
-
     from yade_scripts.measuring import rigid
     velocity = case["speed"] * rigid.RADIUS / CD_DT
     disk = ground.disk((0, contact + distance * velocity * CD_DT), velocity=(0, -velocity))
