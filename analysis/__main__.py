@@ -2,6 +2,7 @@
 
 Every command has a --help of its own.
 """
+import contextlib
 import sys
 from pathlib import Path
 
@@ -21,7 +22,7 @@ def main(arguments=None):
     """Run one command; the exit status: 0, 1 if `check` found a bad file or a run failed, 2 for a mistake of the user."""
     options = _parser().parse_args(arguments)
     try:
-        return options.run(options)
+        return options.run(options) or 0
     except reader.ResultError as error:
         raise parameters.ParameterError(str(error)) from None
 
@@ -81,7 +82,6 @@ def _study(options):
 def _table(options):
     from analysis import studies
     print(tables.text(studies.module(options.name).ROWS["full" if options.full else "quick"]), end="")
-    return 0
 
 
 def _charts(options):
@@ -104,19 +104,16 @@ def _report(options):
                              | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).items():
             print(f"analysis report: {name}: {reason}", file=sys.stderr)
     print(report.build(folder, options.output or FIGURES / "report.html").resolve())
-    return 0
 
 
 def _benchmark(options):
     from analysis import benchmark
     print(*benchmark.draw(options.folder), sep="\n")
-    return 0
 
 
 def _recommend(options):
     from analysis.charts import recommend
     print("\n".join(recommend.of_scene(options.scene, options.accuracy) if options.scene else recommend.by_kind(options.accuracy)))
-    return 0
 
 
 def _summary(options):
@@ -127,7 +124,6 @@ def _summary(options):
         rows.append({"file": run.path.name, "method": run.method, "status": str(run.attributes["status"])} | (_numbers(run) if run.finished else {}))
         exact += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
     print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *exact, sep="\n")
-    return 0
 
 
 def _numbers(run):
@@ -140,12 +136,10 @@ def _numbers(run):
         "dissipated J": lambda: observables.change(run, "dissipated_energy"), "wall work J": lambda: observables.wall_work(run) if gamma[-1] == gamma[-1] else None,
         "stress error/P0": lambda: observables.stress_error(run), "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
         "commit": lambda: run.attributes["git_commit"][:12]}
-    found = {}
+    found = dict.fromkeys(columns, float("nan"))
     for name, value in columns.items():
-        try:
+        with contextlib.suppress(reader.ResultError):
             found[name] = value()
-        except reader.ResultError:
-            found[name] = float("nan")
     return found
 
 

@@ -66,12 +66,10 @@ def of(run):
 
 def windows(count):
     """Return windows (first, last) of cycles that cover 1 .. count, each about 1.15 times as late as the one before."""
-    found, first = [], 1
-    while first <= count:
-        last = min(count, max(first, round(first * 1.15)))
-        found.append((first, last))
-        first = last + 1
-    return found
+    found = [(0, 0)]
+    while (first := found[-1][1] + 1) <= count:
+        found.append((first, min(count, max(first, round(first * 1.15)))))
+    return found[1:]
 
 
 def late_rate(found):

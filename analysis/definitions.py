@@ -2,20 +2,12 @@
 
 Equations are HTML; numbers in brackets are those of the paper's equations.
 """
-from dataclasses import dataclass
+from collections import namedtuple
 
 from yade_scripts.results import schema
 
 
-@dataclass(frozen=True)
-class Definition:
-    """One measured number."""
-    name: str
-    equation: str
-    words: str
-    code: str
-
-
+Definition = namedtuple("Definition", "name equation words code")
 DEFINITIONS = (
     Definition("Stress", "σ<sub>1</sub> = F<sub>x</sub>/(L<sub>y</sub> depth), σ<sub>2</sub> = F<sub>y</sub>/(L<sub>x</sub> depth)",
                "Contact forces on opposite walls, their mean; compression positive.", "yade_scripts/running/walls.py"),

@@ -86,7 +86,7 @@ def _mend_logarithms(fig):
 
 
 def points(axis, table, x, y, method, **look):
-    """Draw two columns of a pandas table against each other on `axis`, one point a row, with the colour and marker of a method unless `look` says otherwise."""
+    """Draw two columns of a pandas table against each other, one point a row, in a method's colour and marker unless `look` has others."""
     axis.plot(table[x], table[y], **dict(ls="", marker=MARKER[method], ms=4.5, color=COLOUR[method]) | look)
 
 

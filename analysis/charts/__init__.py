@@ -31,8 +31,7 @@ def publish_all(results, folder, full):
     try:
         settings, origin = table.measured(results, full)
         for name in ORDER[:-1]:
-            rows = module(name).rows(settings)
-            if len(rows):
+            if len(rows := module(name).rows(settings)):
                 _publish(name, rows, folder, origin)
             else:
                 left[name] = "no scene was measured by both methods or at several sizes"

@@ -65,8 +65,8 @@ def draw(runs, rows, path):
     fig, (left, right) = style.plt.subplots(1, 2, figsize=(9.5, 4.2))
     _draw_way(left, runs)
     _draw_theory(right, rows)
-    style.finish(fig, path, "A constant force pushes the last disk from step 0 on. Memory: warm start, no gap correction; overlap: cold start, gap "
-                 "correction 1; theory: damped elastic rod, nothing fitted", runs)
+    style.finish(fig, path, "A constant force pushes the last disk from step 0 on. Memory: warm start, no gap correction; overlap: cold "
+                 "start, gap correction 1; theory: damped elastic rod, nothing fitted", runs)
 
 
 def _draw_way(axes, runs):
@@ -89,8 +89,8 @@ def _draw_theory(axes, rows):
         for name, words, filled in (("swing_period", "period", True), ("swing_decay", "decay time", False)):
             part = [row for row in rows if row["row"] == what and f"{name}_measured" in row]
             if part:
-                loops.draw_spread(axes, [row["sweeps"] for row in part], [row | {name: row[f"{name}_measured"]} for row in part], name, fmt=marker,
-                                  color=COLOUR[what], ms=SIZE[what], mfc=None if filled else "none", label=f"{words}, {what}")
+                loops.draw_spread(axes, [row["sweeps"] for row in part], [row | {name: row[f"{name}_measured"]} for row in part], name,
+                                  fmt=marker, color=COLOUR[what], ms=SIZE[what], mfc=None if filled else "none", label=f"{words}, {what}")
     for name, words, line in (("swing_period", "period", "-"), ("swing_decay", "decay time", "--")):
         part = sorted({(row["sweeps"], row[f"{name}_theory"]) for row in rows if f"{name}_theory" in row})
         axes.plot(*zip(*part), line, color="k", lw=0.9, marker="" if len(part) > 1 else "_", label=f"{words}, theory")

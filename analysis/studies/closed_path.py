@@ -23,7 +23,7 @@ FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
 
 @summary.each
 def summarize(run):
-    """Return the row of a run. Force and work are in units of the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
+    """Return the row of a run: force and work over the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
     row, force, work = run.parameters, run.known["left_force"], run.known["loop_work"]
     share = row["path_depth"] / 2  # of the units in which the scene gives the force
     return {"law": row["tangential_law"], "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],

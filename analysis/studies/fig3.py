@@ -52,13 +52,13 @@ def _group(run):
 
 def _row(run):
     found, full = cycles.of(run), run.parameters
-    compared = found and len(found.number) >= COMPARED
+    compared, window = found and len(found.number) >= COMPARED, (COMPARED // 2 + 1, COMPARED)
     row = {"method": run.method, "stress path": full["stress_path"], "preparation friction": full["preparation_friction"], "dSigma": full["delta_sigma"],
            "seed": full["seed"], "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run), "cycles": len(found.number) if found else 0,
            "collapses after": float(run.values("cycle")[-1]) if run.collapsed else np.nan, "gamma at the end": float(run.values("gamma")[-1]),
            f"gamma after {COMPARED}": float(found.permanent[COMPARED - 1]) if compared else np.nan,
            "late rate": np.nan if run.collapsed else cycles.late_rate(found), "last quarter's rate over the one before": cycles.last_quarter(found),
-           f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}": float(found.rates([(COMPARED // 2 + 1, COMPARED)])[0]) if compared else np.nan,
+           "rate of cycles {} to {}".format(*window): float(found.rates([window])[0]) if compared else np.nan,
            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
     if found:
         row |= {"first cycle": float(found.rate[0]), "sliding at most, first cycle": float(found.sliding_max[0]),
@@ -95,9 +95,10 @@ def draw(runs, rows, path):
         axis.sharex(axes[0, 0])
         axis.sharey(axes[0, 0])
     for axis, own in zip(axes[0], paths.values()):
+        title = style.STRESS_PATH[own[0].parameters["stress_path"]]
         for (method, load), same in summary.groups(own, lambda run: (run.method, run.parameters["delta_sigma"])).items():
             _rates(axis, same, look[load], method)
-        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=style.STRESS_PATH[own[0].parameters["stress_path"]])
+        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=title)
         axis.grid(color="#DDDDDD", linewidth=0.5)
     axes[0, 0].set_ylabel(r"strain rate $|\Delta\gamma|$ a cycle")
     handles = [Line2D([], [], color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]

@@ -63,7 +63,7 @@ def draw(runs, rows, path):
 
 
 def _loops(axis, *several):
-    """Draw the loops of several lists of runs, the first of each bold. Return the exponent of the power of ten by which gamma is divided."""
+    """Draw the loops of several lists of runs, the first of each bold. Return the exponent of the power of ten that gamma is divided by."""
     exponent = style.power_of_ten(np.concatenate([[0.0], *(run.values("gamma") for runs in several for run in runs)]))
     for runs in several:
         for run in runs:
@@ -103,8 +103,8 @@ POINTS = (
 
 def numbers(table):
     largest, kept, lost = "largest |gamma|", "remanent gamma", "dissipated/P0V0"
-    (md, cd), (md_mean, cd_mean) = ([table[(table.method == method) & (table["stress path"] == path)].set_index("seed") for method in ("MD", "CD")]
-                                    for path in style.STRESS_PATH)
+    (md, cd), (md_mean, cd_mean) = ([table[(table.method == method) & (table["stress path"] == path)].set_index("seed")
+                                     for method in style.WORDS] for path in style.STRESS_PATH)
     both = [((one[lost] > other[lost]) & (one[kept].abs() > other[kept].abs())).sum() for one, other in ((md, cd), (md_mean, cd_mean))]
     limit = cd_mean["static limit"]
     rests, moves = cd_mean[limit > 1.2], cd_mean[limit < 1.2]

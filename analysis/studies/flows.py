@@ -106,12 +106,13 @@ def draw(runs, rows, path):
                 own = table[(table.scene == scene) & (table.disks == disks) & (table.method == method)]
                 style.points(axes, own[own.is_rigid_answer], "seconds", "error", method, ms=size)
                 part = own[~own.is_rigid_answer]
-                axes.errorbar(part.seconds, 100 * part.error, 100 * part.error_deviation.fillna(0), ls="", ms=size, marker=style.MARKER[method],
-                              mfc="none", color=style.COLOUR[method], elinewidth=0.7)
+                axes.errorbar(part.seconds, 100 * part.error, 100 * part.error_deviation.fillna(0), ls="", ms=size, mfc="none",
+                              marker=style.MARKER[method], color=style.COLOUR[method], elinewidth=0.7)
         axes.set(xscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
     panels[0][0].set_ylabel("error, relative to rigid grains [%]")
-    handles = [style.plt.Line2D([], [], ls="", marker=style.MARKER[method], mfc="none", color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
-    handles += [style.plt.Line2D([], [], ls="", marker="o", mfc="none", color="0.4", ms=size, label=f"{disks} disks") for disks, size in sizes.items()]
+    looks = [dict(marker=style.MARKER[method], color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
+    looks += [dict(marker="o", color="0.4", ms=size, label=f"{disks} disks") for disks, size in sizes.items()]
+    handles = [style.plt.Line2D([], [], ls="", mfc="none", **look) for look in looks]
     panels[0][-1].legend(handles=handles, fontsize=7)
     style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Filled: the rigid answer. Grey: 2 %.", runs)
 

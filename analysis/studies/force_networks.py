@@ -58,7 +58,8 @@ def draw(runs, rows, path):
     below = fig.add_subplot(grid[1, :])
     below.axis("off")
     below.legend(handles=_legend(forces.mean()), loc="center", ncol=5, fontsize=8)
-    style.finish(fig, path, r"Line thickness is proportional to the normal force R; $\langle R\rangle$: its mean over the loaded contacts of both.", pair)
+    style.finish(fig, path, r"Line thickness is proportional to the normal force R; $\langle R\rangle$: its mean over the loaded "
+                 "contacts of both.", pair)
 
 
 def _loaded(snapshot):
@@ -76,7 +77,7 @@ def _network(axis, snapshot, mean):
     widths = POINTS_PER_MEAN * snapshot["force_normal"] / mean
     for mask, colour, level in ((_loaded(snapshot) & ~sliding, style.CHAIN, 2), (sliding, style.SLIDING, 3)):
         axis.add_collection(LineCollection(segments[mask], linewidths=widths[mask], colors=colour, capstyle="round", zorder=level))
-    axis.plot(*snapshot["contact_point"][sliding].T, "o", markersize=2.6, color=style.SLIDING, markeredgecolor="white", markeredgewidth=0.3, zorder=4)
+    axis.plot(*snapshot["contact_point"][sliding].T, "o", ms=2.6, color=style.SLIDING, mec="white", mew=0.3, zorder=4)
     margin = 0.01 * (x_high - x_low)
     axis.set(aspect="equal", xlim=(x_low - margin, x_high + margin), ylim=(y_low - margin, y_high + margin))
     axis.axis("off")
@@ -95,7 +96,7 @@ def _comparison(axis, snapshots, mean):
     both = (md > 0) & (cd > 0)
     axis.plot(md[both], cd[both], "o", markersize=2.2, color=style.CHAIN, alpha=0.6, markeredgewidth=0, label=f"in both ({both.sum()})")
     for mask, marker, method in ((cd == 0, "x", "MD"), (md == 0, "+", "CD")):
-        axis.plot(md[mask], cd[mask], marker, markersize=4, color=style.COLOUR[method], label=f"in {method} only ({mask.sum()})", clip_on=False)
+        axis.plot(md[mask], cd[mask], marker, ms=4, color=style.COLOUR[method], label=f"in {method} only ({mask.sum()})", clip_on=False)
     top = 1.05 * max(md.max(), cd.max())
     axis.plot([0, top], [0, top], color=style.GRAIN, linewidth=0.8, zorder=0)
     axis.set(xlim=(0, top), ylim=(0, top), xlabel=r"R in MD / $\langle R\rangle$", ylabel=r"R in CD / $\langle R\rangle$", aspect="equal",
@@ -107,7 +108,7 @@ def _legend(mean):
     lines = [Line2D([], [], color=style.CHAIN, linewidth=POINTS_PER_MEAN * times,
                     label=rf"R = {times:g} $\langle R\rangle$ = {style.number(times * mean)} N") for times in (1, 4)]
     return lines + [
-        Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", markersize=4, markeredgecolor="white", label=r"at the Coulomb limit, $|T| = \mu R$"),
+        Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", ms=4, mec="white", label=r"at the Coulomb limit, $|T| = \mu R$"),
         Patch(facecolor=style.RATTLER, edgecolor=style.GRAIN, label="rattler"),
         Line2D([], [], color=style.CHAIN, linewidth=1.2, label="walls (frame)")]
 

@@ -114,8 +114,9 @@ def draw(runs, rows, path):
         mine = table[table.packing == packing]
         if mine.empty:
             continue
-        medians = mine.groupby("at")[["eta", "dimension", "springs from mean", "cold start from mean"]].agg(lambda values: np.median(values))
-        mu = medians.index  # a median of packings of which one has no value is none
+        shown = mine[["at", "eta", "dimension", "springs from mean", "cold start from mean"]]
+        medians = shown.groupby("at").agg(lambda values: np.median(values))  # none where one packing has no value
+        mu = medians.index
         axes[0].plot(mine["at"], mine.eta, ls="", ms=4, alpha=0.5, **look)
         axes[0].plot(mu, medians.eta, color=look["color"], label=packing)
         axes[1].plot(mu, medians.dimension, label=packing, **look)

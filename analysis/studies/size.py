@@ -48,7 +48,8 @@ def draw(runs, rows, path):
     table = pandas.DataFrame(rows)
     panels = ((r"static limit, $\sigma_2/P_0$", "linear", (("static limit", "k", "D", None),)),
               (r"load at $|\gamma| = 10^{-3}$ over the static limit", "linear",
-               tuple((f"yields over the limit at, {method}", style.COLOUR[method], style.MARKER[method], words) for method, words in style.WORDS.items())),
+               [(f"yields over the limit at, {method}", style.COLOUR[method], style.MARKER[method], words)
+                for method, words in style.WORDS.items()]),
               (r"$|\Delta\gamma|$ a cycle of springs, $\Delta\sigma = 0.4$", "log",
                (("first cycle", "#56B4E9", "^", "first cycle"), ("rate", style.COLOUR["MD"], "o", "a cycle of the last ten"))))
     panels = [panel for panel in panels if table[[name for name, *_ in panel[2]]].notna().any(axis=None)]

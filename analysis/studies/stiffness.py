@@ -68,7 +68,7 @@ def summarize(runs):
 
 
 def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, usual):
-    """Return one row. usual: None for a row of the comparison; for a check the runs of the usual settings, of which those of its seeds are compared."""
+    """Return one row. usual: None for a row of the comparison; for a check the runs of the usual settings, to be compared seed by seed."""
     compared = [run for run in usual or () if run.attributes["seed"] in {run.attributes["seed"] for run in group}]
     ratio = stiffness_ratio(group[0])
     modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
@@ -90,7 +90,8 @@ def draw(runs, rows, path):
         for medium, marker in MARKER.items():
             part = [row for row in rows if row["medium"] == medium and not row["comparison"]]
             if part:
-                loops.draw_spread(axes, [row["stiffness_over_kn"] for row in part], part, name, fmt=marker, color=COLOUR[medium], mfc="none", label=medium)
+                loops.draw_spread(axes, [row["stiffness_over_kn"] for row in part], part, name, fmt=marker, color=COLOUR[medium], mfc="none",
+                                  label=medium)
         first = next((row for row in rows if row["medium"] == MD), None)
         if first:
             x = np.array(sorted({row["stiffness_over_kn"] for row in rows}))
@@ -107,7 +108,8 @@ def _draw_loops(axes, runs):
     """Draw the loops of the first packing at the softest and at ten times the stiffness."""
     seed = runs[0].attributes["seed"]
     shown = [run for run in runs if run.attributes["seed"] == seed and run.parameters["stiffening"] in (1, 10)]
-    for (medium, stiffening), (run, *_) in summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False).items():
+    media = summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False)
+    for (medium, stiffening), (run, *_) in media.items():
         gamma = run.values("gamma") * stiffness_ratio(run)
         axes.plot(-gamma, run.values("sigma2") / run.pressure, "-" if stiffening == 1 else "--", color=COLOUR[medium], lw=1,
                   label=f"{medium}, {stiffening:g} $k_n$")
