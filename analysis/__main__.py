@@ -39,7 +39,7 @@ def _parser():
     study = command("study", _study, "figure, summary table and provenance of studies")
     study.add_argument("names", nargs="*", metavar="NAME", help="studies (default: all)")
     study.add_argument("--run", dest="rows", action="store_true", help="first run the rows that have no result yet")
-    commands.add_jobs(study)
+    commands.add(study, "--jobs")
     table = command("table", _table, "the rows of a study as a table for yade-batch")
     table.add_argument("name", metavar="NAME")
     charts = command("charts", _charts, "charts of speed against accuracy and maps of stability, from what `make charts` has measured")
@@ -48,7 +48,7 @@ def _parser():
     for extent in (study, table, charts, report):
         commands.add_extent(extent)
     for writer, what in ((study, "folder of the figures"), (charts, "folder of the charts"), (report, "page to write")):
-        commands.add_results(writer)
+        commands.add(writer, "--results")
         writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
     benchmark = command("benchmark", _benchmark, "figures of `make bench`, from the tables it wrote")
     benchmark.add_argument("folder", nargs="?", default="results/benchmark", help="folder of the tables (default: %(default)s)")
@@ -66,7 +66,6 @@ def _folder(options):
 
 
 def _study(options):
-    """Run what is missing if asked to, then draw."""
     from analysis import make_study, publish, studies
     names, figures = options.names or studies.names(), Path(options.output or _folder(options))
     for name in names:

@@ -21,7 +21,6 @@ QUANTITIES = {"largest": r"largest $|\gamma|$", "width": "width of the loop", "r
 
 
 def of(run):
-    """Return the Loop of a run's first cycle."""
     part = observables.cycle_range(run)
     gamma = run.values("gamma")[part] - run.values("gamma")[part][0]
     return Loop(float(np.abs(gamma).max()), observables.loop_width(gamma, run.values("sigma2")[part]),

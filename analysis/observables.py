@@ -161,7 +161,6 @@ def snapshot_at_load_maximum(run):
 
 
 def sliding(snapshot):
-    """Return the mask of the contacts at the Coulomb limit."""
     return schema.is_sliding(snapshot["force_normal"], snapshot["force_tangential"], snapshot["contact_friction"])
 
 

@@ -62,7 +62,6 @@ def finished(table):
 
 
 def write_json(path, facts):
-    """Write facts as JSON."""
     Path(path).write_text(json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 

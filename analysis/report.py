@@ -54,7 +54,6 @@ def findings():
 
 
 def _study(name, folder, link):
-    """Return what the page shows of a study."""
     study, facts = studies.module(name), publish.read_json(folder / f"{name}.json", STUDY)
     if not all(isinstance(balance, dict) and all(isinstance(balance.get(key), (int, float)) for key in ("runs", "median", "largest"))
                for balance in facts["energy_balance"].values()) or not all(isinstance(word, str) for word in facts["commits"] + facts["yade"]):

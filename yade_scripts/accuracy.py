@@ -53,7 +53,6 @@ class Level:
 
 
 def refined(row, accuracy, level):
-    """Return the row of a level; level 0 is the coarsest."""
     tolerance = max(min(SHARE * accuracy, LOOSEST) * STEP**level, SMALLEST)
     return row | {"cd_dt": parameters.complete(row)["cd_dt"] * STEP**level, "tolerance": tolerance}
 
@@ -129,10 +128,7 @@ def run_in_yade(folder):
 def main(arguments=None):
     """Run the command line: accuracy=..., then name=value as for run.py. Return the exit status."""
     from yade_scripts import run
-    parser = commands.parser(__doc__)
-    commands.add_row(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
     asked = [argument for argument in options.row if argument.startswith("accuracy=")]
     row = {"method": "CD"} | parameters.from_arguments([argument for argument in options.row if argument not in asked])
     try:

@@ -208,7 +208,6 @@ def _hint(name, legal, scene):
 
 
 def _check_together(full):
-    """Check conditions on several parameters at once."""
     scene = scenes.module(full["scene"])
     if full["method"] not in scene.METHODS:
         raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves out {scene.LEFT_OUT}")

@@ -44,7 +44,6 @@ def power(found):
 
 
 def draw(rows, folder, line):
-    """Return a panel a scene."""
     of_scenes = rows.groupby("scene", sort=False)
     fig, panels = plt.subplots(1, len(of_scenes), figsize=(1 + 2.7 * len(of_scenes), 3.6), squeeze=False)
     for axes, (scene, own) in zip(panels[0], of_scenes):

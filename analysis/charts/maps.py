@@ -77,7 +77,6 @@ def measured(results, full):
 
 
 def collect(name, results, full):
-    """Return the Found of a map, of the quick or the full grid."""
     chart, work, facts, rows, missing, boundaries = maps.get(name), maps.Work(name, full, results), [], [], [], []
 
     def outcome(case):
@@ -132,7 +131,6 @@ def draw(several, folder, line):
 
 
 def _draw(found, path, line):
-    """Write the figure of one map."""
     chart = found.map
     panels = list(found.rows[chart.panels].unique()) if chart.panels else [None]
     columns = min(len(panels), MOST_COLUMNS)

@@ -47,7 +47,6 @@ def _row(setting, found):
 
 
 def from_csv(path):
-    """Return a published table."""
     table = publish.read_table(path)
     try:
         return table[COLUMNS].fillna({"status": "", "worst": ""}).astype({"error": float, "seconds": float})

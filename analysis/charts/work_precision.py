@@ -30,7 +30,6 @@ def rows(measured):
 
 
 def draw(rows, folder, line):
-    """Return a figure a scene."""
     of_scenes = dict(list(table.one_size(rows).groupby("scene", sort=False)))
     for scene, own in of_scenes.items():
         _draw(own, scenes.module(scene), folder / f"work_precision-{scene}.png", line)

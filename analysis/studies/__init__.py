@@ -35,7 +35,6 @@ class Collection:
 
     @property
     def module(self):
-        """The study's file."""
         return module(self.name)
 
 

@@ -67,7 +67,6 @@ def _loaded(snapshot):
 
 
 def _network(axis, snapshot, mean):
-    """Draw disks, walls and force chains."""
     rattlers = observables.rattlers(snapshot)
     circles = [Circle(centre, radius) for centre, radius in zip(snapshot["position"], snapshot["radius"])]
     axis.add_collection(PatchCollection(circles, edgecolor=style.GRAIN, linewidth=0.4, facecolor=np.where(rattlers, style.RATTLER, "none")))

@@ -133,9 +133,8 @@ class Sweep:
 
 @commands.command("sweep")
 def main(arguments=None):
-    parser = commands.parser(__doc__)
+    parser = commands.parser(__doc__, "--results")
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
-    commands.add_results(parser)
     parser.add_argument("--minutes", type=commands.whole(1), help="time limit of a task (default: the partition's)")
     parser.add_argument("--retries", type=commands.whole(0), default=2, help="how often rows without a result are submitted again (default: %(default)s)")
     parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="largest number of tasks at the same time")

@@ -47,7 +47,6 @@ class Measurements(queue.Job):
         return True
 
     def outcome(self):
-        """Return in words how the job ended."""
         return self.trouble or "measured"
 
 
@@ -56,9 +55,7 @@ def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring")
     commands.add_extent(parser)
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")
-    commands.add_jobs(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.add(parser, "--jobs", "--results").parse_args(arguments)
     known = {name: kind for kind, module in KINDS.items() for name in module.names()}
     unknown = [name for name in options.only if name not in known]
     if unknown:

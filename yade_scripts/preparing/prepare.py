@@ -173,7 +173,6 @@ def _stiffen(full):
 
 
 def _make(full):
-    """Prepare the packing in O."""
     O.reset()
     gas(full)
     _relax(full, full["kn"], LOOSE, LOOSE, damping=0.2)
@@ -192,10 +191,7 @@ def _make(full):
 
 @commands.command("prepare")
 def main(arguments=None):
-    parser = commands.parser(__doc__)
-    commands.add_row(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
     precision.check()
     full = parameters.complete(parameters.from_arguments(options.row))
     results.make(options.results)

@@ -40,7 +40,6 @@ def samples_between(full, scene):
 
 
 def resumable(full, scene):
-    """Tell whether a run can have checkpoints."""
     return scene.kept is not None and (full["method"] == "MD" or scene.every > 1)
 
 

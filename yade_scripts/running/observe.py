@@ -31,7 +31,6 @@ class Contacts:
         return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
     def sliding(self):
-        """Return the number of contacts at the Coulomb limit."""
         return int(np.count_nonzero(is_sliding(self.normal, self.tangential, self.friction)))
 
 

@@ -70,7 +70,6 @@ class Recorder:
         return self.memory.getvalue()
 
     def _write(self, path):
-        """Write the file as it is now to `path`."""
         if self.file:  # not closed yet
             self.file.flush()
         sealed.write(path, self.memory.getvalue())

@@ -116,7 +116,6 @@ def module(name):
 
 
 def method(full):
-    """Return the module md or cd."""
     return importlib.import_module(f"yade_scripts.running.{full['method'].lower()}")
 
 

@@ -52,7 +52,6 @@ class Setting:
 
     @property
     def name(self):
-        """Name of its measurement."""
         return store.name_of({"row": self.row})
 
     def slower_than(self, other):

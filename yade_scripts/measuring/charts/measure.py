@@ -66,7 +66,6 @@ def run(row, asked, folder, limit, known, allow):
 
 
 def values(known, scene):
-    """Return the facts that are stored of a Known, as a dictionary."""
     measured = float(known.measure())
     return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
             "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}

@@ -5,14 +5,11 @@ import random
 
 from yade_scripts import parameters
 from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
+from yade_scripts.measuring.maps.md_contact import LAWS, RATIOS, growing
 from yade_scripts.running.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
 PUSH = 1e-5  # over the mean overlap
-GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
-
-RATIOS = (0.25, 0.5, 1.0)
-LAWS = parameters.REGISTRY["tangential_law"].choices
 
 
 def ratios(full):
@@ -56,8 +53,7 @@ def probe(case):
     lightest = min(b.state.mass for b in bodies.disks())
     unit = math.sqrt(lightest / parameters.stiffness(full))
     O.dt = case["md_dt_factor"] * unit
-    limits = {name: limit / unit for name, limit in step_limits(case["kt_over_kn"], case["beta_n"]).items()}
-    refusal = ""
+    limits, refusal = {name: limit / unit for name, limit in step_limits(case["kt_over_kn"], case["beta_n"]).items()}, ""
     try:
         md_step.check(full | {"md_dt_factor": case["md_dt_factor"]})
     except parameters.ParameterError as error:
@@ -72,14 +68,9 @@ def probe(case):
     O.engines = md.contact_engines(full, case["tangential_law"]) + [
         md.integrator(full), hooks.runner(lambda: energy.append(utils.kineticEnergy()), iterPeriod=EVERY)]
     hooks.simulate(STEPS)
-    quarter = len(energy) // 4
-    late = max(energy[-quarter:])
-    growth = late / max(energy[quarter:2 * quarter])
+    growth, grows = growing(energy, start)
     measures = {"growth": growth} | limits
-    # Energies below 1e-12 of the first are round-off; an energy that is NaN counts as grown.
-    if not (max(energy) < GROWN_IN_ALL * start) or (growth > GROWN and late > 1e-12 * start):
-        return Outcome(UNSTABLE, "energy growth", refusal, measures)
-    return Outcome(STABLE, told=refusal, measures=measures)
+    return Outcome(UNSTABLE, "energy growth", refusal, measures) if grows else Outcome(STABLE, told=refusal, measures=measures)
 
 
 @functools.cache

@@ -7,7 +7,6 @@ from yade_scripts.measuring.maps import Axis, INACCURATE, Map, STABLE, UNSTABLE,
 DISTANCES = (2.13, 2.38, 2.63, 2.88)  # start from the wall, in displacements of a step, to vary when in a step the disk arrives
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
 NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for flights that begin within half a step of the wall
-SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}}
 DEPTH = 0.5
 KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
 
@@ -76,6 +75,6 @@ def rigidly(ground, case, contact, distance):
     from yade_scripts.measuring import rigid
     velocity = case["speed"] * rigid.RADIUS / CD_DT
     disk = ground.disk((0, contact + distance * velocity * CD_DT), velocity=(0, -velocity))
-    engine = rigid.engine(CD_DT, (0, 0, 0), tolerance=1e-10, **SETTINGS[case["kind"]])
+    engine = rigid.engine(CD_DT, (0, 0, 0), tolerance=1e-10, restitution=0.5 if case["kind"] == "CD e=0.5" else 0.0)
     O.run(CD_STEPS, True)
     return disk.state.pos[1] < 0, engine.deepestPenetration, rigid.told(engine)
