@@ -1,4 +1,6 @@
 """A contact problem given by its Delassus matrix, and the checks of its input."""
+import contextlib
+import os
 from numbers import Real
 
 import numpy as np
@@ -99,6 +101,26 @@ def array(name, values, shape, expected=None):
     if wrong.size:
         raise ValueError(f"{place(name, wrong[0])} is {numbers[tuple(wrong[0])]:g}, not a finite number")
     return numbers
+
+
+def made(path, kind, *arrays, **fields):
+    """Return the problem of this kind that a file holds. Raise its ValueError with the path."""
+    try:
+        return kind(*arrays, **fields)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+@contextlib.contextmanager
+def replaced(path):
+    """Give the name of a file to be written beside `path`, which it replaces once it is complete."""
+    aside = f"{os.fspath(path)}.{os.getpid()}.part"
+    try:
+        yield aside
+        os.replace(aside, path)
+    finally:
+        if os.path.exists(aside):
+            os.remove(aside)
 
 
 def vector(name, values, length):

@@ -57,7 +57,7 @@ def _matrices():
 
 
 def stiffness_matrix(contacts, column):
-    """Return K [N/m, N, N m] of the springs for (x, y, spin) of the bodies in column: {body: the first of its three}; all contacts stick."""
+    """Return K [N/m, N, N m] of the springs for (x, y, spin) of the bodies in column: {body: first of its three}; all contacts stick."""
     along = _relative(contacts, column, lambda normal: (normal[0], normal[1]))
     across = _relative(contacts, column, lambda normal: (-normal[1], normal[0]))
     sticking = sparse.diags([contact.phys.ks if contact.phys.tangensOfFrictionAngle > 0 else 0.0 for contact in contacts])

@@ -82,10 +82,9 @@ def write(tables, folder, busy, only=None):
         table = pandas.DataFrame(rows)
         table.to_csv(folder / f"{name}.csv", index=False)
         print(f"\n{name.capitalize()}\n{table.to_string(index=False, float_format='{:.3g}'.format, na_rep='-')}")
-    path = folder / "provenance.json"
-    known = provenance(busy)
+    path, known = folder / "provenance.json", provenance(busy)
     if only:
-        known = (json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"tables": {}})
+        known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
         known.setdefault("tables", {})[only] = provenance(busy)
     path.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
 
