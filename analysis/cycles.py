@@ -41,8 +41,7 @@ def sliding_share(run):
 
 def ends(run):
     """Return the numbers of the samples at which a cycle begins or ends, the first included."""
-    cycle = run.values("cycle")
-    if len(cycle) < 2:
+    if len(cycle := run.values("cycle")) < 2:
         return np.arange(len(cycle))
     whole = np.round(cycle)
     near = np.abs(cycle - whole) < np.diff(cycle).max() / 4
@@ -52,8 +51,7 @@ def ends(run):
 
 def of(run):
     """Return the Cycles of a run; None if not one is complete, as where a sample collapses in its first."""
-    at = ends(run)
-    if len(at) < 2:
+    if len(at := ends(run)) < 2:
         return None
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
     scale = observables.work_scale(run)

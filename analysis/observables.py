@@ -128,8 +128,7 @@ def balance_error(run, part=slice(None)):
 def critical_load(run, threshold):
     """Return sigma2/P0 at which |gamma| first exceeds `threshold`, between samples by interpolation; NaN if it never does."""
     gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
-    above = np.flatnonzero(gamma > threshold)
-    if not len(above):
+    if not len(above := np.flatnonzero(gamma > threshold)):
         return np.nan
     first = above[0]
     if first == 0:

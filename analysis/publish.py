@@ -71,8 +71,7 @@ def read_json(path, kinds):
         found = json.loads(Path(path).read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         raise ResultError(path, f"cannot be read ({error})", "make it again") from None
-    wrong = [name for name, kind in kinds.items() if not isinstance(found, dict) or not isinstance(found.get(name), kind)]
-    if wrong:
+    if wrong := [name for name, kind in kinds.items() if not isinstance(found, dict) or not isinstance(found.get(name), kind)]:
         raise ResultError(path, f"{', '.join(wrong)} missing or of another kind", "make it again")
     return found
 

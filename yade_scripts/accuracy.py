@@ -61,9 +61,8 @@ def estimate(coarse, fine):
     """Return the estimated error of the level `fine`, inf where it cannot be estimated. coarse: the level before it, or None."""
     if coarse is None or _untold(coarse) or _untold(fine):
         return math.inf
-    changes = [abs(value - coarse.values[name]) for name, value in fine.values.items()]
-    error = max([fine.penetration, *changes], key=lambda value: math.inf if math.isnan(value) else value)
-    return error if math.isfinite(error) else math.inf
+    errors = [fine.penetration, *(abs(value - coarse.values[name]) for name, value in fine.values.items())]
+    return max(errors) if all(map(math.isfinite, errors)) else math.inf
 
 
 def search(row, accuracy, run):

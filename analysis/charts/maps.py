@@ -1,6 +1,6 @@
 """Stability maps: what the probes found, as rows, boundaries and figures. Runs nothing."""
 import math
-from dataclasses import dataclass
+from collections import namedtuple
 from pathlib import Path
 
 import pandas
@@ -57,15 +57,8 @@ def descriptions():
     return [maps.get(name) for name in maps.names()]
 
 
-@dataclass
-class Found:
-    """A map with what was probed of it: cells, cases without one, [(Search, Boundary, what the program told, theory)], facts of all."""
-    name: str
-    map: maps.Map
-    rows: pandas.DataFrame
-    missing: list
-    boundaries: list
-    facts: list
+# A map with what was probed of it: cells, cases without one, [(Search, Boundary, what the program told, theory)], facts of all.
+Found = namedtuple("Found", "name map rows missing boundaries facts")
 
 
 def measured(results, full):
@@ -172,8 +165,7 @@ def _cells(axis, chart, rows):
     for (verdict, reason), own in sorted(kinds, key=lambda kind: list(MARKERS).index(kind[0][0])):
         axis.plot(own[chart.x.name], own[chart.y.name], MARKERS[verdict], color=COLOURS[reason], ls="",
                   ms=5 if verdict == STABLE else 6.5, mew=0, label=verdict + (f": {reason}" if reason else ""))
-    silent = rows[(rows.verdict != STABLE) & (rows.told == "")]
-    if len(silent):
+    if len(silent := rows[(rows.verdict != STABLE) & (rows.told == "")]):
         axis.plot(silent[chart.x.name], silent[chart.y.name], "o", mfc="none", mec="k", mew=0.7, ms=11, ls="",
                   label="the program says nothing")
 

@@ -48,8 +48,7 @@ def _row(what, sweeps, group):
         return row
     row["kappa_N_per_m"] = effective_medium.stiffness(full)
     for name in ("swing_period", "swing_decay"):
-        measured = np.array([run.known[name].measured for run in group if name in run.known])
-        if len(measured):
+        if len(measured := np.array([run.known[name].measured for run in group if name in run.known])):
             row |= {f"{name}_theory": group[0].known[name].exact, f"{name}_measured": float(np.mean(measured)),
                     f"{name}_low": float(measured.min()), f"{name}_high": float(measured.max())}
     return row
@@ -75,8 +74,7 @@ def _draw_way(axes, runs):
     for what, run in shown.items():
         way = _way(run)
         axes.plot(np.arange(len(way)), way, color=COLOUR[what], label=what)
-    elastic = next((run for what, run in shown.items() if what in MARKER), None)
-    if elastic:
+    if elastic := next((run for what, run in shown.items() if what in MARKER), None):
         steps = np.arange(len(_way(elastic)))
         axes.plot(steps, effective_medium.chain_response(elastic.parameters, steps * effective_medium.step(elastic.parameters)), "k--", lw=0.9,
                   label="theory")
@@ -87,8 +85,7 @@ def _draw_way(axes, runs):
 def _draw_theory(axes, rows):
     for what, marker in MARKER.items():
         for name, words, filled in (("swing_period", "period", True), ("swing_decay", "decay time", False)):
-            part = [row for row in rows if row["row"] == what and f"{name}_measured" in row]
-            if part:
+            if part := [row for row in rows if row["row"] == what and f"{name}_measured" in row]:
                 loops.draw_spread(axes, [row["sweeps"] for row in part], [row | {name: row[f"{name}_measured"]} for row in part], name,
                                   fmt=marker, color=COLOUR[what], ms=SIZE[what], mfc=None if filled else "none", label=f"{words}, {what}")
     for name, words, line in (("swing_period", "period", "-"), ("swing_decay", "decay time", "--")):

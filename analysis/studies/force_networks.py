@@ -37,8 +37,7 @@ def summarize(runs):
 
 def _pair(runs):
     """Return [MD run, CD run]; ResultError where one is missing."""
-    by = {run.method: run for run in runs}
-    if len(by) < 2:
+    if len(by := {run.method: run for run in runs}) < 2:
         raise ResultError("force_networks", "needs a run of each method", "run both: make study STUDY=force_networks")
     return [by["MD"], by["CD"]]
 

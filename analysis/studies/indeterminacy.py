@@ -122,8 +122,7 @@ def draw(runs, rows, path):
         axes[1].plot(mu, medians.dimension, label=packing, **look)
         axes[2].plot(mu, medians["springs from mean"], label=f"springs; {packing}", **look)
         axes[2].plot(mu, medians["cold start from mean"], ls="--", mfc="none", label=f"solver from no forces; {packing}", **look)
-    rough = table[(table.packing == OWN) & (table.mu > 0)]
-    if len(rough):
+    if len(rough := table[(table.packing == OWN) & (table.mu > 0)]):
         mu = rough.mu.min()
         eta = rough.eta[rough.mu == mu].median()
         axes[0].plot([mu, 0.1], [eta, eta * 0.1 / mu], color="0.5", ls=":", label=r"$\propto\mu$")

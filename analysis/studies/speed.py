@@ -94,8 +94,7 @@ def draw(runs, rows, path):
     for axis, (scene, name, title, label) in zip(axes[0], panels):
         own = [row for row in rows if row["scene"] == scene and abs(row[name]) > 0]
         for series, look in looks.items():
-            points = [row for row in own if _series(row) == series]
-            if points:
+            if points := [row for row in own if _series(row) == series]:
                 drawn[series] = axis.errorbar([row["seconds"] for row in points], [abs(row[name]) for row in points],
                                               [row.get("standard error", 0) for row in points], ls="", ms=5, elinewidth=0.7, **look)
         ordered = np.array(sorted((row["seconds"], abs(row[name])) for row in own if row["method"] == "MD")).reshape(-1, 2)

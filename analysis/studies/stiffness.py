@@ -88,12 +88,10 @@ def draw(runs, rows, path):
     fig, (left, middle, right) = style.plt.subplots(1, 3, figsize=(12, 4.4))
     for axes, name in ((left, "largest"), (middle, "remanent")):
         for medium, marker in MARKER.items():
-            part = [row for row in rows if row["medium"] == medium and not row["comparison"]]
-            if part:
+            if part := [row for row in rows if row["medium"] == medium and not row["comparison"]]:
                 loops.draw_spread(axes, [row["stiffness_over_kn"] for row in part], part, name, fmt=marker, color=COLOUR[medium], mfc="none",
                                   label=medium)
-        first = next((row for row in rows if row["medium"] == MD), None)
-        if first:
+        if first := next((row for row in rows if row["medium"] == MD), None):
             x = np.array(sorted({row["stiffness_over_kn"] for row in rows}))
             axes.plot(x, first[name] * first["stiffness_over_kn"] / x, ":", color="k", lw=0.8, label="inverse to the stiffness")
         axes.set(xscale="log", yscale="log", xlabel=r"stiffness of a contact: $k_n$ or $\kappa$, over the softest $k_n$",

@@ -79,8 +79,7 @@ class Sweep:
 
     def run(self):
         """Submit and watch until every row has a result or has been submitted as often as allowed."""
-        earlier = bool(slurm.states(self.name))
-        if earlier:
+        if earlier := bool(slurm.states(self.name)):
             print(f"{self.name}: an earlier call's tasks are in the queue: watching them.", flush=True)
             self.watch()
         for attempt in range(1 + self.options.retries):

@@ -33,8 +33,7 @@ class Measurements(queue.Job):
 
     def again(self):
         """Tell whether to start the worker again: only if a measurement ended it, which is then stored as failed, and it can begin at all."""
-        code = self.process.returncode
-        if code == 0:
+        if (code := self.process.returncode) == 0:
             return False
         self.failures += 1
         if code == 1 or not self.at.exists() or self.failures > MOST_FAILURES:  # 1: an exception, so a mistake in the code that measures
@@ -57,8 +56,7 @@ def main(arguments=None):
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")
     options = commands.add(parser, "--jobs", "--results").parse_args(arguments)
     known = {name: kind for kind, module in KINDS.items() for name in module.names()}
-    unknown = [name for name in options.only if name not in known]
-    if unknown:
+    if unknown := [name for name in options.only if name not in known]:
         raise parameters.ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
     results.make(options.results)
     jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]

@@ -55,11 +55,10 @@ def build(full, folder):
     def slope():
         return sum(slopes) / len(slopes) if slopes else math.nan
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()), kept={"slopes": slopes},
+                        extra={"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)})
     turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=math.sqrt(full["froude"] * full["gravity"] / inner), rotateAroundZero=True,
                           zeroPoint=(0, 0, 0))
     mover = [type(engine).__name__ for engine in O.engines].index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
-    scene.kept = {"slopes": slopes}
-    scene.extra = {"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)}
     return scene

@@ -20,11 +20,10 @@ def build(full, folder):
     from yade import O
     from yade_scripts.running import stage
     ground = stage.Ground(full)
-    radius, speed, time = ground.radius, full["speed"], ground.time
+    radius, speed, time, e = ground.radius, full["speed"], ground.time, parameters.restitution(full)
     half = full["wall_thickness"] * radius / 2
     ground.box((half, 0), (half, 10 * radius))
     state = ground.disk((-radius - speed * time / 3, 0), velocity=(speed, 0)).state
-    e = parameters.restitution(full)
     return stage.small(full, [
         Known("speed", "m/s", -e * speed, lambda: state.vel[0], scale=speed, source="restitution of the law, see scene bounce"),
         # MD ends a step later, in free flight.

@@ -10,6 +10,7 @@ import json
 import math
 import pathlib
 import time
+from collections import namedtuple
 from dataclasses import dataclass, field, fields
 from typing import Callable
 
@@ -69,11 +70,7 @@ def judged(measures, told, *failures):
     return Outcome(STABLE, measures=measures)
 
 
-@dataclass(frozen=True)
-class Axis:
-    """One parameter of a map; `label` is its name in the figure."""
-    name: str
-    label: str
+Axis = namedtuple("Axis", "name label")  # a parameter of a map, and what it is called in the figure
 
 
 @dataclass(frozen=True)

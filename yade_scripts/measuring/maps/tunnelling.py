@@ -40,16 +40,15 @@ MAP = Map(
 def probe(case):
     from yade import O
     from yade_scripts.measuring import rigid
-    throw = springs if case["kind"] == "MD" else rigidly
-    flights = []
+    throw, half, flights = springs if case["kind"] == "MD" else rigidly, case["thickness"] * rigid.RADIUS / 2, []
     for distance in NEAR if case["kind"] == "CD from near" else DISTANCES:
         O.reset()
         ground = rigid.ground(0.0)
-        ground.box((0, 0), (1000 * rigid.RADIUS, case["thickness"] * rigid.RADIUS / 2))
-        flights.append(throw(ground, case, case["thickness"] * rigid.RADIUS / 2 + rigid.RADIUS, distance))
-    measures = {"through": sum(beyond for beyond, _, _ in flights) / len(flights), "penetration": max(depth for _, depth, _ in flights) / rigid.RADIUS}
-    told = next((said for _, _, said in flights if said), "")
-    return judged(measures, told, (UNSTABLE, "tunnelled", measures["through"]),
+        ground.box((0, 0), (1000 * rigid.RADIUS, half))
+        flights.append(throw(ground, case, half + rigid.RADIUS, distance))
+    beyond, depths, said = zip(*flights)
+    measures = {"through": sum(beyond) / len(flights), "penetration": max(depths) / rigid.RADIUS}
+    return judged(measures, next(filter(None, said), ""), (UNSTABLE, "tunnelled", measures["through"]),
                   (INACCURATE, "penetration", measures["penetration"] > DEPTH))
 
 
