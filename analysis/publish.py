@@ -25,7 +25,7 @@ def publish(collection, folder):
     if not collection.runs:
         reason = collection.missing[0][2] if collection.missing else "it has no rows"
         raise ResultError(collection.name, f"no run has finished (the first: {reason})", f"make them: {command('study', collection)}")
-    study, stem = collection.module, Path(folder) / collection.name
+    study, stem = studies.module(collection.name), Path(folder) / collection.name
     stem.parent.mkdir(parents=True, exist_ok=True)
     rows = study.summarize(collection.runs)
     study.draw(collection.runs, rows, stem.with_suffix(".png"))

@@ -33,10 +33,6 @@ class Collection:
     runs: list = field(default_factory=list)
     missing: list = field(default_factory=list)
 
-    @property
-    def module(self):
-        return module(self.name)
-
 
 def names():
     """Return the studies there are, in the order of the report."""

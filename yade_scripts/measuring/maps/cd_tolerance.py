@@ -1,6 +1,6 @@
 """Map of CD: tolerance against the height of a column."""
 from yade_scripts.measuring.maps import Axis, Map, SWEEPS, TOLERANCES, lines, logarithmic, product, whole
-from yade_scripts.measuring.maps.cd_sweeps import heights
+from yade_scripts.measuring.maps.cd_sweeps import HEIGHTS
 
 STEPS = 20
 
@@ -18,7 +18,7 @@ MAP = Map(
               "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
     grid=lambda full: product(method=SWEEPS[full], disks=whole(logarithmic(1, 300, 9) if full else logarithmic(1, 100, 4)),
                               tolerance=logarithmic(1e-12, 1e-1, 12) if full else logarithmic(1e-10, 1e-1, 5)),
-    searches=lambda full: lines("tolerance", 1e-7, 1.0, 1.05 if full else 1.3, method=SWEEPS[full], disks=heights(full)),
+    searches=lambda full: lines("tolerance", 1e-7, 1.0, 1.05 if full else 1.3, method=SWEEPS[full], disks=HEIGHTS[full]),
     marks=TOLERANCES)
 
 

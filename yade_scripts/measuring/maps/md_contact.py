@@ -13,10 +13,7 @@ ERROR = 0.1
 
 RATIOS = (0.25, 0.5, 1.0)
 LAWS = parameters.REGISTRY["tangential_law"].choices  # the other ones in the searches only
-
-
-def damping(full):
-    return logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
+DAMPING = {True: logarithmic(0.01, 0.9, 9), False: [0.01, 0.1, 0.5]}  # of the full and of the quick map
 
 
 def searches(full):
@@ -25,8 +22,8 @@ def searches(full):
         return lines("omega_dt", 0.2 if beta < 0.7 else 0.1, 3.5, 1.003 if full else 1.03, (STABLE, INACCURATE),
                      kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
 
-    found = [line for ratio in (RATIOS if full else RATIOS[1:]) for beta in damping(full) for line in instability(ratio, beta, LAWS[:1])]
-    errors = lines("omega_dt", 0.01, 1.5, 1.03, kt_over_kn=0.5, beta_n=damping(full), tangential_law=LAWS[:1])
+    found = [line for ratio in (RATIOS if full else RATIOS[1:]) for beta in DAMPING[full] for line in instability(ratio, beta, LAWS[:1])]
+    errors = lines("omega_dt", 0.01, 1.5, 1.03, kt_over_kn=0.5, beta_n=DAMPING[full], tangential_law=LAWS[:1])
     return found + instability(0.5, 0.1, LAWS[1:]) + errors
 
 
@@ -43,7 +40,7 @@ MAP = Map(
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "decay_error": ("1", "of the decay a step of the normal motion, relative"),
               "frequency_error": ("1", "of its frequency, relative")},
-    grid=lambda full: product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping(full),
+    grid=lambda full: product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=DAMPING[full],
                               omega_dt=logarithmic(0.05, 3, 15) if full else logarithmic(0.1, 3, 6), tangential_law=LAWS[:1]),
     searches=searches, theory=lambda at: spring_limits.contact_limit(at["beta_n"], at["kt_over_kn"]),
     theory_label=r"$\min(2\sqrt{1+\beta_n^2}-2\beta_n,\ 2/\sqrt{2k_t/k_n})$", theory_along="omega_dt")

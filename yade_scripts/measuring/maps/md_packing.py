@@ -10,21 +10,15 @@ from yade_scripts.running.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
 PUSH = 1e-5  # over the mean overlap
-
-
-def ratios(full):
-    return RATIOS if full else RATIOS[1:2]
-
-
-def damping(full):
-    return logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
+# Of the full and of the quick map.
+RATIO, DAMPING = {True: RATIOS, False: RATIOS[1:2]}, {True: logarithmic(0.01, 0.9, 7), False: [0.01, 0.1, 0.5]}
 
 
 def searches(full):
     def instability(ratio, beta, laws):
         return lines("md_dt_factor", 0.1, 2.0, 1.005 if full else 1.03, kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
 
-    return instability(ratios(full), damping(full), LAWS[:1]) + instability(0.5, 0.1, LAWS[1:])
+    return instability(RATIO[full], DAMPING[full], LAWS[:1]) + instability(0.5, 0.1, LAWS[1:])
 
 
 MAP = Map(
@@ -39,7 +33,7 @@ MAP = Map(
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "theory": ("1", "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices"),
               "bound": ("1", "md_dt_factor that is safe for every packing in which no disk is held more stiffly than here")},
-    grid=lambda full: product(kt_over_kn=ratios(full), beta_n=damping(full), md_dt_factor=logarithmic(0.1, 1.6, 13 if full else 7),
+    grid=lambda full: product(kt_over_kn=RATIO[full], beta_n=DAMPING[full], md_dt_factor=logarithmic(0.1, 1.6, 13 if full else 7),
                               tangential_law=LAWS[:1]),
     searches=searches, marks={"default": 0.2}, theory_label=r"largest eigenvalue of the packing", theory_along="md_dt_factor")
 

@@ -9,10 +9,7 @@ CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
 NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for flights that begin within half a step of the wall
 DEPTH = 0.5
 KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
-
-
-def thicknesses(full):
-    return logarithmic(0.01, 10, 4) if full else [0.1, 1.0]
+THICKNESSES = {True: logarithmic(0.01, 10, 4), False: [0.1, 1.0]}  # of the full and of the quick map
 
 
 def turning(at):
@@ -31,9 +28,9 @@ MAP = Map(
            "overlap below a tenth of R, k_n must exceed 100 m v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
     measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},
-    grid=lambda full: product(kind=KINDS, thickness=thicknesses(full), speed=logarithmic(0.01, 100, 13 if full else 5)),
+    grid=lambda full: product(kind=KINDS, thickness=THICKNESSES[full], speed=logarithmic(0.01, 100, 13 if full else 5)),
     searches=lambda full: lines("speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE), kind=KINDS,
-                                thickness=thicknesses(full)),
+                                thickness=THICKNESSES[full]),
     theory=turning, theory_label="springs: the centre\npasses the mid-plane", theory_along="speed")
 
 
