@@ -84,10 +84,10 @@ def error_against_time(rows, origin):
     plt.setp(axes[:, 0], ylabel="error $e$")
     for axis in axes.flat[len(problems):]:
         axis.axis("off")
-    handles = [plt.Line2D([], [], color=look[name][0], marker=look[name][1], label=name) for name in names]
-    handles.append(plt.Line2D([], [], color="#777777", marker="o", markerfacecolor="none", linestyle="none", label="given up at this error"))
+    entries = [dict(color=look[name][0], marker=look[name][1], label=name) for name in names]
+    entries.append(dict(color="#777777", marker="o", mfc="none", ls="none", label="given up at this error"))
     fig.suptitle(" ")  # keeps room for the legend
-    fig.legend(handles=handles, loc="upper center", ncol=len(handles))
+    style.legend(fig, entries, loc="upper center", ncol=len(entries))
     return fig
 
 
@@ -148,10 +148,9 @@ def sweeps_against_size(rows, origin):
         axis.set(xscale="log", yscale="log", title=rf"$\mu$ = {mu:g}", xlabel="disks")
         axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
-    handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to 1e{round(math.log10(target))}")
+    entries = [dict(color=colour, marker=marker, ls="none", label=f"to 1e{round(math.log10(target))}")
                for target, (colour, marker) in TARGET_LOOK.items()]
-    handles += [plt.Line2D([], [], color="#777777", linestyle="-", label=ours),
-                plt.Line2D([], [], color="#777777", linestyle="--", marker="o", markerfacecolor="none", label="plain Gauss-Seidel")]
-    axes[0, -1].legend(handles=handles, fontsize=7)
+    entries += [dict(color="#777777", label=ours), dict(color="#777777", ls="--", marker="o", mfc="none", label="plain Gauss-Seidel")]
+    style.legend(axes[0, -1], entries, fontsize=7)
     fig.suptitle("Sweeps against size, cold start; points that are missing were not reached from every seed", fontsize=10)
     return fig

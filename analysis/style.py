@@ -90,6 +90,11 @@ def points(axis, table, x, y, method, **look):
     axis.plot(table[x], table[y], **dict(ls="", marker=MARKER[method], ms=4.5, color=COLOUR[method]) | look)
 
 
+def legend(where, looks, **place):
+    """Put a legend on axes or a figure whose entries are lines of these looks: the properties of each and its label."""
+    where.legend(handles=[plt.Line2D([], [], **look) for look in looks], **place)
+
+
 def number(value):
     """Return a number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
     if not math.isfinite(value) or value == 0:

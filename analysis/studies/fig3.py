@@ -2,7 +2,6 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas
-from matplotlib.lines import Line2D
 
 from analysis import cycles, limits, observables, publish, style, summary
 from yade_scripts.tables import product
@@ -101,10 +100,10 @@ def draw(runs, rows, path):
         axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=title)
         axis.grid(color="#DDDDDD", linewidth=0.5)
     axes[0, 0].set_ylabel(r"strain rate $|\Delta\gamma|$ a cycle")
-    handles = [Line2D([], [], color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]
-    handles += [Line2D([], [], color="#444444", linestyle=line, marker=style.MARKER[method], markersize=4, label=method)
+    entries = [dict(color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]
+    entries += [dict(color="#444444", ls=line, marker=style.MARKER[method], ms=4, label=method)
                 for method, line in LINES.items() if any(run.method == method for run in dense)]
-    axes[0, max(0, len(paths) - 1)].legend(handles=handles, fontsize=6.5, loc="upper left")
+    style.legend(axes[0, max(0, len(paths) - 1)], entries, fontsize=6.5, loc="upper left")
     _collapses(axes[0, -1], rows)
     style.finish(fig, path, "Left: dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver. Right: all packings; "
                  "open: no collapse in so many cycles.", runs)

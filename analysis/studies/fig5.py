@@ -1,7 +1,6 @@
 """Fig. 5: gamma under a load that rises until the sample collapses, and the load at which it yields."""
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.lines import Line2D
 
 from analysis import limits, observables, style, summary
 from yade_scripts.tables import product
@@ -84,12 +83,10 @@ def draw(runs, rows, path):
             _strain(axis, [run for run in own if run.parameters["stress_path"] == stress_path])
             axis.set_title(style.STRESS_PATH[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
         _loads(line[-1], [row for row in rows if row["preparation friction"] == friction])
-    handles = [Line2D([], [], color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
-    if len({run.parameters["ramp_rate"] for run in runs}) > 1:
-        handles.append(Line2D([], [], color="#444444", linestyle=":", label="twice as fast"))
-    if any(run.collapsed for run in runs):
-        handles.append(Line2D([], [], color="#444444", marker="x", linestyle="none", label="collapsed"))
-    axes[0, -1].legend(handles=handles, loc="lower right", fontsize=7)
+    entries = [dict(color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
+    entries += [dict(color="#444444", ls=":", label="twice as fast")] * (len({run.parameters["ramp_rate"] for run in runs}) > 1)
+    entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
+    style.legend(axes[0, -1], entries, loc="lower right", fontsize=7)
     style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; open: the mean stress held.", runs)
 
 

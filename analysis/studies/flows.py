@@ -110,10 +110,9 @@ def draw(runs, rows, path):
                               marker=style.MARKER[method], color=style.COLOUR[method], elinewidth=0.7)
         axes.set(xscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
     panels[0][0].set_ylabel("error, relative to rigid grains [%]")
-    looks = [dict(marker=style.MARKER[method], color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
-    looks += [dict(marker="o", color="0.4", ms=size, label=f"{disks} disks") for disks, size in sizes.items()]
-    handles = [style.plt.Line2D([], [], ls="", mfc="none", **look) for look in looks]
-    panels[0][-1].legend(handles=handles, fontsize=7)
+    entries = [dict(marker=style.MARKER[method], color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
+    entries += [dict(marker="o", color="0.4", ms=size, label=f"{disks} disks") for disks, size in sizes.items()]
+    style.legend(panels[0][-1], [dict(ls="", mfc="none") | entry for entry in entries], fontsize=7)
     style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Filled: the rigid answer. Grey: 2 %.", runs)
 
 

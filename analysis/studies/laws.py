@@ -2,7 +2,6 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas
-from matplotlib.lines import Line2D
 
 from analysis import cycles, observables, style, summary
 from yade_scripts.tables import product
@@ -72,8 +71,7 @@ def draw(runs, rows, path):
             windows, (colour, marker) = cycles.windows(len(found.number)), LOOK[run.parameters["tangential_law"]]
             right.plot([last for _, last in windows], np.abs(found.rates(windows)), color=colour, marker=marker, ms=3, lw=0.8)
     right.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"strain a cycle $|\Delta\gamma|$")
-    handles = [Line2D([], [], color=colour, marker=marker, markersize=4, label=law.replace("_", " ")) for law, (colour, marker) in LOOK.items()]
-    right.legend(handles=handles)
+    style.legend(right, [dict(color=colour, marker=marker, ms=4, label=law.replace("_", " ")) for law, (colour, marker) in LOOK.items()])
     style.finish(fig, path, "Left: a point a packing. Right: one packing, means over windows that grow with the cycle.", runs)
 
 

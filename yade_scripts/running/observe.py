@@ -5,7 +5,6 @@ import numpy as np
 from yade_scripts.results.schema import is_sliding
 from yade_scripts.preparing import bodies
 from yade_scripts.running import walls
-from yade_scripts.running.sums import total
 
 
 class Contacts:
@@ -37,11 +36,6 @@ class Contacts:
 def _plane(vectors):
     """Return the x and y of vectors, as rows."""
     return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
-
-
-def weight_energy(gravity):
-    """Return the potential energy of the weights [J]."""
-    return gravity * total(b.state.mass * b.state.pos[1] for b in bodies.disks()) if gravity else 0.0
 
 
 def angle(body):
