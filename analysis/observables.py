@@ -37,9 +37,7 @@ def loop_width(strain, stress):
     up, down = _rising(stress[:top + 1], strain[:top + 1]), _rising(stress[:top - 1:-1], strain[:top - 1:-1])
     levels = np.union1d(up[0], down[0])
     levels = levels[(levels >= max(up[0][0], down[0][0])) & (levels <= min(up[0][-1], down[0][-1]))]
-    if not len(levels):
-        return 0.0
-    return float(np.abs(np.interp(levels, *up) - np.interp(levels, *down)).max())
+    return float(np.abs(np.interp(levels, *up) - np.interp(levels, *down)).max(initial=0.0))
 
 
 def _rising(stress, strain):
@@ -130,10 +128,8 @@ def critical_load(run, threshold):
     gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
     if not len(above := np.flatnonzero(gamma > threshold)):
         return np.nan
-    first = above[0]
-    if first == 0:
-        return float(load[0])
-    return float(np.interp(threshold, gamma[first - 1:first + 1], load[first - 1:first + 1]))
+    around = slice(max(0, above[0] - 1), above[0] + 1)
+    return float(np.interp(threshold, gamma[around], load[around]))
 
 
 def stress_error(run):

@@ -1,4 +1,6 @@
 """Fig. 5: gamma under a load that rises until the sample collapses, and the load at which it yields."""
+import operator
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -28,12 +30,8 @@ def summarize(runs):
     static limit: largest sigma2/P0 that the contacts can carry on the run's stress path. over the limit at: sigma2/sigma1 there over the largest that they
     can carry, which does not depend on the path.
     """
-    return [_row(run) for run in sorted(runs, key=_order)]
-
-
-def _order(run):
-    row = run.parameters
-    return row["stress_path"], row["preparation_friction"], row["ramp_rate"], run.method != "MD", row["seed"]
+    of = operator.itemgetter("stress_path", "preparation_friction", "ramp_rate")
+    return [_row(run) for run in sorted(runs, key=lambda run: (*of(run.parameters), run.method != "MD", run.parameters["seed"]))]
 
 
 def _row(run):
