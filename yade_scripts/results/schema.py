@@ -84,9 +84,9 @@ SNAPSHOT = _table(
 KNOWN = _table(
     Field("unit", "", "unit of the number and of the next two"),
     Field("exact", "", "what it should be"),
-    Field("scale", "", "what an error is held against; |exact|, or 1 where that is 0, in files without it"),
-    Field("source", "", "where the exact value comes from; absent from older files"),
-    Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0; absent from older files"),
+    Field("scale", "", "what an error is held against"),
+    Field("source", "", "where the exact value comes from"),
+    Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0"),
 )
 
 
