@@ -2,7 +2,7 @@
 
 Every command has a --help of its own.
 """
-
+import contextlib
 import sys
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def main(arguments=None):
     """Run one command; the exit status: 0, 1 if `check` found a bad file or a run failed, 2 for a mistake of the user."""
     options = _parser().parse_args(arguments)
     try:
-        return options.run(options)
+        return options.run(options) or 0
     except reader.ResultError as error:
         raise parameters.ParameterError(str(error)) from None
 
@@ -39,7 +39,7 @@ def _parser():
     study = command("study", _study, "figure, summary table and provenance of studies")
     study.add_argument("names", nargs="*", metavar="NAME", help="studies (default: all)")
     study.add_argument("--run", dest="rows", action="store_true", help="first run the rows that have no result yet")
-    commands.add_jobs(study)
+    commands.add(study, "--jobs")
     table = command("table", _table, "the rows of a study as a table for yade-batch")
     table.add_argument("name", metavar="NAME")
     charts = command("charts", _charts, "charts of speed against accuracy and maps of stability, from what `make charts` has measured")
@@ -48,7 +48,7 @@ def _parser():
     for extent in (study, table, charts, report):
         commands.add_extent(extent)
     for writer, what in ((study, "folder of the figures"), (charts, "folder of the charts"), (report, "page to write")):
-        commands.add_results(writer)
+        commands.add(writer, "--results")
         writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
     benchmark = command("benchmark", _benchmark, "figures of `make bench`, from the tables it wrote")
     benchmark.add_argument("folder", nargs="?", default="results/benchmark", help="folder of the tables (default: %(default)s)")
@@ -66,7 +66,6 @@ def _folder(options):
 
 
 def _study(options):
-    """Run what is missing if asked to, then draw."""
     from analysis import make_study, publish, studies
     names, figures = options.names or studies.names(), Path(options.output or _folder(options))
     for name in names:
@@ -82,7 +81,6 @@ def _study(options):
 def _table(options):
     from analysis import studies
     print(tables.text(studies.module(options.name).ROWS["full" if options.full else "quick"]), end="")
-    return 0
 
 
 def _charts(options):
@@ -105,19 +103,16 @@ def _report(options):
                              | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).items():
             print(f"analysis report: {name}: {reason}", file=sys.stderr)
     print(report.build(folder, options.output or FIGURES / "report.html").resolve())
-    return 0
 
 
 def _benchmark(options):
     from analysis import benchmark
     print(*benchmark.draw(options.folder), sep="\n")
-    return 0
 
 
 def _recommend(options):
     from analysis.charts import recommend
     print("\n".join(recommend.of_scene(options.scene, options.accuracy) if options.scene else recommend.by_kind(options.accuracy)))
-    return 0
 
 
 def _summary(options):
@@ -128,7 +123,6 @@ def _summary(options):
         rows.append({"file": run.path.name, "method": run.method, "status": str(run.attributes["status"])} | (_numbers(run) if run.finished else {}))
         exact += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
     print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *exact, sep="\n")
-    return 0
 
 
 def _numbers(run):
@@ -141,12 +135,10 @@ def _numbers(run):
         "dissipated J": lambda: observables.change(run, "dissipated_energy"), "wall work J": lambda: observables.wall_work(run) if gamma[-1] == gamma[-1] else None,
         "stress error/P0": lambda: observables.stress_error(run), "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
         "commit": lambda: run.attributes["git_commit"][:12]}
-    found = {}
+    found = dict.fromkeys(columns, float("nan"))
     for name, value in columns.items():
-        try:
+        with contextlib.suppress(reader.ResultError):
             found[name] = value()
-        except reader.ResultError:
-            found[name] = float("nan")
     return found
 
 

@@ -32,7 +32,11 @@ def draw(folder):
                          (step_cost, "step")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
         if len(tables[name]) and (fig := figure(tables[name], of_table)):
-            drawn.append(_save(fig, of_table, folder / f"{figure.__name__}.png"))
+            busy, checked = of_table["processes_running_before"], "; the error is found by code that shares nothing with the solvers"
+            drawn.append(folder / f"{figure.__name__}.png")
+            style.finish(fig, drawn[-1], "Processor time of one core" + checked * (figure is error_against_time) + ".",
+                         f"commit {provenance.short(of_table['commit'])}, {of_table['processor']}"
+                         + (f"; {busy:.1f} other processes were running" if busy > 0.5 else ""))
     return drawn
 
 
@@ -41,20 +45,11 @@ def _rows(path, columns):
     if not path.exists():
         return pandas.DataFrame()
     table = publish.read_table(path)
-    missing = [name for name in columns if name not in table]
-    if missing:
+    if missing := [name for name in columns if name not in table]:
         raise ResultError(path, f"has no column {', '.join(missing)}", "make the tables: make bench")
-    wrong = [name for name in columns if name not in TEXTS and not pandas.api.types.is_numeric_dtype(table[name])]
-    if wrong:
+    if wrong := [name for name in columns if name not in TEXTS and not pandas.api.types.is_numeric_dtype(table[name])]:
         raise ResultError(path, f"holds no numbers in {', '.join(wrong)}", "make the tables: make bench")
     return table
-
-
-def _save(fig, origin, path):
-    busy = origin["processes_running_before"]
-    style.finish(fig, path, "Processor time of one core" + ("; the error is found by code that shares nothing with the solvers" if "error" in path.stem else "") + ".",
-                 f"commit {provenance.short(origin['commit'])}, {origin['processor']}" + (f"; {busy:.1f} other processes were running" if busy > 0.5 else ""))
-    return path
 
 
 def chosen(rows):
@@ -82,19 +77,17 @@ def error_against_time(rows, origin):
             (colour, marker), own = look[method], of_problem[of_problem.method == method]
             met, missed = own[own.status == SOLVED], own[own.status != SOLVED][:1]
             axis.loglog(met.seconds, met.residual, marker=marker, color=colour, markersize=5)
-            axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, markerfacecolor="none", linestyle="none",
-                        markersize=7)
+            axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, mfc="none", ls="none", ms=7)
         axis.set_title(f"{problem}\n{of_problem.contacts.iloc[0]:.0f} contacts", fontsize=9)
         axis.set_xlabel("processor time [s]")
         axis.grid(True, which="major", linewidth=0.3)
-    for axis in axes[:, 0]:
-        axis.set_ylabel("error $e$")
-    for axis in list(axes.flat)[len(problems):]:
+    plt.setp(axes[:, 0], ylabel="error $e$")
+    for axis in axes.flat[len(problems):]:
         axis.axis("off")
-    handles = [plt.Line2D([], [], color=look[name][0], marker=look[name][1], label=name) for name in names]
-    handles.append(plt.Line2D([], [], color="#777777", marker="o", markerfacecolor="none", linestyle="none", label="given up at this error"))
+    entries = [dict(color=look[name][0], marker=look[name][1], label=name) for name in names]
+    entries.append(dict(color="#777777", marker="o", mfc="none", ls="none", label="given up at this error"))
     fig.suptitle(" ")  # keeps room for the legend
-    fig.legend(handles=handles, loc="upper center", ncol=len(handles))
+    style.legend(fig, entries, loc="upper center", ncol=len(entries))
     return fig
 
 
@@ -155,10 +148,9 @@ def sweeps_against_size(rows, origin):
         axis.set(xscale="log", yscale="log", title=rf"$\mu$ = {mu:g}", xlabel="disks")
         axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
-    handles = [plt.Line2D([], [], color=colour, marker=marker, linestyle="none", label=f"to 1e{round(math.log10(target))}")
+    entries = [dict(color=colour, marker=marker, ls="none", label=f"to 1e{round(math.log10(target))}")
                for target, (colour, marker) in TARGET_LOOK.items()]
-    handles += [plt.Line2D([], [], color="#777777", linestyle="-", label=ours),
-                plt.Line2D([], [], color="#777777", linestyle="--", marker="o", markerfacecolor="none", label="plain Gauss-Seidel")]
-    axes[0, -1].legend(handles=handles, fontsize=7)
+    entries += [dict(color="#777777", label=ours), dict(color="#777777", ls="--", marker="o", mfc="none", label="plain Gauss-Seidel")]
+    style.legend(axes[0, -1], entries, fontsize=7)
     fig.suptitle("Sweeps against size, cold start; points that are missing were not reached from every seed", fontsize=10)
     return fig

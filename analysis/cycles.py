@@ -4,7 +4,6 @@ The accumulated permanent strain is gamma at the end of a cycle, where the load 
 rate of Fig. 3. Everything here is per cycle, counted from 1. Rates are given and no verdicts: whether a rate that falls will end is not known from
 the cycles that were run.
 """
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,6 @@ class Cycles:
     cycle [1]. dissipated: energy over P0 V0 [1]. sliding_max: largest share of the contacts at the Coulomb limit. contacts:
     2M/N at the end of the cycle, walls' contacts included.
     """
-
     number: np.ndarray
     start: float
     permanent: np.ndarray
@@ -43,8 +41,7 @@ def sliding_share(run):
 
 def ends(run):
     """Return the numbers of the samples at which a cycle begins or ends, the first included."""
-    cycle = run.values("cycle")
-    if len(cycle) < 2:
+    if len(cycle := run.values("cycle")) < 2:
         return np.arange(len(cycle))
     whole = np.round(cycle)
     near = np.abs(cycle - whole) < np.diff(cycle).max() / 4
@@ -54,8 +51,7 @@ def ends(run):
 
 def of(run):
     """Return the Cycles of a run; None if not one is complete, as where a sample collapses in its first."""
-    at = ends(run)
-    if len(at) < 2:
+    if len(at := ends(run)) < 2:
         return None
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
     scale = observables.work_scale(run)
@@ -68,12 +64,10 @@ def of(run):
 
 def windows(count):
     """Return windows (first, last) of cycles that cover 1 .. count, each about 1.15 times as late as the one before."""
-    found, first = [], 1
-    while first <= count:
-        last = min(count, max(first, round(first * 1.15)))
-        found.append((first, last))
-        first = last + 1
-    return found
+    found = [(0, 0)]
+    while (first := found[-1][1] + 1) <= count:
+        found.append((first, min(count, max(first, round(first * 1.15)))))
+    return found[1:]
 
 
 def late_rate(found):

@@ -3,7 +3,6 @@
 Forces in balance stay in balance if all are multiplied by one number, so what the contacts limit is the ratio sigma2/sigma1. It is the same whatever is held
 while sigma2 rises; the load sigma2/P0 at which a run reaches it is not.
 """
-
 import numpy as np
 
 from yade_scripts.results.reader import ResultError

@@ -1,5 +1,4 @@
 """One load and unload in three numbers, and the same over several packings."""
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,6 @@ class Loop:
 
     largest: |gamma| where it is largest. width: loop_width. remanent: |permanent_strain|.
     """
-
     largest: float
     width: float
     remanent: float
@@ -23,7 +21,6 @@ QUANTITIES = {"largest": r"largest $|\gamma|$", "width": "width of the loop", "r
 
 
 def of(run):
-    """Return the Loop of a run's first cycle."""
     part = observables.cycle_range(run)
     gamma = run.values("gamma")[part] - run.values("gamma")[part][0]
     return Loop(float(np.abs(gamma).max()), observables.loop_width(gamma, run.values("sigma2")[part]),
@@ -37,14 +34,6 @@ def spread(runs, scale=1.0):
         values = scale * np.array([getattr(loop, name) for loop in loops])
         found |= {name: float(values.mean()), f"{name}_low": float(values.min()), f"{name}_high": float(values.max())}
     return found
-
-
-def grouped(runs, key):
-    """Return {key(run): [runs]} in the order of the runs."""
-    groups = {}
-    for run in runs:
-        groups.setdefault(key(run), []).append(run)
-    return groups
 
 
 def draw_spread(axes, x, rows, name, **style):

@@ -18,16 +18,16 @@ def run(names, full, folder, figures, jobs):
             left[name].discard(path)
             if not left[name]:
                 del left[name]
-                _draw(name, drawn, failed_figures)
+                draw(name)
 
-    def _draw(name, drawn, failed):
+    def draw(name):
         try:
             with locks.held(Path(folder) / f"figure of {name}"):
                 drawn.append(publish.publish(studies.collect(name, folder, full), figures).with_suffix(".png"))
             print(drawn[-1].resolve(), flush=True)
         except reader.ResultError as error:
             print(f"study: no figure of {name}: {error}", file=sys.stderr)
-            failed.append(name)
+            failed_figures.append(name)
 
     try:
         queue = batch.jobs_of([row for name in names for row in studies.module(name).ROWS["full" if full else "quick"]], folder)

@@ -3,7 +3,6 @@
 Strains are extension positive and gamma = strain2 - strain1 (eqs. 2-4), so a sample that shortens
 along the loaded axis 2 has gamma < 0. SI units.
 """
-
 import numpy as np
 
 from yade_scripts.results import schema
@@ -20,8 +19,8 @@ def cycle_range(run, number=1):
     slack = np.diff(cycle).max() / 2 if len(cycle) > 1 else 0
     inside = np.flatnonzero((cycle >= number - 1 - slack) & (cycle <= number + slack))
     if len(inside) < 3 or cycle[-1] < number - slack:
-        raise ResultError(run.path, f"cycle {number} is not complete, the run ends at cycle "
-                          f"{cycle[-1] if len(cycle) else 0:g}", "choose an earlier cycle or run longer")
+        raise ResultError(run.path, f"cycle {number} is not complete, the run ends at cycle {cycle[-1] if len(cycle) else 0:g}",
+                          "choose an earlier cycle or run longer")
     return slice(inside[0], inside[-1] + 1)
 
 
@@ -38,9 +37,7 @@ def loop_width(strain, stress):
     up, down = _rising(stress[:top + 1], strain[:top + 1]), _rising(stress[:top - 1:-1], strain[:top - 1:-1])
     levels = np.union1d(up[0], down[0])
     levels = levels[(levels >= max(up[0][0], down[0][0])) & (levels <= min(up[0][-1], down[0][-1]))]
-    if not len(levels):
-        return 0.0
-    return float(np.abs(np.interp(levels, *up) - np.interp(levels, *down)).max())
+    return float(np.abs(np.interp(levels, *up) - np.interp(levels, *down)).max(initial=0.0))
 
 
 def _rising(stress, strain):
@@ -63,10 +60,14 @@ def stiffness(gamma, stress, share=0.2):
 
 def start_volume(run):
     """Return L_x0 L_y0 depth [m^3] when the loading begins."""
+    x_low, x_high, y_low, y_high = _snapshots(run)[0]["box"]
+    return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
+
+
+def _snapshots(run):
     if not run.snapshots:
         raise ResultError(run.path, "has no snapshots", "run it again")
-    x_low, x_high, y_low, y_high = run.snapshots[0]["box"]
-    return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
+    return run.snapshots
 
 
 def wall_work(run):
@@ -125,21 +126,17 @@ def balance_error(run, part=slice(None)):
 def critical_load(run, threshold):
     """Return sigma2/P0 at which |gamma| first exceeds `threshold`, between samples by interpolation; NaN if it never does."""
     gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
-    above = np.flatnonzero(gamma > threshold)
-    if not len(above):
+    if not len(above := np.flatnonzero(gamma > threshold)):
         return np.nan
-    first = above[0]
-    if first == 0:
-        return float(load[0])
-    return float(np.interp(threshold, gamma[first - 1:first + 1], load[first - 1:first + 1]))
+    around = slice(max(0, above[0] - 1), above[0] + 1)
+    return float(np.interp(threshold, gamma[around], load[around]))
 
 
 def stress_error(run):
     """Return the largest |sigma - goal| / P0 over both directions and all samples; NaN if no goal was recorded."""
     if "sigma1_goal" not in run.history or "sigma2_goal" not in run.history:
         return np.nan
-    return max(np.abs(run.values(name) - run.values(name + "_goal")).max()
-               for name in ("sigma1", "sigma2")) / run.pressure
+    return max(np.abs(run.values(name) - run.values(f"{name}_goal")).max() for name in ("sigma1", "sigma2")) / run.pressure
 
 
 def unconverged_steps(run):
@@ -149,21 +146,17 @@ def unconverged_steps(run):
 
 def snapshot_at_load_maximum(run):
     """Return the snapshot taken where the load was largest, and sigma2/P0 asked for there. What the sample carries may swing about that as it yields."""
-    if not run.snapshots:
-        raise ResultError(run.path, "has no snapshots", "run it again")
     time, sigma2 = run.values("time"), run.values("sigma2_goal")
-    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in run.snapshots]
+    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in _snapshots(run)]
     best = int(np.argmax(loads))
     if loads[best] < sigma2.max() - 0.02 * np.ptp(sigma2):
-        raise ResultError(run.path, f"no snapshot near the load maximum, the nearest has sigma2 = "
-                          f"{loads[best]:.6g} Pa of {sigma2.max():.6g} Pa", "run it again")
+        raise ResultError(run.path, f"no snapshot near the load maximum, the nearest has sigma2 = {loads[best]:.6g} Pa of "
+                          f"{sigma2.max():.6g} Pa", "run it again")
     return run.snapshots[best], loads[best] / run.pressure
 
 
 def sliding(snapshot):
-    """Return the mask of the contacts at the Coulomb limit."""
-    return schema.is_sliding(snapshot["force_normal"], snapshot["force_tangential"],
-                             snapshot["contact_friction"])
+    return schema.is_sliding(snapshot["force_normal"], snapshot["force_tangential"], snapshot["contact_friction"])
 
 
 def rattlers(snapshot):
@@ -178,15 +171,11 @@ def matched_forces(first, second):
 
     Contacts are matched by the ids of their bodies; one that the other snapshot lacks has force 0 there.
     """
-    tables = [_force_by_ids(snapshot) for snapshot in (first, second)]
+    tables = [{tuple(sorted(ids)): force for ids, force in zip(snapshot["contact_ids"].tolist(), snapshot["force_normal"])}
+              for snapshot in (first, second)]
     keys = sorted(tables[0].keys() | tables[1].keys())
     forces = np.array([[table.get(key, 0.0) for key in keys] for table in tables])
     return forces[:, (forces > 0).any(axis=0)]
-
-
-def _force_by_ids(snapshot):
-    return {tuple(sorted(ids)): force
-            for ids, force in zip(snapshot["contact_ids"].tolist(), snapshot["force_normal"])}
 
 
 def coordination(snapshot):

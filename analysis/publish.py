@@ -4,7 +4,6 @@ The table has a column `status`: empty in the study's own rows, the reason in th
 parameters that set them apart. Floats are written with all their digits, so that a table compares exactly.
 """
 import json
-import math
 import platform
 from pathlib import Path
 
@@ -25,7 +24,7 @@ def publish(collection, folder):
     if not collection.runs:
         reason = collection.missing[0][2] if collection.missing else "it has no rows"
         raise ResultError(collection.name, f"no run has finished (the first: {reason})", f"make them: {command('study', collection)}")
-    study, stem = collection.module, Path(folder) / collection.name
+    study, stem = studies.module(collection.name), Path(folder) / collection.name
     stem.parent.mkdir(parents=True, exist_ok=True)
     rows = study.summarize(collection.runs)
     study.draw(collection.runs, rows, stem.with_suffix(".png"))
@@ -62,7 +61,6 @@ def finished(table):
 
 
 def write_json(path, facts):
-    """Write facts as JSON."""
     Path(path).write_text(json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
@@ -72,8 +70,7 @@ def read_json(path, kinds):
         found = json.loads(Path(path).read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         raise ResultError(path, f"cannot be read ({error})", "make it again") from None
-    wrong = [name for name, kind in kinds.items() if not isinstance(found, dict) or not isinstance(found.get(name), kind)]
-    if wrong:
+    if wrong := [name for name, kind in kinds.items() if not isinstance(found, dict) or not isinstance(found.get(name), kind)]:
         raise ResultError(path, f"{', '.join(wrong)} missing or of another kind", "make it again")
     return found
 
@@ -86,7 +83,8 @@ def origin(collection):
     return {
         "extent": "full" if collection.full else "quick", "runs_finished": len(runs), "runs_failed": len(failed),
         "runs_missing": len(collection.missing) - len(failed), "runs_collapsed": sum(run.collapsed for run in runs),
-        "packings": len({run.attributes["state_sha256"] for run in runs} - {""}), "computing_seconds": round(sum(_last(run.history["wall_clock"]) for run in runs), 1),
+        "packings": len({run.attributes["state_sha256"] for run in runs} - {""}),
+        "computing_seconds": round(float(sum(run.values("wall_clock")[-1] for run in runs)), 1),
         "unsolved_steps": sum(observables.unconverged_steps(run) for run in runs if run.method == "CD"), "energy_balance": energy_balance(runs),
         "commits": sorted({run.attributes["git_commit"] for run in runs}), "yade": sorted({str(run.attributes["yade_version"]) for run in runs}),
         "run_command": command("study", collection), "parameters": constant, "varied": varied} | machine()
@@ -120,10 +118,6 @@ def _split(rows):
     return ({name: seen[0] for name, seen in values.items() if len(seen) == 1},
             {name: sorted(seen, key=lambda value: (value is not None, isinstance(value, str), 0 if value is None else value))
              for name, seen in values.items() if len(seen) > 1})
-
-
-def _last(values):
-    return float(values[-1]) if len(values) and math.isfinite(values[-1]) else 0.0
 
 
 def publish_all(names, folder, results, full):

@@ -1,5 +1,4 @@
 """The report: one HTML page of the published files, images inlined; tables are linked files, nothing is loaded from elsewhere."""
-
 import base64
 import io
 import os
@@ -11,8 +10,7 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from analysis import causes, charts, publish, studies
-from analysis.definitions import DEFINITIONS
-from yade_scripts.results import provenance
+from yade_scripts.results import provenance, schema
 from yade_scripts.results.reader import ResultError
 
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
@@ -43,7 +41,8 @@ def build(folder, path):
     page = environment.get_template("report.html").render(
         paper=PAPER, findings=short_answer, words=words, there=there, studies=found, absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
-        points=points, definitions=DEFINITIONS, causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE, commits=commits, published=all(study["extent"] == "full" for study in found))
+        points=points, sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
+        commits=commits, published=all(study["extent"] == "full" for study in found))
     path.write_text(page, encoding="utf-8")
     return path
 
@@ -55,7 +54,6 @@ def findings():
 
 
 def _study(name, folder, link):
-    """Return what the page shows of a study."""
     study, facts = studies.module(name), publish.read_json(folder / f"{name}.json", STUDY)
     if not all(isinstance(balance, dict) and all(isinstance(balance.get(key), (int, float)) for key in ("runs", "median", "largest"))
                for balance in facts["energy_balance"].values()) or not all(isinstance(word, str) for word in facts["commits"] + facts["yade"]):

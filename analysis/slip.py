@@ -2,7 +2,6 @@
 
 A contact at the limit need not slip: of a packing at rest up to a third are there, and stay.
 """
-
 import numpy as np
 
 from yade_scripts import parameters

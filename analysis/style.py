@@ -1,5 +1,4 @@
 """One look for all figures: colours and markers that tell methods apart without colour vision."""
-
 import math
 import textwrap
 from pathlib import Path
@@ -17,7 +16,8 @@ from yade_scripts.theory import effective_medium
 # Okabe and Ito's palette, distinct under the common colour-vision deficiencies.
 COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
 MARKER = {"MD": "o", "CD": "s"}
-MARKERS = "osD^vPX*"
+WORDS = {"MD": "springs (MD)", "CD": "rigid contacts (CD)"}
+STRESS_PATH = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}
 SLIDING, CHAIN, GRAIN, RATTLER = "#D55E00", "#1A1A1A", "#B8B8B8", "#E6E6E6"
 
 plt.rcParams.update({
@@ -83,6 +83,16 @@ def _mend_logarithms(fig):
                 axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if high > 4 * low else MaxNLocator(3))
                 axis.set_major_formatter(lambda value, _: f"{value:g}")
                 axis.set_minor_locator(NullLocator())
+
+
+def points(axis, table, x, y, method, **look):
+    """Draw two columns of a pandas table against each other, one point a row, in a method's colour and marker unless `look` has others."""
+    axis.plot(table[x], table[y], **dict(ls="", marker=MARKER[method], ms=4.5, color=COLOUR[method]) | look)
+
+
+def legend(where, looks, **place):
+    """Put a legend on axes or a figure whose entries are lines of these looks: the properties of each and its label."""
+    where.legend(handles=[plt.Line2D([], [], **look) for look in looks], **place)
 
 
 def number(value):

@@ -1,17 +1,15 @@
-"""Runs and rows in groups and pairs, for the studies."""
-
-import numpy as np
-
-
-def finite(values):
-    """Return the finite numbers of `values` as an array."""
-    values = np.array([value for value in values if not isinstance(value, str)], float)
-    return values[np.isfinite(values)]
+"""Runs and rows in groups, for the studies."""
+import functools
 
 
-def groups(items, key):
-    """Return {key(item): [items]} in the order of the keys."""
+def each(row):
+    """Turn row(run) into a summary that has one row a run."""
+    return functools.wraps(row)(lambda runs: [row(run) for run in runs])
+
+
+def groups(items, key, ordered=True):
+    """Return {key(item): [items]} in the order of the keys, or of the items."""
     found = {}
     for item in items:
         found.setdefault(key(item), []).append(item)
-    return dict(sorted(found.items()))
+    return dict(sorted(found.items())) if ordered else found

@@ -59,12 +59,11 @@ def _report_at_exit():
     import atexit
     import yade
 
+    @atexit.register
     def report():
         for engine in yade.O.engines:
             if type(engine).__name__ == "ContactDynamics" and engine.unconvergedSteps > 1:
                 print(f"ContactDynamics: {engine.unconvergedSteps} of {engine.steps} steps missed the tolerance {engine.tolerance:g}.", file=sys.stderr)
-
-    atexit.register(report)
 
 
 def __getattr__(name):

@@ -29,7 +29,7 @@ def timeStep(gravity=None, speed=None, share=SHARE):
         raise ValueError(f"timeStep: share={share} is out of range: it must be above 0")
     if speed is not None and not (math.isfinite(speed) and speed >= 0):
         raise ValueError(f"timeStep: speed={speed} m/s is out of range: it must be at least 0")
-    down = _gravity(O.engines) if gravity is None else gravity
+    down = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), (0, 0, 0)) if gravity is None else gravity
     g = math.hypot(*down)
     if not math.isfinite(g):
         raise ValueError(f"timeStep: gravity={tuple(down)} is not a vector of finite numbers")
@@ -44,10 +44,6 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     if not times:
         raise ValueError("timeStep: nothing moves and there is no gravity, so no speed can be estimated. Give one: timeStep(speed=0.1), in m/s")
     return share * min(times)
-
-
-def _gravity(engines):
-    return next((engine.gravity for engine in engines if hasattr(engine, "gravity")), (0, 0, 0))
 
 
 def _speed(body):

@@ -51,7 +51,6 @@ class _EngineCheck:
         self.passed = []  # the engines of springs that ran last, each with its `dead`; none if ContactDynamics ran last
 
     def __call__(self):
-        """RuntimeError with the remedy."""
         engines = self.O.engines
         names = [type(engine).__name__ for engine in engines if not engine.dead]
         if any(type(engine).__name__ == "ParallelEngine" and "ContactDynamics" in str(engine.slaves) for engine in engines if not engine.dead):

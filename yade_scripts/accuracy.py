@@ -53,7 +53,6 @@ class Level:
 
 
 def refined(row, accuracy, level):
-    """Return the row of a level; level 0 is the coarsest."""
     tolerance = max(min(SHARE * accuracy, LOOSEST) * STEP**level, SMALLEST)
     return row | {"cd_dt": parameters.complete(row)["cd_dt"] * STEP**level, "tolerance": tolerance}
 
@@ -62,9 +61,8 @@ def estimate(coarse, fine):
     """Return the estimated error of the level `fine`, inf where it cannot be estimated. coarse: the level before it, or None."""
     if coarse is None or _untold(coarse) or _untold(fine):
         return math.inf
-    changes = [abs(value - coarse.values[name]) for name, value in fine.values.items()]
-    error = max([fine.penetration, *changes], key=lambda value: math.inf if math.isnan(value) else value)
-    return error if math.isfinite(error) else math.inf
+    errors = [fine.penetration, *(abs(value - coarse.values[name]) for name, value in fine.values.items())]
+    return max(errors) if all(map(math.isfinite, errors)) else math.inf
 
 
 def search(row, accuracy, run):
@@ -101,7 +99,6 @@ def check(row, accuracy):
 def run_in_yade(folder):
     """Return a run(row) -> Level for `search`; `folder` holds the prepared packings."""
     from yade import O
-
     from yade_scripts import scenes
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, timing, walls
@@ -130,10 +127,7 @@ def run_in_yade(folder):
 def main(arguments=None):
     """Run the command line: accuracy=..., then name=value as for run.py. Return the exit status."""
     from yade_scripts import run
-    parser = commands.parser(__doc__)
-    commands.add_row(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
     asked = [argument for argument in options.row if argument.startswith("accuracy=")]
     row = {"method": "CD"} | parameters.from_arguments([argument for argument in options.row if argument not in asked])
     try:

@@ -18,7 +18,6 @@ from yade_scripts.running import locks, plausible, queue
 
 
 class Row(queue.Job):
-    """The run of one row."""
 
     def __init__(self, row, folder):
         self.row, self.full = row, parameters.complete(row)
@@ -79,10 +78,8 @@ def work_off(jobs, at_once, ended=lambda path: None):
 
 @commands.command("batch")
 def main(arguments=None):
-    parser = commands.parser(__doc__)
+    parser = commands.parser(__doc__, "--jobs", "--results")
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
-    commands.add_jobs(parser)
-    commands.add_results(parser)
     options = parser.parse_args(arguments)
     jobs = jobs_of([row for path in options.tables for row in tables.read(path).values()], options.results)
     try:

@@ -10,22 +10,21 @@ from yade_scripts import parameters, results
 MISTAKE = 2  # exit status of a command that cannot do what it was asked for
 
 
-def parser(doc, **more):
+def parser(doc, *shared, **more):
     """Return an argument parser whose --help shows the first paragraph and whose epilogue shows the rest of a module's text."""
     first, _, rest = doc.partition("\n\n")
-    return argparse.ArgumentParser(description=first, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+    raw = argparse.RawDescriptionHelpFormatter
+    return add(argparse.ArgumentParser(description=first, epilog=rest, formatter_class=raw, **more), *shared)
 
 
-def add_row(options):
-    options.add_argument("row", nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters")
-
-
-def add_results(options):
-    options.add_argument("--results", metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)")
-
-
-def add_jobs(options):
-    options.add_argument("--jobs", type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")
+def add(options, *shared):
+    """Return a parser with arguments that several commands have: "row", "--results", "--jobs"."""
+    known = {"row": dict(nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters"),
+             "--results": dict(metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)"),
+             "--jobs": dict(type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")}
+    for name in shared:
+        options.add_argument(name, **known[name])
+    return options
 
 
 def add_extent(options, quick="a first version, minutes (default)", full="the real one, hours; it can be stopped and started again"):

@@ -44,7 +44,7 @@ class Parameter:
         """Return the allowed values in words."""
         if self.choices:
             return "one of " + ", ".join(map(str, self.choices))
-        if isinstance(self.default, (bool, str)):
+        if type(self.default) in (bool, str):
             return "True or False" if isinstance(self.default, bool) else "a name"
         kind = "an integer" if isinstance(self.default, int) else "a number"
         return f"{kind} in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}]"
@@ -58,10 +58,8 @@ class Parameter:
 
     def _converted(self, value):
         kind = type(self.default)
-        if kind is bool:
-            return value if isinstance(value, bool) else None
-        if kind is str:
-            return value if isinstance(value, str) else None
+        if kind in (bool, str):
+            return value if isinstance(value, kind) else None
         if isinstance(value, bool) or not isinstance(value, (int, float)) or isinstance(value, int) and abs(value) > 2**63:
             return None
         if kind is int:
@@ -200,15 +198,13 @@ def _checked(part, scene):
 
 def _hint(name, legal, scene):
     """Return a hint for a name that is not legal in a scene: the scenes that have it, or names that look like it."""
-    others = [other for other in scenes.names() if name in registry(other)]
-    if others:
+    if others := [other for other in scenes.names() if name in registry(other)]:
         return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
     near = difflib.get_close_matches(name, legal, n=3)
     return f"did you mean {' or '.join(near)}?" if near else "the list: /usr/bin/python3 -m yade_scripts.parameters"
 
 
 def _check_together(full):
-    """Check conditions on several parameters at once."""
     scene = scenes.module(full["scene"])
     if full["method"] not in scene.METHODS:
         raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves out {scene.LEFT_OUT}")
@@ -265,8 +261,7 @@ def preparation(full):
 
 def digest(values, length=12):
     """Return the hexadecimal hash of a dictionary of parameters; the same in every process."""
-    text = json.dumps(values, sort_keys=True, allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()[:length]
+    return hashlib.sha256(json.dumps(values, sort_keys=True, allow_nan=False).encode()).hexdigest()[:length]
 
 
 def result_name(full):
@@ -291,14 +286,10 @@ def pressure(full):
     return full["pressure_ratio"] * full["kn"] / full["depth"]
 
 
-def disks_area(full):
-    """Return the expected area of all disks [m^2], their radii uniform within radius_mean (1 +- radius_spread)."""
-    return full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)
-
-
 def width(full, aspect):
     """Return the width [m] of a box that all disks fill to `aspect` times its width at a solid fraction of 0.8."""
-    return math.sqrt(disks_area(full) / (0.8 * aspect))
+    area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)  # expected, of radii that are uniform
+    return math.sqrt(area / (0.8 * aspect))
 
 
 def steps(full, largest):

@@ -91,10 +91,7 @@ def _run(path, full, folder, checkpoint_samples):
 
 @commands.command("run")
 def main(arguments=None):
-    """Run the command line or a row of yade-batch. Return the exit status."""
-    parser = commands.parser(__doc__)
-    commands.add_row(parser)
-    commands.add_results(parser)
+    parser = commands.parser(__doc__, "row", "--results")
     parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N", help="samples between two checkpoints, 0 for none (default: by the length of the run)")
     options = parser.parse_args(arguments)
     row = tables.batch_row(os.environ["YADE_BATCH"]) if "YADE_BATCH" in os.environ else parameters.from_arguments(options.row)

@@ -7,7 +7,6 @@ A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN as a 
 
 Accuracy is a relative error: |measured - exact| over a scale that the scene names, the largest of all that is known of it.
 """
-
 import importlib
 from pathlib import Path
 
@@ -32,8 +31,7 @@ def publish_all(results, folder, full):
     try:
         settings, origin = table.measured(results, full)
         for name in ORDER[:-1]:
-            rows = module(name).rows(settings)
-            if len(rows):
+            if len(rows := module(name).rows(settings)):
                 _publish(name, rows, folder, origin)
             else:
                 left[name] = "no scene was measured by both methods or at several sizes"

@@ -1,5 +1,4 @@
 """Time to an accuracy, by kind of scene: MD against CD. What to use when, in one picture."""
-
 import math
 
 import pandas
@@ -59,10 +58,8 @@ def draw(rows, folder, line):
         axes.grid(alpha=0.25, linewidth=0.5)
     for axes in panels.flat[len(kinds):]:
         axes.axis("off")
-    for axes in panels[-1]:
-        axes.set_xlabel("error allowed")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("time of computing [s]")
+    plt.setp(panels[-1], xlabel="error allowed")
+    plt.setp(panels[:, 0], ylabel="time of computing [s]")
     panels[0, 0].invert_xaxis()
     panels[0, 0].legend()
     style.finish(fig, folder / "by_kind.png", "Cheapest setting that reaches the error; mean over the scenes of a kind. Hollow: over those it solves.", line)

@@ -4,7 +4,6 @@ A setting counts as reaching an accuracy only if it and all finer ones of its se
 settings that ran out of time are ignored; one that failed for another reason counts against it. The series of damping does not go from coarse to
 fine: there the neighbours have to reach the accuracy as well.
 """
-
 import math
 
 import numpy as np

@@ -1,5 +1,4 @@
 """Time of computing against the number of disks, at a fixed accuracy, for both methods."""
-
 import numpy as np
 import pandas
 
@@ -45,13 +44,11 @@ def power(found):
 
 
 def draw(rows, folder, line):
-    """Return a panel a scene."""
     of_scenes = rows.groupby("scene", sort=False)
     fig, panels = plt.subplots(1, len(of_scenes), figsize=(1 + 2.7 * len(of_scenes), 3.6), squeeze=False)
     for axes, (scene, own) in zip(panels[0], of_scenes):
         for series, (colour, marker) in LOOK.items():
-            solved = own[(own.series == series) & own.seconds.notna()]
-            if len(solved):
+            if len(solved := own[(own.series == series) & own.seconds.notna()]):
                 axes.loglog(solved.disks, solved.seconds, color=colour, marker=marker, markersize=4,
                             label=f"{series}, $N^{{{power(solved):.2g}}}$")
         axes.set_title(scenes.module(scene).TITLE, fontsize=9)

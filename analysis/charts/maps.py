@@ -1,12 +1,11 @@
 """Stability maps: what the probes found, as rows, boundaries and figures. Runs nothing."""
-
 import math
-from dataclasses import dataclass
+from collections import namedtuple
 from pathlib import Path
 
 import pandas
 
-from analysis import charts, publish, style
+from analysis import charts, publish, style, summary
 from analysis.style import plt
 from yade_scripts.measuring import maps
 from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
@@ -47,6 +46,7 @@ MARKERS = {STABLE: ".", INACCURATE: "^", UNSTABLE: "X", NOT_SOLVED: "s"}
 COLOURS = {"": "#9A9A9A", "energy growth": "#D55E00", "penetration": "#CC79A7", "wrong motion": "#56B4E9", "false motion": "#E69F00", "false rest": "#6A3D9A",
            "wrong forces": "#0072B2", "tunnelled": "#8B0000", "locked walls": "#D55E00", "load missed": "#009E73", "non-convergence": "#555555",
            "refused": "#B8A200", "crashed": "#000000", "timed out": "#000000"}
+SYMBOLS = {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$"}
 HEIGHT = 4.7  # in, of one line of panels
 MOST_COLUMNS = 3
 LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
@@ -57,15 +57,8 @@ def descriptions():
     return [maps.get(name) for name in maps.names()]
 
 
-@dataclass
-class Found:
-    """A map with what was probed of it: cells, cases without one, [(Search, Boundary, what the program told, theory)], facts of all."""
-    name: str
-    map: maps.Map
-    rows: pandas.DataFrame
-    missing: list
-    boundaries: list
-    facts: list
+# A map with what was probed of it: cells, cases without one, [(Search, Boundary, what the program told, theory)], facts of all.
+Found = namedtuple("Found", "name map rows missing boundaries facts")
 
 
 def measured(results, full):
@@ -77,7 +70,6 @@ def measured(results, full):
 
 
 def collect(name, results, full):
-    """Return the Found of a map, of the quick or the full grid."""
     chart, work, facts, rows, missing, boundaries = maps.get(name), maps.Work(name, full, results), [], [], [], []
 
     def outcome(case):
@@ -125,16 +117,13 @@ def boundaries(several):
 
 def draw(several, folder, line):
     """Return a figure and a table of cells a map."""
-    figures = {}
     for found in several:
         publish.write_table(folder / f"map_{found.name}.csv", found.rows)
         _draw(found, folder / f"map_{found.name}.png", line)
-        figures[f"map_{found.name}.png"] = f"{found.map.group}: {found.map.title}"
-    return figures
+    return {f"map_{found.name}.png": f"{found.map.group}: {found.map.title}" for found in several}
 
 
 def _draw(found, path, line):
-    """Write the figure of one map."""
     chart = found.map
     panels = list(found.rows[chart.panels].unique()) if chart.panels else [None]
     columns = min(len(panels), MOST_COLUMNS)
@@ -142,9 +131,8 @@ def _draw(found, path, line):
     width, height = 3.0 + 3.3 * columns, HEIGHT + 3.3 * (lines - 1)
     fig = plt.figure(figsize=(width, height))
     grid = fig.add_gridspec(lines, columns + 1, width_ratios=[3.3] * columns + [1.9])
-    axes = []
-    for number in range(len(panels)):
-        axes.append(fig.add_subplot(grid[divmod(number, columns)], sharex=axes[0] if axes else None, sharey=axes[0] if axes else None))
+    first = fig.add_subplot(grid[0, 0])
+    axes = [first] + [fig.add_subplot(grid[divmod(number, columns)], sharex=first, sharey=first) for number in range(1, len(panels))]
     for axis, panel in zip(axes, panels):
         _cells(axis, chart, found.rows if panel is None else found.rows[found.rows[chart.panels] == panel])
         _boundaries(axis, found, panel)
@@ -152,19 +140,15 @@ def _draw(found, path, line):
             axis.axvline(value, color="k", lw=0.6, ls=":")
             axis.text(value, 1.0, f" {words}", transform=axis.get_xaxis_transform(), fontsize=6, rotation=90, va="top", ha="right",
                       bbox={"boxstyle": "square,pad=0", "fc": "w", "ec": "none", "alpha": 0.7})
-        axis.set(xlabel=chart.x.label, title="" if panel is None else f"{_title(chart.panels)} = {panel if isinstance(panel, str) else f'{panel:g}'}")
+        axis.set(xlabel=chart.x.label, title="" if panel is None else f"{SYMBOLS.get(chart.panels, chart.panels)} = "
+                 + (panel if isinstance(panel, str) else f"{panel:g}"))
         _scale(axis, found)
         axis.tick_params(labelleft=len(axes) == 1 or axis in axes[::columns])
-    for axis in axes[::columns]:
-        axis.set_ylabel(chart.y.label)
+    plt.setp(axes[::columns], ylabel=chart.y.label)
     _legend(fig.add_subplot(grid[0, columns]), axes)
     fig.suptitle(chart.title, fontsize=11)
     style.finish(fig, path, f"{len(found.rows)} cells, {len(found.boundaries)} searched boundaries"
                  + (f", {len(found.missing)} not run" if found.missing else "") + ". A ring: the program says nothing.", line)
-
-
-def _title(name):
-    return {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$"}.get(name, name)
 
 
 def _scale(axis, found):
@@ -181,30 +165,27 @@ def _cells(axis, chart, rows):
     for (verdict, reason), own in sorted(kinds, key=lambda kind: list(MARKERS).index(kind[0][0])):
         axis.plot(own[chart.x.name], own[chart.y.name], MARKERS[verdict], color=COLOURS[reason], ls="",
                   ms=5 if verdict == STABLE else 6.5, mew=0, label=verdict + (f": {reason}" if reason else ""))
-    silent = rows[(rows.verdict != STABLE) & (rows.told == "")]
-    if len(silent):
+    if len(silent := rows[(rows.verdict != STABLE) & (rows.told == "")]):
         axis.plot(silent[chart.x.name], silent[chart.y.name], "o", mfc="none", mec="k", mew=0.7, ms=11, ls="",
                   label="the program says nothing")
 
 
 def _boundaries(axis, found, panel):
     """Draw what was searched as full lines and what theory says as dashed ones."""
-    chart, groups = found.map, {}
+    chart, drawn_theory = found.map, set()
     fixed = {chart.x.name, chart.y.name, chart.panels}
-    for line, boundary, _, theory in found.boundaries:
-        if panel is None or line.at.get(chart.panels) == panel:
-            other = tuple(value for name, value in line.at.items() if name not in fixed)
-            groups.setdefault((line.accepted, line.along, other), []).append((line, boundary, theory))
-    drawn_theory = set()
+    here = [one for one in found.boundaries if panel is None or one[0].at.get(chart.panels) == panel]
+    kind = lambda line: (line.accepted, line.along, tuple(value for name, value in line.at.items() if name not in fixed))
+    groups = summary.groups(here, lambda one: kind(one[0]), ordered=False)
     first = next((key[2] for key in groups), ())
     for number, ((accepted, along, other), several) in enumerate(groups.items()):
         across = chart.y.name if along == chart.x.name else chart.x.name
-        points = [(boundary.value, line.at[across]) for line, boundary, _ in several if not boundary.note]
+        points = [(boundary.value, line.at[across]) for line, boundary, *_ in several if not boundary.note]
         words = "instability, searched" if INACCURATE in accepted else "first failure, searched"
         words += "" if other == first else f" ({', '.join(map(str, other))})"
         if points:
             axis.plot(*_ordered(points, along == chart.x.name), color="k", lw=1.1, ls=LINES[number % len(LINES)], marker="+x1234"[number % 6], ms=6, label=words)
-        expected = [(theory, line.at[across]) for line, _, theory in several if math.isfinite(theory)]
+        expected = [(theory, line.at[across]) for line, *_, theory in several if math.isfinite(theory)]
         if expected and along not in drawn_theory:
             drawn_theory.add(along)
             axis.plot(*_ordered(expected, along == chart.x.name), color="#009E73", lw=3, alpha=0.5, ls="--",

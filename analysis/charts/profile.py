@@ -1,6 +1,5 @@
 """Performance profile (Dolan and More, Mathematical Programming 91, 201-213, 2002): the share of scenes that a way of refining solves to a given
 accuracy within a factor of the fastest."""
-
 import math
 
 import numpy as np
@@ -57,7 +56,6 @@ def share(found, series, level):
 
 
 def draw(rows, folder, line):
-    """Return a panel an accuracy."""
     fig, panels = plt.subplots(1, len(table.LEVELS), figsize=(9.4, 3.4), sharey=True)
     last = 2 * rows.factor.max() if rows.factor.notna().any() else 20
     for axes, level in zip(panels, table.LEVELS):

@@ -1,5 +1,4 @@
 """Which method with which settings for an accuracy, its expected error and cost: from the published measurements."""
-
 from pathlib import Path
 
 from analysis import publish

@@ -4,7 +4,6 @@ A row: name (of its measurement), status (empty if finished), scene, kind, size 
 (0 the coarsest), setting, arguments (of yade_scripts/run.py), error, worst (the known quantity that has it), seconds (median of the repeats),
 fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are NaN.
 """
-
 import statistics
 from pathlib import Path
 
@@ -48,7 +47,6 @@ def _row(setting, found):
 
 
 def from_csv(path):
-    """Return a published table."""
     table = publish.read_table(path)
     try:
         return table[COLUMNS].fillna({"status": "", "worst": ""}).astype({"error": float, "seconds": float})

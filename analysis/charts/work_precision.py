@@ -1,5 +1,4 @@
 """Error against time of computing, one chart a scene: a series a line, a setting a point."""
-
 import numpy as np
 import pandas
 
@@ -31,12 +30,10 @@ def rows(measured):
 
 
 def draw(rows, folder, line):
-    """Return a figure a scene."""
-    figures = {}
-    for scene, own in table.one_size(rows).groupby("scene", sort=False):
-        figures[f"work_precision-{scene}.png"] = scenes.module(scene).TITLE
+    of_scenes = dict(list(table.one_size(rows).groupby("scene", sort=False)))
+    for scene, own in of_scenes.items():
         _draw(own, scenes.module(scene), folder / f"work_precision-{scene}.png", line)
-    return figures
+    return {f"work_precision-{scene}.png": scenes.module(scene).TITLE for scene in of_scenes}
 
 
 def _draw(rows, scene, path, line):

@@ -16,7 +16,6 @@ and, before it is published,
 A test compares every number of the text with the published table. `runs` are the finished runs of ROWS in their order; a sample that
 collapsed has finished too. Rows that failed or were not run are no matter of a study: `collect` keeps them, with their reasons.
 """
-
 import functools
 from dataclasses import dataclass, field
 
@@ -29,16 +28,10 @@ NOT_RUN = "not run yet"
 @dataclass
 class Collection:
     """A study's runs: those that finished, and (result file, full row, reason) of the rows that failed, are unfinished or were not run."""
-
     name: str
     full: bool
     runs: list = field(default_factory=list)
     missing: list = field(default_factory=list)
-
-    @property
-    def module(self):
-        """The study's file."""
-        return module(self.name)
 
 
 def names():

@@ -1,8 +1,7 @@
 """Too few sweeps make a row of rigid disks swing like a soft one: the textbook case of under-converged Contact Dynamics."""
-
 import numpy as np
 
-from analysis import loops, style
+from analysis import loops, style, summary
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
@@ -37,26 +36,22 @@ def kind(run):
 
 def summarize(runs):
     """Return one row a kind and number of sweeps, over the orders of the sweeps: measured against the theory, in steps."""
-    return [_row(*key, group) for key, group in loops.grouped(runs, lambda run: (kind(run), run.parameters["fixed_iterations"])).items()]
+    groups = summary.groups(runs, lambda run: (kind(run), run.parameters["fixed_iterations"]), ordered=False)
+    return [_row(*key, group) for key, group in groups.items()]
 
 
 def _row(what, sweeps, group):
     full = group[0].parameters
-    row = {"row": what, "sweeps": sweeps, "orders_of_sweeps": len(group), "end_over_rest": _mean(_way(run)[-1] for run in group),
-           "furthest_over_rest": _mean(np.abs(_way(run)).max() for run in group)}
+    row = {"row": what, "sweeps": sweeps, "orders_of_sweeps": len(group), "end_over_rest": float(np.mean([_way(run)[-1] for run in group])),
+           "furthest_over_rest": float(np.mean([np.abs(_way(run)).max() for run in group]))}
     if not sweeps:
         return row
     row["kappa_N_per_m"] = effective_medium.stiffness(full)
     for name in ("swing_period", "swing_decay"):
-        measured = np.array([run.known[name].measured for run in group if name in run.known])
-        if len(measured):
+        if len(measured := np.array([run.known[name].measured for run in group if name in run.known])):
             row |= {f"{name}_theory": group[0].known[name].exact, f"{name}_measured": float(np.mean(measured)),
                     f"{name}_low": float(measured.min()), f"{name}_high": float(measured.max())}
     return row
-
-
-def _mean(values):
-    return float(np.mean(list(values)))
 
 
 def _way(run):
@@ -66,25 +61,20 @@ def _way(run):
 
 def draw(runs, rows, path):
     """Draw the end of the row after the push on the left, on the right period and decay against the sweeps, where there are several."""
-    plt = style.plt
-    fig, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.2))
+    fig, (left, right) = style.plt.subplots(1, 2, figsize=(9.5, 4.2))
     _draw_way(left, runs)
     _draw_theory(right, rows)
-    note = ("A constant force pushes the last disk from step 0 on. Memory: warm start, no gap correction; overlap: cold start, gap correction 1; "
-            "theory: damped elastic rod, nothing fitted")
-    style.finish(fig, path, note, runs)
+    style.finish(fig, path, "A constant force pushes the last disk from step 0 on. Memory: warm start, no gap correction; overlap: cold "
+                 "start, gap correction 1; theory: damped elastic rod, nothing fitted", runs)
 
 
 def _draw_way(axes, runs):
-    shown = {}
-    for run in runs:
-        if run.parameters["fixed_iterations"] in (0, 40):
-            shown.setdefault(kind(run), run)
+    shown = summary.groups((run for run in runs if run.parameters["fixed_iterations"] in (0, 40)), kind, ordered=False)
+    shown = {what: group[0] for what, group in shown.items()}
     for what, run in shown.items():
         way = _way(run)
         axes.plot(np.arange(len(way)), way, color=COLOUR[what], label=what)
-    elastic = next((run for what, run in shown.items() if what in MARKER), None)
-    if elastic:
+    if elastic := next((run for what, run in shown.items() if what in MARKER), None):
         steps = np.arange(len(_way(elastic)))
         axes.plot(steps, effective_medium.chain_response(elastic.parameters, steps * effective_medium.step(elastic.parameters)), "k--", lw=0.9,
                   label="theory")
@@ -94,12 +84,10 @@ def _draw_way(axes, runs):
 
 def _draw_theory(axes, rows):
     for what, marker in MARKER.items():
-        for name, filled in (("swing_period", True), ("swing_decay", False)):
-            part = [row for row in rows if row["row"] == what and f"{name}_measured" in row]
-            if part:
+        for name, words, filled in (("swing_period", "period", True), ("swing_decay", "decay time", False)):
+            if part := [row for row in rows if row["row"] == what and f"{name}_measured" in row]:
                 loops.draw_spread(axes, [row["sweeps"] for row in part], [row | {name: row[f"{name}_measured"]} for row in part], name,
-                                  fmt=marker, color=COLOUR[what], ms=SIZE[what],
-                                  mfc=COLOUR[what] if filled else "none", label=f"{'period' if filled else 'decay time'}, {what}")
+                                  fmt=marker, color=COLOUR[what], ms=SIZE[what], mfc=None if filled else "none", label=f"{words}, {what}")
     for name, words, line in (("swing_period", "period", "-"), ("swing_decay", "decay time", "--")):
         part = sorted({(row["sweeps"], row[f"{name}_theory"]) for row in rows if f"{name}_theory" in row})
         axes.plot(*zip(*part), line, color="k", lw=0.9, marker="" if len(part) > 1 else "_", label=f"{words}, theory")
@@ -114,11 +102,9 @@ fitted. The springs need one of the two memories: with neither the row creeps, t
 20 times. Solved to the tolerance the row moves 2.0e-8 of that way: it is rigid.
 """
 GIVEN = ("40", "5", "160")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     row = {(one["row"], one.sweeps): one for _, one in table.iterrows()}
     memory, overlap = row[MEMORY, 40], row[OVERLAP, 40]
     elastic = table[table["row"].isin([MEMORY, OVERLAP])]

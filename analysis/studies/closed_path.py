@@ -1,8 +1,8 @@
 """Force and energy that three tangential laws leave after a closed path of two disks; theory: yade_scripts/scenes/two_grain_path.py."""
-
 import numpy as np
+import pandas
 
-from analysis import style
+from analysis import style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 
@@ -21,12 +21,9 @@ SMALL_STEPS = {("standard", "left_force"): lambda s: s, ("standard", "loop_work"
 FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
 
 
-def summarize(runs):
-    """Return one row a run. Force and work are in units of the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
-    return [_row(run) for run in runs]
-
-
-def _row(run):
+@summary.each
+def summarize(run):
+    """Return the row of a run: force and work over the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
     row, force, work = run.parameters, run.known["left_force"], run.known["loop_work"]
     share = row["path_depth"] / 2  # of the units in which the scene gives the force
     return {"law": row["tangential_law"], "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
@@ -37,43 +34,31 @@ def _row(run):
 
 def draw(runs, rows, path):
     """Draw force left and work taken against the depth of the path, on logarithmic axes, measured and from theory."""
+    table = pandas.DataFrame(rows).sort_values("path_depth")
     fig, axes = plt.subplots(1, 2, figsize=(8.6, 4.4))
     for axis, quantity, label in zip(axes, ("left_force", "loop_work"), (
             r"force left $|T|\,/\,(k_t\,2R\,A)$", r"work taken by the path $|W|\,/\,\frac{1}{2}k_t(2R\,A)^2$")):
         for law in LAWS:
-            _draw_law(axis, law, quantity, rows)
-        axis.set_xlabel(r"depth of the path $h/R$")
-        axis.set_ylabel(label)
+            _draw_law(axis, law, quantity, table)
+        axis.set(xlabel=r"depth of the path $h/R$", ylabel=label)
     axes[0].legend(loc="center left", bbox_to_anchor=(0, 0.37))
-    angles = ", ".join(f"{angle:g}" for angle in sorted({row["path_angle"] for row in rows}))
+    angles = ", ".join(f"{angle:g}" for angle in sorted(table.path_angle.unique()))
     style.finish(fig, path, f"Lines: theory with the step's error, dashed without. Symbols grow with the path's angle A = {angles} rad. "
                                   "Of the path-independent law: round-off.", runs)
 
 
-def _draw_law(axis, law, quantity, rows):
+def _draw_law(axis, law, quantity, table):
+    """Draw a law's rows against their depth, one set an angle and step."""
     name, colour, marker = LAWS[law]
-    for angle, shown in _by_angle(rows, law):
-        depth = [row["path_depth"] for row in shown]
-        axis.loglog(depth, _size(shown, quantity), marker, color=colour, markersize=3 + 8 * angle**0.5, fillstyle="none")
-        theory = _size(shown, quantity + "_theory")
-        if max(theory) > FLOOR:
-            axis.loglog(depth, theory, color=colour, linewidth=0.7)
+    for (angle, _), shown in table[table.law == law].groupby(["path_angle", "period_s"]):
+        measured, theory = (shown[column].abs().clip(lower=FLOOR) for column in (quantity, f"{quantity}_theory"))
+        axis.loglog(shown.path_depth, measured, marker, color=colour, markersize=3 + 8 * angle**0.5, fillstyle="none")
+        if theory.max() > FLOOR:
+            axis.loglog(shown.path_depth, theory, color=colour, linewidth=0.7)
     axis.loglog([], [], marker, color=colour, fillstyle="none", label=name)
     if (law, quantity) in SMALL_STEPS:
-        depth = np.geomspace(*(pick(row["path_depth"] for row in rows) for pick in (min, max)))
+        depth = np.geomspace(table.path_depth.min(), table.path_depth.max())
         axis.loglog(depth, SMALL_STEPS[law, quantity](depth / 2), "--", color=colour, linewidth=0.7)
-
-
-def _by_angle(rows, law):
-    """Return (angle, rows in the order of their depth) of a law, one set a step."""
-    sets = {(row["path_angle"], row["period_s"]) for row in rows if row["law"] == law}
-    for angle, period in sorted(sets):
-        yield angle, sorted((row for row in rows if (row["law"], row["path_angle"], row["period_s"]) == (law, angle, period)),
-                            key=lambda row: row["path_depth"])
-
-
-def _size(rows, quantity):
-    return [max(abs(row[quantity]), FLOOR) for row in rows]
 
 
 ANSWER = """
@@ -84,11 +69,9 @@ round-off. No contact slipped. The disks are led by hand and do not spin; what f
 three laws.
 """
 GIVEN = ("0.1", "0.3")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     most = {law: rows[["left_force", "loop_work"]].abs().max() for law, rows in table.groupby("law")}
     return {"0.050": [most["standard"].left_force, most["avoid_ratcheting"].loop_work], "0.0025": most["standard"].loop_work,
             "2e-5": most["avoid_ratcheting"].left_force, "2e-14": most["path_independent"].left_force,

@@ -1,5 +1,4 @@
 """How long a packing stands cycles, and how that changes when one setting changes."""
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -32,12 +31,9 @@ def case(full):
     return next(name for name, change in cases.items() if all(full.get(key, value) == value for key, value in (usual | change).items()))
 
 
-def summarize(runs):
-    """Return one row a run: when it collapses, in cycles and seconds, or how far it has strained where it stands."""
-    return [_row(run) for run in runs]
-
-
-def _row(run):
+@summary.each
+def summarize(run):
+    """Return the row of a run: when it collapses, in cycles and seconds, or how far it has strained where it stands."""
     full, collapsed = run.parameters, run.collapsed
     return {"method": run.method, "case": case(full), "dSigma": full["delta_sigma"], "seed": full["seed"],
             "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
@@ -119,7 +115,6 @@ def times(table, case, base):
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     soft, hard, slow, servo = (times(table, *pair) for pair in (("rigid", "springs"), ("rigid, packing of 10 k_n", "springs, 10 k_n"), ("rigid, 2 s", "springs, 2 s"),
                                                                 ("springs, servo for walls", "springs")))
     stiffer = {name: times(table, *pair).groupby("dSigma").median() for name, pair in (

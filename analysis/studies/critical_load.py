@@ -3,8 +3,8 @@
 The static theorem (yade_scripts/theory/statics.py) gives the largest sigma2 at which the contacts of a packing admit any forces: a number of
 its geometry and friction alone, from a linear programme that knows no dynamics, compared here with the load at which it moves.
 """
-
 import numpy as np
+import pandas
 
 from analysis import observables, style
 from analysis.style import plt
@@ -51,7 +51,9 @@ def _row(run, other):
     """Return one row. other: the CD run of the same packing that starts from the springs' own forces."""
     limit = statics.limit_loads(run.snapshots[0], run.pressure, run.attributes["depth"])[1]
     before = [snapshot for snapshot in run.snapshots if _at(run, snapshot) < limit]
-    motion, change = zip(*(_between(a, b, run) for a, b in zip(before, before[1:]))) if len(before) > 1 else ((np.nan,), (np.nan,))
+    steps = list(zip(before, before[1:]))
+    motion = [np.abs(b["position"] - a["position"]).max() / run.parameters["radius_mean"] for a, b in steps] or [np.nan]
+    change = [_rms_difference(a, b) for a, b in steps] or [np.nan]
     nearest = min(run.snapshots, key=lambda snapshot: abs(_at(run, snapshot) - limit))
     contacts, disks, bound = statics.degrees_of_freedom(nearest, nearest["force_normal"] > 0)
     late = min(np.searchsorted(load(run), NEARLY * limit), len(load(run)) - 1)
@@ -81,12 +83,6 @@ def _rms_difference(first, second):
     return float(np.sqrt(((forces[1] - forces[0])**2).mean()) / forces.mean())
 
 
-def _between(first, second, run):
-    """Return (largest displacement over the mean radius, force change) from one snapshot to the next."""
-    moved = np.abs(second["position"] - first["position"]).max() / run.parameters["radius_mean"]
-    return float(moved), _rms_difference(first, second)
-
-
 def _apart(run, other):
     """Return [(sigma2/P0, difference of the normal forces from those of `other`)] at the loads below which neither has yielded."""
     end = min(observables.critical_load(run, CRITICAL), observables.critical_load(other, CRITICAL))
@@ -102,15 +98,14 @@ def draw(runs, rows, path):
         for k, run in enumerate(run for run in mine if run.method == method):
             axes[0].semilogy(load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8,
                              label=f"{method}, {'all networks' if method == 'CD' else 'same packing'}" if k == 0 else None)
-    limit = next(row["limit load"] for row in rows if (row["preparation mu"], row["seed"]) == main)
+    table = pandas.DataFrame(rows)
+    limit = table[(table["preparation mu"] == main[0]) & (table.seed == main[1])]["limit load"].iloc[0]
     axes[0].axvline(limit, color="0.4", ls=":", label="static limit of the geometry")
     axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-9, None))
     for method, threshold, marker in (("CD", CRITICAL, "o"), ("CD", 1e-2, "^"), ("MD", 1e-2, "D")):
-        chosen = [row for row in rows if row["method"] == method]
-        axes[1].plot([row["limit load"] for row in chosen], [row[f"load at {threshold:g}"] for row in chosen], ls="", marker=marker,
-                     mfc="none" if threshold != CRITICAL else None, color=style.COLOUR[method], ms=5,
-                     label=rf"{method}, $|\gamma|$ = {threshold:g}")
-    ends = [min(row["limit load"] for row in rows), max(row["limit load"] for row in rows)]
+        style.points(axes[1], table[table.method == method], "limit load", f"load at {threshold:g}", method, marker=marker, ms=5,
+                     mfc="none" if threshold != CRITICAL else None, label=rf"{method}, $|\gamma|$ = {threshold:g}")
+    ends = [table["limit load"].min(), table["limit load"].max()]
     axes[1].plot(ends, ends, color="0.4", ls=":", label="equal")
     axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes")
     start = next((run for run in mine if run.method == "CD" and run.parameters["network_seed"] == 0), None)
@@ -152,7 +147,6 @@ POINTS = (
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     cd, md = (table[table.method == method] for method in ("CD", "MD"))
     load, creep, change, motion = "load at 0.0001", "gamma at 0.95 limit", "force change, median", "motion over R, median"
     other = cd[cd.network > 0].iloc[0]

@@ -1,9 +1,7 @@
 """Fig. 3: strain rate per cycle against accumulated strain for MD and CD, with sliding contacts, dissipation and contacts in an appendix."""
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas
-from matplotlib.lines import Line2D
 
 from analysis import cycles, limits, observables, publish, style, summary
 from yade_scripts.tables import product
@@ -42,12 +40,8 @@ def summarize(runs):
 
     static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
     """
-    return [_row(run) for run in sorted(runs, key=_order)]
-
-
-def _order(run):
-    row = run.parameters
-    return (*_group(run), row["period"], row["stress_path"], row["delta_sigma"], row["seed"])
+    order = ("period", "stress_path", "delta_sigma", "seed")
+    return [_row(run) for run in sorted(runs, key=lambda run: (*_group(run), *(run.parameters[name] for name in order)))]
 
 
 def _group(run):
@@ -57,13 +51,13 @@ def _group(run):
 
 def _row(run):
     found, full = cycles.of(run), run.parameters
+    compared, window = found and len(found.number) >= COMPARED, (COMPARED // 2 + 1, COMPARED)
     row = {"method": run.method, "stress path": full["stress_path"], "preparation friction": full["preparation_friction"], "dSigma": full["delta_sigma"],
            "seed": full["seed"], "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run), "cycles": len(found.number) if found else 0,
            "collapses after": float(run.values("cycle")[-1]) if run.collapsed else np.nan, "gamma at the end": float(run.values("gamma")[-1]),
-           f"gamma after {COMPARED}": float(found.permanent[COMPARED - 1]) if found and len(found.number) >= COMPARED else np.nan,
+           f"gamma after {COMPARED}": float(found.permanent[COMPARED - 1]) if compared else np.nan,
            "late rate": np.nan if run.collapsed else cycles.late_rate(found), "last quarter's rate over the one before": cycles.last_quarter(found),
-           f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}": float(found.rates([(COMPARED // 2 + 1, COMPARED)])[0])
-           if found and len(found.number) >= COMPARED else np.nan,
+           "rate of cycles {} to {}".format(*window): float(found.rates([window])[0]) if compared else np.nan,
            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
     if found:
         row |= {"first cycle": float(found.rate[0]), "sliding at most, first cycle": float(found.sliding_max[0]),
@@ -84,9 +78,9 @@ def _last_cycle(run, back):
 def _sliding_change(run):
     """Return how much the sliding share differs between the last two cycles: rms over its mean; NaN where there are no two."""
     if len(cycles.ends(run)) < 3:
-        return float("nan")
+        return np.nan
     last, before = _last_cycle(run, 1), _last_cycle(run, 2)
-    return float(np.sqrt(np.mean((last - before)**2)) / last.mean()) if len(last) == len(before) and last.mean() else float("nan")
+    return float(np.sqrt(np.mean((last - before)**2)) / last.mean()) if len(last) == len(before) and last.mean() else np.nan
 
 
 def draw(runs, rows, path):
@@ -100,32 +94,30 @@ def draw(runs, rows, path):
         axis.sharex(axes[0, 0])
         axis.sharey(axes[0, 0])
     for axis, own in zip(axes[0], paths.values()):
+        title = style.STRESS_PATH[own[0].parameters["stress_path"]]
         for (method, load), same in summary.groups(own, lambda run: (run.method, run.parameters["delta_sigma"])).items():
             _rates(axis, same, look[load], method)
-        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=TITLES[own[0].parameters["stress_path"]])
+        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=title)
         axis.grid(color="#DDDDDD", linewidth=0.5)
     axes[0, 0].set_ylabel(r"strain rate $|\Delta\gamma|$ a cycle")
-    handles = [Line2D([], [], color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]
-    handles += [Line2D([], [], color="#444444", linestyle=line, marker=style.MARKER[method], markersize=4, label=method)
+    entries = [dict(color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]
+    entries += [dict(color="#444444", ls=line, marker=style.MARKER[method], ms=4, label=method)
                 for method, line in LINES.items() if any(run.method == method for run in dense)]
-    axes[0, max(0, len(paths) - 1)].legend(handles=handles, fontsize=6.5, loc="upper left")
+    style.legend(axes[0, max(0, len(paths) - 1)], entries, fontsize=6.5, loc="upper left")
     _collapses(axes[0, -1], rows)
     style.finish(fig, path, "Left: dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver. Right: all packings; "
                  "open: no collapse in so many cycles.", runs)
     _appendix([run for run in runs if run.parameters["stress_path"] == "mean"] or runs, look, path.with_name(f"{path.stem}-cycles.png"))
 
 
-TITLES = {"mean": r"$(\sigma_1+\sigma_2)/2 = P_0$", "constant": r"$\sigma_1 = P_0$"}
-
-
 def _collapses(axis, rows):
     """Draw the cycle in which a packing collapses, or as many as it stands, against the load over its static limit."""
+    table = pandas.DataFrame(rows)
     for method in LINES:
-        for collapsed in (True, False):
-            part = [row for row in rows if row["method"] == method and np.isfinite(row["collapses after"]) == collapsed]
-            axis.plot([row["load over limit"] for row in part], [row["collapses after"] if collapsed else row["cycles"] for row in part], ls="",
-                      marker=style.MARKER[method], ms=4.5, color=style.COLOUR[method], mfc=None if collapsed else "none",
-                      label=f"{method}: {'collapses' if collapsed else 'stands'}")
+        own = table[table.method == method]
+        falls = own["collapses after"].notna()
+        for part, name, face, words in ((own[falls], "collapses after", None, "collapses"), (own[~falls], "cycles", "none", "stands")):
+            style.points(axis, part, "load over limit", name, method, mfc=face, label=f"{method}: {words}")
     axis.axvline(1, color="k", lw=0.7, ls=":")
     axis.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over its static limit", ylabel="cycles", title="collapse")
     axis.legend(fontsize=6.5)
@@ -238,7 +230,6 @@ def standing(table):
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     after, end, gamma, quarter = "collapses after", "gamma at the end", f"gamma after {COMPARED}", "last quarter's rate over the one before"
     counted, table = standing(table), publish.finished(table)
     md, cd = (table[table.method == method] for method in LINES)

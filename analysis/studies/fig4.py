@@ -1,5 +1,4 @@
 """Fig. 4: stress against gamma over one loading and unloading, MD and CD from the same packings."""
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -21,15 +20,12 @@ ROWS = {"quick": product(seed=1, method=("MD", "CD"), **LOADING),
         + product(seed=range(1, 11), method="CD", stress_path="mean", **LOADING, **YIELDING)}
 
 
-def summarize(runs):
-    """Return one row a run: the loop, the energies in units of P0 V0, and how well they balance.
+@summary.each
+def summarize(run):
+    """Return the row of a run: the loop, the energies in units of P0 V0, and how well they balance.
 
     static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
     """
-    return [_row(run) for run in runs]
-
-
-def _row(run):
     gamma, sigma2 = run.values("gamma"), run.values("sigma2")
     snapshot, _ = observables.snapshot_at_load_maximum(run)
     scale, (slipped, shared) = observables.work_scale(run), slip.of(run)
@@ -46,45 +42,37 @@ def _row(run):
             "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
 
 
-TITLES = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}
-
-
 def draw(runs, rows, path):
     """Draw both methods on the same axes, a panel a stress path; the inset shows CD's strain with sigma1 held, which is the error of its solver.
     A line a packing, the first one bold."""
-    paths = summary.groups(runs, lambda run: list(TITLES).index(run.parameters["stress_path"]))
+    paths = summary.groups(runs, lambda run: run.parameters["stress_path"])
     fig, axes = plt.subplots(1, len(paths), figsize=(5.6 * len(paths), 4.4), squeeze=False, sharey=True)
-    for axis, own in zip(axes[0], paths.values()):
-        path_held, exponent = own[0].parameters["stress_path"], style.power_of_ten(np.concatenate([run.values("gamma") for run in own]))
-        for method in ("MD", "CD"):
-            for number, run in enumerate(run for run in own if run.method == method):
-                _loop(axis, run, 10.0**-exponent, number == 0)
-        axis.set(xlabel=rf"$\gamma = \epsilon_2 - \epsilon_1$ [$10^{{{exponent}}}$]   (< 0: shortens along the loaded axis)", title=TITLES[path_held])
+    for axis, (path_held, own) in zip(axes[0], paths.items()):
+        md, cd = ([run for run in own if run.method == method] for method in ("MD", "CD"))
+        exponent = _loops(axis, md, cd)
+        axis.set(xlabel=rf"$\gamma = \epsilon_2 - \epsilon_1$ [$10^{{{exponent}}}$]   (< 0: shortens along the loaded axis)",
+                 title=style.STRESS_PATH[path_held])
         if path_held == "constant":
-            _inset(axis, [run for run in own if run.method == "CD"])
+            inset = axis.inset_axes([0.08, 0.1, 0.25, 0.28])
+            inset.set_title(rf"CD, $\gamma$ [$10^{{{_loops(inset, cd)}}}$]", fontsize=8)
+            inset.tick_params(labelsize=7)
     axes[0, 0].set_ylabel(r"$\sigma_2/P_0$")
     axes[0, 0].legend(loc="upper right", bbox_to_anchor=(0.92, 1))
     style.finish(fig, path, "One load by 0.2 P0 and back from the same packings, a line each: solid loading, dashed unloading. Left sigma1 is held, right the mean stress."
                  if len(paths) > 1 else "One load by 0.2 P0 and back from the same packings, sigma1 held: solid loading, dashed unloading.", runs)
 
 
-def _inset(axis, rigid):
-    """Draw CD's loops on a scale of their own."""
-    inset = axis.inset_axes([0.08, 0.1, 0.25, 0.28])
-    exponent = style.power_of_ten(np.concatenate([run.values("gamma") for run in rigid] or [[0.0]]))
-    for number, run in enumerate(rigid):
-        _loop(inset, run, 10.0**-exponent, number == 0)
-    inset.set_title(rf"CD, $\gamma$ [$10^{{{exponent}}}$]", fontsize=8)
-    inset.tick_params(labelsize=7)
-
-
-def _loop(axis, run, scale, first):
-    gamma, stress = run.values("gamma") * scale, run.values("sigma2") / run.pressure
-    top = int(np.argmax(stress))
-    look = dict(color=style.COLOUR[run.method], linewidth=1.6 if first else 0.6, alpha=1 if first else 0.6)
-    words = {"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[run.method]
-    axis.plot(gamma[:top + 1], stress[:top + 1], label=words if first else None, **look)
-    axis.plot(gamma[top:], stress[top:], linestyle=(0, (4, 1.5)), **look)
+def _loops(axis, *several):
+    """Draw the loops of several lists of runs, the first of each bold. Return the exponent of the power of ten that gamma is divided by."""
+    exponent = style.power_of_ten(np.concatenate([[0.0], *(run.values("gamma") for runs in several for run in runs)]))
+    for runs in several:
+        for run in runs:
+            gamma, stress, first = run.values("gamma") * 10.0**-exponent, run.values("sigma2") / run.pressure, run is runs[0]
+            top = int(np.argmax(stress))
+            look = dict(color=style.COLOUR[run.method], linewidth=1.6 if first else 0.6, alpha=1 if first else 0.6)
+            axis.plot(gamma[:top + 1], stress[:top + 1], label=style.WORDS[run.method] if first else None, **look)
+            axis.plot(gamma[top:], stress[top:], linestyle=(0, (4, 1.5)), **look)
+    return exponent
 
 
 ANSWER = """
@@ -114,9 +102,9 @@ POINTS = (
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     largest, kept, lost = "largest |gamma|", "remanent gamma", "dissipated/P0V0"
-    (md, cd), (md_mean, cd_mean) = ([table[(table.method == method) & (table["stress path"] == path)].set_index("seed") for method in ("MD", "CD")] for path in TITLES)
+    (md, cd), (md_mean, cd_mean) = ([table[(table.method == method) & (table["stress path"] == path)].set_index("seed")
+                                     for method in style.WORDS] for path in style.STRESS_PATH)
     both = [((one[lost] > other[lost]) & (one[kept].abs() > other[kept].abs())).sum() for one, other in ((md, cd), (md_mean, cd_mean))]
     limit = cd_mean["static limit"]
     rests, moves = cd_mean[limit > 1.2], cd_mean[limit < 1.2]
@@ -124,7 +112,7 @@ def numbers(table):
     assert np.allclose(ratio, cd["static limit"], rtol=1e-6) and cd[largest].max() < 1e-7
     assert (rests[largest] < 1e-5).all() and (moves[largest] > 1e-4).all() and not table["unsolved steps"].any()
     further = (md_mean[largest] / cd_mean[largest])[limit < 1.2]
-    errors = [table[table["stress path"] == path]["balance error"].abs().max() for path in TITLES]
+    errors = [table[table["stress path"] == path]["balance error"].abs().max() for path in style.STRESS_PATH]
     return {"10": [len(md), len(md_mean), *both], "4.3e-4": md[largest].median(), "3.2e-4": md[largest].min(),
             "5.0e-4": md[largest].max(), "3.7e-8": cd[largest].median(), "1.5e-8": cd[largest].min(), "4.5e-8": cd[largest].max(),
             "1.2e-4": md[kept].abs().median(), "9.9e-6": md[lost].median(), "2.7e-8": cd[kept].abs().median(),

@@ -1,8 +1,8 @@
 """Fig. 5: gamma under a load that rises until the sample collapses, and the load at which it yields."""
+import operator
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.lines import Line2D
 
 from analysis import limits, observables, style, summary
 from yade_scripts.tables import product
@@ -30,12 +30,8 @@ def summarize(runs):
     static limit: largest sigma2/P0 that the contacts can carry on the run's stress path. over the limit at: sigma2/sigma1 there over the largest that they
     can carry, which does not depend on the path.
     """
-    return [_row(run) for run in sorted(runs, key=_order)]
-
-
-def _order(run):
-    row = run.parameters
-    return row["stress_path"], row["preparation_friction"], row["ramp_rate"], run.method != "MD", row["seed"]
+    of = operator.itemgetter("stress_path", "preparation_friction", "ramp_rate")
+    return [_row(run) for run in sorted(runs, key=lambda run: (*of(run.parameters), run.method != "MD", run.parameters["seed"]))]
 
 
 def _row(run):
@@ -50,7 +46,7 @@ def _row(run):
         **{f"over the limit at |gamma| = {threshold:g}": limits.over_limit(run, observables.critical_load(run, threshold)) for threshold in THRESHOLDS},
         "load at the end": float(load.max()), "gamma at the end": float(gamma[-1]),
         "least volume strain": float(volume.min()), "volume strain at the end": float(volume[-1]),
-        "load where sliding reaches the bound": float(load[np.argmax(used >= 1)]) if (used >= 1).any() else float("nan"),
+        "load where sliding reaches the bound": float(load[np.argmax(used >= 1)]) if (used >= 1).any() else np.nan,
         "M at the start": contacts, "N at the start": disks, "bound at the start": bound,
         "sliding/bound at |gamma| = 0.001": _at(run, used, THRESHOLDS[1]), "sliding/bound at |gamma| = 0.01": _at(run, used, THRESHOLDS[-1]),
         "largest sliding/bound": float(used.max()), "balance error": float(observables.balance_error(run)),
@@ -72,7 +68,7 @@ def _share_of_bound(run):
 def _at(run, values, threshold):
     """Return the value where |gamma| passes the threshold; NaN if it never does."""
     above = np.flatnonzero(np.abs(run.values("gamma")) > threshold)
-    return float(values[above[0]]) if len(above) else float("nan")
+    return float(values[above[0]]) if len(above) else np.nan
 
 
 def draw(runs, rows, path):
@@ -83,14 +79,12 @@ def draw(runs, rows, path):
     for line, (friction, own) in zip(axes, groups.items()):
         for axis, stress_path in zip(line, paths):
             _strain(axis, [run for run in own if run.parameters["stress_path"] == stress_path])
-            axis.set_title({"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
+            axis.set_title(style.STRESS_PATH[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
         _loads(line[-1], [row for row in rows if row["preparation friction"] == friction])
-    handles = [Line2D([], [], color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
-    if len({run.parameters["ramp_rate"] for run in runs}) > 1:
-        handles.append(Line2D([], [], color="#444444", linestyle=":", label="twice as fast"))
-    if any(run.collapsed for run in runs):
-        handles.append(Line2D([], [], color="#444444", marker="x", linestyle="none", label="collapsed"))
-    axes[0, -1].legend(handles=handles, loc="lower right", fontsize=7)
+    entries = [dict(color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
+    entries += [dict(color="#444444", ls=":", label="twice as fast")] * (len({run.parameters["ramp_rate"] for run in runs}) > 1)
+    entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
+    style.legend(axes[0, -1], entries, loc="lower right", fontsize=7)
     style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; open: the mean stress held.", runs)
 
 
@@ -170,7 +164,6 @@ POINTS = (
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     keys = ["preparation friction", "stress path", "ramp rate", "seed"]
     md, cd = (table[table.method == method].set_index(keys).sort_index() for method in ("MD", "CD"))
     fast, slow = (table[table["ramp rate"] == rate] for rate in (table["ramp rate"].max(), table["ramp rate"].min()))

@@ -1,8 +1,8 @@
 """What a mean of a flow costs by either method, at 500 and more disks."""
-
 import math
 
 import numpy as np
+import pandas
 
 from analysis import style, summary
 from yade_scripts.tables import product
@@ -96,25 +96,23 @@ def gains(rows, disks):
 
 def draw(runs, rows, path):
     """Draw the error with its uncertainty against the cost, one panel a scene; larger markers for more disks."""
-    names = [scene for scene in QUANTITY if any(row["scene"] == scene for row in rows)]
+    table = pandas.DataFrame(rows)
+    names, sizes = [scene for scene in QUANTITY if scene in set(table.scene)], dict(zip(sorted(table.disks.unique()), (4, 7, 10)))
     fig, panels = style.plt.subplots(1, len(names), figsize=(max(4.5, 2.9 * len(names)), 3.9), sharey=True, squeeze=False)
-    sizes = sorted({row["disks"] for row in rows})
     for axes, scene in zip(panels[0], names):
         axes.axhspan(-100 * WITHIN, 100 * WITHIN, color="#EEEEEE", zorder=0)
-        for disks, size in zip(sizes, (4, 7, 10)):
+        for disks, size in sizes.items():
             for method in ("CD", "MD"):
-                own = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method)]
-                axes.plot([row["seconds"] for row in own if row["is_rigid_answer"]], [0] * any(row["is_rigid_answer"] for row in own), ls="", ms=size,
-                          marker=style.MARKER[method], color=style.COLOUR[method])
-                part = [row for row in own if not row["is_rigid_answer"]]
-                bars = [100 * row["error_deviation"] if math.isfinite(row["error_deviation"]) else 0 for row in part]
-                axes.errorbar([row["seconds"] for row in part], [100 * row["error"] for row in part], bars, ls="", ms=size, marker=style.MARKER[method],
-                              mfc="none", color=style.COLOUR[method], elinewidth=0.7)
+                own = table[(table.scene == scene) & (table.disks == disks) & (table.method == method)]
+                style.points(axes, own[own.is_rigid_answer], "seconds", "error", method, ms=size)
+                part = own[~own.is_rigid_answer]
+                axes.errorbar(part.seconds, 100 * part.error, 100 * part.error_deviation.fillna(0), ls="", ms=size, mfc="none",
+                              marker=style.MARKER[method], color=style.COLOUR[method], elinewidth=0.7)
         axes.set(xscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
     panels[0][0].set_ylabel("error, relative to rigid grains [%]")
-    handles = [style.plt.Line2D([], [], ls="", marker=style.MARKER[method], mfc="none", color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
-    handles += [style.plt.Line2D([], [], ls="", marker="o", mfc="none", color="0.4", ms=size, label=f"{disks} disks") for disks, size in zip(sizes, (4, 7, 10))]
-    panels[0][-1].legend(handles=handles, fontsize=7)
+    entries = [dict(marker=style.MARKER[method], color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
+    entries += [dict(marker="o", color="0.4", ms=size, label=f"{disks} disks") for disks, size in sizes.items()]
+    style.legend(panels[0][-1], [dict(ls="", mfc="none") | entry for entry in entries], fontsize=7)
     style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Filled: the rigid answer. Grey: 2 %.", runs)
 
 
@@ -131,11 +129,9 @@ the same without, and is no nearer: a smaller step is better spent. Of 5000 disk
 sweeps.
 """
 GIVEN = ("500", "2", "5000", "1e-2", "1", "4", "0.5", "1e-4", "0.1", "1e-3", "2000")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     table = measured(table)
     rows = table.to_dict("records")
     small, large = (gains(rows, disks) for disks in (SMALL, 5000))

@@ -3,7 +3,6 @@
 Line thickness is proportional to the normal force R, on one scale for both; contacts at the Coulomb limit (|T| = mu R) have another colour and a
 dot; disks that carry nothing (rattlers) are shaded.
 """
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection, PatchCollection
@@ -25,42 +24,41 @@ POINTS_PER_MEAN = 1.0
 
 def summarize(runs):
     """Return one row of the pair: contacts, sliding contacts and rattlers of both, and how far their normal forces agree."""
-    md, cd = _pair(runs)
-    row = {}
-    for run, (snapshot, load) in ((run, observables.snapshot_at_load_maximum(run)) for run in (md, cd)):
-        row |= {f"{name} {run.method}": int(mask.sum()) for name, mask in (
+    row, at_maximum = {}, {run.method: observables.snapshot_at_load_maximum(run) for run in _pair(runs)}
+    for method, (snapshot, load) in at_maximum.items():
+        row |= {f"{name} {method}": int(mask.sum()) for name, mask in (
             ("contacts", _loaded(snapshot)), ("at the Coulomb limit", observables.sliding(snapshot)), ("rattlers", observables.rattlers(snapshot)))}
-        row[f"load {run.method}"] = float(load)
-    forces = observables.matched_forces(*(observables.snapshot_at_load_maximum(run)[0] for run in (md, cd)))
+        row[f"load {method}"] = float(load)
+    forces = observables.matched_forces(*(snapshot for snapshot, _ in at_maximum.values()))
     difference = np.sqrt(np.mean((forces[0] - forces[1])**2)) / forces[forces > 0].mean()
     return [row | {"correlation": observables.correlation(*forces), "rms difference": float(difference),
                    "in MD only": int((forces[1] == 0).sum()), "in CD only": int((forces[0] == 0).sum())}]
 
 
 def _pair(runs):
-    """Return (MD run, CD run); ResultError where one is missing."""
-    by = {run.method: run for run in runs}
-    if len(by) < 2:
+    """Return [MD run, CD run]; ResultError where one is missing."""
+    if len(by := {run.method: run for run in runs}) < 2:
         raise ResultError("force_networks", "needs a run of each method", "run both: make study STUDY=force_networks")
-    return by["MD"], by["CD"]
+    return [by["MD"], by["CD"]]
 
 
 def draw(runs, rows, path):
     """Draw both networks and compare their forces contact by contact."""
-    md, cd = _pair(runs)
-    snapshots = [observables.snapshot_at_load_maximum(run)[0] for run in (md, cd)]
+    pair = _pair(runs)
+    snapshots = [observables.snapshot_at_load_maximum(run)[0] for run in pair]
     forces = np.concatenate([snapshot["force_normal"][_loaded(snapshot)] for snapshot in snapshots])
     fig = plt.figure(figsize=(11, 4.6))
     grid = fig.add_gridspec(2, 3, width_ratios=[1, 1, 0.8], height_ratios=[1, 0.08])
     axes = [fig.add_subplot(grid[0, column]) for column in range(3)]
-    for axis, run, snapshot in zip(axes, (md, cd), snapshots):
+    for axis, run, snapshot in zip(axes, pair, snapshots):
         _network(axis, snapshot, forces.mean())
         axis.set_title(f"{run.method}: {_loaded(snapshot).sum()} contacts, {observables.sliding(snapshot).sum()} at the Coulomb limit")
     _comparison(axes[2], snapshots, forces.mean())
     below = fig.add_subplot(grid[1, :])
     below.axis("off")
     below.legend(handles=_legend(forces.mean()), loc="center", ncol=5, fontsize=8)
-    style.finish(fig, path, r"Line thickness is proportional to the normal force R; $\langle R\rangle$: its mean over the loaded contacts of both.", [md, cd])
+    style.finish(fig, path, r"Line thickness is proportional to the normal force R; $\langle R\rangle$: its mean over the loaded "
+                 "contacts of both.", pair)
 
 
 def _loaded(snapshot):
@@ -68,50 +66,39 @@ def _loaded(snapshot):
 
 
 def _network(axis, snapshot, mean):
-    """Draw disks, walls and force chains."""
     rattlers = observables.rattlers(snapshot)
     circles = [Circle(centre, radius) for centre, radius in zip(snapshot["position"], snapshot["radius"])]
-    axis.add_collection(PatchCollection(
-        circles, edgecolor=style.GRAIN, linewidth=0.4,
-        facecolor=[style.RATTLER if idle else "none" for idle in rattlers]))
+    axis.add_collection(PatchCollection(circles, edgecolor=style.GRAIN, linewidth=0.4, facecolor=np.where(rattlers, style.RATTLER, "none")))
     x_low, x_high, y_low, y_high = snapshot["box"]
-    axis.add_patch(Rectangle((x_low, y_low), x_high - x_low, y_high - y_low, fill=False, linewidth=1.2,
-                             edgecolor=style.CHAIN))
+    axis.add_patch(Rectangle((x_low, y_low), x_high - x_low, y_high - y_low, fill=False, linewidth=1.2, edgecolor=style.CHAIN))
     segments, sliding = _segments(snapshot), observables.sliding(snapshot)
     widths = POINTS_PER_MEAN * snapshot["force_normal"] / mean
     for mask, colour, level in ((_loaded(snapshot) & ~sliding, style.CHAIN, 2), (sliding, style.SLIDING, 3)):
-        axis.add_collection(LineCollection(segments[mask], linewidths=widths[mask], colors=colour,
-                                           capstyle="round", zorder=level))
-    axis.plot(*snapshot["contact_point"][sliding].T, "o", markersize=2.6, color=style.SLIDING,
-              markeredgecolor="white", markeredgewidth=0.3, zorder=4)
-    axis.set_aspect("equal")
+        axis.add_collection(LineCollection(segments[mask], linewidths=widths[mask], colors=colour, capstyle="round", zorder=level))
+    axis.plot(*snapshot["contact_point"][sliding].T, "o", ms=2.6, color=style.SLIDING, mec="white", mew=0.3, zorder=4)
     margin = 0.01 * (x_high - x_low)
-    axis.set_xlim(x_low - margin, x_high + margin)
-    axis.set_ylim(y_low - margin, y_high + margin)
+    axis.set(aspect="equal", xlim=(x_low - margin, x_high + margin), ylim=(y_low - margin, y_high + margin))
     axis.axis("off")
 
 
 def _segments(snapshot):
     """Return end points (m, 2, 2) [m] of each force line: the disks' centres, or the contact point at a wall."""
     place = {int(body): centre for body, centre in zip(snapshot["body_ids"], snapshot["position"])}
-    return np.array([[place.get(int(body), point) for body in ids]
-                     for ids, point in zip(snapshot["contact_ids"], snapshot["contact_point"])]).reshape(-1, 2, 2)
+    ends = [[place.get(int(body), point) for body in ids] for ids, point in zip(snapshot["contact_ids"], snapshot["contact_point"])]
+    return np.array(ends).reshape(-1, 2, 2)
 
 
 def _comparison(axis, snapshots, mean):
     """Draw the normal force of each contact in CD over that in MD."""
     md, cd = observables.matched_forces(*snapshots) / mean
     both = (md > 0) & (cd > 0)
-    axis.plot(md[both], cd[both], "o", markersize=2.2, color=style.CHAIN, alpha=0.6, markeredgewidth=0,
-              label=f"in both ({both.sum()})")
+    axis.plot(md[both], cd[both], "o", markersize=2.2, color=style.CHAIN, alpha=0.6, markeredgewidth=0, label=f"in both ({both.sum()})")
     for mask, marker, method in ((cd == 0, "x", "MD"), (md == 0, "+", "CD")):
-        axis.plot(md[mask], cd[mask], marker, markersize=4, color=style.COLOUR[method], linestyle="none",
-                  label=f"in {method} only ({mask.sum()})", clip_on=False)
+        axis.plot(md[mask], cd[mask], marker, ms=4, color=style.COLOUR[method], label=f"in {method} only ({mask.sum()})", clip_on=False)
     top = 1.05 * max(md.max(), cd.max())
     axis.plot([0, top], [0, top], color=style.GRAIN, linewidth=0.8, zorder=0)
-    axis.set(xlim=(0, top), ylim=(0, top), xlabel=r"R in MD / $\langle R\rangle$", ylabel=r"R in CD / $\langle R\rangle$")
-    axis.set_aspect("equal")
-    axis.set_title(f"contact by contact: correlation {observables.correlation(md, cd):.3f}")
+    axis.set(xlim=(0, top), ylim=(0, top), xlabel=r"R in MD / $\langle R\rangle$", ylabel=r"R in CD / $\langle R\rangle$", aspect="equal",
+             title=f"contact by contact: correlation {observables.correlation(md, cd):.3f}")
     axis.legend(loc="upper left", handletextpad=0.2)
 
 
@@ -119,8 +106,7 @@ def _legend(mean):
     lines = [Line2D([], [], color=style.CHAIN, linewidth=POINTS_PER_MEAN * times,
                     label=rf"R = {times:g} $\langle R\rangle$ = {style.number(times * mean)} N") for times in (1, 4)]
     return lines + [
-        Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", markersize=4, markeredgecolor="white",
-               label=r"at the Coulomb limit, $|T| = \mu R$"),
+        Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", ms=4, mec="white", label=r"at the Coulomb limit, $|T| = \mu R$"),
         Patch(facecolor=style.RATTLER, edgecolor=style.GRAIN, label="rattler"),
         Line2D([], [], color=style.CHAIN, linewidth=1.2, label="walls (frame)")]
 
@@ -132,11 +118,9 @@ contacts of MD and 111 of CD are at the Coulomb limit. This is one packing, prep
 same forces.
 """
 GIVEN = ("1.2",)
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     row = table.iloc[0]
     return {"775": row["contacts MD"], "765": row["contacts CD"], "14": row["in MD only"], "4": row["in CD only"],
             "0.9988": row.correlation, "3.5": 100 * row["rms difference"], "128": row["at the Coulomb limit MD"],

@@ -4,8 +4,8 @@ A walk over the ensemble (scene frozen_packing) gives forces F_c, two components
 eta = <deltaF>/<|F|>, deltaF_c the standard deviation of F_c over the walk, means over contacts. Samples count when they are admissible
 by code of its own (yade_scripts/theory/statics.py), whatever the solver said of them.
 """
-
 import numpy as np
+import pandas
 
 from analysis import publish, style
 from analysis.style import plt
@@ -104,35 +104,28 @@ def coverage(snapshot, load, normal):
     return float((np.ptp(normal[:, chosen], axis=0)[open_ones] / exact[open_ones]).mean()) if open_ones.any() else np.nan
 
 
-def medians(rows, packing, name):
-    """Return (mu, median over the seeds) of a column for one kind of packing."""
-    mine = [row for row in rows if row["packing"] == packing]
-    frictions = sorted({row["mu"] for row in mine})
-    return np.array(frictions), np.array([np.median([row[name] for row in mine if row["mu"] == mu]) for mu in frictions])
-
-
 def draw(runs, rows, path):
     """Draw eta, dimension and distances against mu; mu = 0 stands at the left edge of the logarithmic axis."""
     fig, axes = plt.subplots(1, 3, figsize=(10.5, 4.2))
-    least = min((row["mu"] for row in rows if row["mu"] > 0), default=1.0) / 3
-    looks = {OWN: dict(color=style.COLOUR["CD"], marker="o"), DENSE: dict(color=style.COLOUR["MD"], marker="s")}
-    for packing, look in looks.items():
-        mine = [row for row in rows if row["packing"] == packing]
-        if not mine:
+    table = pandas.DataFrame(rows)
+    least = table.mu[table.mu > 0].min() / 3 if table.mu.any() else 1 / 3
+    table["at"] = table.mu.clip(lower=least)
+    for packing, look in ((OWN, dict(color=style.COLOUR["CD"], marker="o")), (DENSE, dict(color=style.COLOUR["MD"], marker="s"))):
+        mine = table[table.packing == packing]
+        if mine.empty:
             continue
-        at = [max(row["mu"], least) for row in mine]
-        mu, eta = medians(rows, packing, "eta")
-        axes[0].plot(at, [row["eta"] for row in mine], ls="", ms=4, alpha=0.5, **look)
-        axes[0].plot(np.maximum(mu, least), eta, color=look["color"], label=packing)
-        mu, share = medians(rows, packing, "dimension")
-        axes[1].plot(np.maximum(mu, least), share, label=packing, **look)
-        mu, away = medians(rows, packing, "springs from mean")
-        axes[2].plot(np.maximum(mu, least), away, label=f"springs; {packing}", **look)
-        mu, away = medians(rows, packing, "cold start from mean")
-        axes[2].plot(np.maximum(mu, least), away, ls="--", mfc="none", label=f"solver from no forces; {packing}", **look)
-    mu, eta = medians([row for row in rows if row["mu"] > 0], OWN, "eta")
-    if len(mu):
-        axes[0].plot([mu[0], 0.1], [eta[0], eta[0] * 0.1 / mu[0]], color="0.5", ls=":", label=r"$\propto\mu$")
+        shown = mine[["at", "eta", "dimension", "springs from mean", "cold start from mean"]]
+        medians = shown.groupby("at").agg(lambda values: np.median(values))  # none where one packing has no value
+        mu = medians.index
+        axes[0].plot(mine["at"], mine.eta, ls="", ms=4, alpha=0.5, **look)
+        axes[0].plot(mu, medians.eta, color=look["color"], label=packing)
+        axes[1].plot(mu, medians.dimension, label=packing, **look)
+        axes[2].plot(mu, medians["springs from mean"], label=f"springs; {packing}", **look)
+        axes[2].plot(mu, medians["cold start from mean"], ls="--", mfc="none", label=f"solver from no forces; {packing}", **look)
+    if len(rough := table[(table.packing == OWN) & (table.mu > 0)]):
+        mu = rough.mu.min()
+        eta = rough.eta[rough.mu == mu].median()
+        axes[0].plot([mu, 0.1], [eta, eta * 0.1 / mu], color="0.5", ls=":", label=r"$\propto\mu$")
     axes[2].axhline(1, color="0.5", ls=":")
     axes[2].text(0.99, 1.02, "samples (rms)", fontsize=7, color="0.4", ha="right", transform=axes[2].get_yaxis_transform())
     for axis, label in zip(axes, (r"ambiguity $\eta=\langle\delta F\rangle/\langle|F|\rangle$", "dimension of the set of forces",
@@ -160,11 +153,9 @@ as not admissible, all of them at mu of 0.2 and more; packings with fewer than 1
 be prepared or sampled.
 """
 GIVEN = ("0.3", "0.1", "0.001", "0.01", "0.2", "1", "100")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     table = publish.finished(table)
     assert table[table.used < table.samples].mu.min() >= 0.2
     samples, refused, counted = table.samples.sum(), (table.samples - table.used).sum(), table[table.used >= 100]

@@ -1,5 +1,4 @@
 """What the paper leaves open: each parameter varied alone, packing by packing."""
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -55,11 +54,11 @@ def draw(runs, rows, path):
     for place, row in enumerate(row for row in rows if "ratio" in row):
         if row["change"] == "none":
             low, middle, high = (row[name] / row["|gamma|"] for name in ("least |gamma|", "|gamma|", "most |gamma|"))
-            labels.append("another packing")
+            label, colour = "another packing", "#444444"
         else:
             low, middle, high = (row[name] for name in ("least ratio", "ratio", "largest ratio"))
-            labels.append(f"{row['change']} ({row['packings']})")
-        colour = "#444444" if row["change"] == "none" else style.COLOUR["MD"]
+            label, colour = f"{row['change']} ({row['packings']})", style.COLOUR["MD"]
+        labels.append(label)
         axis.plot([low, high], [place, place], color=colour, linewidth=2, alpha=0.5)
         axis.plot(middle, place, "o", color=colour, markersize=5)
     axis.axvline(1, color="#444444", linewidth=0.8, linestyle="--")
@@ -90,11 +89,9 @@ With friction at the walls (0.1) all 6 runs are refused: the stress of the walls
 friction of one pair of walls carries a share of the load on the other.
 """
 GIVEN = ("8", "9", "0.4", "10", "0.1", "0.02", "0.25", "1.0", "200", "2", "0.5")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     rows = publish.finished(table).set_index("change")
     low, middle, high = (rows[name] for name in ("least ratio", "ratio", "largest ratio"))
     sizes = [f"radius_spread = {value}" for value in (0.1, 0.5)]

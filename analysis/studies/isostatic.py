@@ -1,7 +1,7 @@
 """Rigid grains whose contact forces have no freedom: do they strain as stiff springs do?"""
-
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 
 from analysis import limits, observables, style, summary
 from yade_scripts.tables import product
@@ -49,32 +49,32 @@ def draw(runs, rows, path):
 
     The strain is drawn against the load over the limit without friction, against P0/k_n with friction.
     """
-    rows = [row for row in rows if row["dSigma"] == LOAD]
-    groups = summary.groups(rows, lambda row: row["friction"])
+    table = pandas.DataFrame(rows)
+    table = table[table.dSigma == LOAD]
+    groups = dict(list(table.assign(load=(1 + LOAD) / table["static limit"]).groupby("friction")))
+    md, cd = ("largest |gamma|, MD", "largest |gamma|, CD")
     fig, axes = plt.subplots(1, len(groups) + 1, figsize=(3.7 * (len(groups) + 1), 3.9), squeeze=False)
     axes = axes[0]
     for axis, (friction, own) in zip(axes, groups.items()):
-        x = [row["P0/k_n"] if friction else (1 + LOAD) / row["static limit"] for row in own]
-        strains = {method: [row[f"largest |gamma|, {method}"] for row in own] for method in ("MD", "CD")}
-        axis.vlines(x, strains["CD"], strains["MD"], color="#BBBBBB", lw=0.7, zorder=1)
-        for method, values in strains.items():
-            axis.plot(x, values, ls="", marker=style.MARKER[method], ms=4.5, mfc="none" if method == "CD" else None,
-                      color=style.COLOUR[method], label={"MD": "springs (MD)", "CD": "rigid contacts (CD)"}[method])
+        x = "P0/k_n" if friction else "load"
+        axis.vlines(own[x], own[cd], own[md], color="#BBBBBB", lw=0.7, zorder=1)
+        style.points(axis, own, x, md, "MD", label=style.WORDS["MD"])
+        style.points(axis, own, x, cd, "CD", mfc="none", label=style.WORDS["CD"])
         axis.set(yscale="log", xlabel="$P_0/k_n$" if friction else "load over the static limit",
                  title=rf"with friction, $\mu$ = {friction:g}" if friction else "without friction")
         if friction:
             axis.set_xscale("log")
         else:
             axis.axvline(1, color="k", lw=0.7, ls=":")
-    everywhere = np.array([row[f"largest |gamma|, {method}"] for row in rows for method in ("MD", "CD")])
+    everywhere = table[[md, cd]].to_numpy()
     everywhere = everywhere[everywhere > 0]  # a run that is missing has NaN
     if everywhere.size:
         plt.setp(axes[:-1], ylim=(everywhere.min() / 2, everywhere.max() * 2))
     axes[0].set_ylabel(r"largest $|\gamma|$ in the cycle")
     axes[0].legend()
     for friction, own in groups.items():
-        axes[-1].plot([row["P0/k_n"] for row in own], [row["freedom"] for row in own], ls="", marker="o" if friction else "D", ms=4.5,
-                      color="k", mfc="k" if friction else "none", label=rf"$\mu$ = {friction:g}")
+        style.points(axes[-1], own, "P0/k_n", "freedom", "CD", marker="o" if friction else "D", color="k", mfc="k" if friction else "none",
+                     label=rf"$\mu$ = {friction:g}")
     axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="free directions of the contact forces a disk", ylim=(0, None))
     axes[-1].legend()
     style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.", runs)
@@ -96,11 +96,9 @@ strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). Packings with friction w
 the ramp. No step of CD missed its tolerance of 1e-9.
 """
 GIVEN = ("0.1", "1.02", "1.005", "6e-4", "1e-6", "1e-9")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     cd, md = "largest |gamma|, CD", "largest |gamma|, MD"
     small, table = table[table.dSigma == SMALLER], table[table.dSigma == LOAD]
     assert (small["static limit"] > 1 + SMALLER).all()

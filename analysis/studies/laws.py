@@ -1,9 +1,7 @@
 """Fig. 3 under three tangential laws: does ratcheting come from the energy that the standard spring creates along closed paths?"""
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas
-from matplotlib.lines import Line2D
 
 from analysis import cycles, observables, style, summary
 from yade_scripts.tables import product
@@ -67,16 +65,13 @@ def draw(runs, rows, path):
     left.set_yticks(range(len(labels)), labels, fontsize=7)
     left.invert_yaxis()
     left.set(xscale="log", xlabel="over that of the standard law, same packing")
-    longest = min(((-run.parameters["cycles"], run.parameters["delta_sigma"], run.parameters["seed"]) for run in runs), default=())
-    for run in (run for run in runs if (-run.parameters["cycles"], run.parameters["delta_sigma"], run.parameters["seed"]) == longest):
-        found = cycles.of(run)
-        if found:
-            windows = cycles.windows(len(found.number))
-            law = run.parameters["tangential_law"]
-            right.plot([last for _, last in windows], np.abs(found.rates(windows)), color=LOOK[law][0], marker=LOOK[law][1], ms=3, lw=0.8)
+    longest = min((-run.parameters["cycles"], run.parameters["delta_sigma"], run.parameters["seed"]) for run in runs)
+    for run in runs:
+        if (-run.parameters["cycles"], run.parameters["delta_sigma"], run.parameters["seed"]) == longest and (found := cycles.of(run)):
+            windows, (colour, marker) = cycles.windows(len(found.number)), LOOK[run.parameters["tangential_law"]]
+            right.plot([last for _, last in windows], np.abs(found.rates(windows)), color=colour, marker=marker, ms=3, lw=0.8)
     right.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"strain a cycle $|\Delta\gamma|$")
-    handles = [Line2D([], [], color=colour, marker=marker, markersize=4, label=law.replace("_", " ")) for law, (colour, marker) in LOOK.items()]
-    right.legend(handles=handles)
+    style.legend(right, [dict(color=colour, marker=marker, ms=4, label=law.replace("_", " ")) for law, (colour, marker) in LOOK.items()])
     style.finish(fig, path, "Left: a point a packing. Right: one packing, means over windows that grow with the cycle.", runs)
 
 
@@ -97,11 +92,9 @@ avoidGranularRatcheting makes energy, as two disks on a closed path show: its ba
 standard law at most 2.7e-4, that of the path-independent one 1.5e-4.
 """
 GIVEN = ("0.3", "0.4", "0.5", "20", "30", "40")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     soft = table[table["P0/k_n"] > 1e-3]
     usual = table[table["P0/k_n"] < 1e-3]
     own = {(law, load): usual[(usual.law == law) & (usual.dSigma == load)] for law in LAWS for load in (0.4, 0.5)}

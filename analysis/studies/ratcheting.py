@@ -1,7 +1,7 @@
 """Strain a cycle against the load over the static limit, for springs of three stiffnesses and for rigid contacts on the same packings."""
-
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 
 from analysis import cycles, limits, observables, style, summary
 from yade_scripts.tables import product
@@ -34,16 +34,13 @@ ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], de
         + product(stiffening=STIFFER, delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID | dict(tolerance=SOLVED))}
 
 
-def summarize(runs):
-    """Return one row a run: the first cycle's strain, the rate of the last half of the cycles, and how many contacts change.
+@summary.each
+def summarize(run):
+    """Return the row of a run: the first cycle's strain, the rate of the last half of the cycles, and how many contacts change.
 
     changed: contacts that carry at the first or the last peak of the load, not at both, over those at the first. limit at the last load:
     the static limit by the contacts at the last peak, of rigid grains.
     """
-    return [_row(run) for run in runs]
-
-
-def _row(run):
     full, found, rigid = run.parameters, cycles.of(run), run.method == "CD"
     return {"method": run.method, "period": full["period"], "k_n over the usual": full["stiffening"],
             "tolerance": full["tolerance"] if rigid else np.nan, "dSigma": full["delta_sigma"], "seed": full["seed"],
@@ -69,21 +66,18 @@ def draw(runs, rows, path):
     panels = ((x, "first cycle", r"largest $\sigma_2/\sigma_1$ over its static limit", "first cycle"),
               (x, "rate", r"largest $\sigma_2/\sigma_1$ over its static limit", "a cycle of the last half"),
               ("contacts changed", "rate", "share of contacts changed, first to last peak", "a cycle of the last half, springs"))
-    shades = {stiffer: colour for stiffer, colour in zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7"))
-              if any((row["method"], row["k_n over the usual"]) == ("MD", stiffer) for row in rows)}
+    table = pandas.DataFrame(rows)
+    springs, rigid = table[table.method == "MD"], table[(table.method == "CD") & (table.tolerance == RIGID["tolerance"])]
+    quiet = springs[springs.period == springs["k_n over the usual"].map(PERIODS)]
+    shades = dict(zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7")))
     for axis, (across, up, label, title) in zip(axes, panels):
-        for stiffer, colour in shades.items():
-            own = [row for row in rows if (row["method"], row["k_n over the usual"], row["period"]) == ("MD", stiffer, PERIODS[stiffer])]
-            axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["MD"], ms=4.5, color=colour,
-                      label=f"springs of {'' if stiffer == 1 else f'{stiffer:g} '}$k_n$")
+        for stiffer in [stiffer for stiffer in STIFFER if stiffer in set(springs["k_n over the usual"])]:
+            style.points(axis, quiet[quiet["k_n over the usual"] == stiffer], across, up, "MD", color=shades[stiffer],
+                         label=f"springs of {'' if stiffer == 1 else f'{stiffer:g} '}$k_n$")
         if across == x:
-            for found in summary.groups((row for row in rows if row["method"] == "MD" and row["period"] == PERIODS[row["k_n over the usual"]]),
-                                        lambda row: row["seed"]).values():
-                axis.plot([row[across] for row in found], [row[up] for row in found], color="#DDDDDD", lw=0.7, zorder=0)
-        own = [row for row in rows if row["method"] == "CD" and row["tolerance"] == RIGID["tolerance"]]
-        if across == x:
-            axis.plot([row[across] for row in own], [row[up] for row in own], ls="", marker=style.MARKER["CD"], ms=4.5, mfc="none",
-                      color=style.COLOUR["CD"], label="rigid contacts")
+            for _, found in quiet.groupby("seed"):
+                axis.plot(found[across], found[up], color="#DDDDDD", lw=0.7, zorder=0)
+            style.points(axis, rigid, across, up, "CD", mfc="none", label="rigid contacts")
             axis.axvline(1, color="k", lw=0.7, ls=":")
         else:
             axis.set_xscale("log")
@@ -123,7 +117,6 @@ In springs the contacts that change from the first to the last peak of the load 
 to 0.88 at each stiffness). In rigid packings that number says nothing: forces leave contacts that stay closed.
 """
 GIVEN = ("0.5", "0.63", "1e-6", "1e-7", "1e-9", "20", "100", "2", "1", "0.98", "4000")
-POINTS = ()
 
 
 def slow(table):
@@ -153,7 +146,6 @@ def _fit(rows, name, within):
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     load, first, rate, stiffer, end = "load over limit", "first cycle", "rate", "k_n over the usual", "gamma at the end"
     springs, loose = slow(table), table[table.tolerance == LOOSER]
     rigid, solved = (table[table.tolerance == tolerance] for tolerance in (RIGID["tolerance"], SOLVED))

@@ -1,7 +1,7 @@
 """How the static limit, the load at yield and the strain under cycles depend on the number of disks."""
-
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 
 from analysis import cycles, limits, observables, style, summary
 from yade_scripts.tables import product
@@ -45,24 +45,24 @@ def _row(disks, seed, group):
 
 def draw(runs, rows, path):
     """Draw a point a packing against the number of disks: static limit; loads at yield over it; strain a cycle."""
-    disks = np.array([row["disks"] for row in rows])
+    table = pandas.DataFrame(rows)
     panels = ((r"static limit, $\sigma_2/P_0$", "linear", (("static limit", "k", "D", None),)),
               (r"load at $|\gamma| = 10^{-3}$ over the static limit", "linear",
-               tuple((f"yields over the limit at, {method}", style.COLOUR[method], style.MARKER[method], name)
-                     for method, name in (("MD", "springs (MD)"), ("CD", "rigid contacts (CD)")))),
+               [(f"yields over the limit at, {method}", style.COLOUR[method], style.MARKER[method], words)
+                for method, words in style.WORDS.items()]),
               (r"$|\Delta\gamma|$ a cycle of springs, $\Delta\sigma = 0.4$", "log",
                (("first cycle", "#56B4E9", "^", "first cycle"), ("rate", style.COLOUR["MD"], "o", "a cycle of the last ten"))))
-    panels = [panel for panel in panels if any(np.isfinite(row[name]) for row in rows for name, *_ in panel[2])]
+    panels = [panel for panel in panels if table[[name for name, *_ in panel[2]]].notna().any(axis=None)]
     fig, axes = plt.subplots(1, len(panels), figsize=(3.5 * len(panels), 3.7), squeeze=False)
     for axis, (words, scale, several) in zip(axes[0], panels):
         for shift, (name, colour, marker, label) in zip((0.96, 1.04), several):
-            values = np.array([row[name] for row in rows])
-            if np.isfinite(values).any():
-                axis.plot(shift * disks, values, ls="", marker=marker, ms=4.5, mfc="none", color=colour, label=label)
-            for size in set(disks[np.isfinite(values)]):
-                axis.plot([size / 1.25, size * 1.25], [np.nanmedian(values[disks == size])] * 2, color=colour, lw=1)
+            if table[name].notna().any():
+                axis.plot(shift * table.disks, table[name], ls="", marker=marker, ms=4.5, mfc="none", color=colour, label=label)
+            for size, median in table.groupby("disks")[name].median().dropna().items():
+                axis.plot([size / 1.25, size * 1.25], [median] * 2, color=colour, lw=1)
         axis.set(xscale="log", yscale=scale, xlabel="disks", ylabel=words)
-        axis.set_xticks(sorted(set(disks)), [str(size) for size in sorted(set(disks))], minor=False)
+        sizes = sorted(table.disks.unique())
+        axis.set_xticks(sizes, list(map(str, sizes)), minor=False)
         axis.minorticks_off()
         if len(several) > 1:
             axis.legend()
@@ -80,11 +80,9 @@ does it. Cycles of 0.5 s are hasty for these springs: see the study of ratchetin
 those of 400, which 3 cannot prove. On two of them MD's step was refused as unstable. 6400 disks were not run.
 """
 GIVEN = ("100", "400", "1600", "6400", "1e-3", "0.9", "0.5")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     sizes = {disks: part for disks, part in table.groupby("disks")}
     limit, (md, cd) = "static limit", ((f"yields over the limit at, {method}") for method in ("MD", "CD"))
     low = {disks: part[part["load over limit of the cycles"] < 0.9].rate for disks, part in sizes.items()}

@@ -1,5 +1,4 @@
 """What an answer of a given accuracy costs by either method, held against rigid grains and against springs of a given stiffness."""
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -95,13 +94,11 @@ def draw(runs, rows, path):
     for axis, (scene, name, title, label) in zip(axes[0], panels):
         own = [row for row in rows if row["scene"] == scene and abs(row[name]) > 0]
         for series, look in looks.items():
-            points = [row for row in own if _series(row) == series]
-            if points:
+            if points := [row for row in own if _series(row) == series]:
                 drawn[series] = axis.errorbar([row["seconds"] for row in points], [abs(row[name]) for row in points],
                                               [row.get("standard error", 0) for row in points], ls="", ms=5, elinewidth=0.7, **look)
-        ordered = sorted((row["seconds"], abs(row[name])) for row in own if row["method"] == "MD")
-        least = np.minimum.accumulate([error for _, error in ordered])
-        axis.step([seconds for seconds, _ in ordered], least, where="post", color="#888888", lw=0.8)
+        ordered = np.array(sorted((row["seconds"], abs(row[name])) for row in own if row["method"] == "MD")).reshape(-1, 2)
+        axis.step(ordered[:, 0], np.minimum.accumulate(ordered[:, 1]), where="post", color="#888888", lw=0.8)
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
     axes[0, -1].legend([drawn[series] for series in looks], [look["label"] for look in looks.values()], loc="center left",
                        bbox_to_anchor=(1.0, 0.5))
@@ -141,11 +138,9 @@ In the filling of a box nothing is at rest to begin with. There rigid contacts w
 second core busy.
 """
 GIVEN = ("1.2", "100", "0.4", "1e-6", "5", "1e-8", "10", "2", "1e-2", "5e6")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     cycle, filled = (table[table.scene == scene] for scene in (CYCLE_SCENE, FILLING_SCENE))
     springs = cycle[cycle.method == "MD"].set_index(["springs over k_n", "step"])
     rigid = cycle[(cycle.method == "CD") & cycle["sweeps a step"].isna()].set_index(["step", "tolerance"])

@@ -1,8 +1,7 @@
 """MD's springs against the effective stiffness of Contact Dynamics with few sweeps: one curve?"""
-
 import numpy as np
 
-from analysis import loops, observables, style
+from analysis import loops, observables, style, summary
 from yade_scripts import parameters
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
@@ -64,23 +63,18 @@ def summarize(runs):
     """
     usual = [_key(run)[4:] for run in runs]
     plain = max(set(usual), key=usual.count)
-    groups = loops.grouped(runs, _key)
-    return [_row(*key, group, None if key[4:] == plain else _same_packings(groups.get(key[:4] + plain, ()), group)) for key, group in groups.items()]
+    groups = summary.groups(runs, _key, ordered=False)
+    return [_row(*key, group, None if key[4:] == plain else groups.get(key[:4] + plain, ())) for key, group in groups.items()]
 
 
-def _same_packings(others, group):
-    """Return those of `others` whose packings have the seeds of the group."""
-    seeds = {run.attributes["seed"] for run in group}
-    return [run for run in others if run.attributes["seed"] in seeds]
-
-
-def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, compared):
-    """Return one row. compared: None for a row of the comparison, for a check the runs that it varies."""
+def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, usual):
+    """Return one row. usual: None for a row of the comparison; for a check the runs of the usual settings, to be compared seed by seed."""
+    compared = [run for run in usual or () if run.attributes["seed"] in {run.attributes["seed"] for run in group}]
     ratio = stiffness_ratio(group[0])
     modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
     return {
         "medium": medium, "stiffness_over_kn": ratio, "springs_over_kn": stiffening, "sweeps": sweeps, "step_s": step, "kt_over_kn": kt_over_kn,
-        "period_s": period, "comparison": "" if compared is None else "check", "packings": len(group), **loops.spread(group),
+        "period_s": period, "comparison": "" if usual is None else "check", "packings": len(group), **loops.spread(group),
         **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
         "modulus_over_stiffness_per_m": float(np.mean(modulus)) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
         **{f"{name}, packing {run.attributes['seed']}": ratio * getattr(loops.of(run), name) for run in group for name in ("largest", "remanent")},
@@ -94,12 +88,10 @@ def draw(runs, rows, path):
     fig, (left, middle, right) = style.plt.subplots(1, 3, figsize=(12, 4.4))
     for axes, name in ((left, "largest"), (middle, "remanent")):
         for medium, marker in MARKER.items():
-            part = [row for row in rows if row["medium"] == medium and not row["comparison"]]
-            if part:
+            if part := [row for row in rows if row["medium"] == medium and not row["comparison"]]:
                 loops.draw_spread(axes, [row["stiffness_over_kn"] for row in part], part, name, fmt=marker, color=COLOUR[medium], mfc="none",
                                   label=medium)
-        first = next((row for row in rows if row["medium"] == MD), None)
-        if first:
+        if first := next((row for row in rows if row["medium"] == MD), None):
             x = np.array(sorted({row["stiffness_over_kn"] for row in rows}))
             axes.plot(x, first[name] * first["stiffness_over_kn"] / x, ":", color="k", lw=0.8, label="inverse to the stiffness")
         axes.set(xscale="log", yscale="log", xlabel=r"stiffness of a contact: $k_n$ or $\kappa$, over the softest $k_n$",
@@ -113,11 +105,9 @@ def draw(runs, rows, path):
 def _draw_loops(axes, runs):
     """Draw the loops of the first packing at the softest and at ten times the stiffness."""
     seed = runs[0].attributes["seed"]
-    shown = {}
-    for run in runs:
-        if run.attributes["seed"] == seed and run.parameters["stiffening"] in (1, 10):
-            shown.setdefault((kind(run), run.parameters["stiffening"]), run)
-    for (medium, stiffening), run in shown.items():
+    shown = [run for run in runs if run.attributes["seed"] == seed and run.parameters["stiffening"] in (1, 10)]
+    media = summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False)
+    for (medium, stiffening), (run, *_) in media.items():
         gamma = run.values("gamma") * stiffness_ratio(run)
         axes.plot(-gamma, run.values("sigma2") / run.pressure, "-" if stiffening == 1 else "--", color=COLOUR[medium], lw=1,
                   label=f"{medium}, {stiffening:g} $k_n$")
@@ -136,11 +126,9 @@ are as stiff strains 0.96 to 1.13 times as far as MD on the same packing (median
 instead of k_n/2, make MD strain 1.05 to 1.07 times as far. This was measured under one load, over one cycle.
 """
 GIVEN = ("1", "2", "3")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     main = table[table.comparison.isna() | (table.comparison == "")]
     md = main[main.medium == MD].set_index("springs_over_kn").sort_index()
     seeds = range(1, md.packings.min() + 1)

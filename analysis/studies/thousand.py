@@ -1,5 +1,4 @@
 """A thousand cycles: does the strain of springs go on, does it end, and does the energy balance hold so long?"""
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -71,11 +70,9 @@ every bound of the table they have strained 0.98 to 1.00 times as far. So the ta
 These are cycles of 0.5 s, which are a little hasty for springs of k_n. The energy balance misses 8.1e-5 of the work at most.
 """
 GIVEN = ("1", "2", "3", "6", "10", "11", "20", "51", "100", "201", "500", "40", "0.5", "1000")
-POINTS = ()
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     packing = {(law, seed): own.set_index("to cycle") for (law, seed), own in table.groupby(["law", "seed"])}
     one, two, three = (packing["standard", seed] for seed in (1, 2, 3))
     rates, strain = [own.rate.abs() for own in (one, two, three)], one["|gamma|"]

@@ -1,8 +1,7 @@
 """How much of the CD loop of Fig. 4 is the solver's accuracy."""
-
 import numpy as np
 
-from analysis import loops, observables, style
+from analysis import loops, observables, style, summary
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
@@ -28,15 +27,9 @@ SHADE = {"largest": "#1A1A1A", "width": style.COLOUR["CD"], "remanent": style.CO
 
 def summarize(runs):
     """Return one row a setting, over the packings; `effort` names what is varied."""
-    step = _usual_step(runs)
-    groups = loops.grouped(runs, lambda run: _key(run, step))
-    return [_row(*key, group) for key, group in groups.items()]
-
-
-def _usual_step(runs):
-    """Return the step that most CD rows have; rows with another one are about the step."""
     steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
-    return max(set(steps), key=steps.count) if steps else None
+    usual = max(set(steps), key=steps.count, default=None)  # rows with another step are about the step
+    return [_row(*key, group) for key, group in summary.groups(runs, lambda run: _key(run, usual), ordered=False).items()]
 
 
 def _key(run, usual):
@@ -106,7 +99,6 @@ POINTS = (
 
 
 def numbers(table):
-    """Return the numbers of the text, from the summary table."""
     largest, width = "largest, packing 1", "width, packing 1"
     solved = table[table.effort == BY_TOLERANCE].set_index("value").sort_index()
     swept = table[table.effort == BY_SWEEPS].set_index("value").sort_index()

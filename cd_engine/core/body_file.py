@@ -3,12 +3,12 @@
 FCLIB's global form (M, H, f, w, mu) does not serve: it stores neither which degrees of freedom belong to one body nor bodies of prescribed
 velocity, so a problem could not be read back unchanged. For other codes write the local form, `problem.delassus()`.
 """
-import os
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
 from .body_problem import BodyProblem
+from .problem import made, replaced
 
 SIGNATURE = b"PK\x03\x04"  # start of a .npz file, which is a zip archive
 NAMES = tuple(field.name for field in fields(BodyProblem))
@@ -16,16 +16,9 @@ NAMES = tuple(field.name for field in fields(BodyProblem))
 
 def write(path, problem):
     """Write `problem`. An existing file of that name is replaced only once the new one is complete."""
-    path = os.fspath(path)
-    problem = BodyProblem(**{name: getattr(problem, name) for name in NAMES})
-    aside = f"{path}.{os.getpid()}.part"
-    try:
-        with open(aside, "wb") as file:
-            np.savez(file, **{name: getattr(problem, name) for name in NAMES})
-        os.replace(aside, path)
-    finally:
-        if os.path.exists(aside):
-            os.remove(aside)
+    problem = replace(problem)  # checked anew, since its arrays may have been changed
+    with replaced(path) as aside, open(aside, "wb") as file:
+        np.savez(file, **{name: getattr(problem, name) for name in NAMES})
 
 
 def read(path):
@@ -35,11 +28,7 @@ def read(path):
     except Exception as error:  # many types, of zipfile and of NumPy
         raise ValueError(f"{path}: not a complete .npz file ({error})") from None
     with archive:
-        arrays = {name: _array(path, archive, name) for name in NAMES}
-    try:
-        return BodyProblem(**arrays)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+        return made(path, BodyProblem, **{name: _array(path, archive, name) for name in NAMES})
 
 
 def _array(path, archive, name):

@@ -26,7 +26,6 @@ class BodyProblem:
     Sweeps visit the contacts in the order given, so contacts near in space should be near in the list. ValueError, with the place, is raised for
     any other input, and for a contact of two bodies that cannot move along its normal.
     """
-
     inverse_masses: np.ndarray
     free_velocities: np.ndarray
     pairs: np.ndarray
@@ -48,12 +47,10 @@ class BodyProblem:
         self.impulses = np.zeros(2 * n) if self.impulses is None else array("impulses", self.impulses, (2 * n,))
         refuse_negative("inverse_masses", self.inverse_masses)
         refuse_negative("mu", self.mu)
-        wrong = np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)
-        if wrong.size:
+        if (wrong := np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)).size:
             raise ValueError(f"normals[{wrong[0]}] has the length {np.hypot(*self.normals[wrong[0]]):.12g}, not 1")
         along, across = (H.power(2).T @ self.inverse_masses.ravel() for H in (self._normals(), self._tangents()))
-        wrong = np.flatnonzero(along <= HELD * (along + across))
-        if wrong.size:
+        if (wrong := np.flatnonzero(along <= HELD * (along + across))).size:
             a, b = self.pairs[wrong[0]]
             raise ValueError(f"contact {wrong[0]}: neither of its bodies {a} and {b} can move along its normal, as inverse_masses has it")
 
@@ -117,10 +114,8 @@ def _pairs(values, n, bodies):
         raise ValueError("pairs is not an array of whole numbers")
     if pairs.shape != (n, 2):
         raise ValueError(f"pairs has the shape {pairs.shape}; {(n, 2)} is expected")
-    wrong = np.argwhere((pairs < 0) | (pairs >= bodies))
-    if wrong.size:
+    if (wrong := np.argwhere((pairs < 0) | (pairs >= bodies))).size:
         raise ValueError(f"{place('pairs', wrong[0])} = {pairs[tuple(wrong[0])]}; the bodies are 0 to {bodies - 1}")
-    wrong = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
-    if wrong.size:
+    if (wrong := np.flatnonzero(pairs[:, 0] == pairs[:, 1])).size:
         raise ValueError(f"pairs[{wrong[0]}]: body {pairs[wrong[0], 0]} touches itself")
     return np.ascontiguousarray(pairs, dtype=np.int32)

@@ -4,14 +4,13 @@ V. Acary, M. Brémond, T. Koziara, F. Pérignon: FCLIB, a collection of discrete
 names and shapes are those of fclib.h. Its u = W r + q is this package's u = W p + q with the same signs and the same order (normal, tangential).
 """
 import contextlib
-import os
 
 import h5py
 import numpy as np
 from scipy import sparse
 
 from .. import guarded
-from .problem import Problem
+from .problem import Problem, made, replaced
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # start of an HDF5 file
 COLUMNS, ROWS = -1, -2            # FCLIB's `nz` of a matrix compressed by columns, by rows; >= 0: so many triplets
@@ -22,43 +21,27 @@ def write_problem(path, problem, title="", description="", contact_ids=None):
 
     contact_ids: the two bodies of each contact, stored in a data set of that name beside FCLIB's own, which other readers ignore.
     """
-    path = os.fspath(path)
     problem = Problem(problem.W, problem.q, problem.mu)
     W = problem.W.tocsc()
     if W.nnz >= 2**31:
         raise ValueError(f"W has {W.nnz} numbers; FCLIB counts them in 31 bits")
-    aside = f"{path}.{os.getpid()}.part"
-    try:
-        with h5py.File(aside, "w") as file:
-            _integers(file, "fclib_local/spacedim", [2])
-            for name, value in (("nzmax", [W.nnz]), ("m", [W.shape[0]]), ("n", [W.shape[1]]), ("nz", [COLUMNS]), ("p", W.indptr), ("i", W.indices)):
-                _integers(file, f"fclib_local/W/{name}", value)
-            file["fclib_local/W/x"] = W.data
-            file["fclib_local/vectors/q"] = problem.q
-            file["fclib_local/vectors/mu"] = problem.mu
-            for name, value in (("title", title), ("description", description)):
-                # libfclib reads strings of fixed length and needs the zero at the end.
-                text = value.encode()
-                file.create_dataset(f"fclib_local/info/{name}", data=np.bytes_(text), dtype=f"S{len(text) + 1}")
-            if contact_ids is not None:
-                file["contact_ids"] = np.asarray(contact_ids, dtype=np.int32).reshape(problem.contacts, 2)
-        os.replace(aside, path)
-    finally:
-        if os.path.exists(aside):
-            os.remove(aside)
-
-
-def _integers(file, name, value):
-    file[name] = np.asarray(value, dtype=np.int32)
+    integers = {"spacedim": [2], "W/nzmax": [W.nnz], "W/m": [W.shape[0]], "W/n": [W.shape[1]], "W/nz": [COLUMNS], "W/p": W.indptr,
+                "W/i": W.indices}
+    with replaced(path) as aside, h5py.File(aside, "w") as file:
+        for name, value in integers.items():
+            file[f"fclib_local/{name}"] = np.asarray(value, dtype=np.int32)
+        for name, value in (("W/x", W.data), ("vectors/q", problem.q), ("vectors/mu", problem.mu)):
+            file[f"fclib_local/{name}"] = value
+        for name, value in (("title", title.encode()), ("description", description.encode())):
+            # libfclib reads strings of fixed length and needs the zero at the end.
+            file.create_dataset(f"fclib_local/info/{name}", data=np.bytes_(value), dtype=f"S{len(value) + 1}")
+        if contact_ids is not None:
+            file["contact_ids"] = np.asarray(contact_ids, dtype=np.int32).reshape(problem.contacts, 2)
 
 
 def read(path):
     """Return the `Problem` in the file. Raise ValueError with the data set's name if the file is damaged or of another kind."""
-    W, q, mu = guarded.call(_arrays, path)
-    try:
-        return Problem(W, q, mu)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    return made(path, Problem, *guarded.call(_arrays, path))
 
 
 def _arrays(path):
@@ -66,8 +49,7 @@ def _arrays(path):
     with _Reader(path) as reader:
         if not reader.has(""):
             raise ValueError(f"{path}: there is no /fclib_local in it; only FCLIB's local problems are read")
-        dimension = reader.integer("spacedim")
-        if dimension != 2:
+        if (dimension := reader.integer("spacedim")) != 2:
             raise reader.error("spacedim", f"the problem has {dimension} dimensions; only 2 are supported")
         for name in ("V", "R"):
             if reader.has(name):

@@ -1,4 +1,6 @@
 """A contact problem given by its Delassus matrix, and the checks of its input."""
+import contextlib
+import os
 from numbers import Real
 
 import numpy as np
@@ -23,8 +25,7 @@ class Problem:
         self.q = vector("q", q, self.W.shape[0])
         self.mu = vector("mu", mu, self.W.shape[0] // 2)
         refuse_negative("mu", self.mu)
-        wrong = np.flatnonzero(np.abs(self.q) > LARGEST)
-        if wrong.size:
+        if (wrong := np.flatnonzero(np.abs(self.q) > LARGEST)).size:
             raise ValueError(f"q[{wrong[0]}] is {self.q[wrong[0]]:g}: the squares of numbers above {LARGEST:g} are no longer finite; take other units")
 
     @property
@@ -61,13 +62,11 @@ def _matrix(W):
     if not rows.has_canonical_format:
         rows = rows.copy()
         rows.sum_duplicates()
-    wrong = np.flatnonzero(~np.isfinite(rows.data))
-    if wrong.size:
+    if (wrong := np.flatnonzero(~np.isfinite(rows.data))).size:
         row = np.searchsorted(rows.indptr, wrong[0], side="right") - 1
         raise ValueError(f"W[{row}, {rows.indices[wrong[0]]}] is {rows.data[wrong[0]]:g}, not a finite number")
     own = rows.diagonal()
-    wrong = np.flatnonzero(own <= 0)
-    if wrong.size:
+    if (wrong := np.flatnonzero(own <= 0)).size:
         raise ValueError(f"W[{wrong[0]}, {wrong[0]}] = {own[wrong[0]]:g}, the {'tangential' if wrong[0] % 2 else 'normal'} compliance of contact "
                          f"{wrong[0] // 2}, must be positive")
     return rows
@@ -79,8 +78,7 @@ def real(values):
         raise ValueError("some of its numbers are masked")
     numbers = np.asarray(values)
     if numbers.dtype == object:
-        wrong = [value for value in numbers.flat if not isinstance(value, Real)]
-        if wrong:
+        if wrong := [value for value in numbers.flat if not isinstance(value, Real)]:
             raise ValueError(f"it holds {str(wrong[0])[:40]!r}")
     elif numbers.dtype.kind not in "biuf":
         raise ValueError("its numbers are complex" if numbers.dtype.kind == "c" else f"it holds values of the type {numbers.dtype}")
@@ -95,10 +93,29 @@ def array(name, values, shape, expected=None):
         raise ValueError(f"{name} is not an array of numbers: {error}") from None
     if numbers.shape != shape:
         raise ValueError(f"{name} has the shape {numbers.shape}; {expected or f'{shape} is expected'}")
-    wrong = np.argwhere(~np.isfinite(numbers))
-    if wrong.size:
+    if (wrong := np.argwhere(~np.isfinite(numbers))).size:
         raise ValueError(f"{place(name, wrong[0])} is {numbers[tuple(wrong[0])]:g}, not a finite number")
     return numbers
+
+
+def made(path, kind, *arrays, **fields):
+    """Return the problem of this kind that a file holds. Raise its ValueError with the path."""
+    try:
+        return kind(*arrays, **fields)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+@contextlib.contextmanager
+def replaced(path):
+    """Give the name of a file to be written beside `path`, which it replaces once it is complete."""
+    aside = f"{os.fspath(path)}.{os.getpid()}.part"
+    try:
+        yield aside
+        os.replace(aside, path)
+    finally:
+        if os.path.exists(aside):
+            os.remove(aside)
 
 
 def vector(name, values, length):
@@ -108,8 +125,7 @@ def vector(name, values, length):
 
 def refuse_negative(name, numbers):
     """Raise ValueError with the first number below 0, if there is one."""
-    wrong = np.argwhere(numbers < 0)
-    if wrong.size:
+    if (wrong := np.argwhere(numbers < 0)).size:
         raise ValueError(f"{place(name, wrong[0])} = {numbers[tuple(wrong[0])]:g} is negative")
 
 

@@ -5,12 +5,13 @@
 The three storages are those of Siconos's NM_write_in_file: dense by columns; blocks by rows with each block by columns; sparse as CSparse
 prints a matrix, by columns, rows or triplets. Text after mu is ignored, as in Siconos: old files end with a flag.
 """
+import pathlib
 import re
 
 import numpy as np
 from scipy import sparse
 
-from .problem import Problem
+from .problem import Problem, made
 
 DENSE, BLOCKS, SPARSE = 0, 1, 2
 
@@ -23,9 +24,7 @@ class _Text:
     """Gives the words of a file one after the other, and for messages the line in which each stands."""
 
     def __init__(self, path):
-        self.path = path
-        with open(path, "rb") as file:
-            content = file.read()
+        self.path, content = path, pathlib.Path(path).read_bytes()
         try:
             text = content.decode("ascii")
         except UnicodeDecodeError as error:
@@ -88,13 +87,10 @@ class _Text:
 def read(path):
     """Return the `Problem` in the file. Raise ValueError with the line if the file is damaged."""
     text = _Text(path)
-    dimension = text.integer("the dimension")
-    if dimension != 2:
+    if (dimension := text.integer("the dimension")) != 2:
         raise text.error(f"the problem has {dimension} dimensions; only 2 are supported")
-    contacts = text.integer("the number of contacts")
-    storage = text.integer("the storage of the matrix")
-    rows = text.integer("the number of rows")
-    columns = text.integer("the number of columns")
+    contacts, storage, rows, columns = (text.integer(f"the {what}") for what in (
+        "number of contacts", "storage of the matrix", "number of rows", "number of columns"))
     if rows != 2 * contacts or columns != 2 * contacts:
         raise text.error(f"the matrix is {rows} x {columns}, which does not fit {contacts} contacts with two rows each")
     if storage not in (DENSE, BLOCKS, SPARSE):
@@ -104,12 +100,7 @@ def read(path):
     if len(value) < rows:
         raise text.error(f"W has {len(value)} numbers, fewer than its {rows} rows; its diagonal must be positive")
     W = sparse.coo_matrix((value, (row, column)), shape=(rows, rows))
-    q = text.numbers(rows, "q")
-    mu = text.numbers(contacts, "mu")
-    try:
-        return Problem(W, q, mu)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    return made(path, Problem, W, text.numbers(rows, "q"), text.numbers(contacts, "mu"))
 
 
 def _dense(text, size):
@@ -133,17 +124,13 @@ def _blocks(text, size):
     if pointers[0] != 0 or pointers[-1] != count or any(a > b for a, b in zip(pointers, pointers[1:])):
         raise text.error(f"the row pointers do not ascend from 0 to {count}")
     of_block = [text.integer("the column of a block", 0, of_columns - 1) for _ in range(count)]
-    row, column, value = [], [], []
+    found = []
     for i in range(filled - 1):
         for k in range(pointers[i], pointers[i + 1]):
             text.integer("the number of a block", k, k)
             (top, bottom), (left, right) = (ends[0][i:i + 2], ends[1][of_block[k]:of_block[k] + 2])
-            for j in range(left, right):
-                for m in range(top, bottom):
-                    row.append(m)
-                    column.append(j)
-                    value.append(text.number(f"W[{m}, {j}]"))
-    return row, column, value
+            found += [(m, j, text.number(f"W[{m}, {j}]")) for j in range(left, right) for m in range(top, bottom)]
+    return tuple(zip(*found)) or ((), (), ())
 
 
 def _ends(text, number, size, what):

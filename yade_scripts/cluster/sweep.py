@@ -79,8 +79,7 @@ class Sweep:
 
     def run(self):
         """Submit and watch until every row has a result or has been submitted as often as allowed."""
-        earlier = bool(slurm.states(self.name))
-        if earlier:
+        if earlier := bool(slurm.states(self.name)):
             print(f"{self.name}: an earlier call's tasks are in the queue: watching them.", flush=True)
             self.watch()
         for attempt in range(1 + self.options.retries):
@@ -133,9 +132,8 @@ class Sweep:
 
 @commands.command("sweep")
 def main(arguments=None):
-    parser = commands.parser(__doc__)
+    parser = commands.parser(__doc__, "--results")
     parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
-    commands.add_results(parser)
     parser.add_argument("--minutes", type=commands.whole(1), help="time limit of a task (default: the partition's)")
     parser.add_argument("--retries", type=commands.whole(0), default=2, help="how often rows without a result are submitted again (default: %(default)s)")
     parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="largest number of tasks at the same time")

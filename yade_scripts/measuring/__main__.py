@@ -33,8 +33,7 @@ class Measurements(queue.Job):
 
     def again(self):
         """Tell whether to start the worker again: only if a measurement ended it, which is then stored as failed, and it can begin at all."""
-        code = self.process.returncode
-        if code == 0:
+        if (code := self.process.returncode) == 0:
             return False
         self.failures += 1
         if code == 1 or not self.at.exists() or self.failures > MOST_FAILURES:  # 1: an exception, so a mistake in the code that measures
@@ -47,7 +46,6 @@ class Measurements(queue.Job):
         return True
 
     def outcome(self):
-        """Return in words how the job ended."""
         return self.trouble or "measured"
 
 
@@ -56,12 +54,9 @@ def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring")
     commands.add_extent(parser)
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")
-    commands.add_jobs(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.add(parser, "--jobs", "--results").parse_args(arguments)
     known = {name: kind for kind, module in KINDS.items() for name in module.names()}
-    unknown = [name for name in options.only if name not in known]
-    if unknown:
+    if unknown := [name for name in options.only if name not in known]:
         raise parameters.ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
     results.make(options.results)
     jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]

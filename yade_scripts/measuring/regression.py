@@ -58,10 +58,9 @@ def compare(cases, folder):
 
 def record(stored, path):
     """Write the stored numbers to a new file, measured ones with their new values and exact ones unchanged. An existing file is not overwritten."""
-    for case in stored["cases"]:
-        for number in case["numbers"]:
-            now = number.pop("now", number["value"])
-            number["value"] = number["value"] if number["exact"] else now
+    for number in (number for case in stored["cases"] for number in case["numbers"]):
+        now = number.pop("now", number["value"])
+        number["value"] = number["value"] if number["exact"] else now
     with open(path, "x") as file:
         json.dump(stored, file, indent=1)
         file.write("\n")

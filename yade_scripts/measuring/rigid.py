@@ -44,11 +44,11 @@ def stand(disks, steps, **settings):
     """Let a column of `disks` equal disks stand on the floor for `steps` steps. Return (engine, measures)."""
     column = ground(0.5)
     ids = [column.floor(1000 * RADIUS)] + [column.disk((0, (2 * k + 1) * RADIUS)).id for k in range(disks)]
-    contact_dynamics = engine(COLUMN_STEP, **settings)
+    found = engine(COLUMN_STEP, **settings)
     O.run(steps, True)
     error = max(abs(bodies.normal_force(*pair) / ((disks - k) * (GRAVITY * MASS)) - 1) for k, pair in enumerate(zip(ids, ids[1:])))
-    return contact_dynamics, {"force_error": error, "penetration": contact_dynamics.deepestPenetration / RADIUS,
-                    "unconverged": contact_dynamics.unconvergedSteps / steps, "residual": contact_dynamics.residual}
+    return found, {"force_error": error, "penetration": found.deepestPenetration / RADIUS, "unconverged": found.unconvergedSteps / steps,
+                   "residual": found.residual}
 
 
 def judge(contact_dynamics, measures):

@@ -18,13 +18,11 @@ from yade_scripts.measuring import __main__ as runner
 
 @commands.command("worker")
 def main(arguments=None):
-    """Run the command line. Return the exit status, 0 once nothing is missing."""
     parser = commands.parser(__doc__)
     parser.add_argument("kind", choices=list(runner.KINDS))
     parser.add_argument("name")
     commands.add_extent(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.add(parser, "--results").parse_args(arguments)
     work = runner.KINDS[options.kind].Work(options.name, options.full, pathlib.Path(options.results))
     under_way = runner.under_way(options.kind, options.name, options.results)
 

@@ -30,7 +30,6 @@ class _Heap:
         self.count, self.close, self.width = 0, CLOSE * largest, width
 
     def add(self, x, radius):
-        """Let a disk fall at x [m] and roll to rest."""
         y, under = self._fall(x, math.inf, radius)
         while under is not None:
             x, y, under = self._roll(x, y, radius, under)

@@ -90,7 +90,8 @@ def _verified(path, wanted):
 
 def _save(full, path):
     """Write state and record, each to a temporary file that is then renamed. Return the SHA-256 of the state."""
-    content = gzip.compress(_forget_speed(saved_scene.take()), mtime=0)
+    # Without the computing speed [steps/s], for which YADE has no setter; the value is the first match of its bytes.
+    content = gzip.compress(saved_scene.take().replace(struct.pack("<d", O.speed), bytes(8), 1), mtime=0)
     checksum = hashlib.sha256(content).hexdigest()
     facts = {"sha256": checksum, "inputs": inputs(full), "sigma": walls.mean_stresses(), "sides": walls.sides(),
              "solid_fraction": bodies.solid_fraction(), "contacts_per_disk": bodies.contacts_per_disk(),
@@ -98,11 +99,6 @@ def _save(full, path):
     sealed.replace(_record(path), (json.dumps(facts, indent=1) + "\n").encode())
     sealed.replace(path, content)
     return checksum
-
-
-def _forget_speed(scene):
-    """Return a saved scene with zero computing speed [steps/s], for which YADE has no setter; the value is the first match of its bytes."""
-    return scene.replace(struct.pack("<d", O.speed), bytes(8), 1)
 
 
 def gas(full):
@@ -158,9 +154,8 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
     hooks.simulate(MOST_STEPS)
     if rest.passed < CHECKS:
         stress, force = rest.errors()
-        raise PreparationError(
-            f"no rest after {MOST_STEPS} steps: wall stress off by {stress:.1e} P0 (goal {stress_error:g}), unbalanced force {force:.1e} "
-            f"(goal {unbalanced:g}). Try another seed, more disks, or preparation_friction above 0.")
+        raise PreparationError(f"no rest after {MOST_STEPS} steps: wall stress off by {stress:.1e} P0 (goal {stress_error:g}), unbalanced "
+                               f"force {force:.1e} (goal {unbalanced:g}). Try another seed, more disks, or preparation_friction above 0.")
 
 
 def _stiffen(full):
@@ -173,7 +168,6 @@ def _stiffen(full):
 
 
 def _make(full):
-    """Prepare the packing in O."""
     O.reset()
     gas(full)
     _relax(full, full["kn"], LOOSE, LOOSE, damping=0.2)
@@ -192,10 +186,7 @@ def _make(full):
 
 @commands.command("prepare")
 def main(arguments=None):
-    parser = commands.parser(__doc__)
-    commands.add_row(parser)
-    commands.add_results(parser)
-    options = parser.parse_args(arguments)
+    options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
     precision.check()
     full = parameters.complete(parameters.from_arguments(options.row))
     results.make(options.results)

@@ -1,5 +1,4 @@
 """Reads result files and checks that they are undamaged, made by this project, finished, and without NaN or infinity."""
-
 import json
 import os
 from dataclasses import dataclass, field
@@ -32,7 +31,6 @@ class NoRunError(ResultError):
 @dataclass(frozen=True)
 class Known:
     """A number measured in a run and its exact value, as `yade_scripts.scenes.Known` declares it."""
-
     measured: float
     exact: float
     unit: str
@@ -57,7 +55,6 @@ class Run:
 
     extra: {name: array} of quantities that only this scene has. known: {name: Known}.
     """
-
     path: Path
     attributes: dict
     parameters: dict
@@ -88,8 +85,7 @@ class Run:
     @property
     def finished(self):
         """True if the run reached its end and succeeded."""
-        return bool(self.attributes["finished"]
-                    and self.attributes["status"] == schema.STATUS_FINISHED)
+        return bool(self.attributes["finished"] and self.attributes["status"] == schema.STATUS_FINISHED)
 
     @property
     def outcome(self):
@@ -111,10 +107,8 @@ class Run:
         if name not in self.history:
             raise ResultError(self.path, f"/history/{name} is missing", "run it again")
         values = self.history[name]
-        wrong = np.flatnonzero(~np.isfinite(values))
-        if len(wrong):
-            raise ResultError(self.path, f"/history/{name} is {values[wrong[0]]} at sample "
-                              f"{wrong[0]} ({len(wrong)} such of {len(values)})",
+        if len(wrong := np.flatnonzero(~np.isfinite(values))):
+            raise ResultError(self.path, f"/history/{name} is {values[wrong[0]]} at sample {wrong[0]} ({len(wrong)} such of {len(values)})",
                               "the run went wrong: look at its log")
         return values
 
@@ -154,7 +148,9 @@ def load_row(full, folder=results.FOLDER):
 def _read(path, file):
     attributes = {name: file.attrs[name] for name in schema.ROOT_ATTRIBUTES}
     history = {name: data[()] for name, data in file["history"].items()}
-    snapshots = [_read_snapshot(file["snapshots"][number]) for number in sorted(file.get("snapshots", ()), key=int)]
+    groups = [file["snapshots"][number] for number in sorted(file.get("snapshots", ()), key=int)]
+    snapshots = [{name: group[name][()] for name in schema.SNAPSHOT}
+                 | {name: float(group.attrs[name]) for name in schema.SNAPSHOT_ATTRIBUTES} for group in groups]
     extra = {name: data[()] for name, data in file.get("extra", {}).items()}
     return Run(path, attributes, json.loads(attributes["parameters"]), history, snapshots, extra, known(file))
 
@@ -162,8 +158,3 @@ def _read(path, file):
 def known(file):
     """Return {name: Known} of an open file."""
     return {name: Known(float(data[()]), **{key: data.attrs[key] for key in schema.KNOWN}) for name, data in file.get("known", {}).items()}
-
-
-def _read_snapshot(group):
-    data = {name: group[name][()] for name in schema.SNAPSHOT}
-    return data | {name: float(group.attrs[name]) for name in schema.SNAPSHOT_ATTRIBUTES}

@@ -1,15 +1,13 @@
 """What a result file holds: every name, unit, shape and meaning, in one place.
 
-The recorder writes by these tables and the loader checks against them. One run is one HDF5 file:
-root attributes say what was run, `/history/<name>` is one 1-D array a quantity (all of one length,
-unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at one instant. A finished run may
-also hold `/known/<name>`, a measured number with the attributes of KNOWN, and `/extra/<name>`, arrays
-that only its scene has, with `unit` and `doc`.
+The recorder writes by these tables and the loader checks against them. One run is one HDF5 file: root attributes say what was run,
+`/history/<name>` is one 1-D array a quantity (all of one length, unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at
+one instant. A finished run may also hold `/known/<name>`, a measured number with the attributes of KNOWN, and `/extra/<name>`, arrays that
+only its scene has, with `unit` and `doc`.
 
-Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls.
-Strain is extension positive. Equations are those of Garcia-Rojo, McNamara and Herrmann (2004).
+Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls. Strain is extension positive. Equations
+are those of Garcia-Rojo, McNamara and Herrmann (2004).
 """
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,10 +24,9 @@ OUTCOME_COLLAPSED = "collapsed: "  # followed by what was seen; the sample gave 
 class Field:
     """One quantity of a result file.
 
-    `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which
-    are 1-D. `methods` are those whose files must hold the field; none if it is optional.
+    `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which are 1-D. `methods` are those whose files
+    must hold the field; none if it is optional.
     """
-
     name: str
     unit: str
     doc: str
@@ -87,9 +84,9 @@ SNAPSHOT = _table(
 KNOWN = _table(
     Field("unit", "", "unit of the number and of the next two"),
     Field("exact", "", "what it should be"),
-    Field("scale", "", "what an error is held against; |exact|, or 1 where that is 0, in files without it"),
-    Field("source", "", "where the exact value comes from; absent from older files"),
-    Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0; absent from older files"),
+    Field("scale", "", "what an error is held against"),
+    Field("source", "", "where the exact value comes from"),
+    Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0"),
 )
 
 
@@ -125,8 +122,8 @@ CHECKPOINT_ATTRIBUTES = _table(
     Field("resumed", "1", "how often the run was interrupted and taken up at a checkpoint"),
 )
 
-# A Coulomb test in floating point: both methods set |T| = mu R exactly where a contact slides, so
-# any margin between rounding (1e-16) and the change of T/R in one step would do.
+# A Coulomb test in floating point: both methods set |T| = mu R exactly where a contact slides, so any margin between rounding (1e-16) and
+# the change of T/R in one step would do.
 SLIDING_MARGIN = 1e-6
 
 
@@ -147,8 +144,7 @@ OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain
 
 def problems(file):
     """Return what keeps an open file from being a result file: sentences, empty if nothing does. A failed run is a valid file that says so."""
-    missing = [name for name in ROOT_ATTRIBUTES if name not in file.attrs]
-    if missing:
+    if missing := [name for name in ROOT_ATTRIBUTES if name not in file.attrs]:
         return [f"it lacks the attributes {', '.join(missing)}"]
     if file.attrs["schema_version"] != SCHEMA_VERSION:
         return [f"its schema version is {file.attrs['schema_version']}, this program reads {SCHEMA_VERSION}"]
@@ -174,15 +170,11 @@ def _loaded(file):
 
 def _history_problems(file):
     """Name the fields that are missing, of another unit or length, or NaN in a run that has finished."""
-    history, method, found = file.get("history", {}), file.attrs["method"], []
-    needed = [name for name, field in HISTORY.items() if method in field.methods]
-    missing = [name for name in needed if name not in history]
-    if missing:
+    history = file.get("history", {})
+    if missing := [name for name, field in HISTORY.items() if file.attrs["method"] in field.methods and name not in history]:
         return [f"/history lacks {', '.join(missing)}"]
-    for name in history:
-        unit = history[name].attrs.get("unit")
-        if name in HISTORY and unit != HISTORY[name].unit:
-            found.append(f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}")
+    found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name in history
+             if name in HISTORY and (unit := history[name].attrs.get("unit")) != HISTORY[name].unit]
     if len({history[name].shape for name in history}) > 1:
         found.append("the fields of /history differ in length")
     if file.attrs["finished"] and not len(history["time"]):
@@ -191,7 +183,6 @@ def _history_problems(file):
         return found
     undefined = MAY_BE_UNDEFINED | (set() if _loaded(file) else OF_A_BOX)
     for name in set(history) - undefined:
-        wrong = np.flatnonzero(~np.isfinite(history[name][()]))
-        if len(wrong):
+        if len(wrong := np.flatnonzero(~np.isfinite(history[name][()]))):
             found.append(f"/history/{name} is {history[name][wrong[0]]} at sample {wrong[0]} ({len(wrong)} of {len(history[name])} samples)")
     return found

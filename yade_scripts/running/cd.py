@@ -7,8 +7,7 @@ from yade_scripts.running import bounds, hooks, walls
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
 SETTINGS = {"tolerance": "tolerance", "maxIterations": "max_iterations", "fixedIterations": "fixed_iterations", "method": "method_cd",
             "warmStart": "warm_start", "seed": "solver_seed", "restitution": "restitution", "gapCorrection": "gap_correction",
-            "allowedOverlap": "allowed_overlap",
-            "handover": "reference_overlaps"}
+            "allowedOverlap": "allowed_overlap", "handover": "reference_overlaps"}
 
 
 class Watch:
@@ -19,9 +18,8 @@ class Watch:
 
     def look(self):
         """Check every step; raise OutOfBounds if the run has to end."""
-        residual = self.engine.residual
-        bounds.check_step(self.full, O.iter, residual, self.engine.maxPenetration)
-        self._largest = max(self._largest, residual)
+        bounds.check_step(self.full, O.iter, self.engine.residual, self.engine.maxPenetration)
+        self._largest = max(self._largest, self.engine.residual)
 
     def take(self):
         """Return the largest error e since the last call."""

@@ -40,7 +40,6 @@ def samples_between(full, scene):
 
 
 def resumable(full, scene):
-    """Tell whether a run can have checkpoints."""
     return scene.kept is not None and (full["method"] == "MD" or scene.every > 1)
 
 
@@ -63,15 +62,13 @@ class Checkpoints:
             memory = json.loads(parts[MEMORY])
             different = [name for name, value in self.origin.items() if memory["origin"].get(name) != value]
         except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, RuntimeError, ValueError, KeyError, AttributeError, TypeError) as error:
-            self._turn_down(f"it is damaged ({error})")
-            return None
-        if different:
-            self._turn_down(f"it differs from this run in {', '.join(different)}")
-            return None
-        return parts | {MEMORY: memory}
-
-    def _turn_down(self, reason):
+            reason = f"it is damaged ({error})"
+        else:
+            if not different:
+                return parts | {MEMORY: memory}
+            reason = f"it differs from this run in {', '.join(different)}"
         print(f"{self.path} is not used, {reason}: starting from the beginning.", file=sys.stderr)
+        return None
 
     def simulate(self, steps, recorder):
         """Make steps up to number `steps` of the run, with a checkpoint after every step with a sample that one stands at."""

@@ -28,7 +28,6 @@ def engine(kind):
 
 
 def fire(number):
-    """Do what the PyRunner number `number` does."""
     global _failure
     try:
         _functions[number]()

@@ -20,14 +20,6 @@ def ramp(t, p0, alpha):
 
 def goals(full, p0):
     """Return the function t -> (sigma1, sigma2) [Pa] that a full row of parameters asks for."""
-    if full["loading"] == "ramp":
-        def sigma2(t):
-            return ramp(t, p0, full["ramp_rate"])
-    else:
-        shape = {"cosine": cosine, "triangle": triangle}[full["loading"]]
-
-        def sigma2(t):
-            return shape(t, p0, full["delta_sigma"], full["period"])
-    if full["stress_path"] == "mean":
-        return lambda t: (2 * p0 - sigma2(t), sigma2(t))
-    return lambda t: (p0, sigma2(t))
+    sigma2 = {"ramp": lambda t: ramp(t, p0, full["ramp_rate"]), "cosine": lambda t: cosine(t, p0, full["delta_sigma"], full["period"]),
+              "triangle": lambda t: triangle(t, p0, full["delta_sigma"], full["period"])}[full["loading"]]
+    return (lambda t: (2 * p0 - sigma2(t), sigma2(t))) if full["stress_path"] == "mean" else lambda t: (p0, sigma2(t))

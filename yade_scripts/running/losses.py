@@ -19,7 +19,6 @@ class Losses:
         self._functor.traceEnergy = True
 
     def leave(self):
-        """Sum the slips no longer."""
         self._functor.traceEnergy = False
 
     def friction(self):
@@ -29,7 +28,6 @@ class Losses:
         return self._functor.plasticDissipation()
 
     def dashpots(self):
-        """Return what the dashpots have dissipated [J]."""
         return hooks.engine("DashpotWork").work
 
     def memory(self):

@@ -22,17 +22,13 @@ from yade_scripts.running.losses import Losses
 
 def contact_engines(full, tangential_law="standard"):
     """Return the list up to and including the contact forces; stiffnesses are constant, walls included. Packings are prepared by the standard law."""
-    def constant(value):
-        return MatchMaker(algo="val", val=value)
-
+    kn, ratio = (MatchMaker(algo="val", val=value) for value in (parameters.stiffness(full), full["kt_over_kn"]))
     engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
-        InteractionLoop(
-            [Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=tangential_law == "avoid_ratcheting"), Ig2_Box_Sphere_ScGeom()],
-            [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=constant(parameters.stiffness(full)), kRatio=constant(full["kt_over_kn"]))],
-            [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
-    ]
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=tangential_law == "avoid_ratcheting"), Ig2_Box_Sphere_ScGeom()],
+                        [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=kn, kRatio=ratio)],
+                        [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()])]
     if tangential_law == "path_independent":
         import cd_engine
         engines.append(cd_engine.PathIndependentShear())

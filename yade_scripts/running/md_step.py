@@ -53,10 +53,15 @@ def _matrices():
                      for letter, value in zip("xyZ", (body.state.mass, body.state.mass, body.state.inertia[2]))])
     column = {body.id: 3 * k for k, body in enumerate(free)}
     along = _relative(contacts, column, lambda normal: (normal[0], normal[1]))
+    return mass, along.T @ sparse.diags([contact.phys.cn for contact in contacts]) @ along, stiffness_matrix(contacts, column)
+
+
+def stiffness_matrix(contacts, column):
+    """Return K [N/m, N, N m] of the springs for (x, y, spin) of the bodies in column: {body: first of its three}; all contacts stick."""
+    along = _relative(contacts, column, lambda normal: (normal[0], normal[1]))
     across = _relative(contacts, column, lambda normal: (-normal[1], normal[0]))
-    springs, dashpots = (sparse.diags([getattr(contact.phys, name) for contact in contacts]) for name in ("kn", "cn"))
     sticking = sparse.diags([contact.phys.ks if contact.phys.tangensOfFrictionAngle > 0 else 0.0 for contact in contacts])
-    return mass, along.T @ dashpots @ along, along.T @ springs @ along + across.T @ sticking @ across
+    return along.T @ sparse.diags([contact.phys.kn for contact in contacts]) @ along + across.T @ sticking @ across
 
 
 def _relative(contacts, column, direction):

@@ -5,7 +5,6 @@ import numpy as np
 from yade_scripts.results.schema import is_sliding
 from yade_scripts.preparing import bodies
 from yade_scripts.running import walls
-from yade_scripts.running.sums import total
 
 
 class Contacts:
@@ -31,18 +30,12 @@ class Contacts:
         return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
     def sliding(self):
-        """Return the number of contacts at the Coulomb limit."""
         return int(np.count_nonzero(is_sliding(self.normal, self.tangential, self.friction)))
 
 
 def _plane(vectors):
     """Return the x and y of vectors, as rows."""
     return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
-
-
-def weight_energy(gravity):
-    """Return the potential energy of the weights [J]."""
-    return gravity * total(b.state.mass * b.state.pos[1] for b in bodies.disks()) if gravity else 0.0
 
 
 def angle(body):

@@ -21,11 +21,8 @@ BLOW = 3.0  # least period, in times in which P0 moves a grain by its size; belo
 
 def doubts(full):
     """Return warnings about a full row: sentences, each with name, value and remedy."""
-    found = []
-    for name, (least, most, remedy) in USUAL.items():
-        value = full[name]
-        if value and not least <= value <= most:
-            found.append(f"{name} = {value:g} {parameters.REGISTRY[name].unit} is unusual (usual: {least:g} to {most:g}): {remedy}")
+    found = [f"{name} = {full[name]:g} {parameters.REGISTRY[name].unit} is unusual (usual: {least:g} to {most:g}): {remedy}"
+             for name, (least, most, remedy) in USUAL.items() if full[name] and not least <= full[name] <= most]
     if full["scene"] in ("incline", "groove") and 0 < abs(full["slope"]) < RADIANS:
         found.append(f"slope = {full['slope']:g} degree is nearly flat: is it in radians? The unit is degree")
     if full["scene"] == "biaxial" and full["loading"] != "ramp":

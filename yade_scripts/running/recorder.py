@@ -14,10 +14,12 @@ import numpy as np
 from yade import O, config, utils
 
 from yade_scripts import parameters
+from yade_scripts.preparing import bodies
 from yade_scripts.results import reader, schema, sealed
 from yade_scripts.running import md_step, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
+from yade_scripts.running.sums import total
 from yade_scripts.running.wall_check import Collapse, LoadCheck
 
 ROWS_AT_ONCE = 50   # into the file in memory
@@ -70,7 +72,6 @@ class Recorder:
         return self.memory.getvalue()
 
     def _write(self, path):
-        """Write the file as it is now to `path`."""
         if self.file:  # not closed yet
             self.file.flush()
         sealed.write(path, self.memory.getvalue())
@@ -130,7 +131,8 @@ class Recorder:
         stored, friction = contacts.stored_energy(), self.scene.losses.friction()
         gone = friction + self.scene.losses.dashpots()
         if math.isnan(friction):
-            held = stored + row["kinetic_energy"] + observe.weight_energy(self.full["gravity"]) - row["wall_work"]
+            weights = self.full["gravity"] * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
+            held = stored + row["kinetic_energy"] + weights - row["wall_work"]
             if self.reference is None:
                 self.reference = held
             gone = self.reference - held

@@ -80,8 +80,8 @@ def load_walls(full, scene, goals):
     method(full).set_engines(full, scene, goals)
 
 
-def small(full, known):
-    """Set step and engines for the bodies just placed, and return their Scene, which has no loaded walls. known: its list of Known."""
-    built = scene(full, known=known)
+def small(full, known, **more):
+    """Set step and engines for the bodies just placed. Return their Scene, which has no loaded walls; known, more: of its attributes."""
+    built = scene(full, known=known, **more)
     method(full).set_engines(full, built)
     return built

@@ -49,14 +49,10 @@ def areas():
     return length_y * depth(), length_x * depth()
 
 
-def _contact_force(wall, axis):
-    """Return the size of the force [N] that the disks put on a wall along `axis`; walls have no friction."""
-    return abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal))
-
-
 def stresses():
-    """Return ((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from its contacts."""
-    return tuple(tuple(_contact_force(wall, axis) / area for wall in (low, high)) for (axis, low, high), area in zip(DIRECTIONS, areas()))
+    """Return ((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from its contacts; walls have no friction."""
+    return tuple(tuple(abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal)) / area for wall in (low, high))
+                 for (axis, low, high), area in zip(DIRECTIONS, areas()))
 
 
 def mean_stresses():
@@ -79,12 +75,11 @@ def servo(goal, damping_ratio, mass, kn, max_velocity):
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
     length_x, length_y = sides()
     return TriaxialStressController(
-        stressMask=3, goal1=-goal[0], goal2=-goal[1], goal3=0, internalCompaction=False, thickness=0,
-        wall_front_activated=False, wall_back_activated=False,
+        stressMask=3, goal1=-goal[0], goal2=-goal[1], goal3=0, internalCompaction=False, thickness=0, wall_front_activated=False,
+        wall_back_activated=False, width0=length_x, height0=length_y, depth0=depth(),
         stressDamping=max(0.25, 1 - 1 / max(loop_gain, 1e-9)), max_vel=max_velocity,
         # YADE does not save the wall stiffness with the scene. Computed anew at every step, it is right after a reload, too.
-        stiffnessUpdateInterval=1, computeStressStrainInterval=1,
-        width0=length_x, height0=length_y, depth0=depth())
+        stiffnessUpdateInterval=1, computeStressStrainInterval=1)
 
 
 def set_free(mass):

@@ -116,14 +116,12 @@ def module(name):
 
 
 def method(full):
-    """Return the module md or cd."""
     return importlib.import_module(f"yade_scripts.running.{full['method'].lower()}")
 
 
 def build(full, folder):
     """Build the scene of a full row in O. Return its Scene."""
     from yade import O
-
     from yade_scripts.parameters import ParameterError
     from yade_scripts.running import precision
     precision.check()

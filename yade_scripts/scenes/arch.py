@@ -59,7 +59,6 @@ def fall(full, phi):
 def build(full, folder):
     """Build the standing arch at x = 0 and the falling one far from it."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     radius, mu, time = ground.radius, full["friction"], ground.time

@@ -28,7 +28,6 @@ STRAIN = 1e-5  # of the row at rest under the force: so small that the linear th
 def build(full, folder):
     """Build `disks` touching disks that can only move along x. /extra holds the displacement of the last one after every step."""
     from yade import O
-
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)
     radius = ground.radius
@@ -41,9 +40,9 @@ def build(full, folder):
     O.forces.setPermF(last.id, (-force, 0, 0))
 
     state, start, way = last.state, last.state.pos[0], [0.0]
-    scene = stage.small(full, _known(full, way))
-    scene.extra["end_displacement"] = ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way))
-    scene.extra["end_at_rest"] = ("m", "where the force holds it in the end, if the row is elastic", -STRAIN * 2 * radius * full["disks"])
+    scene = stage.small(full, _known(full, way), extra={
+        "end_displacement": ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way)),
+        "end_at_rest": ("m", "where the force holds it in the end, if the row is elastic", -STRAIN * 2 * radius * full["disks"])})
     O.engines = O.engines + [hooks.runner(lambda: way.append(state.pos[0] - start), iterPeriod=1, initRun=True)]
     return scene
 
@@ -51,14 +50,11 @@ def build(full, folder):
 def _known(full, way):
     """Return the known period and decay, in steps, if the medium is elastic and the run covers two periods; else an empty list."""
     elastic = full["fixed_iterations"] and full["warm_start"] == (full["gap_correction"] == 0) and full["gap_correction"] in (0, 1)
-    if not elastic:
+    if not elastic or full["period"] * full["cycles"] < 2 * effective_medium.chain_period(full):
         return []
-    dt = effective_medium.step(full)
-    period, decay = effective_medium.chain_period(full) / dt, effective_medium.chain_decay(full) / dt
-    if full["period"] * full["cycles"] < 2 * period * dt:
-        return []
-    return [Known("swing_period", "steps", period, lambda: swing(way, period, decay)[0], source=SOURCE),
-            Known("swing_decay", "steps", decay, lambda: swing(way, period, decay)[1], source=SOURCE)]
+    guess = [seconds(full) / effective_medium.step(full) for seconds in (effective_medium.chain_period, effective_medium.chain_decay)]
+    return [Known("swing_period", "steps", guess[0], lambda: swing(way, *guess)[0], source=SOURCE),
+            Known("swing_decay", "steps", guess[1], lambda: swing(way, *guess)[1], source=SOURCE)]
 
 
 def swing(way, period, decay):

@@ -33,7 +33,6 @@ def build(full, folder):
     """Build the deposit of `seed` from x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
     import numpy as np
     from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import stage
     ground = stage.Ground(full)
@@ -48,8 +47,6 @@ def build(full, folder):
     def quantile(axis):
         return float(np.quantile([O.bodies[disk].state.pos[axis] for disk in heap], SHARE)) / span
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "L0", lambda name: quantile(("front", "height").index(name))))
-    scene.kept = {}
-    scene.extra = {"front": ("L0", f"x that {SHARE:.0%} of the disks are behind, over the width of the column", lambda: quantile(0)),
-                   "height": ("L0", f"y that {SHARE:.0%} of the disks are below, likewise", lambda: quantile(1))}
-    return scene
+    extra = {"front": ("L0", f"x that {SHARE:.0%} of the disks are behind, over the width of the column", lambda: quantile(0)),
+             "height": ("L0", f"y that {SHARE:.0%} of the disks are below, likewise", lambda: quantile(1))}
+    return stage.small(full, converged(full, CONVERGED, SAME, "L0", lambda name: extra[name][2]()), kept={}, extra=extra)

@@ -25,20 +25,15 @@ CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tol
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
 
 
-def inner_radius(full):
-    """Return the inner radius [m] of a drum that the disks fill to a half at a solid fraction of 0.8."""
-    return full["radius_mean"] * math.sqrt(2 * full["disks"] * (1 + full["radius_spread"]**2 / 3) / 0.8)
-
-
 def build(full, folder):
     """Build the drum about the origin, with the disks in rows in its lower part."""
     from yade import O
     from yade.wrapper import RotationEngine
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)
-    radius, inner = ground.radius, inner_radius(full)
+    radius = ground.radius
+    inner = radius * math.sqrt(2 * full["disks"] * (1 + full["radius_spread"]**2 / 3) / 0.8)  # half full at a solid fraction of 0.8
     sides = max(16, round(math.pi * inner / (2 * radius)))
     thick, half = 2 * radius, 1.02 * (inner + 2 * radius) * math.tan(math.pi / sides)
     ring = [ground.box(((inner + thick) * math.cos(angle), (inner + thick) * math.sin(angle)), (thick, half), angle)
@@ -60,12 +55,10 @@ def build(full, folder):
     def slope():
         return sum(slopes) / len(slopes) if slopes else math.nan
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()), kept={"slopes": slopes},
+                        extra={"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)})
     turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=math.sqrt(full["froude"] * full["gravity"] / inner), rotateAroundZero=True,
                           zeroPoint=(0, 0, 0))
-    names = [type(engine).__name__ for engine in O.engines]
-    mover = names.index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
+    mover = [type(engine).__name__ for engine in O.engines].index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
-    scene.kept = {"slopes": slopes}
-    scene.extra = {"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)}
     return scene

@@ -45,7 +45,5 @@ def build(full, folder):
     def height():
         return 2 * bodies.centre_of_mass(ids)[1] / solid
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "1", lambda name: height()))
-    scene.kept = {}
-    scene.extra = {"height": ("1", "twice the height of the centre of mass over that of the disks without pores", height)}
-    return scene
+    return stage.small(full, converged(full, CONVERGED, SAME, "1", lambda name: height()), kept={},
+                       extra={"height": ("1", "twice the height of the centre of mass over that of the disks without pores", height)})

@@ -23,7 +23,6 @@ CHART = Chart()
 def build(full, folder):
     """Build the resting block at x = 0 and the sliding one far from it."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     radius, g = ground.radius, full["gravity"]

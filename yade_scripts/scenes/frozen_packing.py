@@ -27,7 +27,6 @@ def check(full):
 def build(full, folder):
     """Load the packing (made if missing) under P0; make one step from zero forces, then a walk of records_per_cycle times cycles steps."""
     from yade import O
-
     from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import stage

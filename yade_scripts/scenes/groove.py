@@ -54,7 +54,6 @@ def check(full):
 def build(full, folder):
     """Build the groove of the smaller torque at x = 0 and that of the larger far from it; springs are compressed by the weight from the start."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     t, radius, mass = math.radians(full["slope"]), ground.radius, ground.mass

@@ -41,7 +41,6 @@ def check(full):
 def build(full, folder):
     """Build the filled silo between x = 0 and its width, with its floor at y = 0, above a bin of equal width that holds all disks."""
     from yade import O
-
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)
     radius, span = ground.radius, parameters.width(full, full["silo_aspect"])
@@ -64,8 +63,8 @@ def build(full, folder):
         first, last = (np.interp(share, passed, times) for share in (FIRST, LAST))
         return (LAST - FIRST) * len(ids) / (last - first) * math.sqrt(slot / full["gravity"])
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "disks/sqrt(D/g)", lambda name: rate()))
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "disks/sqrt(D/g)", lambda name: rate()),
+                        kept={"times": times, "passed": passed},
+                        extra={"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)})
     O.engines = O.engines + [hooks.runner(look, virtPeriod=EVERY, initRun=True, label=hooks.MEASURING)]
-    scene.kept = {"times": times, "passed": passed}
-    scene.extra = {"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)}
     return scene

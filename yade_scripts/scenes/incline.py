@@ -14,7 +14,6 @@ CHART = Chart()
 def build(full, folder):
     """Build a block of radius_mean on a slope that falls towards +x."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     t, radius = math.radians(full["slope"]), ground.radius
@@ -23,8 +22,7 @@ def build(full, folder):
     block = ground.disk((height * math.sin(t), height * math.cos(t)), blocked="zXYZ")
 
     def acceleration():
-        velocity = block.state.vel
-        return (velocity[0] * math.cos(t) - velocity[1] * math.sin(t)) / O.time
+        return (block.state.vel[0] * math.cos(t) - block.state.vel[1] * math.sin(t)) / O.time
 
     driving, holding = math.sin(t), full["friction"] * math.cos(t)
     exact = full["gravity"] * math.copysign(max(abs(driving) - holding, 0), driving)

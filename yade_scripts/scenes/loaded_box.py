@@ -1,4 +1,5 @@
 """Equal disks on a square grid in the biaxial box, whose walls are loaded by P0: every wall carries P0 over its length."""
+import itertools
 import math
 
 from yade_scripts.scenes import Chart, Known
@@ -25,9 +26,8 @@ def build(full, folder):
     sag = ground.sag(p0 * full["depth"] * side / rows)
     walls.append(side, full["depth"], "wall")
     places = [radius - sag + k * (2 * radius - sag) for k in range(rows)]
-    for x in places:
-        for y in places:
-            ground.disk((x, y))
+    for place in itertools.product(places, places):
+        ground.disk(place)
     scene = stage.scene(full, known=[Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0),
                                            source="balance: each wall carries P0 on its length")])
     stage.load_walls(full, scene, lambda t: (p0, p0))

@@ -21,7 +21,6 @@ CHART = Chart(rolling=True)
 def build(full, folder):
     """Build the pyramid, symmetric about x = 0."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
     radius, count = ground.radius, full["rows"]

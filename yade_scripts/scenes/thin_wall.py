@@ -18,14 +18,12 @@ CHART = Chart(physics=("beta_n",))
 def build(full, folder):
     """Build the wall with its face at x = 0 and the disk, which moves along +x and reaches the wall after a third of the time."""
     from yade import O
-
     from yade_scripts.running import stage
     ground = stage.Ground(full)
-    radius, speed, time = ground.radius, full["speed"], ground.time
+    radius, speed, time, e = ground.radius, full["speed"], ground.time, parameters.restitution(full)
     half = full["wall_thickness"] * radius / 2
     ground.box((half, 0), (half, 10 * radius))
     state = ground.disk((-radius - speed * time / 3, 0), velocity=(speed, 0)).state
-    e = parameters.restitution(full)
     return stage.small(full, [
         Known("speed", "m/s", -e * speed, lambda: state.vel[0], scale=speed, source="restitution of the law, see scene bounce"),
         # MD ends a step later, in free flight.

@@ -41,7 +41,6 @@ def check(full):
 def build(full, folder):
     """Build two disks of radius_mean (1 -+ radius_spread); the second one is led `cycles` times around the path."""
     from yade import O
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, md, stage
     path = Path(full)
@@ -123,9 +122,6 @@ class Lead:
             self.work -= 0.5 * (self.before + force).dot(state.vel) * dt
         self.before = force
         self.count += 1
-        if self.count > self.total:
-            state.vel = (0, 0, 0)
-            return
         leg, part = divmod((self.count - 1) % self.steps + 1, self.steps // 4)
-        target = self.path.place(leg % 4, part / (self.steps // 4))
-        state.vel = ((target[0] - state.pos[0]) / dt, (target[1] - state.pos[1]) / dt, 0)
+        x, y = self.path.place(leg % 4, part / (self.steps // 4))
+        state.vel = ((x - state.pos[0]) / dt, (y - state.pos[1]) / dt, 0) if self.count <= self.total else (0, 0, 0)

@@ -29,7 +29,6 @@ def check(full):
 def build(full, folder):
     """Build the packing and the walls of the biaxial test; gamma is checked with every sample."""
     from yade import O
-
     from yade_scripts.theory import statics
     from yade_scripts.running import hooks, loading, observe, walls
     p0 = parameters.pressure(full)

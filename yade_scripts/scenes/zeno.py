@@ -37,7 +37,6 @@ def check(full):
 def build(full, folder):
     """Build the floor and the disk `drop` above it."""
     from yade import O
-
     from yade_scripts.running import hooks, stage
     ground = stage.Ground(full)
     radius = ground.radius

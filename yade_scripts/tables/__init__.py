@@ -40,14 +40,12 @@ def read(path):
         raise TableError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise TableError(f"{path}: is no text in UTF-8 (byte {error.start}): a table is plain text") from None
-    words = {number: line.split("#")[0].split() for number, line in enumerate(lines, 1)}
-    words = {number: line for number, line in words.items() if line}
+    words = {number: found for number, line in enumerate(lines, 1) if (found := line.split("#")[0].split())}
     if len(words) < 2:
         raise TableError(f"{path}: a table is a line of parameter names and at least one line of values")
     (_, heads), *rest = words.items()
     heads = [head.rstrip("!") for head in heads]
-    twice = sorted({head for head in heads if heads.count(head) > 1})
-    if twice:
+    if twice := sorted({head for head in heads if heads.count(head) > 1}):
         raise TableError(f"{path}: column {' and '.join(twice)} is there more than once: keep one")
     rows, above = {}, None
     for number, values in rest:

@@ -7,10 +7,9 @@ of the order of overlaps over radii.
 import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
-from yade import O
 
 from yade_scripts.preparing import bodies
-from yade_scripts.running import walls
+from yade_scripts.running import md_step, walls
 
 SOFT = 1e-15  # over the stiffest
 FREE_WALLS = ((walls.X_HIGH, 0), (walls.Y_HIGH, 1))
@@ -18,25 +17,10 @@ FREE_WALLS = ((walls.X_HIGH, 0), (walls.Y_HIGH, 1))
 
 def stiffness_matrix():
     """Return K [N/m, N, N m]: rows and columns are x, y, rotation of each disk, then the two free walls."""
-    index = {disk.id: 3 * k for k, disk in enumerate(bodies.disks())}
-    size = 3 * len(index) + len(FREE_WALLS)
-    wall_rows = {wall: (3 * len(index) + k, axis) for k, (wall, axis) in enumerate(FREE_WALLS)}
-    contacts = bodies.contacts()
-    stretch, stiffness = sparse.lil_matrix((2 * len(contacts), size)), []  # of each contact's two springs by the displacements
-    for contact in contacts:
-        normal, point = contact.geom.normal, contact.geom.contactPoint
-        for direction, spring in (((normal[0], normal[1]), contact.phys.kn),
-                                  ((-normal[1], normal[0]), contact.phys.ks if contact.phys.tangensOfFrictionAngle > 0 else 0)):
-            row = len(stiffness)
-            stiffness.append(spring)
-            for body, sign in ((contact.id1, -1), (contact.id2, 1)):
-                if body in index:
-                    arm, k = point - O.bodies[body].state.pos, index[body]
-                    stretch[row, k:k + 3] = sign * direction[0], sign * direction[1], sign * (arm[0] * direction[1] - arm[1] * direction[0])
-                elif body in wall_rows:
-                    k, axis = wall_rows[body]
-                    stretch[row, k] = sign * direction[axis]
-    return stretch.T @ sparse.diags(stiffness) @ stretch
+    disks = [disk.id for disk in bodies.disks()]
+    column = {body: 3 * k for k, body in enumerate(disks + [wall for wall, _ in FREE_WALLS])}
+    free = [*range(3 * len(disks)), *(column[wall] + axis for wall, axis in FREE_WALLS)]
+    return md_step.stiffness_matrix(bodies.contacts(), column)[free][:, free]
 
 
 def strain(stress):

@@ -3,7 +3,6 @@
 Forces of a contact as in `yade_scripts.results.schema`: R along the normal, compression positive, T along the normal turned by +90 degrees,
 both on the second body. SI units.
 """
-
 import numpy as np
 from scipy import optimize, sparse
 

@@ -29,7 +29,7 @@ def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
     parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
     commands.add_extent(parser, "a first version, a minute", "the real one, hours; it can be stopped and started again (default)")
-    commands.add_results(parser)
+    commands.add(parser, "--results")
     parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
     parser.add_argument("--table", choices=pieces.TABLES, help="measure this table only and leave the others as they are")
     options = parser.parse_args(arguments)
@@ -82,10 +82,9 @@ def write(tables, folder, busy, only=None):
         table = pandas.DataFrame(rows)
         table.to_csv(folder / f"{name}.csv", index=False)
         print(f"\n{name.capitalize()}\n{table.to_string(index=False, float_format='{:.3g}'.format, na_rep='-')}")
-    path = folder / "provenance.json"
-    known = provenance(busy)
+    path, known = folder / "provenance.json", provenance(busy)
     if only:
-        known = (json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"tables": {}})
+        known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
         known.setdefault("tables", {})[only] = provenance(busy)
     path.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
 

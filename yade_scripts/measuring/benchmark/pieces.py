@@ -78,7 +78,7 @@ def _step(rows, columns, **settings):
                  lambda say: [problems.in_yade("step.py", wish)])
 
 
-def quick(folder, files=()):
+def quick(folder, files):
     """Return the pieces of a benchmark of one minute: one small packing, a row or two in each table."""
     peer = siconos.available() is None
     few = {"targets": (1e-2, 1e-4, 1e-6), "most_seconds": 2.0}
@@ -97,14 +97,13 @@ def _file(path, peer, **settings):
     return Piece(piece.table, piece.name, piece.settings | {"sha256": content}, piece.rows)
 
 
-def full(folder, files=()):
+def full(folder, files):
     peer = siconos.available() is None
-    cases = [_packing(folder, 400, seed, mu, start, peer, most_seconds=5.0)
+    worst, longer = {"most_seconds": 5.0}, {"peer_seconds": 30.0}
+    cases = [_packing(folder, 400, seed, mu, start, peer, **worst)
              for seed in range(1, 6) for mu in problems.FRICTION for start in ("cold", "warm")]
-    longer = {"peer_seconds": 30.0}
     cases += [_packing(folder, 4000, seed, mu, start, peer, **longer)
               for seed in range(1, 4) for mu in problems.FRICTION for start in (("cold", "warm") if seed == 1 else ("cold",))]
-    worst = {"most_seconds": 5.0}
     cases += [_solve(f"crystal {rows} mu {mu}", lambda rows=rows, mu=mu: problems.crystal(rows, mu), peer, **worst)
               for rows, mu in ((20, 0.5), (20, 0.8), (60, 0.8))]
     cases += [_solve(f"masses {disks} mu {mu}", lambda disks=disks, mu=mu: problems.masses(folder, disks, 1, mu), peer, **worst)

@@ -70,15 +70,14 @@ class Peer:
 
     def history(self, impulses, target, most_seconds):
         """Return [(sweeps, seconds, e, e_max)] from a first guess until e is at most `target` or the seconds are used up."""
-        p = impulses.copy()
-        made, seconds = 0, 0.0
-        points = [(0, 0.0, core.residual(self.problem, p), core.residual_max(self.problem, p))]
-        while points[-1][2] > target and seconds < most_seconds:
+        p, made, seconds, points = impulses.copy(), 0, 0.0, []
+        while True:
+            points.append((made, seconds, core.residual(self.problem, p), core.residual_max(self.problem, p)))
+            if not points[-1][2] > target or seconds >= most_seconds:
+                return points
             count = max(FEWEST, int(made * (GROWTH - 1)))
             seconds += self.sweeps(p, count)
             made += count
-            points.append((made, seconds, core.residual(self.problem, p), core.residual_max(self.problem, p)))
-        return points
 
     def lemke(self):
         """Return (impulses, status) of the pivoting solver; status 0 is its claim of success."""

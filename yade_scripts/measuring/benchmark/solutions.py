@@ -48,8 +48,9 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_s
                     slow.add((method, target))
         if theirs:
             # Later rounds stop at the smallest target that the first one met quickly.
-            wanted = min(targets) if not histories else _quick(histories[0], targets, peer_seconds / 10)
-            if wanted:
+            quick = [target for target in targets if not histories
+                     or (point := siconos.reached(histories[0], target)) and point[1] <= peer_seconds / 10]
+            if wanted := min(quick, default=None):
                 say(f"{case.name}: {PEER} to {wanted:g}, round {turn + 1}")
                 histories.append(theirs.history(case.impulses, wanted, peer_seconds))
     rows = [_row(case, method, target, _median(runs, target)) for (method, target), runs in found.items() if runs]
@@ -64,12 +65,6 @@ def _seconds_a_sweep(case):
     return max(1e-9, (many - few) / 40)
 
 
-def _quick(history, targets, seconds):
-    """Return the smallest target that a history met within `seconds`, None if there is none."""
-    met = [target for target in targets if (point := siconos.reached(history, target)) and point[1] <= seconds]
-    return min(met, default=None)
-
-
 def _median(runs, target):
     """Return (rounds, sweeps, seconds, e, e_max, status) of the run of median time. The status is SOLVED only if every run met the target."""
     if failed := [run for run in runs if not run[2] <= target]:
@@ -79,13 +74,10 @@ def _median(runs, target):
 
 
 def _of_peer(histories, target):
-    met = [point for history in histories if (point := siconos.reached(history, target))]
-    if met:
+    if met := [point for history in histories if (point := siconos.reached(history, target))]:
         return len(met), round(met[0][0]), statistics.median(point[1] for point in met), *met[0][2:], SOLVED
-    last = histories[0][-1]
-    if not np.isfinite(last[2]):
-        return 1, last[0], None, *last[2:], "not finite"
-    return 1, last[0], None, last[2], last[3], f"{STOPPED} {last[1]:.3g} s"
+    sweeps, seconds, *errors = histories[0][-1]
+    return 1, sweeps, None, *errors, f"{STOPPED} {seconds:.3g} s" if np.isfinite(errors[0]) else "not finite"
 
 
 def _row(case, method, target, found):

@@ -50,7 +50,6 @@ def build(rows, columns, order):
 
 
 def springs():
-    """Return the engines of YADE's springs for the same scene."""
     return [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb()], verletDist=0.1 * RADIUS),
             w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
                               [w.Law2_ScGeom_FrictPhys_CundallStrack()]),

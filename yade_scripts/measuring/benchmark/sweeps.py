@@ -55,14 +55,6 @@ def of_a_sweep(solution, problem, sweeps, first):
     return (many.seconds - few.seconds) / (many.iterations - few.iterations)
 
 
-def setup(problem, other):
-    """Return the seconds (contacts as before, new contacts) of a solution of one sweep with set-up and error; `other` has other contacts."""
-    plain(problem, 1)
-    same = plain(problem, 1).seconds
-    plain(other, 1)
-    return same, plain(problem, 1).seconds
-
-
 def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: None):
     """Return one row: ns per contact of every kind of sweep (medians over the rounds) and of the set-up, and the bound by memory."""
     sweeps = int(min(MOST, max(FEWEST, WORK / problem.contacts)))
@@ -79,9 +71,10 @@ def measure(name, problem, disks, rounds, with_peer, other, say=lambda what: Non
         # Few sweeps count here, so small problems are solved repeatedly until the clock can resolve the time.
         times["accelerated"].append(statistics.mean(
             of_a_sweep(ahead, problem, AHEAD, AHEAD * 5 // 6) for _ in range(max(1, min(20, round(WORK / AHEAD / problem.contacts))))))
-        same, anew = setup(problem, other)
-        times["setup"].append(same)
-        times["setup_anew"].append(anew)
+        # A solution of one sweep with set-up and error, of contacts as before; then after `other`, which has other contacts.
+        for key, before in (("setup", problem), ("setup_anew", other)):
+            plain(before, 1)
+            times[key].append(plain(problem, 1).seconds)
         if peer:
             count = max(4, sweeps // 20)
             times["siconos"].append(peer.sweeps(np.zeros(2 * problem.contacts), count) / count)

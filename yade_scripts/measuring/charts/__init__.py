@@ -52,7 +52,6 @@ class Setting:
 
     @property
     def name(self):
-        """Name of its measurement."""
         return store.name_of({"row": self.row})
 
     def slower_than(self, other):
@@ -109,8 +108,7 @@ def status(known):
     """Return 'finished', or why the measured values are not a solution."""
     if not known:
         return f"{STATUS_FAILED}the scene has no quantity with a known value"
-    lost = [one["name"] for one in known if one["measured"] is None]
-    if lost:
+    if lost := [one["name"] for one in known if one["measured"] is None]:
         return f"{STATUS_FAILED}{lost[0]} is not a number"
     return STATUS_FINISHED if error(known) <= DIVERGED else f"{STATUS_FAILED}wrong by more than {DIVERGED:g} times its scale"
 

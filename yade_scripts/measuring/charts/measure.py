@@ -32,7 +32,7 @@ def measure(row, folder, limit, allow):
     except Exception as error:
         if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
             traceback.print_exception(error)
-        return facts | {"status": f"{STATUS_FAILED}{str(error).splitlines()[0] if str(error) else type(error).__name__}", "seconds": seconds}, []
+        return facts | {"status": STATUS_FAILED + (str(error).splitlines() or [type(error).__name__])[0], "seconds": seconds}, []
     error = charts.error(known)
     facts |= {"status": charts.status(known), "error": error if math.isfinite(error) else None, "seconds": seconds, "steps": O.iter,
               "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)}
@@ -66,7 +66,6 @@ def run(row, asked, folder, limit, known, allow):
 
 
 def values(known, scene):
-    """Return the facts that are stored of a Known, as a dictionary."""
     measured = float(known.measure())
     return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
             "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}

@@ -10,6 +10,7 @@ import json
 import math
 import pathlib
 import time
+from collections import namedtuple
 from dataclasses import dataclass, field, fields
 from typing import Callable
 
@@ -24,6 +25,7 @@ CASE_SECONDS = 180  # of processor time that a case may take
 # What a probe can find of a case, from best to worst.
 STABLE, INACCURATE, UNSTABLE, NOT_SOLVED = VERDICTS = ("stable", "inaccurate", "unstable", "not solved")
 TOLERANCES = {"default of runs": 1e-8, "of the engine": 1e-6}  # marks on an axis of tolerances
+SWEEPS = {False: ("accelerated",), True: ("accelerated", "nsgs")}  # methods that the quick and the full maps compare
 
 # Why a case is not stable.
 REASONS = {
@@ -68,11 +70,7 @@ def judged(measures, told, *failures):
     return Outcome(STABLE, measures=measures)
 
 
-@dataclass(frozen=True)
-class Axis:
-    """One parameter of a map; `label` is its name in the figure."""
-    name: str
-    label: str
+Axis = namedtuple("Axis", "name label")  # a parameter of a map, and what it is called in the figure
 
 
 @dataclass(frozen=True)
@@ -90,7 +88,6 @@ class Search:
     accepted: tuple = (STABLE,)
 
     def case(self, value):
-        """Return the case at one point of the line."""
         return self.at | {self.along: round(value) if isinstance(self.good, int) else float(f"{value:.6g}")}
 
 

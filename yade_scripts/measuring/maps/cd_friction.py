@@ -36,21 +36,19 @@ def weight(tangent):
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     ground = rigid.ground(FRICTION)
     ground.floor(1000 * rigid.RADIUS)
     row = [ground.disk((2 * k * rigid.RADIUS, rigid.RADIUS), blocked="zXYZ") for k in range(DISKS)]
     engine = rigid.engine(DT, weight(FRICTION / 2), tolerance=case["tolerance"])
     O.run(SETTLING, True)
-    sign = 1 if case["side"] == "steeper" else -1
-    tangent = FRICTION * (1 + sign * case["distance"])
+    steeper = case["side"] == "steeper"
+    tangent = FRICTION * (1 + case["distance"] if steeper else 1 - case["distance"])
     engine.gravity = weight(tangent)
     O.run(STEPS, True)
     unit = FRICTION * case["distance"] * rigid.GRAVITY * math.cos(math.atan(tangent)) * STEPS * DT
-    exact = unit if sign > 0 else 0.0
-    error = (total(disk.state.vel[0] for disk in row) / DISKS - exact) / unit
+    error = (total(disk.state.vel[0] for disk in row) / DISKS - (unit if steeper else 0.0)) / unit
     measures = {"speed_error": error, "unconverged": engine.unconvergedSteps / (STEPS + SETTLING)}
-    reason = "false rest" if sign > 0 and error < 0 else "false motion"
+    reason = "false rest" if steeper and error < 0 else "false motion"
     return judged(measures, rigid.told(engine), (NOT_SOLVED, "non-convergence", engine.unconvergedSteps),
                   (UNSTABLE, reason, abs(error) > 1), (INACCURATE, reason, not abs(error) <= ERROR))

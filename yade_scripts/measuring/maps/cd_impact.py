@@ -40,7 +40,6 @@ def probe(case):
 def throw(case, angle, aside, spin):
     """Return the largest relative gain of kinetic energy, and dissipatedEnergy [J]; aside (velocity along x) and spin in units of SPEED."""
     from yade import O, utils
-
     from yade_scripts.measuring import rigid
     ground, radius = rigid.ground(case["friction"]), rigid.RADIUS
     for side in (-1, 1):

@@ -4,11 +4,7 @@ from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, TOLER
 
 DISKS, STEPS, RISE = 100, 50, 0.05
 STRAIN, LARGE_STRAIN = 1e-6, 1e-3
-
-
-def steps(full):
-    return logarithmic(1e-5, 1e-2, 7) if full else logarithmic(1e-4, 1e-2, 3)
-
+TRIED = {True: logarithmic(1e-5, 1e-2, 7), False: logarithmic(1e-4, 1e-2, 3)}  # steps of the full and of the quick map
 
 MAP = Map(
     group="Where rigid contacts fail", order=7,
@@ -21,14 +17,13 @@ MAP = Map(
     x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"), panels="",
     measures={"gamma": ("1", "strain2 - strain1 after the last step"), "unconverged": ("1", "share of the steps that missed the tolerance"),
               "sweeps": ("1", "mean number of sweeps a step")},
-    grid=lambda full: product(tolerance=logarithmic(1e-9, 1e-1, 9) if full else logarithmic(1e-7, 1e-1, 4), dt=steps(full)),
-    searches=lambda full: lines("tolerance", 1e-8, 1.0, 1.1 if full else 1.5, dt=steps(full)),
+    grid=lambda full: product(tolerance=logarithmic(1e-9, 1e-1, 9) if full else logarithmic(1e-7, 1e-1, 4), dt=TRIED[full]),
+    searches=lambda full: lines("tolerance", 1e-8, 1.0, 1.1 if full else 1.5, dt=TRIED[full]),
     marks=TOLERANCES)
 
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies, prepare
     from yade_scripts.running import cd, hooks, walls

@@ -1,13 +1,8 @@
 """Map of CD: tolerance against the ratio of masses, for a heavy or light disk on another disk."""
-from yade_scripts.measuring.maps import Axis, Map, TOLERANCES, lines, logarithmic, product
+from yade_scripts.measuring.maps import Axis, Map, SWEEPS, TOLERANCES, lines, logarithmic, product
 
 STEPS, DT = 20, 1e-3
-METHODS = ("accelerated", "nsgs")
-
-
-def tolerances(full):
-    return logarithmic(1e-12, 1e-2, 11) if full else logarithmic(1e-10, 1e-2, 5)
-
+TRIED = {True: logarithmic(1e-12, 1e-2, 11), False: logarithmic(1e-10, 1e-2, 5)}  # tolerances of the full and of the quick map
 
 MAP = Map(
     group="Where rigid contacts fail", order=5,
@@ -22,16 +17,13 @@ MAP = Map(
     x=Axis("tolerance", "tolerance"), y=Axis("mass_ratio", "mass above / mass below"), panels="method",
     measures={"force_error": ("1", "largest error of the two contact forces, relative to its own exact value"),
               "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
-    grid=lambda full: product(method=METHODS[:2 if full else 1], tolerance=tolerances(full),
-                              mass_ratio=logarithmic(1e-8, 1e8, 17 if full else 9)),
-    searches=lambda full: lines("mass_ratio", 1.0, 1e8, 1.05 if full else 1.3, method=METHODS[:2 if full else 1],
-                                tolerance=tolerances(full)),
+    grid=lambda full: product(method=SWEEPS[full], tolerance=TRIED[full], mass_ratio=logarithmic(1e-8, 1e8, 17 if full else 9)),
+    searches=lambda full: lines("mass_ratio", 1.0, 1e8, 1.05 if full else 1.3, method=SWEEPS[full], tolerance=TRIED[full]),
     marks=TOLERANCES)
 
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies
     ground = rigid.ground(0.5)

@@ -2,12 +2,7 @@
 from yade_scripts.measuring.maps import Axis, Map, lines, logarithmic, product, whole
 
 STEPS = 50
-
-
-def heights(full):
-    """Return the heights of columns whose boundary is searched."""
-    return whole(logarithmic(2, 100, 6)) if full else [3, 10, 30]
-
+HEIGHTS = {True: whole(logarithmic(2, 100, 6)), False: [3, 10, 30]}  # of columns whose boundary the full and the quick map search
 
 MAP = Map(
     group="Where rigid contacts fail", order=3,
@@ -21,7 +16,7 @@ MAP = Map(
               "penetration": ("1", "largest overlap over the radius"), "residual": ("1", "error e of the last step")},
     grid=lambda full: product(start=("warm", "cold"), disks=whole(logarithmic(1, 100, 9) if full else logarithmic(1, 30, 4)),
                               sweeps=whole(logarithmic(1, 1e4, 13) if full else logarithmic(1, 1e3, 7))),
-    searches=lambda full: lines("sweeps", 30000, 1, 1.02 if full else 1.2, start=("warm", "cold"), disks=heights(full)))
+    searches=lambda full: lines("sweeps", 30000, 1, 1.02 if full else 1.2, start=("warm", "cold"), disks=HEIGHTS[full]))
 
 
 def probe(case):

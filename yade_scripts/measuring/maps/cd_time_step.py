@@ -1,4 +1,5 @@
 """Map of CD: time step against restitution, for disks that fall into a trough."""
+import itertools
 import math
 import random
 
@@ -33,13 +34,11 @@ MAP = Map(
 
 def probe(case):
     from yade import O, utils
-
     from yade_scripts.measuring import rigid
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks
     pour(case["friction"])
-    unit = math.sqrt(rigid.RADIUS / rigid.GRAVITY)
-    dt = case["dt"] * unit
+    dt = case["dt"] * math.sqrt(rigid.RADIUS / rigid.GRAVITY)
     fall = rigid.GRAVITY * total(b.state.mass for b in bodies.disks()) * ROWS * rigid.RADIUS
 
     def energy():
@@ -55,10 +54,8 @@ def probe(case):
                 "energy_gain": (max(energies) - first) / fall, "unconverged": engine.unconvergedSteps / steps}
     # In the trough: above its floor and between its walls.
     inside = all(b.state.pos[1] > 0 and abs(b.state.pos[0]) < COLUMNS * 1.2 * rigid.RADIUS for b in bodies.disks())
-    return judged(measures, rigid.told(engine),
-                  (UNSTABLE, "energy growth", measures["energy_gain"] > GROWTH or abs(balance) > GROWTH),
-                  (UNSTABLE, "tunnelled", not inside),
-                  (INACCURATE, "penetration", measures["penetration"] > rigid.DEEP),
+    return judged(measures, rigid.told(engine), (UNSTABLE, "energy growth", measures["energy_gain"] > GROWTH or abs(balance) > GROWTH),
+                  (UNSTABLE, "tunnelled", not inside), (INACCURATE, "penetration", measures["penetration"] > rigid.DEEP),
                   (NOT_SOLVED, "non-convergence", measures["unconverged"] > UNSOLVED))
 
 
@@ -71,6 +68,5 @@ def pour(friction):
     for side in (-1, 1):
         ground.box((side * (width / 2 + r), 50 * r), (r, 50 * r))
     draw = random.Random(3)
-    for k in range(COLUMNS * ROWS):
-        column, row = k % COLUMNS, k // COLUMNS
+    for row, column in itertools.product(range(ROWS), range(COLUMNS)):
         ground.disk(((2.4 * column + 1.2 + draw.uniform(-0.15, 0.15)) * r - width / 2, (2 + 3 * row) * r))

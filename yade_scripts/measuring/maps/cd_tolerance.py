@@ -1,9 +1,8 @@
 """Map of CD: tolerance against the height of a column."""
-from yade_scripts.measuring.maps import Axis, Map, TOLERANCES, lines, logarithmic, product, whole
-from yade_scripts.measuring.maps.cd_sweeps import heights
+from yade_scripts.measuring.maps import Axis, Map, SWEEPS, TOLERANCES, lines, logarithmic, product, whole
+from yade_scripts.measuring.maps.cd_sweeps import HEIGHTS
 
 STEPS = 20
-METHODS = ("accelerated", "nsgs")
 
 MAP = Map(
     group="Where rigid contacts fail", order=4,
@@ -17,9 +16,9 @@ MAP = Map(
     x=Axis("tolerance", "tolerance"), y=Axis("disks", "disks in the column"), panels="method",
     measures={"force_error": ("1", "largest error of a contact force, relative to the weight above it"),
               "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
-    grid=lambda full: product(method=METHODS[:2 if full else 1], disks=whole(logarithmic(1, 300, 9) if full else logarithmic(1, 100, 4)),
+    grid=lambda full: product(method=SWEEPS[full], disks=whole(logarithmic(1, 300, 9) if full else logarithmic(1, 100, 4)),
                               tolerance=logarithmic(1e-12, 1e-1, 12) if full else logarithmic(1e-10, 1e-1, 5)),
-    searches=lambda full: lines("tolerance", 1e-7, 1.0, 1.05 if full else 1.3, method=METHODS[:2 if full else 1], disks=heights(full)),
+    searches=lambda full: lines("tolerance", 1e-7, 1.0, 1.05 if full else 1.3, method=SWEEPS[full], disks=HEIGHTS[full]),
     marks=TOLERANCES)
 
 

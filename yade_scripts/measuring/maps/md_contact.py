@@ -8,15 +8,12 @@ from yade_scripts.theory import spring_limits
 STEPS = 1000
 OVERLAP = 1e-4  # at rest under the pressing force, over the radius: small against all lengths
 PUSH = 1e-5     # over the overlap: so small that the contact stays closed while an instability grows
-GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
+GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor, from the second quarter of a run to the last, and from its start
 ERROR = 0.1
 
 RATIOS = (0.25, 0.5, 1.0)
 LAWS = parameters.REGISTRY["tangential_law"].choices  # the other ones in the searches only
-
-
-def damping(full):
-    return logarithmic(0.01, 0.9, 9) if full else [0.01, 0.1, 0.5]
+DAMPING = {True: logarithmic(0.01, 0.9, 9), False: [0.01, 0.1, 0.5]}  # of the full and of the quick map
 
 
 def searches(full):
@@ -25,8 +22,8 @@ def searches(full):
         return lines("omega_dt", 0.2 if beta < 0.7 else 0.1, 3.5, 1.003 if full else 1.03, (STABLE, INACCURATE),
                      kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
 
-    found = [line for ratio in (RATIOS if full else RATIOS[1:]) for beta in damping(full) for line in instability(ratio, beta, LAWS[:1])]
-    errors = lines("omega_dt", 0.01, 1.5, 1.03, kt_over_kn=0.5, beta_n=damping(full), tangential_law=LAWS[:1])
+    found = [line for ratio in (RATIOS if full else RATIOS[1:]) for beta in DAMPING[full] for line in instability(ratio, beta, LAWS[:1])]
+    errors = lines("omega_dt", 0.01, 1.5, 1.03, kt_over_kn=0.5, beta_n=DAMPING[full], tangential_law=LAWS[:1])
     return found + instability(0.5, 0.1, LAWS[1:]) + errors
 
 
@@ -43,7 +40,7 @@ MAP = Map(
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "decay_error": ("1", "of the decay a step of the normal motion, relative"),
               "frequency_error": ("1", "of its frequency, relative")},
-    grid=lambda full: product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=damping(full),
+    grid=lambda full: product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=DAMPING[full],
                               omega_dt=logarithmic(0.05, 3, 15) if full else logarithmic(0.1, 3, 6), tangential_law=LAWS[:1]),
     searches=searches, theory=lambda at: spring_limits.contact_limit(at["beta_n"], at["kt_over_kn"]),
     theory_label=r"$\min(2\sqrt{1+\beta_n^2}-2\beta_n,\ 2/\sqrt{2k_t/k_n})$", theory_along="omega_dt")
@@ -51,7 +48,6 @@ MAP = Map(
 
 def probe(case):
     from yade import O
-
     from yade_scripts.running import hooks, md, stage
     full = parameters.complete({"friction": 2.0, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
     ground, stiffness = stage.Ground(full), parameters.stiffness(full)
@@ -73,14 +69,21 @@ def probe(case):
 
     O.engines = md.contact_engines(full, case["tangential_law"]) + [md.integrator(full), hooks.runner(look, iterPeriod=1)]
     hooks.simulate(STEPS)
-    quarter = STEPS // 4
-    growth = max(energy[-quarter:]) / max(max(energy[quarter:2 * quarter]), 1e-300)
-    grown = max(energy) / speed**2
+    growth, grows = growing(energy, speed**2)
     decay, frequency = errors(way, case["omega_dt"], case["beta_n"])
     measures = {"growth": growth, "decay_error": decay, "frequency_error": frequency}
-    # Energies below 1e-12 of the first are round-off.
-    grows = grown > GROWN_IN_ALL or (growth > GROWN and max(energy[-quarter:]) > 1e-12 * speed**2)
     return judged(measures, "", (UNSTABLE, "energy growth", grows), (INACCURATE, "wrong motion", max(decay, frequency) > ERROR))
+
+
+def growing(energy, start):
+    """Return (the largest of the last quarter of kinetic energies over that of the second, whether they grow) from the energy `start` on.
+
+    Energies below 1e-12 of the first are round-off; an energy that is NaN counts as grown.
+    """
+    quarter = len(energy) // 4
+    late = max(energy[-quarter:])
+    growth = late / max(max(energy[quarter:2 * quarter]), 1e-300)
+    return growth, not max(energy) <= GROWN_IN_ALL * start or (growth > GROWN and late > 1e-12 * start)
 
 
 def errors(way, step, damping):

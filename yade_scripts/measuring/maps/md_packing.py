@@ -5,29 +5,20 @@ import random
 
 from yade_scripts import parameters
 from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
+from yade_scripts.measuring.maps.md_contact import LAWS, RATIOS, growing
 from yade_scripts.running.sums import total
 
 DISKS, STEPS, EVERY = 100, 2000, 10
 PUSH = 1e-5  # over the mean overlap
-GROWN, GROWN_IN_ALL = 10, 1e6  # growth of the kinetic energy, as a factor
-
-RATIOS = (0.25, 0.5, 1.0)
-LAWS = parameters.REGISTRY["tangential_law"].choices
-
-
-def ratios(full):
-    return RATIOS if full else RATIOS[1:2]
-
-
-def damping(full):
-    return logarithmic(0.01, 0.9, 7) if full else [0.01, 0.1, 0.5]
+# Of the full and of the quick map.
+RATIO, DAMPING = {True: RATIOS, False: RATIOS[1:2]}, {True: logarithmic(0.01, 0.9, 7), False: [0.01, 0.1, 0.5]}
 
 
 def searches(full):
     def instability(ratio, beta, laws):
         return lines("md_dt_factor", 0.1, 2.0, 1.005 if full else 1.03, kt_over_kn=ratio, beta_n=beta, tangential_law=laws)
 
-    return instability(ratios(full), damping(full), LAWS[:1]) + instability(0.5, 0.1, LAWS[1:])
+    return instability(RATIO[full], DAMPING[full], LAWS[:1]) + instability(0.5, 0.1, LAWS[1:])
 
 
 MAP = Map(
@@ -42,14 +33,13 @@ MAP = Map(
     measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
               "theory": ("1", "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices"),
               "bound": ("1", "md_dt_factor that is safe for every packing in which no disk is held more stiffly than here")},
-    grid=lambda full: product(kt_over_kn=ratios(full), beta_n=damping(full), md_dt_factor=logarithmic(0.1, 1.6, 13 if full else 7),
+    grid=lambda full: product(kt_over_kn=RATIO[full], beta_n=DAMPING[full], md_dt_factor=logarithmic(0.1, 1.6, 13 if full else 7),
                               tangential_law=LAWS[:1]),
     searches=searches, marks={"default": 0.2}, theory_label=r"largest eigenvalue of the packing", theory_along="md_dt_factor")
 
 
 def probe(case):
     from yade import O, utils
-
     from yade_scripts.preparing import bodies
     from yade_scripts.running import hooks, md, md_step
     full = parameters.complete({"disks": DISKS, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
@@ -57,8 +47,7 @@ def probe(case):
     lightest = min(b.state.mass for b in bodies.disks())
     unit = math.sqrt(lightest / parameters.stiffness(full))
     O.dt = case["md_dt_factor"] * unit
-    limits = {name: limit / unit for name, limit in step_limits(case["kt_over_kn"], case["beta_n"]).items()}
-    refusal = ""
+    limits, refusal = {name: limit / unit for name, limit in step_limits(case["kt_over_kn"], case["beta_n"]).items()}, ""
     try:
         md_step.check(full | {"md_dt_factor": case["md_dt_factor"]})
     except parameters.ParameterError as error:
@@ -73,14 +62,9 @@ def probe(case):
     O.engines = md.contact_engines(full, case["tangential_law"]) + [
         md.integrator(full), hooks.runner(lambda: energy.append(utils.kineticEnergy()), iterPeriod=EVERY)]
     hooks.simulate(STEPS)
-    quarter = len(energy) // 4
-    late = max(energy[-quarter:])
-    growth = late / max(energy[quarter:2 * quarter])
+    growth, grows = growing(energy, start)
     measures = {"growth": growth} | limits
-    # Energies below 1e-12 of the first are round-off; an energy that is NaN counts as grown.
-    if not (max(energy) < GROWN_IN_ALL * start) or (growth > GROWN and late > 1e-12 * start):
-        return Outcome(UNSTABLE, "energy growth", refusal, measures)
-    return Outcome(STABLE, told=refusal, measures=measures)
+    return Outcome(UNSTABLE, "energy growth", refusal, measures) if grows else Outcome(STABLE, told=refusal, measures=measures)
 
 
 @functools.cache

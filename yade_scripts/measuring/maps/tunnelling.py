@@ -7,13 +7,9 @@ from yade_scripts.measuring.maps import Axis, INACCURATE, Map, STABLE, UNSTABLE,
 DISTANCES = (2.13, 2.38, 2.63, 2.88)  # start from the wall, in displacements of a step, to vary when in a step the disk arrives
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
 NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for flights that begin within half a step of the wall
-SETTINGS = {"CD": {}, "CD e=0.5": {"restitution": 0.5}, "CD from near": {}}
 DEPTH = 0.5
 KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
-
-
-def thicknesses(full):
-    return logarithmic(0.01, 10, 4) if full else [0.1, 1.0]
+THICKNESSES = {True: logarithmic(0.01, 10, 4), False: [0.1, 1.0]}  # of the full and of the quick map
 
 
 def turning(at):
@@ -32,33 +28,30 @@ MAP = Map(
            "overlap below a tenth of R, k_n must exceed 100 m v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
     measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},
-    grid=lambda full: product(kind=KINDS, thickness=thicknesses(full), speed=logarithmic(0.01, 100, 13 if full else 5)),
+    grid=lambda full: product(kind=KINDS, thickness=THICKNESSES[full], speed=logarithmic(0.01, 100, 13 if full else 5)),
     searches=lambda full: lines("speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE), kind=KINDS,
-                                thickness=thicknesses(full)),
+                                thickness=THICKNESSES[full]),
     theory=turning, theory_label="springs: the centre\npasses the mid-plane", theory_along="speed")
 
 
 def probe(case):
     from yade import O
-
     from yade_scripts.measuring import rigid
-    throw = springs if case["kind"] == "MD" else rigidly
-    flights = []
+    throw, half, flights = springs if case["kind"] == "MD" else rigidly, case["thickness"] * rigid.RADIUS / 2, []
     for distance in NEAR if case["kind"] == "CD from near" else DISTANCES:
         O.reset()
         ground = rigid.ground(0.0)
-        ground.box((0, 0), (1000 * rigid.RADIUS, case["thickness"] * rigid.RADIUS / 2))
-        flights.append(throw(ground, case, case["thickness"] * rigid.RADIUS / 2 + rigid.RADIUS, distance))
-    measures = {"through": sum(beyond for beyond, _, _ in flights) / len(flights), "penetration": max(depth for _, depth, _ in flights) / rigid.RADIUS}
-    told = next((said for _, _, said in flights if said), "")
-    return judged(measures, told, (UNSTABLE, "tunnelled", measures["through"]),
+        ground.box((0, 0), (1000 * rigid.RADIUS, half))
+        flights.append(throw(ground, case, half + rigid.RADIUS, distance))
+    beyond, depths, said = zip(*flights)
+    measures = {"through": sum(beyond) / len(flights), "penetration": max(depths) / rigid.RADIUS}
+    return judged(measures, next(filter(None, said), ""), (UNSTABLE, "tunnelled", measures["through"]),
                   (INACCURATE, "penetration", measures["penetration"] > DEPTH))
 
 
 def springs(ground, case, contact, distance):
     """Return (whether it got through, largest overlap [m], '') by the default springs and their default step, without dashpots."""
     from yade import O
-
     from yade_scripts.measuring import rigid
     from yade_scripts.running import hooks, md
     full = parameters.complete({})
@@ -75,10 +68,9 @@ def springs(ground, case, contact, distance):
 def rigidly(ground, case, contact, distance):
     """Return (whether it got through, largest overlap [m], what the engine said) of rigid contacts."""
     from yade import O
-
     from yade_scripts.measuring import rigid
     velocity = case["speed"] * rigid.RADIUS / CD_DT
     disk = ground.disk((0, contact + distance * velocity * CD_DT), velocity=(0, -velocity))
-    engine = rigid.engine(CD_DT, (0, 0, 0), tolerance=1e-10, **SETTINGS[case["kind"]])
+    engine = rigid.engine(CD_DT, (0, 0, 0), tolerance=1e-10, restitution=0.5 if case["kind"] == "CD e=0.5" else 0.0)
     O.run(CD_STEPS, True)
     return disk.state.pos[1] < 0, engine.deepestPenetration, rigid.told(engine)
