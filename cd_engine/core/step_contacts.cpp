@@ -306,6 +306,7 @@ void TimeStep::fill(const int32_t* contacts, std::size_t count, const double* in
 {
 	PairLanes pairs[batch / PairLanes::lanes];
 	const std::size_t most = batch / PairLanes::lanes;
+	const RowSettings settings = asked(*sourceSettings);
 	for (std::size_t from = 0; from < count; from += most, contacts += batch) {
 		const std::size_t here = std::min(most, count - from);
 		const auto which = [&](std::size_t k) { return rowPair[std::max(contacts[k], 0)]; };
@@ -317,7 +318,7 @@ void TimeStep::fill(const int32_t* contacts, std::size_t count, const double* in
 		load<true>(*source, here * PairLanes::lanes, pairs, which, inverseRadius);
 		for (std::size_t k = 0; k < here; k++) {
 			unsigned unknown = groupKernel().assembleGroup(
-			    places.data(), system.bodies.data(), source->carried.data(), pairs[k], groups[from + k], asked(*sourceSettings));
+			    places.data(), system.bodies.data(), source->carried.data(), pairs[k], groups[from + k], settings);
 			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
 				unknown |= static_cast<unsigned>(contacts[k * PairLanes::lanes + lane] < 0) << lane;
 			left[from + k] = static_cast<uint8_t>(unknown);
