@@ -109,6 +109,7 @@ class ContactRows {
 		source = from;
 		solved = false;
 	}
+	void setMade() { source = nullptr; }
 	const RowSource* postponed() const { return source; } // null: the rows are made
 	void make() const { (void)all(); }
 	std::vector<ContactRow>& all() const
@@ -119,7 +120,7 @@ class ContactRows {
 	}
 
 	// Until they are made: impulses beside the rows, two a contact. Sweeps leave their result there.
-	double* solve()
+	double* storeBeside()
 	{
 		solved = true;
 		impulses.resize(2 * rows.size());
@@ -151,7 +152,7 @@ struct ContactSystem {
 	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
 	ContactRows contacts; // solvers may sweep them in any order but must not reorder them
 	Workspace* memory = nullptr; // for those who work on it (workspace.hpp); null: they allocate their own each time
-	// Systems with the same memory and the same number have contacts between the same bodies, all of them solvable. 0: nothing is known.
+	// Systems with the same memory and the same number have contacts between the same bodies, of the same masses. 0: nothing is known.
 	std::size_t contactSet = 0;
 
 	void assembleBlocks()

@@ -35,9 +35,15 @@ namespace judging {
 	// Products with W for the first judgement, before there are doubts. A proof may cost about as much as the sweeps did.
 	inline int productsBeforeDoubts(int sweeps) { return std::clamp(sweeps / 4, fewProducts, 64); }
 
+	// The weighted norm of the first guess, if its step was solved, else 0.
+	template <class System> double weightOfGuess(const System& s, const Start& start, const SolverSettings& settings)
+	{
+		return settings.guessSolved ? start.weight(s) : 0;
+	}
+
 	// Whether the impulses have more than doubled the kinetic energy although no boundary and no bias adds any. Impulses that balance each other
 	// may be so large that all velocities they cause are within the tolerance.
-	template <class Guess> bool makesEnergy(const ContactSystem& s, const Start& start, const Guess& guess, Threads* threads)
+	inline bool makesEnergy(const ContactSystem& s, const Start& start, const SolverSettings& settings)
 	{
 		double more = 0; // twice the energy after them, less four times that before [J]
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -47,12 +53,10 @@ namespace judging {
 			for (int k = w[0] == w[1] ? 2 : 0; k < 3; k++)
 				more += w[k] > 0 ? gained(k) / w[k] : 0;
 		}
-		return more > 0 && Start(s, threads).weight(s) > 10 * guess(); // the guess was in balance, to the tolerance
+		return more > 0
+		    && Start(s, settings.threads).weight(s) > 10 * weightOfGuess(s, start, settings); // the guess was in balance, to the tolerance
 	}
-	template <class Guess> bool makesEnergy(const DelassusSystem&, const Start&, const Guess&, Threads*)
-	{
-		return false;
-	} // not called for a matrix
+	inline bool makesEnergy(const DelassusSystem&, const Start&, const SolverSettings&) { return false; } // not called for a matrix
 
 	inline int32_t strongest(const ContactSystem& s)
 	{
@@ -104,13 +108,12 @@ namespace judging {
 	}
 
 	// Plain sweeps from zero impulses. They create no impulses that balance each other unless something presses.
-	template <class System, class Guess>
-	void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report, const Guess& guess)
+	template <class System> void beginFromNothing(System& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		clearImpulses(system);
 		report = goOn<System>(system, start, settings, report, nsgs);
 		report.plain = true;
-		if (report.status == Status::converged && makesEnergy(system, start, guess, settings.threads)) {
+		if (report.status == Status::converged && makesEnergy(system, start, settings)) {
 			report.status = Status::stagnated;
 			report.contact = strongest(system);
 		}
@@ -192,11 +195,11 @@ namespace judging {
 			}
 			report = goOn<System>(system, start, part, report, method);
 			tryPlain(system, start, part, report, method);
-			const auto weightOfGuess = [this] { return guess(); };
 			if (solvable) {
-				if (report.status == Status::converged && makesEnergy(system, start, weightOfGuess, settings.threads)
-				    && (report.iterations > 0 || guess() == 0)) // else the impulses are those that count as in balance
-					beginFromNothing(system, start, settings, report, weightOfGuess);
+				if (report.status == Status::converged && makesEnergy(system, start, settings)
+				    && (report.iterations > 0
+					|| weightOfGuess(system, start, settings) == 0)) // else the impulses are those that count as in balance
+					beginFromNothing(system, start, settings, report);
 				return report;
 			}
 			proofTried = report.status != Status::converged;
@@ -210,11 +213,9 @@ namespace judging {
 	    private:
 		void look()
 		{
-			verdict = judge(system, start, guess(), part.tolerance,
+			verdict = judge(system, start, weightOfGuess(system, start, settings), part.tolerance,
 			    proofTried ? productsAfter(report.iterations) : productsBeforeDoubts(report.iterations));
 		}
-		// The weighted norm of the first guess, if its step was solved.
-		double guess() const { return settings.guessSolved ? start.weight(system) : 0; }
 		bool doubtful() const { return report.status == Status::converged && verdict.finding == Finding::doubtful; }
 
 		// An unsolved guess may be so large that any error is small beside it. The method must reach its result without it, too.

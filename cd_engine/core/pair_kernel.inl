@@ -57,7 +57,8 @@ INLINE Rows rowsOf(const Place* places, const BodyVelocity* bodies, const Carrie
 	const Vector wnn = nx * nx * wx + ny * ny * wy, wtt = ny * ny * wx + nx * nx * wy + at * at * A.spin + bt * bt * B.spin;
 	const Vector wnt = nx * ny * (wy - wx) + none * at * A.spin + none * bt * B.spin;
 	const Vector freedom = A.vx + A.vy + B.vx + B.vy + at * at * A.spin + bt * bt * B.spin;
-	const auto known = (d.radiusA > none) & (A.spin > none) & (B.spin > none) & (wnn > ContactRow::leastShare * freedom);
+	const auto known
+	    = (d.radiusA > none) & (A.spin > none) & (B.spin > none) & (A.vx == A.vy) & (B.vx == B.vy) & (wnn > ContactRow::leastShare * freedom);
 	const Vector square = was.vx * was.vx + was.vy * was.vy, normal = was.vx * was.spin + was.vy * was.w;
 	const Vector tangential = was.vx * tangent.vy - was.vy * tangent.vx;
 	const auto carries = (normal > none) & (tangential * none == none);
@@ -110,8 +111,10 @@ static unsigned assembleGroup(
 		store(g.inverseWtt + lane, 1 / r.wtt);
 		store(g.pn + lane, r.pn);
 		store(g.pt + lane, r.pt);
+		double wnn[LANES]; // an index into the vector itself is miscompiled by GCC 12 with -fsanitize=undefined
+		store(wnn, r.wnn);
 		for (int l = 0; l < LANES; l++)
-			unknown |= static_cast<unsigned>(!(r.wnn[l] > 0)) << (lane + l);
+			unknown |= static_cast<unsigned>(!(wnn[l] > 0)) << (lane + l);
 	}
 	return unknown;
 }

@@ -44,9 +44,11 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
 	if (system.contacts.postponed() && system.contactSet == contactSet)
 		return true;
-	contactSet = system.contactSet;
 	system.contacts.make();
-	return renew(links, system.contacts, linkOf, threads);
+	const bool same = renew(links, system.contacts, linkOf, threads);
+	// A contact that could not be solved may be solvable the next time.
+	contactSet = anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable; }) ? 0 : system.contactSet;
+	return same;
 }
 
 bool Partition::update(const ContactSystem& system, Threads* threads)

@@ -57,19 +57,10 @@ inline bool TimeStep::keeps(double nx, double ny, double pn, double pt, Carried&
 	return true;
 }
 
-inline void TimeStep::carry(const ContactRow& c, Carried& was, const StepSettings& settings, double rate)
-{
-	if (keeps(c.nx, c.ny, c.pn, c.pt, was, settings.dt))
-		return;
-	const double fn = c.pn * rate, ft = c.pt * rate;
-	was = { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx }, was.any() ? was.since : settings.iteration };
-	sleepers.disturb(c.a, c.b);
-}
-
 // The sleeping island that a contact belongs to, if any.
-SleepingIsland* TimeStep::asleepAt(const ContactRow& c)
+SleepingIsland* TimeStep::asleepAt(int32_t a, int32_t b)
 {
-	for (const int32_t body : { c.a, c.b })
+	for (const int32_t body : { a, b })
 		if (sleepers.sleeps(body))
 			return &sleepers.islandOf(body);
 	return nullptr;
@@ -117,61 +108,69 @@ struct TimeStep::Account {
 	double dissipated = 0; // [J]
 };
 
-inline void TimeStep::accountFor(World& world, const StepSettings& settings, double rate, size_t i, const ContactRow& c, Account& sum)
+// What the impulse of a contact does.
+struct TimeStep::Effect {
+	Share share;
+	Carried carried; // its force; `since` has no meaning here
+	double mu, pn, pt;
+	double work; // [J]
+};
+
+inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, double rate) const
 {
-	const bool keepsShares = !shares.empty();
-	if (keepsShares)
-		shares[i] = c.pn > 0 || !sleepers.none() ? share(i, c) : Share { -1, -1, 0, 0, 0, 0 };
-	if (c.pn <= 0)
-		return release(world.pairs[rowPair[i]], world.carried[rowPair[i]]);
-	carry(c, world.carried[rowPair[i]], settings, rate);
-	if (!keepsShares)
-		give(share(i, c));
-	const bool asleep = !sleepers.none() && asleepAt(c);
-	sum.loaded += !asleep;
-	sum.sliding += !asleep && slides(c.mu, c.pn, c.pt);
+	const double fn = c.pn * rate, ft = c.pt * rate;
 	// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
 	const double *a = means[c.a].v, *b = means[c.b].v;
 	const double dx = b[0] - a[0], dy = b[1] - a[1];
 	const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
 	const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-	sum.dissipated -= c.pn * un + c.pt * ut;
+	return { share(row, c), { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx } }, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
 }
 
-// The same for contacts whose rows nobody has made; nothing sleeps then.
-inline void TimeStep::accountForPostponed(World& world, const StepSettings& settings, double rate, size_t from, size_t count, Account& sum)
+// Books it on the pair, the bodies and the sums.
+inline void TimeStep::book(World& world, const StepSettings& settings, size_t row, const Effect& e, Account& sum)
+{
+	const Share& of = e.share;
+	Carried& was = world.carried[rowPair[row]];
+	if (!shares.empty())
+		shares[row] = e.pn > 0 || !sleepers.none() ? of : Share { -1, -1, 0, 0, 0, 0 };
+	if (e.pn <= 0)
+		return release(world.pairs[rowPair[row]], was);
+	if (!keeps(e.carried.nx, e.carried.ny, e.pn, e.pt, was, settings.dt)) {
+		const long since = was.any() ? was.since : settings.iteration;
+		was = e.carried;
+		was.since = since;
+		sleepers.disturb(of.a, of.b);
+	}
+	if (shares.empty())
+		give(of);
+	const bool asleep = !sleepers.none() && asleepAt(of.a, of.b);
+	sum.loaded += !asleep;
+	sum.sliding += !asleep && slides(e.mu, e.pn, e.pt);
+	sum.dissipated -= e.work;
+}
+
+// Of postponed contacts, up to `batch`.
+inline void TimeStep::bookPostponed(World& world, const StepSettings& settings, double rate, size_t from, size_t count, Account& sum)
 {
 	PairEffects effects[batch / PairLanes::lanes];
 	effectsOf(world, rate, from, count, effects);
 	const double* const p = system.contacts.solution() + 2 * from;
 	for (size_t k = 0; k < count; k++) {
-		const size_t i = from + k, lane = k % PairLanes::lanes;
+		const size_t i = from + k, l = k % PairLanes::lanes;
 		const Pair& pair = world.pairs[rowPair[i]];
-		Carried& was = world.carried[rowPair[i]];
 		const PairEffects& e = effects[k / PairLanes::lanes];
-		const double pn = p[2 * k], pt = p[2 * k + 1];
-		if (apartOf[i] >= 0) {
-			ContactRow c = apartRows[apartOf[i]];
-			c.pn = pn;
-			c.pt = pt;
-			accountFor(world, settings, rate, i, c, sum);
-			continue;
-		}
-		const Share of { pair.a, pair.b, e.x[lane], e.y[lane], e.turnA[lane], e.turnB[lane] };
-		if (!shares.empty())
-			shares[i] = pn > 0 ? of : Share { -1, -1, 0, 0, 0, 0 };
-		if (pn <= 0) {
-			release(pair, was);
-			continue;
-		}
-		if (!keeps(e.nx[lane], e.ny[lane], pn, pt, was, settings.dt))
-			was = { e.nx[lane], e.ny[lane], { e.fn[0][lane], e.fn[1][lane] }, { e.ft[0][lane], e.ft[1][lane] },
-				was.any() ? was.since : settings.iteration };
-		if (shares.empty())
-			give(of);
-		sum.loaded++;
-		sum.sliding += slides(pair.mu, pn, pt);
-		sum.dissipated -= e.work[lane];
+		if (specialOf[i] >= 0) {
+			ContactRow c = specialRows[specialOf[i]];
+			c.pn = p[2 * k];
+			c.pt = p[2 * k + 1];
+			book(world, settings, i, effectOf(i, c, rate), sum);
+		} else
+			book(world, settings, i,
+			    { { pair.a, pair.b, e.x[l], e.y[l], e.turnA[l], e.turnB[l] },
+				{ e.nx[l], e.ny[l], { e.fn[0][l], e.fn[1][l] }, { e.ft[0][l], e.ft[1][l] } }, pair.mu, p[2 * k], p[2 * k + 1],
+				e.work[l] },
+			    sum);
 	}
 }
 
@@ -182,7 +181,7 @@ TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, 
 	sum.dissipated = dissipated;
 	if (system.contacts.postponed()) {
 		for (; from < to; from += batch)
-			accountForPostponed(world, settings, rate, from, std::min(batch, to - from), sum);
+			bookPostponed(world, settings, rate, from, std::min(batch, to - from), sum);
 		return sum;
 	}
 	const ContactRow* const rows = system.contacts.data();
@@ -191,7 +190,7 @@ TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, 
 			__builtin_prefetch(&means[rows[i + ahead].a]);
 			__builtin_prefetch(&means[rows[i + ahead].b]);
 		}
-		accountFor(world, settings, rate, i, rows[i], sum);
+		book(world, settings, i, effectOf(i, rows[i], rate), sum);
 	}
 	return sum;
 }
@@ -204,9 +203,9 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 			if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
 				impulses[i] = { 0, 0, 0 };
 	});
-	// A single thread adds the shares to the bodies at once, without storing them.
 	if (!sleepers.none() || !system.contacts.isSolved())
 		system.contacts.make();
+	// A single thread adds the shares to the bodies at once, without storing them.
 	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());
 	const Account all = reduceRanges<Account>(
 	    sleepers.none() ? &threads : nullptr, // only one thread may report what it wakes
@@ -226,7 +225,7 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	for (size_t i = 0; i < shares.size(); i++) {
 		const Share& of = shares[i];
 		const ContactRow& c = system.contacts[i];
-		if (SleepingIsland* const asleep = asleepAt(c)) {
+		if (SleepingIsland* const asleep = asleepAt(c.a, c.b)) {
 			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gapOf(world, rowPair[i]));
 			if (i >= assembled) // a contact that was added later is none in the next step

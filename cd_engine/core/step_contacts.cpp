@@ -47,28 +47,33 @@ void TimeStep::freeAgain(const World& world, double dt)
 	});
 }
 
-// Sets the free velocities of the bodies, their places at the mid-configuration, and their ways. Returns whether a boundary turns.
-bool TimeStep::beginBodies(const World& world, double dt)
+// Sets the free velocities of the bodies, their places at the mid-configuration, and their ways. Finds whether a boundary turns, and
+// whether the inverse masses are those of the last step.
+TimeStep::Begun TimeStep::beginBodies(const World& world, double dt)
 {
 	const std::size_t count = world.bodies.size();
+	const bool known = system.bodies.size() == count;
 	system.memory = &memory;
 	system.bodies.resize(count);
 	system.places.resize(count);
 	places.resize(count);
 	ways.resize(count);
 	const auto begin = [&](size_t from, size_t to) {
-		bool turns = false;
+		Begun begun { false, known };
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
+			begun.sameMasses = begun.sameMasses && std::equal(b.inverseMass, b.inverseMass + 3, system.bodies[i].w);
 			free(b, dt, system.bodies[i]);
 			places[i] = placeAhead(b, 0.5 * dt);
 			system.places[i] = { places[i].x, places[i].y };
 			ways[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
-			turns = turns || (b.radius == 0 && system.bodies[i].v[2] != 0);
+			begun.turns = begun.turns || (b.radius == 0 && system.bodies[i].v[2] != 0);
 		}
-		return turns;
+		return begun;
 	};
-	return reduceRanges<bool>(&threads, count, begin, [](bool a, bool b) { return a || b; });
+	return reduceRanges<Begun>(&threads, count, begin, [](const Begun& a, const Begun& b) {
+		return Begun { a.turns || b.turns, a.sameMasses && b.sameMasses };
+	});
 }
 
 // The face through which the centre of disk b has entered boundary a in the first half of the step, if it has. Two earlier positions must
@@ -290,12 +295,14 @@ RowSettings TimeStep::asked(const StepSettings& settings)
 void TimeStep::makeRows(std::vector<ContactRow>& all)
 {
 	forRanges(&threads, all.size(), [&](std::size_t from, std::size_t to) { fillRows(*source, *sourceSettings, all.data(), from, to); });
+	for (std::size_t k = 0; k < specials.size(); k++) // made before the solution, which may have turned a box
+		all[specials[k]] = specialRows[k];
 }
 
 ContactRow TimeStep::row(int32_t contact) const
 {
-	if (apartOf[contact] >= 0)
-		return apartRows[apartOf[contact]];
+	if (specialOf[contact] >= 0)
+		return specialRows[specialOf[contact]];
 	double turned;
 	return rowOf(*source, rowPair[contact], *sourceSettings, turned);
 }
@@ -334,24 +341,25 @@ void TimeStep::effectsOf(const World& world, double rate, std::size_t from, std:
 	groupKernel().effects(places.data(), means.data(), system.contacts.solution() + 2 * from, count, rate, pairs, effects, groups);
 }
 
-// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether they push nothing and can all be solved.
-bool TimeStep::findApart(const World& world, const StepSettings& settings)
+// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether they push nothing and can be solved, as
+// all others can.
+bool TimeStep::findSpecial(const World& world, const StepSettings& settings)
 {
-	if (apartFor != system.contactSet) {
-		apartFor = system.contactSet;
-		apart.clear();
-		apartOf.assign(rows, -1);
+	if (specialFor != system.contactSet) {
+		specialFor = system.contactSet;
+		specials.clear();
+		specialOf.assign(rows, -1);
 		for (std::size_t i = 0; i < rows; i++)
 			if (special[i]) {
-				apartOf[i] = static_cast<int32_t>(apart.size());
-				apart.push_back(static_cast<int32_t>(i));
+				specialOf[i] = static_cast<int32_t>(specials.size());
+				specials.push_back(static_cast<int32_t>(i));
 			}
 	}
-	apartRows.resize(apart.size());
-	for (std::size_t k = 0; k < apart.size(); k++) {
+	specialRows.resize(specials.size());
+	for (std::size_t k = 0; k < specials.size(); k++) {
 		double turned;
-		apartRows[k] = rowOf(world, rowPair[apart[k]], settings, turned);
-		if (!(apartRows[k].wnn > 0) || !(apartRows[k].bias >= 0))
+		specialRows[k] = rowOf(world, rowPair[specials[k]], settings, turned);
+		if (!(specialRows[k].wnn > 0) || !(specialRows[k].bias >= 0))
 			return false;
 	}
 	return true;
@@ -484,11 +492,12 @@ bool TimeStep::looksOn(const World& world) const
 	    && world.awake.size() == world.pairs.size();
 }
 
-void TimeStep::findContacts(World& world, const StepSettings& settings, bool turns)
+void TimeStep::findContacts(World& world, const StepSettings& settings, const Begun& begun)
 {
-	const bool known = looksOn(world);
+	bool known = begun.sameMasses && looksOn(world);
 	Seen parts[Cut::most], all = look(world, settings, parts);
 	if (all.through) {
+		known = false; // the flags are then those of the first look
 		stopAtFaces(world, settings.dt);
 		all = look(world, settings, parts);
 	}
@@ -506,17 +515,17 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, bool tur
 		    rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
-	const bool same = known && all.same && !all.through;
+	const bool same = known && all.same;
 	system.contactSet += !same;
 	listing = world.listing;
 	appended = false;
 	source = &world;
 	sourceSettings = &settings;
 	// Rows that push need a proof that there is a solution (verdict.hpp), which reads all of them.
-	const bool pushes = turns || settings.gapCorrection != 0 || settings.restitution != 0;
-	if (same && !pushes && settings.warmStart && sleepers.none() && findApart(world, settings))
+	const bool pushes = begun.turns || settings.gapCorrection != 0 || settings.restitution != 0;
+	if (same && !pushes && settings.warmStart && sleepers.none() && findSpecial(world, settings))
 		return system.contacts.postpone(this);
-	system.contacts.postpone(nullptr);
+	system.contacts.setMade();
 	ContactRow* const first = system.contacts.data();
 	forEach(&threads, cut.parts,
 	    [&](std::size_t part) { fillRows(world, settings, first, parts[part].first, parts[part].first + parts[part].contacts); });
@@ -532,13 +541,13 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 void TimeStep::prepare(World& world, const StepSettings& settings)
 {
 	world.carried.resize(world.pairs.size());
-	const bool turns = beginBodies(world, settings.dt);
+	const Begun begun = beginBodies(world, settings.dt);
 	freeVelocity.clear();
 	if (settings.restitution > 0)
 		for (const BodyVelocity& b : system.bodies)
 			freeVelocity.insert(freeVelocity.end(), b.v, b.v + 3);
 	shifts.clear();
-	findContacts(world, settings, turns);
+	findContacts(world, settings, begun);
 }
 
 // Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.
@@ -577,6 +586,7 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
 	if (!anyViolated(world, settings))
 		return false;
+	system.contacts.make();
 	system.contactSet++;
 	appended = true;
 	for (const int32_t i : world.awake)

@@ -37,12 +37,9 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
 	const bool sameKinds = classifyBodies(sameMasses);
 	if (!sameKinds || !sameMasses || !sameContacts())
 		system.contacts.make();
-	bool same = sameKinds && !packed.begin.empty() && packed.partition.links.size() == system.contacts.size() && sameLeftOut() && fill();
-	if (!same && system.contacts.postponed()) { // a contact has become of another kind
-		system.contacts.make();
-		same = fill();
-	}
+	const bool same = sameKinds && !packed.begin.empty() && packed.partition.links.size() == system.contacts.size() && sameLeftOut() && fill();
 	if (!same) {
+		system.contacts.make();
 		groupContacts();
 		fill();
 	}
@@ -67,11 +64,11 @@ void Sweep::restoreVelocities()
 
 void Sweep::store()
 {
-	double* const apart = system.contacts.postponed() ? system.contacts.solve() : nullptr;
+	double* const beside = system.contacts.postponed() ? system.contacts.storeBeside() : nullptr;
 	const auto store = [&](int32_t contact, double pn, double pt) {
-		if (apart) {
-			apart[2 * contact] = pn;
-			apart[2 * contact + 1] = pt;
+		if (beside) {
+			beside[2 * contact] = pn;
+			beside[2 * contact + 1] = pt;
 			return;
 		}
 		system.contacts[contact].pn = pn;

@@ -178,8 +178,11 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	forgotten.clear();
 	noteLoads(world, settings);
 	while (!attempt(world, settings, report)) { }
-	if (report.solver.status == Status::diverged || !report.outran.empty())
+	spared = system.contacts.postponed();
+	if (report.solver.status == Status::diverged || !report.outran.empty()) {
+		system.contacts.setMade(); // `world` and `settings` may be gone when somebody reads them
 		return report; // the world has not been changed
+	}
 	report.dissipated += report.effort.stopped;
 	if (const int32_t i = report.solver.contact; i >= 0)
 		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
@@ -187,6 +190,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	report.maxPenetration = deepest;
 	finishContacts(world, settings, report);
 	finishSleepers(report);
+	spared = system.contacts.postponed();
+	system.contacts.setMade();
 	report.idle = !finishBodies(world, settings.dt) && rows == 0;
 	return report;
 }

@@ -105,7 +105,7 @@ class TimeStep : RowSource {
 	const std::array<double, 3>& impulseOn(std::size_t body) const { return impulses[body]; }
 
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
-	bool rowsPostponed() const { return system.contacts.postponed(); }
+	bool sparedRows() const { return spared; }
 	// Asked before the pairs are read, and told which parts of the scene a step has changed.
 	Sleepers sleepers;
 	// Share the work of a step, and of what is done before and after it.
@@ -114,7 +114,10 @@ class TimeStep : RowSource {
     private:
 	static void free(const Body&, double dt, BodyVelocity&);
 	void freeAgain(const World&, double dt);
-	bool beginBodies(const World&, double dt);
+	struct Begun {
+		bool turns, sameMasses;
+	};
+	Begun beginBodies(const World&, double dt);
 	void noteLoads(const World&, const StepSettings&);
 	bool meanVelocities(const World&, double dt, bool solved);
 	void tellNeeded(const World&, double dt, StepReport&) const;
@@ -126,7 +129,7 @@ class TimeStep : RowSource {
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
 	bool judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
-	void findContacts(World&, const StepSettings&, bool turns);
+	void findContacts(World&, const StepSettings&, const Begun&);
 	bool looksOn(const World&) const;
 	void prepare(World&, const StepSettings&);
 	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
@@ -140,7 +143,7 @@ class TimeStep : RowSource {
 	std::size_t load(const World&, std::size_t count, PairLanes*, const Which&, const double* inverseRadius = nullptr) const;
 	void fillRows(const World&, const StepSettings&, ContactRow* all, std::size_t from, std::size_t to);
 	static RowSettings asked(const StepSettings&);
-	bool findApart(const World&, const StepSettings&);
+	bool findSpecial(const World&, const StepSettings&);
 	void makeRows(std::vector<ContactRow>&) override;
 	ContactRow row(int32_t contact) const override;
 	std::array<double, 2> guess(int32_t contact) const override;
@@ -155,16 +158,17 @@ class TimeStep : RowSource {
 	bool lowerRebounds(const World&, const StepSettings&, const StepReport&);
 	static bool end(StepReport&);
 	void finishContacts(World&, const StepSettings&, StepReport&);
-	SleepingIsland* asleepAt(const ContactRow&);
+	SleepingIsland* asleepAt(int32_t a, int32_t b);
 	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
 	static constexpr std::size_t batch = 64;
 	void effectsOf(const World&, double rate, std::size_t from, std::size_t count, PairEffects*) const;
 	struct Account;
-	void accountFor(World&, const StepSettings&, double rate, std::size_t i, const ContactRow&, Account&);
-	void accountForPostponed(World&, const StepSettings&, double rate, std::size_t from, std::size_t count, Account&);
+	struct Effect;
+	Effect effectOf(std::size_t row, const ContactRow&, double rate) const;
+	void book(World&, const StepSettings&, std::size_t row, const Effect&, Account&);
+	void bookPostponed(World&, const StepSettings&, double rate, std::size_t from, std::size_t count, Account&);
 	Account account(World&, const StepSettings&, double dissipated, std::size_t from, std::size_t to);
 	static bool keeps(double nx, double ny, double pn, double pt, Carried&, double dt);
-	void carry(const ContactRow&, Carried&, const StepSettings&, double rate);
 	void release(const Pair&, Carried&);
 	struct Share;
 	Share share(std::size_t row, const ContactRow&) const;
@@ -204,11 +208,12 @@ class TimeStep : RowSource {
 	std::size_t rows = 0; // contacts of the system, while it is assembled
 	std::vector<char> special; // of each contact: whether the kernel cannot make its row
 	// These contacts, their rows if all rows are postponed, and of every contact its index among them, -1: none. Known for this contactSet.
-	std::vector<int32_t> apart, apartOf;
-	std::vector<ContactRow> apartRows;
-	std::size_t apartFor = 0;
+	std::vector<int32_t> specials, specialOf;
+	std::vector<ContactRow> specialRows;
+	std::size_t specialFor = 0;
 	const World* source = nullptr; // what postponed rows are made from
 	const StepSettings* sourceSettings = nullptr;
+	bool spared = false;
 	long listing = 0; // World::listing of the last step
 	bool appended = false; // the last step has added contacts
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
