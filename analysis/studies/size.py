@@ -91,8 +91,8 @@ def numbers(table):
     return {"1.58": [sizes[100][limit].median(), sizes[1600][limit].median(), sizes[1600][limit].max()],
             "10": [len(sizes[100]), len(sizes[400])], "1.42": sizes[100][limit].min(), "1.79": sizes[100][limit].max(),
             "1.49": sizes[400][limit].median(), "1.41": sizes[400][limit].min(), "1.74": sizes[400][limit].max(),
-            "3": [len(sizes[1600]), len(low[400])], "1.55": sizes[1600][limit].min(), "0.99": sizes[100][cd].min(),
+            "3": [len(sizes[1600]), len(low[400])], "1.55": sizes[1600][limit].min(), "1.51": sizes[6400][limit].max(), "0.99": sizes[100][cd].min(),
             "1.08": [sizes[100][cd].max(), sizes[400][cd].max()], "1.00": sizes[400][cd].min(), "1.01": sizes[1600][cd].min(),
-            "1.02": [sizes[1600][cd].max(), sizes[6400][cd].max()], "1.51": sizes[6400][limit].max(), "0.78": sizes[100][md].min(), "0.87": sizes[100][md].max(), "0.79": sizes[400][md].min(),
+            "1.02": [sizes[1600][cd].max(), sizes[6400][cd].max()], "0.78": sizes[100][md].min(), "0.87": sizes[100][md].max(), "0.79": sizes[400][md].min(),
             "0.91": sizes[400][md].max(), "0.85": sizes[1600][md].max(), "2.1e-6": low[100].median(), "5": len(low[100]),
             "1.1e-5": low[400].median(), "2.1e-5": low[1600].median()}
