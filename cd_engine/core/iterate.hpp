@@ -110,10 +110,11 @@ template <class S> class Iteration {
 	}
 
 	// For bodies that were stopped and carry nothing any more. Sweeps have subtracted the effect of the old impulses from the velocities, and the
-	// round-off of this may be all that is left to solve.
+	// round-off of this may be all that is left to solve. Where it hides that an island without impulses, beside others, is not solved, the error
+	// is infinite.
 	void clearRoundOff()
 	{
-		if (impulse < 1e-3 * largest) {
+		if (impulse < 1e-3 * largest || std::isinf(error)) {
 			sweep.restoreVelocities();
 			largest = impulse;
 		}

@@ -180,6 +180,9 @@ double ResidualSum::bodies() const
 {
 	if (missed == 0)
 		return 0;
+	// Nothing acts on any body, but a contact misses its law: the whole velocity change is missing. Else this would be 0 instead.
+	if (missed > 0 && std::isinf(least))
+		return std::numeric_limits<double>::infinity();
 	const double root = mass > 0 ? weighted / mass : 0, mean = root * root;
 	const double every = std::sqrt(static_cast<double>(contacts) * missed) / std::max(least, nothing * mean);
 	if (contacts <= touched)

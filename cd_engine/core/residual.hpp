@@ -19,8 +19,9 @@
 // need a hundred times the sweeps (400 disks, mu = 0.1, tolerance 1e-6: 9800 instead of 60). There, where the contacts make many loops (l), the
 // second number serves: relative to the mean over the mass, so that a heavy body counts by its mass. A body with s far below S may be wrong by S/s
 // times as much, but not one ten times heavier than a body that carries it: s' belongs to such heavy bodies and g' to the contacts of their carriers.
-// They only enter if the smallest s' is below 0.1 S. s counts as at least a millionth of S. Impulses are known to their round-off, which is an error
-// of the bodies, too: at least 2e-16 r under a disk r times as heavy.
+// They only enter if the smallest s' is below 0.1 S. s counts as at least a millionth of S. Where nothing acts on any body of an island, but a
+// contact misses its law, the error is infinite: all of the velocity change is missing. Impulses are known to their round-off, which is an error of
+// the bodies, too: at least 2e-16 r under a disk r times as heavy.
 #pragma once
 
 #include "contact_system.hpp"

@@ -86,3 +86,22 @@ TEST_CASE("what is below the round-off of the velocities is no error, what is ab
 	CHECK(OneContact(1, -1e-14, 0.0, 0, 0).e() == none);
 	CHECK(OneContact(0, -1e-30, 0.0, 0, 0).e() == none); // nothing else moves: this is the velocity itself
 }
+
+TEST_CASE("an island without impulses that misses its law is wrong by all of its velocity change, however much other islands bear")
+{
+	OneContact c(0, -1, 0.5, 1, 0);
+	c.system.bodies.resize(3);
+	c.system.bodies[2].w[0] = c.system.bodies[2].w[1] = 1;
+	c.system.contacts.push_back(c.system.contacts[0]);
+	c.system.contacts[1].b = 2;
+	c.system.contacts[1].pn = 0;
+	c.system.assembleBlocks();
+	c.free.insert(c.free.end(), { 0, -1e-9, 0 });
+	CHECK(residual(c.system, c.free).law() < 1e-8);
+	CHECK(std::isinf(residual(c.system, c.free).bodies));
+	c.free[7] = 1e-9; // it parts
+	CHECK(residual(c.system, c.free).error() < 1e-15);
+	c.free[7] = -1e-9;
+	c.system.contacts[1].pn = 1e-9;
+	CHECK(residual(c.system, c.free).error() < 1e-15);
+}

@@ -163,3 +163,80 @@ TEST_CASE("impulses that stopped bodies in the step before do not throw them bac
 				CHECK(std::abs(b.v[1]) <= 4e-15); // of the order of the velocities given, not of the guess
 		}
 }
+
+namespace {
+
+// Disks on a floor, each an island of its own: the first is pressed on it, nothing acts on the others. v: their velocities; p: the first guess of
+// all.
+ContactSystem besideALoad(std::initializer_list<double> v, double p)
+{
+	ContactSystem s;
+	s.bodies.resize(2 + v.size());
+	for (std::size_t i = 1; i < s.bodies.size(); i++) {
+		s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
+		s.bodies[i].w[2] = 2;
+		s.bodies[i].v[1] = i == 1 ? -1 : v.begin()[i - 2];
+		s.bodies[i].pushed = i == 1;
+		ContactRow c {};
+		c.b = static_cast<int32_t>(i);
+		c.ny = 1;
+		c.bt = -1;
+		c.mu = 0.3;
+		c.pn = p;
+		s.contacts.push_back(c);
+	}
+	s.assembleBlocks();
+	return s;
+}
+
+} // namespace
+
+TEST_CASE("a disk on which nothing acts is stopped by a floor, too, whatever other islands bear")
+{
+	for (const char* method : { "nsgs", "accelerated", "newton", "auto" })
+		for (const double guess : { 0., 1., 8.33 })
+			for (const double v : { -1e-3, -1e-9, -1e-12, -1e-17, -1e-30 }) {
+				ContactSystem s = besideALoad({ v, -v, 3 * v }, guess);
+				CAPTURE(method);
+				CAPTURE(guess);
+				CAPTURE(v);
+				SolverSettings settings;
+				settings.tolerance = 1e-2;
+				const SolverReport report = findSolver(method)(s, settings);
+				CHECK(report.status == Status::converged);
+				CHECK(report.iterations < 100);
+				CHECK(std::abs(s.bodies[2].v[1]) <= 1e-2 * std::abs(v));
+				CHECK(std::abs(s.bodies[3].v[1] + v) <= 1e-2 * std::abs(v));
+				CHECK(std::abs(s.bodies[4].v[1]) <= 3e-2 * std::abs(v));
+			}
+}
+
+TEST_CASE("momentum past zero impulses does not end in them")
+{
+	for (const char* method : { "accelerated", "newton", "auto" }) {
+		// A light disk creeps into the floor. It carried a heavier one that now leaves.
+		ContactSystem s = besideALoad({ -1e-9, 0.3 }, 1);
+		for (int k = 0; k < 3; k++) {
+			s.bodies[2].w[k] *= 40;
+			s.bodies[3].w[k] *= 1.4;
+		}
+		s.contacts[1].pn = 0.0045;
+		ContactRow& between = s.contacts[2];
+		between.a = 3;
+		between.b = 2;
+		between.nx = 0.6;
+		between.ny = -0.8;
+		between.pn = 0.1;
+		for (ContactRow& c : s.contacts)
+			c.bt = c.mu = 0;
+		s.assembleBlocks();
+		SolverSettings settings;
+		settings.tolerance = 1e-6;
+		const SolverReport report = findSolver(method)(s, settings);
+		CAPTURE(method);
+		CHECK(report.status == Status::converged);
+		CHECK(report.iterations < 100);
+		CHECK(std::abs(s.bodies[2].v[1]) <= 1e-14);
+		CHECK(std::abs(s.bodies[3].v[1] - 0.3) <= 1e-14);
+	}
+}

@@ -25,6 +25,7 @@ SLACK = 10         # error of a contact, over what the tolerance allows its two 
 SLACK_WHOLE = 3000
 ONLY_SLIDING = 1e-9  # distance from the cone at which "sliding" begins
 NOT_PUSHED = 1e-9    # overlap over the smaller radius that gapCorrection takes for round-off
+VANISHES = 1e-100  # in SI units; numbers that decay to zero lose their digits, so an error below this counts as none
 TOO_DEEP = "#.* overlap by|is behind Wall #"  # in the message that refuses overlaps too deep to be taken over
 UNSURE = object()  # stands for an exact solution that round-off has spoilt
 STATUS = {"converged", "fixed_iterations", "max_iterations", "stagnated", "no_solution"}
@@ -63,7 +64,7 @@ class Watch:
 
     def hold(self, law, found, allowed, what):
         """Raise Broken where |found| exceeds `allowed`; both are arrays, what(i) names the body or contact number i."""
-        found, allowed = np.abs(np.atleast_1d(found)), np.atleast_1d(allowed) + 1e-100  # numbers that decay to zero lose their digits
+        found, allowed = np.abs(np.atleast_1d(found)), np.atleast_1d(allowed) + VANISHES
         if found.size == 0:
             return
         share = np.where(found > 0, found / np.maximum(allowed, np.finfo(float).tiny), 0)
@@ -411,7 +412,8 @@ class Watch:
             return np.zeros((n, 3))
         matrix, needed = matrix[moves] / length[moves, None], needed[moves] / length[moves]
         scale = needed.max()
-        if scale <= 0:
+        # What has decayed to zero but for its last digits asks for no change that `hold` could see, and has no quotient with the other numbers.
+        if scale <= VANISHES ** 2:
             return np.zeros((n, 3))
         columns = np.flatnonzero(matrix.any(axis=0))
         tall = np.vstack([matrix[:, columns].T, needed / scale])
