@@ -16,22 +16,24 @@ def install(plugin):
         plugin.run_begins()
         if not wait:
             return originals["run"](self, nSteps)
-        plugin.wait_begins()
-        try:
-            return originals["run"](self, nSteps, True)
-        finally:
-            plugin.wait_ends()
+        waited(originals["run"], self, nSteps, True)
 
     def step(self):
         check()
         originals["step"](self)
 
     def wait(self):
+        waited(originals["wait"], self)
+
+    def waited(original, *arguments):
         plugin.wait_begins()
         try:
-            return originals["wait"](self)
+            original(*arguments)
         finally:
             plugin.wait_ends()
+            error = plugin.take_error()
+        if error:  # the run had ended before YADE began to wait, and YADE says nothing then
+            raise RuntimeError(error)
 
     def pause(self):
         plugin.pause_begins()

@@ -85,10 +85,11 @@ void ContactDynamics::action()
 	try {
 		takeOver();
 		advance();
-	} catch (...) {
+	} catch (const std::exception& error) {
 		link.catchUp(scene, step);
 		rest->wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 		last = {};
+		keepError(error.what());
 		throw;
 	}
 }

@@ -118,6 +118,7 @@ namespace {
 		py::def("wait_ends", endWait, "The end of that: the scene is up to date.");
 		py::def("pause_begins", pauseBegins, "Somebody is about to pause the run and to look at the scene.");
 		py::def("settle", ContactDynamics::settleLatest, "Bring the scene up to date.");
+		py::def("take_error", takeError, "The error that has ended the last run, if nobody has taken it; else empty.");
 		py::def("run_begins", runBegins, "A run begins or goes on.");
 		py::def("methods", methods, "Names of the contact solvers.");
 		py::def("instruction_sets", instructionSets, "Names of those the sweeps can use on this processor, the fastest first.");

@@ -1,5 +1,7 @@
-// Who waits for a run, and who has paused it. cd_engine/__init__.py calls these functions.
+// Who waits for a run, who has paused it, and what has ended it. cd_engine/run_hooks.py calls these functions.
 #pragma once
+
+#include <string>
 
 namespace cd_engine {
 
@@ -10,5 +12,8 @@ void waitEnds();
 // Another thread has paused the run. Until the next run begins, whoever looks at the scene must see the last step.
 void pauseBegins();
 void runBegins();
+// YADE forgets the error of a run that has ended before somebody begins to wait for it. So it is kept here until it is taken or the next run begins.
+void keepError(const std::string&);
+std::string takeError(); // empty: there is none
 
 } // namespace cd_engine

@@ -51,6 +51,18 @@ def test_a_run_may_be_ended_by_it(O):
     assert engine.converged and engine.unconvergedSteps == 1
 
 
+def test_the_error_of_a_run_that_has_ended_is_told_to_who_waits(O):
+    """YADE itself says nothing if the run has ended before somebody waits."""
+    engine = press(O, speed=0.1)
+    engine.stopUnsolved = True
+    O.run(5)
+    while O.running:
+        pass
+    with pytest.raises(RuntimeError, match="stopUnsolved"):
+        O.wait()
+    O.wait()
+
+
 @pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
 @pytest.mark.parametrize("share", [1e-1, 1e-2, 1e-4])
 def test_nor_where_the_boundary_is_slow_beside_gravity(O, method, share):
