@@ -111,7 +111,7 @@ static unsigned assembleGroup(
 		store(g.inverseWtt + lane, 1 / r.wtt);
 		store(g.pn + lane, r.pn);
 		store(g.pt + lane, r.pt);
-		double wnn[LANES]; // an index into the vector itself is miscompiled by GCC 12 with -fsanitize=undefined
+		alignas(sizeof(Vector)) double wnn[LANES]; // an index into the vector itself is miscompiled by GCC 12 with -fsanitize=undefined
 		store(wnn, r.wnn);
 		for (int l = 0; l < LANES; l++)
 			unknown |= static_cast<unsigned>(!(wnn[l] > 0)) << (lane + l);
