@@ -1,5 +1,6 @@
 // Selects the pairs that are contacts in a step, and sets up their equations.
 #include "group_kernel.hpp"
+#include "load_pairs.hpp"
 #include "time_step.hpp"
 
 #include <algorithm>
@@ -234,37 +235,6 @@ void TimeStep::askRebound(const World& world, std::size_t row, ContactRow& c, do
 		c.bias = Rebounds::bias(c.bias, rebound);
 }
 
-// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left. rows: also what rows need;
-// inverseRadius: and what groups need.
-template <bool rows, class Which>
-inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius) const
-{
-	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
-	for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
-		const int32_t index = which(std::min(k, count - 1));
-		const Pair& pair = world.pairs[index];
-		PairLanes& p = lanes[k / PairLanes::lanes];
-		const std::size_t lane = k % PairLanes::lanes;
-		p.a[lane] = pair.a;
-		p.b[lane] = pair.b;
-		p.reference[lane] = pair.reference;
-		__builtin_prefetch(&places[pair.a]);
-		__builtin_prefetch(&places[pair.b]);
-		if (!rows)
-			continue;
-		p.ends[lane] = { pair.a, pair.b };
-		p.index[lane] = index;
-		p.mu[lane] = pair.mu;
-		if (inverseRadius) {
-			p.scaleA[lane] = inverseRadius[pair.a];
-			p.scaleB[lane] = inverseRadius[pair.b];
-		}
-		__builtin_prefetch(&system.bodies[pair.a]);
-		__builtin_prefetch(&system.bodies[pair.b]);
-	}
-	return groups;
-}
-
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
 void TimeStep::fillRows(const World& world, const StepSettings& settings, ContactRow* rows, std::size_t from, std::size_t to)
 {
@@ -290,79 +260,6 @@ void TimeStep::fillRows(const World& world, const StepSettings& settings, Contac
 RowSettings TimeStep::asked(const StepSettings& settings)
 {
 	return { settings.dt, settings.gapCorrection, settings.allowedOverlap, -std::max(pushedOut, settings.allowedOverlap), onCone };
-}
-
-void TimeStep::makeRows(std::vector<ContactRow>& all)
-{
-	forRanges(&threads, all.size(), [&](std::size_t from, std::size_t to) { fillRows(*source, *sourceSettings, all.data(), from, to); });
-	for (std::size_t k = 0; k < specials.size(); k++) // made before the solution, which may have turned a box
-		all[specials[k]] = specialRows[k];
-}
-
-ContactRow TimeStep::row(int32_t contact) const
-{
-	if (specialOf[contact] >= 0)
-		return specialRows[specialOf[contact]];
-	double turned;
-	return rowOf(*source, rowPair[contact], *sourceSettings, turned);
-}
-
-std::array<double, 2> TimeStep::guess(int32_t contact) const { return firstGuess(*source, rowPair[contact], *sourceSettings); }
-
-void TimeStep::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const
-{
-	PairLanes pairs[batch / PairLanes::lanes];
-	const std::size_t most = batch / PairLanes::lanes;
-	const RowSettings settings = asked(*sourceSettings);
-	for (std::size_t from = 0; from < count; from += most, contacts += batch) {
-		const std::size_t here = std::min(most, count - from);
-		const auto which = [&](std::size_t k) { return rowPair[std::max(contacts[k], 0)]; };
-		if (from + most < count) // the next ones: in the order of the groups no processor foresees them
-			for (std::size_t k = batch; k < 2 * batch && k < (count - from) * PairLanes::lanes; k++) {
-				__builtin_prefetch(&source->pairs[which(k)]);
-				__builtin_prefetch(&source->carried[which(k)]);
-			}
-		load<true>(*source, here * PairLanes::lanes, pairs, which, inverseRadius);
-		for (std::size_t k = 0; k < here; k++) {
-			unsigned unknown = groupKernel().assembleGroup(
-			    places.data(), system.bodies.data(), source->carried.data(), pairs[k], groups[from + k], settings);
-			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
-				unknown |= static_cast<unsigned>(contacts[k * PairLanes::lanes + lane] < 0) << lane;
-			left[from + k] = static_cast<uint8_t>(unknown);
-		}
-	}
-}
-
-// What the solved impulses of postponed contacts do.
-void TimeStep::effectsOf(const World& world, double rate, std::size_t from, std::size_t count, PairEffects* effects) const
-{
-	PairLanes pairs[batch / PairLanes::lanes];
-	const std::size_t groups = load<false>(world, count, pairs, [&](std::size_t k) { return rowPair[from + k]; });
-	groupKernel().effects(places.data(), means.data(), system.contacts.solution() + 2 * from, count, rate, pairs, effects, groups);
-}
-
-// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether they push nothing and can be solved, as
-// all others can.
-bool TimeStep::findSpecial(const World& world, const StepSettings& settings)
-{
-	if (specialFor != system.contactSet) {
-		specialFor = system.contactSet;
-		specials.clear();
-		specialOf.assign(rows, -1);
-		for (std::size_t i = 0; i < rows; i++)
-			if (special[i]) {
-				specialOf[i] = static_cast<int32_t>(specials.size());
-				specials.push_back(static_cast<int32_t>(i));
-			}
-	}
-	specialRows.resize(specials.size());
-	for (std::size_t k = 0; k < specials.size(); k++) {
-		double turned;
-		specialRows[k] = rowOf(world, rowPair[specials[k]], settings, turned);
-		if (!(specialRows[k].wnn > 0) || !(specialRows[k].bias >= 0))
-			return false;
-	}
-	return true;
 }
 
 // Keeps the rows of the last step, so that they are not constructed again.

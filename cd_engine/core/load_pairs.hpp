@@ -1,0 +1,42 @@
+// How pairs are given to the kernels (group_kernel.hpp), a part of TimeStep.
+#pragma once
+
+#include "group_kernel.hpp"
+#include "time_step.hpp"
+
+#include <algorithm>
+
+namespace cd {
+
+// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left. rows: also what rows need;
+// inverseRadius: and what groups need.
+template <bool rows, class Which>
+inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius) const
+{
+	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
+	for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
+		const int32_t index = which(std::min(k, count - 1));
+		const Pair& pair = world.pairs[index];
+		PairLanes& p = lanes[k / PairLanes::lanes];
+		const std::size_t lane = k % PairLanes::lanes;
+		p.a[lane] = pair.a;
+		p.b[lane] = pair.b;
+		p.reference[lane] = pair.reference;
+		__builtin_prefetch(&places[pair.a]);
+		__builtin_prefetch(&places[pair.b]);
+		if (!rows)
+			continue;
+		p.ends[lane] = { pair.a, pair.b };
+		p.index[lane] = index;
+		p.mu[lane] = pair.mu;
+		if (inverseRadius) {
+			p.scaleA[lane] = inverseRadius[pair.a];
+			p.scaleB[lane] = inverseRadius[pair.b];
+		}
+		__builtin_prefetch(&system.bodies[pair.a]);
+		__builtin_prefetch(&system.bodies[pair.b]);
+	}
+	return groups;
+}
+
+} // namespace cd
