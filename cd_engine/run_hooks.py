@@ -20,7 +20,10 @@ def install(plugin):
 
     def step(self):
         check()
-        originals["step"](self)
+        try:
+            originals["step"](self)
+        finally:
+            plugin.take_error()  # YADE itself has raised it, if there is one
 
     def wait(self):
         waited(originals["wait"], self)

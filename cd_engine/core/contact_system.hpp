@@ -80,13 +80,13 @@ class RowSource {
 	virtual ContactRow row(int32_t contact) const = 0;
 	// The first guess of a contact.
 	virtual std::array<double, 2> guess(int32_t contact) const = 0;
-	// Writes contacts straight into the lanes of `count` groups (group.hpp), eight a group. inverseRadius: of every body, 1/k. Sets a bit of
-	// `left` for each lane that only row() can tell, and for every empty lane (-1).
+	// Writes contacts straight into the lanes of `count` groups (group.hpp), eight a group. inverseRadius: of every body, one over its radius of
+	// gyration. Sets a bit of `left` for each lane that only row() can tell, and for every empty lane (-1).
 	virtual void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const = 0;
 };
 
-// The contacts of a system. Where nothing but the numbers of the contacts has changed since the last step, sweeps take them from the step itself, and
-// the rows are made only if somebody reads one. Not thread-safe before they are made.
+// The contacts of a system. Where they are those of the last step, and only gaps, normals and impulses have changed, sweeps take them from the step
+// itself, and the rows are made only if somebody reads one. Not thread-safe before they are made.
 class ContactRows {
     public:
 	std::size_t size() const { return rows.size(); }
@@ -109,7 +109,12 @@ class ContactRows {
 		source = from;
 		solved = false;
 	}
-	void setMade() { source = nullptr; }
+	// Nobody makes the rows any more; those of a step that postponed them are old.
+	void forgetSource()
+	{
+		source = nullptr;
+		solved = false;
+	}
 	const RowSource* postponed() const { return source; } // null: the rows are made
 	void make() const { (void)all(); }
 	std::vector<ContactRow>& all() const
@@ -127,7 +132,7 @@ class ContactRows {
 		return impulses.data();
 	}
 	const double* solution() const { return impulses.data(); }
-	bool isSolved() const { return solved; }
+	bool solvedBeside() const { return source && solved; }
 	void forgetSolution() { solved = false; }
 
     private:

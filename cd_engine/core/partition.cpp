@@ -53,8 +53,8 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 
 bool Partition::update(const ContactSystem& system, Threads* threads)
 {
-	const bool freedoms = sameFreedoms(system, threads);
-	if (sameLinks(system, threads) && freedoms)
+	const bool bodies = sameFreedoms(system, threads), contacts = sameLinks(system, threads); // both, since both renew what is kept
+	if (bodies && contacts)
 		return false;
 	name.resize(freedom.size());
 	std::iota(name.begin(), name.end(), 0);

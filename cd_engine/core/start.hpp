@@ -24,7 +24,7 @@ class Start {
 	    , kept(s.memory)
 	{
 		velocities.resize(3 * s.bodies.size());
-		if (s.contacts.isSolved()) // else the source of postponed rows still knows the guess
+		if (s.contacts.solvedBeside()) // else the source of postponed rows still knows the guess
 			s.contacts.make();
 		source = s.contacts.postponed();
 		impulses.resize(source ? 0 : 2 * s.contacts.size());

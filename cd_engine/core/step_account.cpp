@@ -127,7 +127,7 @@ inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, doub
 	return { share(row, c), { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx } }, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
 }
 
-// Books it on the pair, the bodies and the sums.
+// Books the effect of a contact on its pair, its bodies and the sums.
 inline void TimeStep::book(World& world, const StepSettings& settings, size_t row, const Effect& e, Account& sum)
 {
 	const Share& of = e.share;
@@ -150,7 +150,7 @@ inline void TimeStep::book(World& world, const StepSettings& settings, size_t ro
 	sum.dissipated -= e.work;
 }
 
-// Of postponed contacts, up to `batch`.
+// The same for `count` postponed contacts, at most `batch`.
 inline void TimeStep::bookPostponed(World& world, const StepSettings& settings, double rate, size_t from, size_t count, Account& sum)
 {
 	PairEffects effects[batch / PairLanes::lanes];
@@ -203,7 +203,7 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 			if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
 				impulses[i] = { 0, 0, 0 };
 	});
-	if (!sleepers.none() || !system.contacts.isSolved())
+	if (!sleepers.none() || !system.contacts.solvedBeside())
 		system.contacts.make();
 	// A single thread adds the shares to the bodies at once, without storing them.
 	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());

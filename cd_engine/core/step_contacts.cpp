@@ -422,7 +422,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, const Be
 	const bool pushes = begun.turns || settings.gapCorrection != 0 || settings.restitution != 0;
 	if (same && !pushes && settings.warmStart && sleepers.none() && findSpecial(world, settings))
 		return system.contacts.postpone(this);
-	system.contacts.setMade();
+	system.contacts.forgetSource();
 	ContactRow* const first = system.contacts.data();
 	forEach(&threads, cut.parts,
 	    [&](std::size_t part) { fillRows(world, settings, first, parts[part].first, parts[part].first + parts[part].contacts); });

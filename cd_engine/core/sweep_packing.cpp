@@ -65,10 +65,11 @@ bool Sweep::sameLeftOut() const
 	    || !anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable && !(links[i] == linkOf(system.contacts[i])); });
 }
 
-// Whether sweeps may take the contacts from the step itself: they link the same bodies as those that were grouped, and nobody asks for single ones.
+// Whether sweeps may take the contacts from the step itself: they link the same bodies as those that were grouped, in one island, and no body carries
+// one that is far heavier (findAsked); else errors are summed contact by contact, from rows.
 bool Sweep::sameContacts() const
 {
-	return system.contacts.postponed() && !system.contacts.isSolved() && packed.contactSet == system.contactSet
+	return system.contacts.postponed() && !system.contacts.solvedBeside() && packed.contactSet == system.contactSet
 	    && packed.blocks.contacts.size() == system.contacts.size() && packed.partition.islands.size() == 1 && packed.carried.empty();
 }
 

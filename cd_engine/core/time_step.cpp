@@ -180,7 +180,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	while (!attempt(world, settings, report)) { }
 	spared = system.contacts.postponed();
 	if (report.solver.status == Status::diverged || !report.outran.empty()) {
-		system.contacts.setMade(); // `world` and `settings` may be gone when somebody reads them
+		system.contacts.forgetSource(); // `world` and `settings` may be gone when somebody reads them
 		return report; // the world has not been changed
 	}
 	report.dissipated += report.effort.stopped;
@@ -191,7 +191,7 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	finishContacts(world, settings, report);
 	finishSleepers(report);
 	spared = system.contacts.postponed();
-	system.contacts.setMade();
+	system.contacts.forgetSource();
 	report.idle = !finishBodies(world, settings.dt) && rows == 0;
 	return report;
 }

@@ -85,12 +85,16 @@ void ContactDynamics::action()
 	try {
 		takeOver();
 		advance();
-	} catch (const std::exception& error) {
+	} catch (...) {
 		link.catchUp(scene, step);
 		rest->wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 		last = {};
-		keepError(error.what());
-		throw;
+		try {
+			throw;
+		} catch (const std::exception& error) {
+			keepError(error.what());
+			throw;
+		}
 	}
 }
 

@@ -61,6 +61,9 @@ def test_the_error_of_a_run_that_has_ended_is_told_to_who_waits(O):
     with pytest.raises(RuntimeError, match="stopUnsolved"):
         O.wait()
     O.wait()
+    with pytest.raises(RuntimeError, match="stopUnsolved"):
+        O.step()
+    O.wait()
 
 
 @pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])

@@ -3,8 +3,8 @@
     yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
 
 Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact Dynamics comes
-first: SETTLING steps to a tenth of the tolerance and as many to the tolerance, which are not counted, then `steps` steps in RUNS runs. Springs make
-SETTLING steps that are not counted and as many runs. Times are processor time, medians
+first: SETTLING steps to a tenth of the tolerance and SETTLING to the tolerance, not counted; then RUNS runs of steps/RUNS each. Springs follow:
+SETTLING steps, not counted, and the same runs. Times are processor time, medians
 over the runs; nothing is recorded within them. Each run begins with a search by YADE's collider and ends with all contacts written to the scene,
 which counts. The last line printed is the row in JSON.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.

@@ -83,7 +83,7 @@ def growing(energy, start):
     quarter = len(energy) // 4
     late = max(energy[-quarter:])
     growth = late / max(max(energy[quarter:2 * quarter]), 1e-300)
-    return growth, not max(energy) <= GROWN_IN_ALL * start or (growth > GROWN and late > 1e-12 * start)
+    return growth, any(map(math.isnan, energy)) or max(energy) > GROWN_IN_ALL * start or (growth > GROWN and late > 1e-12 * start)
 
 
 def errors(way, step, damping):
