@@ -27,7 +27,8 @@ def summarize(runs):
     rows = []
     for (method, slot), group in summary.groups(runs, lambda run: (run.method, run.parameters["slot"])).items():
         rates = np.array([float(run.extra["rate"]) for run in group]) / np.sqrt(slot)  # the scene counts in sqrt(D/g)
-        rows.append({"method": method, "width": slot, "rate": float(rates.mean()), "seeds": len(rates), "unsolved": _unsolved(group) if method == "CD" else 0.0,
+        rows.append({"method": method, "width": slot, "rate": float(rates.mean()), "seeds": len(rates),
+                     "unsolved": _unsolved(group) if method == "CD" else 0.0,
                      "deviation": float(rates.std(ddof=1) / np.sqrt(len(rates))) if len(rates) > 1 else np.nan})
     for method in {row["method"] for row in rows}:
         own = [row for row in rows if row["method"] == method]
@@ -86,7 +87,8 @@ def numbers(table):
     apart, error = 100 * (md.rate / cd.rate - 1), 100 * np.hypot(md.deviation / md.rate, cd.deviation / cd.rate)
     assert list(apart[apart.abs() > 2 * error].index) == [10]
     return {"2.5": _miss(cd, 1.5), "0.9": _miss(md, 1.5), "3.1": _miss(cd, 1.45), "2.8": _miss(cd, 1.6), "1.18": cd.C.iloc[0],
-            "2.33": cd.k.iloc[0], "0.13": _error_of_k(cd), "1.15": md.C.iloc[0], "2.07": md.k.iloc[0], "0.03": _error_of_k(md), "0.1": apart.abs().min(),
-            "8.0": apart.abs().max(), "1.4": error.min(), "6.9": error.max(), "5": len(cd), "5.0": apart[10], "1.5": [error[10], 100 * cd.unsolved.min()],
+            "2.33": cd.k.iloc[0], "0.13": _error_of_k(cd), "1.15": md.C.iloc[0], "2.07": md.k.iloc[0], "0.03": _error_of_k(md),
+            "0.1": apart.abs().min(), "8.0": apart.abs().max(), "1.4": error.min(), "6.9": error.max(), "5": len(cd), "5.0": apart[10],
+            "1.5": [error[10], 100 * cd.unsolved.min()],
             "4": [cd.seeds.min(), cd.seeds.max()], "2": md.seeds.max(),
             "3.3": 100 * cd.unsolved.max()}

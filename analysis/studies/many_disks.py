@@ -59,5 +59,5 @@ def numbers(table):
     done = table[table.seconds.notna()].set_index("method")
     cd, md = done.loc["CD"], done.loc["MD"]
     more = md.seconds / cd.seconds
-    return {"368": cd.seconds, "1677": md.seconds, "4.6": more, "0.47": md.overlap, "7.0": 100 * (1 - md.height / cd.height), "0.12": cd.overlap, "3.2": 10**0.5,
-            "14": more * 10**0.5, "1.2": 100 * cd.unsolved}
+    return {"368": cd.seconds, "1677": md.seconds, "4.6": more, "0.47": md.overlap, "7.0": 100 * (1 - md.height / cd.height),
+            "0.12": cd.overlap, "3.2": 10**0.5, "14": more * 10**0.5, "1.2": 100 * cd.unsolved}
