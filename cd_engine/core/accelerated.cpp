@@ -5,7 +5,8 @@
 // diverge. beta is therefore capped. The cap is lowered whenever the changes by the sweeps do not decrease over a window, unless the iterate drifts,
 // that is, moves straight on by the same change in each sweep. Frictional packings are hyperstatic: if residual gaps do not let all loaded contacts
 // stay closed or sticking, the impulses move along a self-stress. This changes no velocity, and so no error, until a contact opens or slides, far
-// away (1e4 to 1e6 plain sweeps, at errors from 1e-6 down). Momentum shortens such drifts. An iteration costs a sweep, 32 bytes a contact more, and a
+// away (1e4 to 1e6 plain sweeps, at errors from 1e-6 down). Momentum shortens such drifts. Elsewhere it may keep the error from falling; plain sweeps
+// then take part (iterate.hpp). An iteration costs a sweep, 32 bytes a contact more, and a
 // pass over the velocities. In the matrix form momentum is local (row_momentum.hpp).
 //
 // Alternatives tried on cold dense packings of 400 and 4000 disks, mu 0.1 and 0.5, none of them better (median sweeps to 1e-6 relative to this): a
@@ -44,6 +45,9 @@ namespace {
 				watch();
 		}
 
+		void restart() { t = 1; }
+		bool drifts() const { return drifting; }
+
 	    private:
 		static constexpr int window = 20; // sweeps over which the changes must decrease
 		static constexpr double highest = 0.999; // upper limit of the cap
@@ -72,10 +76,10 @@ namespace {
 		{
 			// The limit may grow by 5 % a window, because each drift has its own pace.
 			smallest = std::min(now.change, 1.05 * smallest);
-			const bool drift = now.straight() && now.change <= 1.1 * smallest;
+			drifting = now.straight() && now.change <= 1.1 * smallest;
 			const bool spike = now.largest > 4 * last.change / window;
 			// Momentum does harm if a window is no better than the last one or contains a spike.
-			const bool worse = spike || (now.change > 0.98 * last.change && !drift);
+			const bool worse = spike || (now.change > 0.98 * last.change && !drifting);
 			cap = worse && last.change > 0 ? std::max(0., 1 - 1.5 * (1 - cap)) : std::min(highest, 1 - 0.8 * (1 - cap));
 			last = now;
 			now = {};
@@ -87,40 +91,44 @@ namespace {
 		Window now, last;
 		double smallest = std::numeric_limits<double>::infinity(); // smallest change in a window
 		int made = 0;
+		bool drifting = false; // in the last window
 	};
 
-	// Momentum can oscillate for ever. Over W = 1 + 0.02, all entries, 1000 contacts, a momentum for each group stays at an error of 0.6, while
-	// plain sweeps need 250; the same happens over a tree of bodies. Plain sweeps are therefore tried, too: after `firstTrial` sweeps if
-	// `always` is set, else once momentum has gained nothing in half of its sweeps at an error too large for a drift. Both are compared at the
-	// same number of sweeps. The one with the smaller error goes on to four times as many, then the other catches up to a new comparison. Where
-	// momentum leads, its path is the same to the last bit.
-	template <class S, class Method>
-	SolverReport besidePlain(typename S::System& system, const SolverSettings& settings, int firstTrial, bool always, const Method& method)
+	struct RowMomentumSweeps {
+		DelassusSweep& sweep;
+		void operator()() { sweep.ahead(); }
+		void restart() { }
+		bool drifts() const { return true; } // its groups restart one by one
+	};
+
+	// Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps need 250.
+	// Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to four times as
+	// many, then the other catches up to a new comparison. Where momentum leads, its path is the same to the last bit.
+	SolverReport besidePlain(DelassusSystem& system, const SolverSettings& settings)
 	{
-		constexpr int share = 4;
-		constexpr double drifting = 1e-2; // below this error, momentum that stands still is mostly in a drift, and goes on
+		constexpr int share = 4, firstTrial = 100;
 		const int all = settings.maxIterations;
+		const auto method = [](DelassusSweep& sweep) { return RowMomentumSweeps { sweep }; };
 		if (settings.fixedIterations > 0 || all <= firstTrial)
-			return iterate<S>(system, settings, method);
+			return iterate<DelassusSweep>(system, settings, method);
 		const Kept start(system, settings);
-		S withMomentum(system, settings.seed, settings.threads);
-		auto improve = method(withMomentum);
-		Iteration<S> first(withMomentum, settings);
+		DelassusSweep withMomentum(system, settings.seed, settings.threads);
+		RowMomentumSweeps improve = method(withMomentum);
+		Iteration<DelassusSweep> first(withMomentum, settings);
 		first.begin();
-		int until = firstTrial;
-		do {
-			if (first.advance(improve, until, all))
-				return first.conclude();
-			until = until > all / 2 ? all : 2 * until;
-		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
+		if (first.advance(improve, firstTrial, all))
+			return first.conclude();
 		start->free(system);
 		start->guess(system);
-		S plain(system, settings.seed, settings.threads);
-		Iteration<S> second(plain, settings);
+		DelassusSweep sweep(system, settings.seed, settings.threads);
+		PlainSweeps<DelassusSweep> plain { sweep };
+		Iteration<DelassusSweep> second(sweep, settings);
 		second.begin();
 		const auto toFirst = [&](int until) { return first.advance(improve, until, all - second.iterations()); };
 		const auto toSecond = [&](int until) { return second.advance(plain, until, all - first.iterations()); };
-		const auto later = [&](const Iteration<S>& other) { return other.iterations() > all / share ? all : share * other.iterations(); };
+		const auto later = [&](const Iteration<DelassusSweep>& other) {
+			return other.iterations() > all / share ? all : share * other.iterations();
+		};
 		const auto end = [&](bool usesPlain) {
 			SolverReport report = usesPlain ? second.conclude() : first.conclude();
 			report.iterations = first.iterations() + second.iterations();
@@ -148,12 +156,12 @@ namespace {
 
 SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
 {
-	return besidePlain<Sweep>(system, settings, 300, false, [](Sweep& sweep) { return Momentum(sweep); });
+	return iterate<Sweep>(system, settings, [](Sweep& sweep) { return Momentum(sweep); });
 }
 
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
 {
-	return besidePlain<DelassusSweep>(system, settings, 100, true, [](DelassusSweep& sweep) { return [&sweep] { sweep.ahead(); }; });
+	return besidePlain(system, settings);
 }
 
 } // namespace cd

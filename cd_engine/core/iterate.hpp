@@ -11,6 +11,15 @@
 
 namespace cd {
 
+// A method: operator() makes a sweep of it. restart: it forgets its momentum. drifts: its sweeps go straight on towards a change that only momentum
+// brings soon. This one has no momentum.
+template <class S> struct PlainSweeps {
+	S& sweep;
+	void operator()() { sweep(); }
+	void restart() { }
+	bool drifts() const { return true; }
+};
+
 // S: Sweep or DelassusSweep, for the two forms that a problem can have.
 template <class S> class Iteration {
     public:
@@ -21,7 +30,6 @@ template <class S> class Iteration {
 	{
 	}
 
-	// improve() makes one sweep of the method.
 	template <class Improve> SolverReport run(Improve& improve)
 	{
 		if (settings.fixedIterations > 0) {
@@ -58,8 +66,11 @@ template <class S> class Iteration {
 			if (report.iterations >= until)
 				return false;
 			const int more = std::min({ most - report.iterations, inVain - report.iterations, untilNext() });
-			for (int i = 0; i < more; i++)
+			const int plain = smooths && !improve.drifts() ? std::min(smoothing, more) : 0;
+			for (int i = plain; i < more; i++)
 				improve();
+			if (plain > 0)
+				smooth(improve, plain);
 			report.iterations += more;
 			count(more);
 			evaluate();
@@ -72,6 +83,7 @@ template <class S> class Iteration {
 				reached = error;
 				reachedAt = report.iterations;
 			}
+			smooths = smooths || idle() > patience * report.iterations;
 		}
 		if (std::isnan(error))
 			return giveBest(Status::diverged);
@@ -96,6 +108,19 @@ template <class S> class Iteration {
 	int idle() const { return report.iterations - reachedAt; } // sweeps since this error fell
 
     private:
+	// Momentum may keep errors alive that change from contact to contact, as contacts open, close and slide: in a silo of 2000 disks the error stays at
+	// three tolerances for hundreds of sweeps. Plain sweeps damp these errors first. Once the error has not fallen for a share of all sweeps, some are
+	// plain, therefore, before each look at it: 3 instead of none take 1160 sweeps to 1e-3 for ten steps of that silo, not 13400. From the begin they
+	// would cost half as many sweeps again in dense packings at rest, where momentum never stands still.
+	static constexpr int smoothing = 3;
+	static constexpr double patience = 0.3;
+	template <class Improve> void smooth(Improve& improve, int plain)
+	{
+		for (int i = 0; i < plain; i++)
+			sweep();
+		improve.restart();
+	}
+
 	// Returns how many sweeps to make before the error is computed again, which costs as much as five sweeps: as many as the recent convergence
 	// needs to reach the tolerance, at least 4, at most a quarter of those made, and at most sqrt(2 x 5 x made). This last bound minimises the
 	// cost of the errors plus the mean number of superfluous sweeps. It is needed because with momentum the error rises and falls on its way.
@@ -160,6 +185,7 @@ template <class S> class Iteration {
 	double impulse = 0, largest = 0; // |p| now, and the largest since the velocities were last made from the impulses [N s]
 	double reached = 0; // smallest error so far, to within 1 %
 	int reachedAt = 0; // sweeps made when it was reached
+	bool smooths = false;
 	double lastError = 0; // at the last look, after lastIterations sweeps
 	int lastIterations = 0;
 	struct {

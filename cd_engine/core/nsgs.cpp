@@ -9,7 +9,7 @@ namespace {
 
 	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
 	{
-		return iterate<S>(system, settings, [](S& sweep) { return [&sweep] { sweep(); }; });
+		return iterate<S>(system, settings, [](S& sweep) { return PlainSweeps<S> { sweep }; });
 	}
 
 } // namespace
