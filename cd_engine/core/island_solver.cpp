@@ -170,18 +170,22 @@ int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
 		place[body] = static_cast<int32_t>(partBodies.size());
 		partBodies.push_back(body);
 		part.bodies.push_back(system.bodies[body]);
+		const double* const free = &freeVelocity[3 * static_cast<std::size_t>(body)];
+		partFree.insert(partFree.end(), free, free + 3);
+		std::copy_n(free, 3, part.bodies.back().v);
 		if (!system.places.empty())
 			part.places.push_back(system.places[body]);
 	}
 	return place[body];
 }
 
-// Takes the wanted islands: contacts in the order of the system, bodies with the velocities that they have in the system.
+// Takes the wanted islands: contacts in the order of the system, bodies with their free velocities.
 void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Island&))
 {
 	part.bodies.clear();
 	part.places.clear();
 	part.contacts.clear();
+	partFree.clear();
 	partBodies.clear();
 	partContacts.clear();
 	partIsland.clear();
@@ -197,7 +201,6 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 		partContacts.push_back(static_cast<int32_t>(i));
 		partIsland.push_back(partition.ofContact[i]);
 	}
-	copyVelocities(part, partFree, nullptr);
 }
 
 // Replaces the errors of the islands of the part by new ones.
@@ -219,9 +222,9 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 {
 	factorizations = 0;
 	unsolvable = {};
-	if (sleeping == static_cast<int>(islands.size()))
+	if (found.size() == islands.size())
 		return Status::converged;
-	if (sleeping == 0)
+	if (found.empty())
 		addResiduals(system, freeVelocity, partition.ofContact, sums);
 	else {
 		takePart(system, [](const Island& island) { return !island.asleep; });
@@ -272,9 +275,17 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 			partSums.push_back(sums[k]);
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
+	auto next = found.begin();
+	const auto addFound = [&](int32_t before) {
+		for (; next != found.end() && next->name < before; next++)
+			partSums.push_back(next->error);
+	};
 	if (sleepers)
-		for (const SleepingIsland& island : sleepers->islands())
+		for (const SleepingIsland& island : sleepers->islands()) {
+			addFound(island.name);
 			partSums.push_back(island.error);
+		}
+	addFound(std::numeric_limits<int32_t>::max());
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);
@@ -294,19 +305,17 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 SolverReport IslandSolver::operator()(
     ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
 {
+	found.clear();
 	if (settings.fixedIterations > 0 || settings.seed > 0)
 		return solveWhole(system, method, settings, effort);
 	findIslands(system, settings.threads);
 	countUnknowns(effort);
 	copyVelocities(system, freeVelocity, settings.threads);
 	sums.assign(islands.size(), {});
-	sleeping = 0;
-	if (stillness) {
-		stillness->sleepers.startSearch(system.bodies.size());
-		recognise(system, *stillness, settings.tolerance);
-	}
+	if (stillness)
+		recognise(system, stillness->before, settings.tolerance);
 	solveLoneContacts(system, settings.tolerance);
-	const bool inPlace = (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
+	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
 	SolverReport report;
 	if (inPlace)
 		report = solveInPlace(system, method, settings);
@@ -319,14 +328,12 @@ SolverReport IslandSolver::operator()(
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;
-	effort.sleeping = sleeping;
 	if (stillness) {
-		countSleepersOn(effort, stillness->sleepers);
 		SolverSettings left = settings; // maxIterations bounds the whole step
 		left.maxIterations -= report.iterations;
 		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0)
 			prove(system, *stillness, left, effort);
-		stop(system, stillness->sleepers);
+		stop(system, stillness->sleepers, effort);
 	}
 	return report;
 }
