@@ -12,7 +12,9 @@
 #include "island_solver.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <functional>
+#include <limits>
+#include <string_view>
 
 namespace cd {
 namespace {
@@ -39,23 +41,16 @@ namespace {
 
 int fingerprint(const double gained[3])
 {
-	uint64_t hash = 0;
-	for (int k = 0; k < 3; k++) {
-		const double positive = gained[k] + 0.; // turns -0 into +0
-		uint64_t bits;
-		std::memcpy(&bits, &positive, sizeof bits);
-		hash = (hash ^ bits) * 0x9e3779b97f4a7c15;
-		hash ^= hash >> 32;
-	}
-	return static_cast<int>(hash & 0x7fffffff);
+	const double positive[] = { gained[0] + 0., gained[1] + 0., gained[2] + 0. }; // turns -0 into +0
+	return std::hash<std::string_view>()({ reinterpret_cast<const char*>(positive), sizeof positive }) & 0x7fffffff;
 }
 
 // Clears `calm` of the islands that have, or touch, a body that meets the condition.
 template <class Condition> void IslandSolver::excite(const Condition& moves)
 {
-	for (const Link& link : partition.links)
-		if (const int32_t k = std::max(partition.ofBody[link.a], partition.ofBody[link.b]); k >= 0 && islands[k].calm)
-			islands[k].calm = !moves(link.a) && !moves(link.b);
+	for (std::size_t i = 0; i < partition.links.size(); i++)
+		if (const int32_t k = partition.ofContact[i]; k >= 0 && islands[k].calm)
+			islands[k].calm = !moves(partition.links[i].a) && !moves(partition.links[i].b);
 }
 
 // Clears `calm` of the islands that have a body of this system faster than `share` allows. places: of each body in it; null: its own number.
@@ -100,7 +95,7 @@ void IslandSolver::recognise(const ContactSystem& system, const std::vector<Body
 	for (std::size_t k = 0; k < islands.size(); k++)
 		if (islands[k].calm) {
 			islands[k].asleep = islands[k].solved = true;
-			found.push_back({ partition.nameOf(partition.islands[k]), trial[k], 0, 0, 0, 0, {} });
+			found.push_back({ partition.nameAt(partition.islands[k].first), trial[k], 0, 0, 0, 0, {} });
 		}
 	std::sort(found.begin(), found.end(), [](const SleepingIsland& a, const SleepingIsland& b) { return a.name < b.name; });
 }

@@ -62,17 +62,12 @@ SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettin
 
 void IslandSolver::findIslands(const ContactSystem& system, Threads* threads)
 {
-	if (!partition.update(system, threads)) {
-		for (Island& island : islands)
-			island = { island.first, island.contacts };
-		return;
-	}
-	islands.clear();
+	partition.update(system, threads);
+	islands.assign(partition.islands.size(), {});
 	larger = largest = 0;
-	for (const Partition::Island& found : partition.islands) {
-		islands.push_back({ found.first, found.contacts });
-		larger += found.contacts > 1;
-		largest = std::max(largest, found.contacts);
+	for (const Partition::Island& island : partition.islands) {
+		larger += island.contacts > 1;
+		largest = std::max(largest, island.contacts);
 	}
 }
 
@@ -92,10 +87,11 @@ void IslandSolver::countUnknowns(Effort& effort)
 void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
-	for (Island& island : islands) {
-		if (island.contacts > 1 || island.asleep)
+	for (std::size_t k = 0; k < islands.size(); k++) {
+		Island& island = islands[k];
+		if (partition.islands[k].contacts > 1 || island.asleep)
 			continue;
-		ContactRow& c = system.contacts[island.first];
+		ContactRow& c = system.contacts[partition.islands[k].first];
 		double pn, pt;
 		solveAlone(c, system.bodies[c.a], system.bodies[c.b], pn, pt);
 		island.sweeps = std::hypot(pn - c.pn, pt - c.pt) > tolerance * std::hypot(pn, pt);
@@ -206,15 +202,9 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 // Replaces the errors of the islands of the part by new ones.
 void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
 {
-	partSums.assign(islands.size(), {});
-	addResiduals(part, partFree, partIsland, partSums);
 	for (const int32_t k : partIsland)
-		if (partSums[k].contacts > 0) {
-			errors[k] = partSums[k];
-			partSums[k].contacts = 0; // so that the next contact of this island skips it
-			if (errors[k].leastBody >= 0)
-				errors[k].leastBody = partBodies[errors[k].leastBody];
-		}
+		errors[k] = {};
+	addResiduals(part, partFree, partIsland, errors, partBodies.data());
 }
 
 // Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities.
@@ -268,28 +258,28 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 // Computes the velocities and the error of the whole system.
 SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance, const Sleepers* sleepers)
 {
-	partSums.clear();
+	all.clear();
 	int sweeps = 0;
 	for (std::size_t k = 0; k < islands.size(); k++) {
 		if (!islands[k].asleep)
-			partSums.push_back(sums[k]);
+			all.push_back(sums[k]);
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
 	auto next = found.begin();
 	const auto addFound = [&](int32_t before) {
 		for (; next != found.end() && next->name < before; next++)
-			partSums.push_back(next->error);
+			all.push_back(next->error);
 	};
 	if (sleepers)
 		for (const SleepingIsland& island : sleepers->islands()) {
 			addFound(island.name);
-			partSums.push_back(island.error);
+			all.push_back(island.error);
 		}
 	addFound(std::numeric_limits<int32_t>::max());
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);
-	SolverReport report = reportOf(residual(partSums.data(), partSums.size()));
+	SolverReport report = reportOf(residual(all.data(), all.size()));
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
 	if (unsolvable.contact >= 0) {

@@ -56,8 +56,6 @@ class IslandSolver {
 
     private:
 	struct Island {
-		int32_t first = 0; // index of its first contact
-		int32_t contacts = 0; // number of its contacts
 		int sweeps = 0;
 		bool solved = false;
 		bool unsolvable = false; // according to its method
@@ -89,7 +87,7 @@ class IslandSolver {
 	Partition partition; // of the system
 	std::vector<Island> islands; // of the system
 	std::vector<ResidualSum> sums; // errors of the islands
-	std::vector<ResidualSum> partSums; // scratch
+	std::vector<ResidualSum> all; // scratch: errors of the islands, those that sleep on included
 	ResidualSum lone; // errors of all islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
 	ContactSystem part; // some of the islands, with a body numbering of their own
