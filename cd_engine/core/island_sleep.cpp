@@ -97,7 +97,7 @@ void IslandSolver::recognise(const ContactSystem& system, const std::vector<Body
 			islands[k].asleep = islands[k].solved = true;
 			found.push_back({ partition.nameAt(partition.islands[k].first), trial[k], 0, 0, 0, 0, {} });
 		}
-	std::sort(found.begin(), found.end(), [](const SleepingIsland& a, const SleepingIsland& b) { return a.name < b.name; });
+	std::sort(found.begin(), found.end());
 }
 
 // Stops the slow islands under constant loads that come to rest by themselves if this step is solved more exactly, by sweeps from the free

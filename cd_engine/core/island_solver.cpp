@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 namespace cd {
 namespace {
@@ -265,17 +266,9 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 			all.push_back(sums[k]);
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
-	auto next = found.begin();
-	const auto addFound = [&](int32_t before) {
-		for (; next != found.end() && next->name < before; next++)
-			all.push_back(next->error);
-	};
-	if (sleepers)
-		for (const SleepingIsland& island : sleepers->islands()) {
-			addFound(island.name);
-			all.push_back(island.error);
-		}
-	addFound(std::numeric_limits<int32_t>::max());
+	static const Sleepers nobody;
+	const std::vector<SleepingIsland>& on = (sleepers ? sleepers : &nobody)->islands();
+	std::merge(on.begin(), on.end(), found.begin(), found.end(), std::back_inserter(all));
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);

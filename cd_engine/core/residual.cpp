@@ -191,8 +191,7 @@ void addResiduals(const ContactSystem& system, const std::vector<double>& freeVe
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c = system.contacts[i];
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
-		const double compliance
-		    = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
+		const double compliance = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
 		if (islandOf[i] < 0 || ContactRow::held(compliance, c.freedom(ma, mb)))
 			continue; // nothing can move along n
 		ResidualSum& sum = sums[islandOf[i]];

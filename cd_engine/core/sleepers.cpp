@@ -78,8 +78,8 @@ void Sleepers::disturb(int32_t body, const char* what, int32_t with)
 		list[index[of[body]]].disturbed = { what, with };
 }
 
-// Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step must look at: all but those of
-// two bodies that rest, of which one sleeps.
+// Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step must look at: all but
+// those of two bodies that rest, of which one sleeps.
 bool Sleepers::wakeDisturbed(World& world)
 {
 	const auto wakes = [](const SleepingIsland& island) { return island.disturbed.what != nullptr; };
@@ -125,7 +125,7 @@ void Sleepers::add(const World& world, const std::vector<SleepingIsland>& found,
 	bodies = world.bodies;
 	shapes = world.shapes;
 	list.insert(list.end(), found.begin(), found.end());
-	std::sort(list.begin(), list.end(), [](const SleepingIsland& a, const SleepingIsland& b) { return a.name < b.name; });
+	std::sort(list.begin(), list.end());
 	number();
 }
 

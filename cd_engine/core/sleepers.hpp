@@ -28,6 +28,9 @@ struct SleepingIsland {
 	int contacts = 0, loaded = 0, sliding = 0;
 	double deepest = 0; // overlap beyond the reference one [m]
 	Cause disturbed; // the first thing in it that has changed
+
+	bool operator<(const SleepingIsland& o) const { return name < o.name; }
+	operator const ResidualSum&() const { return error; }
 };
 
 // The impulse of a contact of a sleeping island on an immobile body.
