@@ -1,14 +1,15 @@
 // The part of IslandSolver that finds islands asleep: those that are proven to be at rest and in which nothing has changed since.
 //
-// A first guess within the tolerance is not rest. It leaves velocities of the size of the tolerance. Impulses that never change are dead loads, under
-// which a packing is unstable: in one of 400 disks the error grows by a factor of 1.15 a step, from 1e-11 to 1e-6 in 80 steps, and then some sweeps
-// must reduce it. Islands that are slow under constant loads must therefore prove their rest now and then: sweeps solve one step to a thousandth of
-// the tolerance, or less if that does not suffice, since the error is a norm of the whole. An island is at rest if each body is then slower than a
-// hundredth of what an error of the tolerance in the impulses of its own contacts would cause. Its velocities are set to zero. Bodies that roll or
-// drift keep moving in such a step, so they are not stopped. An island that moved before this step is tried again in the next one, in which nothing
-// must be stopped, so that its impulses are those of rest. An island sleeps if nothing in it moves before a step and its impulses keep it so, to a
-// hundredth of the tolerance. It is not solved again, and smaller forces may be lost. Which islands sleep follows from velocities, impulses and what
-// the engine saves, so that a saved scene continues identically. Islands in which nothing changes at all are not even looked at (sleepers.hpp).
+// A first guess within the tolerance is not rest. It leaves velocities of the size of the tolerance. Impulses that never change are dead
+// loads, under which a packing is unstable: in one of 400 disks the error grows by a factor of 1.15 a step, from 1e-11 to 1e-6 in 80 steps,
+// and then some sweeps must reduce it. Islands that are slow under constant loads must therefore prove their rest now and then: sweeps
+// solve one step to a thousandth of the tolerance, or less if that does not suffice, since the error is a norm of the whole. An island is
+// at rest if each body is then slower than a hundredth of what an error of the tolerance in the impulses of its own contacts would cause.
+// Its velocities are set to zero. Bodies that roll or drift keep moving in such a step, so they are not stopped. An island that moved
+// before this step is tried again in the next one, in which nothing must be stopped, so that its impulses are those of rest. An island
+// sleeps if nothing in it moves before a step and its impulses keep it so, to a hundredth of the tolerance. It is not solved again, and
+// smaller forces may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene
+// continues identically. Islands in which nothing changes at all are not even looked at (sleepers.hpp).
 #include "island_solver.hpp"
 
 #include <algorithm>
@@ -53,7 +54,8 @@ template <class Condition> void IslandSolver::excite(const Condition& moves)
 			islands[k].calm = !moves(partition.links[i].a) && !moves(partition.links[i].b);
 }
 
-// Clears `calm` of the islands that have a body of this system faster than `share` allows. places: of each body in it; null: its own number.
+// Clears `calm` of the islands that have a body of this system faster than `share` allows. places: of each body in it; null: its own
+// number.
 void IslandSolver::exciteFast(const ContactSystem& system, const int32_t* places, double tolerance, double share)
 {
 	own.assign(system.bodies.size(), 0);
@@ -68,7 +70,8 @@ void IslandSolver::exciteFast(const ContactSystem& system, const int32_t* places
 	});
 }
 
-// Leaves only those islands of the part calm that are at rest to `share` of the tolerance. The bodies must have the velocities of its impulses.
+// Leaves only those islands of the part calm that are at rest to `share` of the tolerance. The bodies must have the velocities of its
+// impulses.
 void IslandSolver::judgeRest(double tolerance, double share)
 {
 	for (const int32_t k : partIsland)
@@ -101,8 +104,9 @@ void IslandSolver::recognise(const ContactSystem& system, const std::vector<Body
 }
 
 // Stops the slow islands under constant loads that come to rest by themselves if this step is solved more exactly, by sweeps from the free
-// velocities. They keep the impulses that stop them, so that the forces of the step are those that moved its bodies. Only in an island at rest before
-// the step these are the impulses of rest, with which the next step finds it asleep. An island that moved is tried again in the next step.
+// velocities. They keep the impulses that stop them, so that the forces of the step are those that moved its bodies. Only in an island at
+// rest before the step these are the impulses of rest, with which the next step finds it asleep. An island that moved is tried again in the
+// next step.
 void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	if (stillness.loadsBefore.size() != system.bodies.size())
@@ -111,17 +115,18 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 		island.calm = !island.asleep && island.sweeps <= fewSweeps;
 	excite([&](int32_t body) { return stillness.loads[body] != stillness.loadsBefore[body]; });
 	exciteFast(system, nullptr, settings.tolerance, slow);
-	const auto countCalm = [&] { return std::count_if(islands.begin(), islands.end(), [](const Island& island) { return island.calm; }); };
-	const int tried = static_cast<int>(countCalm());
+	const auto isCalm = [](const Island& island) { return island.calm; };
+	const auto countCalm = [&] { return static_cast<int>(std::count_if(islands.begin(), islands.end(), isCalm)); };
+	const int tried = countCalm();
 	if (tried == 0)
 		return;
-	takePart(system, [](const Island& island) { return island.calm; });
+	takePart(system, isCalm);
 	SolverSettings finer = settings;
 	finer.tolerance *= proof;
 	finer.maxIterations = std::min(settings.maxIterations, stillness.trial);
 	for (bool ends = false; !ends;) {
-		// The error is a norm of the whole: a body that carries little may be solved far less exactly than others that carry much. Newton's
-		// method is not used: one step of it costs as much as an awake island in a hundred steps.
+		// The error is a norm of the whole: a body that carries little may be solved far less exactly than others that carry much.
+		// Newton's method is not used: one step of it costs as much as an awake island in a hundred steps.
 		for (std::size_t i = 0; i < part.bodies.size(); i++)
 			std::copy_n(&partFree[3 * i], 3, part.bodies[i].v);
 		const SolverReport report = accelerated(part, finer);
@@ -147,7 +152,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 				effort.stopped += 0.5 * v * part.bodies[i].v[j] / part.bodies[i].w[j];
 				effort.stoppedMoving = effort.stoppedMoving || v != 0;
 			}
-	effort.provenAtRest = static_cast<int>(countCalm());
+	effort.provenAtRest = countCalm();
 	effort.notAtRest = tried - effort.provenAtRest;
 }
 

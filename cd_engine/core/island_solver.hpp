@@ -35,7 +35,8 @@ struct Stillness {
 	const Sleepers& sleepers; // islands left out of the system
 	const std::vector<Body>& before; // the bodies before the step
 	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: no trial
-	// Fingerprints of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is no trial.
+	// Fingerprints of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is
+	// no trial.
 	const std::vector<int>&loads, &loadsBefore;
 };
 

@@ -1,6 +1,6 @@
-// Divides the contacts of a system into islands: sets of contacts that are connected through movable bodies. No impulse passes through an immobile
-// body, so two heaps on one fixed floor are two islands, while a movable wall joins all that touch it. None passes through a contact along whose
-// normal nothing can move, either.
+// Divides the contacts of a system into islands: sets of contacts that are connected through movable bodies. No impulse passes through an
+// immobile body, so two heaps on one fixed floor are two islands, while a movable wall joins all that touch it. None passes through a
+// contact along whose normal nothing can move, either.
 #pragma once
 
 #include "contact_system.hpp"

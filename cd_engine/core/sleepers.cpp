@@ -41,6 +41,7 @@ void Sleepers::look(World& world)
 	if (none())
 		return;
 	for (std::size_t i = 0; i < of.size(); i++) {
+		const auto body = static_cast<int32_t>(i);
 		const Body& now = world.bodies[i];
 		const bool immobile = isImmobile(now);
 		if (of[i] == awake && !immobile)
@@ -48,7 +49,7 @@ void Sleepers::look(World& world)
 		const bool same = rests(now, bodies[i]) && (now.radius > 0 || allOf(world.shapes[i]) == allOf(shapes[i]));
 		if (of[i] >= 0) {
 			if (!same)
-				disturb(static_cast<int32_t>(i), "a body was moved or changed, or another force acts on it", static_cast<int32_t>(i));
+				disturb(body, "a body was moved or changed, or another force acts on it", body);
 			continue;
 		}
 		changed = changed || (of[i] == unchanged) != (immobile && same);
@@ -78,8 +79,8 @@ void Sleepers::disturb(int32_t body, const char* what, int32_t with)
 		list[index[of[body]]].disturbed = { what, with };
 }
 
-// Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step must look at: all but
-// those of two bodies that rest, of which one sleeps.
+// Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step must look at: all
+// but those of two bodies that rest, of which one sleeps.
 bool Sleepers::wakeDisturbed(World& world)
 {
 	const auto wakes = [](const SleepingIsland& island) { return island.disturbed.what != nullptr; };

@@ -1,13 +1,13 @@
 // Islands that stay asleep: a step only checks whether their bodies are unchanged.
 //
-// If a step finds an island asleep (island_sleep.cpp) and writes none of its forces anew, it leaves everything in the island as it was, and so would
-// every later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error and the forces.
-// This ends when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body comes to touch it. Then the
-// island is looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on their order are made over the islands
-// in the order of their names, whether a step looked at them or not.
+// If a step finds an island asleep (island_sleep.cpp) and writes none of its forces anew, it leaves everything in the island as it was, and
+// so would every later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error
+// and the forces. This ends when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body
+// comes to touch it. Then the island is looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on
+// their order are made over the islands in the order of their names, whether a step looked at them or not.
 //
-// The truth is one array, the island of every body, with a copy of the bodies as they were. What else is stored here follows from it, or was found in
-// the step that put an island to sleep.
+// The truth is one array, the island of every body, with a copy of the bodies as they were. What else is stored here follows from it, or
+// was found in the step that put an island to sleep.
 #pragma once
 
 #include "contact_system.hpp"
@@ -55,13 +55,17 @@ class Sleepers {
 	bool none() const { return list.empty(); }
 	bool sleeps(int32_t body) const { return !none() && of[body] >= 0; }
 	const std::vector<SleepingIsland>& islands() const { return list; } // sorted by name
-	// The sleeping island of one of two bodies that touch; null: both are awake.
-	SleepingIsland* islandAt(int32_t a, int32_t b) { return sleeps(a) ? &list[index[of[a]]] : sleeps(b) ? &list[index[of[b]]] : nullptr; }
+	// The sleeping island of a contact of these bodies; null: both are awake.
+	SleepingIsland* islandAt(int32_t a, int32_t b)
+	{
+		const int32_t body = sleeps(a) ? a : b;
+		return sleeps(body) ? &list[index[of[body]]] : nullptr;
+	}
 	void push(const Push& push) { pushed.push_back(push); }
 	const std::vector<Push>& pushes(); // in the order of the islands' names, then of the contacts
 
-	// Something about this body has changed, or about the body `with` that it touches. If it sleeps, the next look wakes its island. Not
-	// thread-safe.
+	// Something about this body has changed, or about the body `with` that it touches. If it sleeps, the next look wakes its island.
+	// Not thread-safe.
 	void disturb(int32_t body, const char* what, int32_t with);
 	void disturb(int32_t a, int32_t b)
 	{

@@ -291,16 +291,12 @@ namespace {
 		bool negative = false; // a direction of negative energy was met
 	};
 
-	template <class Form> Verdict judged(Workspace* memory, const Form& form, double guess, double tolerance, int mostProducts)
-	{
-		return (*Borrowed<Judgement<Form>>(memory))(form, guess, tolerance, mostProducts);
-	}
-
 } // namespace
 
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
-	Verdict v = judged(system.memory, Borrowed<BodyForm>(system.memory)->of(system, freeVelocity), guess, tolerance, mostProducts);
+	const Borrowed<BodyForm> form(system.memory);
+	Verdict v = (*Borrowed<Judgement<BodyForm>>(system.memory))(form->of(system, freeVelocity), guess, tolerance, mostProducts);
 	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
 	if (open && v.growth > mayHide) {
 		const int contacts = static_cast<int>(system.contacts.size());
@@ -313,7 +309,8 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 }
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
 {
-	return judged(system.memory, Borrowed<MatrixForm>(system.memory)->of(system), guess, tolerance, mostProducts);
+	const Borrowed<MatrixForm> form(system.memory);
+	return (*Borrowed<Judgement<MatrixForm>>(system.memory))(form->of(system), guess, tolerance, mostProducts);
 }
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity)
