@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 namespace cd {
 namespace {
@@ -62,17 +63,12 @@ SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettin
 
 void IslandSolver::findIslands(const ContactSystem& system, Threads* threads)
 {
-	if (!partition.update(system, threads)) {
-		for (Island& island : islands)
-			island = { island.first, island.contacts };
-		return;
-	}
-	islands.clear();
+	partition.update(system, threads);
+	islands.assign(partition.islands.size(), {});
 	larger = largest = 0;
-	for (const Partition::Island& found : partition.islands) {
-		islands.push_back({ found.first, found.contacts });
-		larger += found.contacts > 1;
-		largest = std::max(largest, found.contacts);
+	for (const Partition::Island& island : partition.islands) {
+		larger += island.contacts > 1;
+		largest = std::max(largest, island.contacts);
 	}
 }
 
@@ -92,10 +88,11 @@ void IslandSolver::countUnknowns(Effort& effort)
 void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
-	for (Island& island : islands) {
-		if (island.contacts > 1 || island.asleep)
+	for (std::size_t k = 0; k < islands.size(); k++) {
+		Island& island = islands[k];
+		if (partition.islands[k].contacts > 1 || island.asleep)
 			continue;
-		ContactRow& c = system.contacts[island.first];
+		ContactRow& c = system.contacts[partition.islands[k].first];
 		double pn, pt;
 		solveAlone(c, system.bodies[c.a], system.bodies[c.b], pn, pt);
 		island.sweeps = std::hypot(pn - c.pn, pt - c.pt) > tolerance * std::hypot(pn, pt);
@@ -170,18 +167,22 @@ int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
 		place[body] = static_cast<int32_t>(partBodies.size());
 		partBodies.push_back(body);
 		part.bodies.push_back(system.bodies[body]);
+		const double* const free = &freeVelocity[3 * static_cast<std::size_t>(body)];
+		partFree.insert(partFree.end(), free, free + 3);
+		std::copy_n(free, 3, part.bodies.back().v);
 		if (!system.places.empty())
 			part.places.push_back(system.places[body]);
 	}
 	return place[body];
 }
 
-// Takes the wanted islands: contacts in the order of the system, bodies with the velocities that they have in the system.
+// Takes the wanted islands: contacts in the order of the system, bodies with their free velocities.
 void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Island&))
 {
 	part.bodies.clear();
 	part.places.clear();
 	part.contacts.clear();
+	partFree.clear();
 	partBodies.clear();
 	partContacts.clear();
 	partIsland.clear();
@@ -197,21 +198,14 @@ void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Is
 		partContacts.push_back(static_cast<int32_t>(i));
 		partIsland.push_back(partition.ofContact[i]);
 	}
-	copyVelocities(part, partFree, nullptr);
 }
 
 // Replaces the errors of the islands of the part by new ones.
 void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
 {
-	partSums.assign(islands.size(), {});
-	addResiduals(part, partFree, partIsland, partSums);
 	for (const int32_t k : partIsland)
-		if (partSums[k].contacts > 0) {
-			errors[k] = partSums[k];
-			partSums[k].contacts = 0; // so that the next contact of this island skips it
-			if (errors[k].leastBody >= 0)
-				errors[k].leastBody = partBodies[errors[k].leastBody];
-		}
+		errors[k] = {};
+	addResiduals(part, partFree, partIsland, errors, partBodies.data());
 }
 
 // Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities.
@@ -219,9 +213,9 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 {
 	factorizations = 0;
 	unsolvable = {};
-	if (sleeping == static_cast<int>(islands.size()))
+	if (found.size() == islands.size())
 		return Status::converged;
-	if (sleeping == 0)
+	if (found.empty())
 		addResiduals(system, freeVelocity, partition.ofContact, sums);
 	else {
 		takePart(system, [](const Island& island) { return !island.asleep; });
@@ -265,20 +259,20 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 // Computes the velocities and the error of the whole system.
 SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance, const Sleepers* sleepers)
 {
-	partSums.clear();
+	all.clear();
 	int sweeps = 0;
 	for (std::size_t k = 0; k < islands.size(); k++) {
 		if (!islands[k].asleep)
-			partSums.push_back(sums[k]);
+			all.push_back(sums[k]);
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
-	if (sleepers)
-		for (const SleepingIsland& island : sleepers->islands())
-			partSums.push_back(island.error);
+	static const Sleepers nobody;
+	const std::vector<SleepingIsland>& on = (sleepers ? sleepers : &nobody)->islands();
+	std::merge(on.begin(), on.end(), found.begin(), found.end(), std::back_inserter(all));
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);
-	SolverReport report = reportOf(residual(partSums.data(), partSums.size()));
+	SolverReport report = reportOf(residual(all.data(), all.size()));
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
 	if (unsolvable.contact >= 0) {
@@ -294,19 +288,17 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 SolverReport IslandSolver::operator()(
     ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
 {
+	found.clear();
 	if (settings.fixedIterations > 0 || settings.seed > 0)
 		return solveWhole(system, method, settings, effort);
 	findIslands(system, settings.threads);
 	countUnknowns(effort);
 	copyVelocities(system, freeVelocity, settings.threads);
 	sums.assign(islands.size(), {});
-	sleeping = 0;
-	if (stillness) {
-		stillness->sleepers.startSearch(system.bodies.size());
-		recognise(system, *stillness, settings.tolerance);
-	}
+	if (stillness)
+		recognise(system, stillness->before, settings.tolerance);
 	solveLoneContacts(system, settings.tolerance);
-	const bool inPlace = (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
+	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
 	SolverReport report;
 	if (inPlace)
 		report = solveInPlace(system, method, settings);
@@ -319,14 +311,12 @@ SolverReport IslandSolver::operator()(
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;
-	effort.sleeping = sleeping;
 	if (stillness) {
-		countSleepersOn(effort, stillness->sleepers);
 		SolverSettings left = settings; // maxIterations bounds the whole step
 		left.maxIterations -= report.iterations;
 		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0)
 			prove(system, *stillness, left, effort);
-		stop(system, stillness->sleepers);
+		stop(system, stillness->sleepers, effort);
 	}
 	return report;
 }

@@ -9,12 +9,11 @@
 // impulses of the rocks. Islands are therefore swept together, which fills the groups of eight, but those that miss their own tolerance then continue
 // without the others. A step counts as solved if its whole error is within the tolerance, even if some island missed its own.
 //
-// Islands that are proven to be at rest sleep until something changes (sleep.hpp).
+// Islands that are proven to be at rest sleep until something changes (island_sleep.cpp).
 #pragma once
 
 #include "partition.hpp"
 #include "residual.hpp"
-#include "sleep.hpp"
 #include "sleepers.hpp"
 #include "solver.hpp"
 
@@ -26,10 +25,23 @@ struct Effort {
 	int islands = 0;
 	int resting = 0; // islands whose first guess was already within the tolerance, so that no sweep was made
 	int sleeping = 0; // of these: islands at rest in which nothing changes
-	int provenAtRest = 0, notAtRest = 0; // result of a trial of rest (sleep.hpp): slow islands found at rest, and those found not at rest
+	int provenAtRest = 0, notAtRest = 0; // result of a trial of rest (island_sleep.cpp): slow islands found at rest, and those found not at rest
 	double stopped = 0; // energy of the motion that a trial stopped and that the impulses have not taken [J]
 	bool stoppedMoving = false; // whether any of the stopped bodies moved before the step
 };
+
+// What a step needs to know about rest; without it nothing sleeps.
+struct Stillness {
+	const Sleepers& sleepers; // islands left out of the system
+	const std::vector<Body>& before; // the bodies before the step
+	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: no trial
+	// Fingerprints of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is
+	// no trial.
+	const std::vector<int>&loads, &loadsBefore;
+};
+
+// A hash of the velocity that forces add to a body in a step: equal loads have equal hashes.
+int fingerprint(const double gained[3]);
 
 // Solves all contacts at once.
 SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
@@ -40,16 +52,15 @@ class IslandSolver {
     public:
 	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
+	// Puts the islands to sleep that the last call has found asleep.
+	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
+
     private:
 	struct Island {
-		int32_t first = 0; // index of its first contact
-		int32_t contacts = 0; // number of its contacts
 		int sweeps = 0;
 		bool solved = false;
 		bool unsolvable = false; // according to its method
-		bool still = false; // nothing in it moved before the step
-		bool calm = false; // none of its bodies is fast
-		bool atRest = false; // according to the last test
+		bool calm = false; // its bodies have passed the present test of rest
 		bool asleep = false;
 	};
 
@@ -67,21 +78,17 @@ class IslandSolver {
 	SolverReport conclude(ContactSystem&, Status, double tolerance, const Sleepers*);
 
 	// island_sleep.cpp
-	bool findStill(const ContactSystem&, const std::vector<Body>& before);
-	void recognise(const ContactSystem&, const Stillness&, double tolerance);
-	void reportSleep(const ContactSystem&, Sleepers&);
-	void countSleepersOn(Effort&, const Sleepers&);
-	void findCalm(const ContactSystem&, const std::vector<int32_t>* names, double tolerance, double share);
+	template <class Condition> void excite(const Condition& moves);
+	void exciteFast(const ContactSystem&, const int32_t* places, double tolerance, double share);
 	void judgeRest(double tolerance, double share);
-	int markSlow(const ContactSystem&, const Stillness&, double tolerance);
-	void dismissMoving(const ContactSystem&, const SolverSettings&);
+	void recognise(const ContactSystem&, const std::vector<Body>& before, double tolerance);
 	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
-	void stop(ContactSystem&, const Sleepers&);
+	void stop(ContactSystem&, const Sleepers& on, Effort&);
 
 	Partition partition; // of the system
 	std::vector<Island> islands; // of the system
 	std::vector<ResidualSum> sums; // errors of the islands
-	std::vector<ResidualSum> partSums; // scratch
+	std::vector<ResidualSum> all; // scratch: errors of the islands, those that sleep on included
 	ResidualSum lone; // errors of all islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
 	ContactSystem part; // some of the islands, with a body numbering of their own
@@ -95,7 +102,7 @@ class IslandSolver {
 		Status status = Status::converged;
 		int32_t contact = -1; // of the system
 	} unsolvable; // the last island found without a solution
-	int sleeping = 0; // number of islands asleep
+	std::vector<SleepingIsland> found; // asleep, sorted by name
 	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
 	bool rested = false; // whether the last system was solved in place without a sweep; has an effect on costs, not on results

@@ -10,6 +10,7 @@
 // A step costs the factorization of a matrix with three rows a body: as much as some 300 sweeps at 400 disks, and 1700 at 3600.
 #include "proximal_problem.hpp"
 #include "solver.hpp"
+#include "start.hpp"
 
 namespace cd {
 namespace {
@@ -37,7 +38,6 @@ namespace {
 		{
 			std::vector<double> first;
 			form.load(first);
-			bestError = std::numeric_limits<double>::infinity();
 			evaluate(first);
 			best = projected;
 			bestError = error;
@@ -145,28 +145,22 @@ namespace {
 		Trace* const trace;
 		int traced = 0; // steps that the trace knows of
 		std::vector<double> projected, best;
-		double error = 0, bestError = 0;
+		double error = 0, bestError = std::numeric_limits<double>::infinity();
 	};
-
-	// The methods leave the velocities of their impulses in the system. The next method needs the free velocities again.
-	std::vector<BodyVelocity> begin(const ContactSystem& s) { return s.bodies; }
-	void beginAgain(ContactSystem& s, const std::vector<BodyVelocity>& bodies) { s.bodies = bodies; }
-	int begin(const DelassusSystem&) { return 0; }
-	void beginAgain(DelassusSystem&, int) { }
 
 	// Sweeps come first: in the time of a few factorizations they find which contacts are loaded.
 	template <class Form> SolverReport solve(typename Form::System& system, const SolverSettings& settings)
 	{
 		if (settings.fixedIterations > 0)
 			return accelerated(system, settings);
-		const auto start = begin(system);
+		const Kept start(system, settings);
 		SolverSettings sweeps = settings;
 		sweeps.tolerance = std::max(settings.tolerance, coarse);
 		sweeps.maxIterations = std::min(settings.maxIterations / 4, sweepsAtStart);
 		const SolverReport first = accelerated(system, sweeps);
 		if (first.error <= settings.tolerance || first.status == Status::diverged)
 			return first;
-		beginAgain(system, start);
+		start->free(system);
 		SolverSettings rest = settings;
 		rest.maxIterations -= first.iterations;
 		SolverReport report = Newton<Form>(system, rest).run();

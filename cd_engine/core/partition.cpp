@@ -59,7 +59,7 @@ bool Partition::update(const ContactSystem& system, Threads* threads)
 	name.resize(freedom.size());
 	std::iota(name.begin(), name.end(), 0);
 	for (const Link& link : links)
-		if (freedom[link.a] > 0 && freedom[link.b] > 0) {
+		if (link.solvable && freedom[link.a] > 0 && freedom[link.b] > 0) {
 			const int32_t a = root(link.a), b = root(link.b);
 			name[std::max(a, b)] = std::min(a, b);
 		}

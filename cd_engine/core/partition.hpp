@@ -1,5 +1,6 @@
-// Divides the contacts of a system into islands: sets of contacts that are connected through movable bodies. No impulse passes through an immobile
-// body, so two heaps on one fixed floor are two islands, while a movable wall joins all that touch it.
+// Divides the contacts of a system into islands: sets of contacts that are connected through movable bodies. No impulse passes through an
+// immobile body, so two heaps on one fixed floor are two islands, while a movable wall joins all that touch it. None passes through a
+// contact along whose normal nothing can move, either.
 #pragma once
 
 #include "contact_system.hpp"
@@ -35,8 +36,8 @@ class Partition {
 	std::vector<int32_t> name; // of each body: the first movable body of its island
 	std::vector<uint8_t> freedom; // of each body: how many of its velocity components can change
 
-	// The body that gives an island its name.
-	int32_t nameOf(const Island& island) const { return name[mobileOf(links[island.first])]; }
+	// The name of the island of a contact.
+	int32_t nameAt(std::size_t contact) const { return name[mobileOf(links[contact])]; }
 
     private:
 	bool sameFreedoms(const ContactSystem&, Threads*);

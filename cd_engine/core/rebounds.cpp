@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <iterator>
 
 namespace cd {
 namespace {
@@ -12,15 +12,7 @@ namespace {
 
 	constexpr double roundOff = 1e-13; // relative, of energies, which are sums
 
-	bool isMobile(const BodyVelocity& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
-
 } // namespace
-
-void Rebounds::clear()
-{
-	asked.clear();
-	parent.clear();
-}
 
 bool Rebounds::any() const
 {
@@ -28,29 +20,10 @@ bool Rebounds::any() const
 	    asked.begin(), asked.end(), [](const Asked& a) { return !std::isnan(a.rebound) && bias(a.plain, a.rebound) != bias(a.plain, 0); });
 }
 
-int32_t Rebounds::islandOf(int32_t body)
-{
-	while (parent[body] != body)
-		body = parent[body] = parent[parent[body]];
-	return body;
-}
-
-// Every movable body joins its contacts into one island.
 void Rebounds::findIslands(const ContactSystem& system)
 {
-	parent.resize(system.bodies.size());
-	std::iota(parent.begin(), parent.end(), 0);
-	accounts.assign(system.bodies.size(), {});
-	for (const ContactRow& c : system.contacts)
-		if (isMobile(system.bodies[c.a]) && isMobile(system.bodies[c.b]))
-			parent[islandOf(c.a)] = islandOf(c.b);
-}
-
-Rebounds::Account& Rebounds::accountOf(const ContactSystem& system, const ContactRow& c)
-{
-	if (parent.empty())
-		findIslands(system);
-	return accounts[islandOf(isMobile(system.bodies[c.a]) ? c.a : c.b)];
+	partition.update(system);
+	accounts.resize(system.bodies.size());
 }
 
 // Reduces the rebounds of the islands that have lost a share of theirs. Returns whether this changes any bias.
@@ -59,7 +32,7 @@ bool Rebounds::askAgain(ContactSystem& system)
 	bool changed = false;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		ContactRow& c = system.contacts[i];
-		const Account& account = accountOf(system, c);
+		const Account& account = accountOf(i);
 		if (account.lowered == 0 || std::isnan(asked[i].rebound))
 			continue;
 		const double lowered = bias(asked[i].plain, shares[account.lowered - 1] * asked[i].rebound);
@@ -71,21 +44,21 @@ bool Rebounds::askAgain(ContactSystem& system)
 
 bool Rebounds::giveUp(ContactSystem& system, int32_t row)
 {
+	findIslands(system);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (row < 0 || static_cast<int32_t>(i) == row)
-			accountOf(system, system.contacts[i]).lowered = static_cast<int>(std::size(shares));
+			accountOf(i).lowered = static_cast<int>(std::size(shares));
 	return askAgain(system);
 }
 
 bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, const std::vector<double>& free, double tolerance)
 {
-	if (parent.empty())
-		findIslands(system);
+	findIslands(system);
 	for (Account& account : accounts)
 		account.sinceBefore = account.sinceFree = account.scale = account.energy = 0;
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
 		const BodyVelocity& body = system.bodies[i];
-		Account& account = accounts[islandOf(static_cast<int32_t>(i))];
+		Account& account = accounts[partition.name[i]];
 		for (int k = 0; k < 3; k++) {
 			const double change = body.v[k] - free[3 * i + k];
 			if (!(body.w[k] > 0) || change == 0)
@@ -97,7 +70,8 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, con
 		}
 	}
 	// Subtracts the work of boundaries that move.
-	for (const ContactRow& c : system.contacts) {
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		const ContactRow& c = system.contacts[i];
 		if (!(c.pn > 0))
 			continue;
 		BodyVelocity a = system.bodies[c.a], b = system.bodies[c.b];
@@ -107,7 +81,7 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, con
 					body->v[k] = 0;
 		double un, ut;
 		relativeVelocity(c, a, b, un, ut);
-		Account& account = accountOf(system, c);
+		Account& account = accountOf(i);
 		account.sinceBefore += c.pn * un + c.pt * ut;
 		account.sinceFree += c.pn * un + c.pt * ut;
 	}
@@ -116,12 +90,11 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, con
 	for (Account& account : accounts) {
 		const double gain = std::min(account.sinceBefore, account.sinceFree);
 		const double allowed = std::clamp(tolerance, roundOff, mostGain) * account.scale + roundOff * account.energy;
-		account.gains = gain > allowed;
+		if (!(gain > allowed))
+			continue;
 		const bool less = account.lowered < static_cast<int>(std::size(shares));
-		remains = remains || (account.gains && !less);
-		account.gains = account.gains && less;
-		account.lowered += account.gains;
-		any = any || account.gains;
+		account.lowered += less;
+		(less ? any : remains) = true;
 	}
 	return any && askAgain(system);
 }

@@ -11,7 +11,7 @@
 // demanded. There e = 0 at once.
 #pragma once
 
-#include "contact_system.hpp"
+#include "partition.hpp"
 #include "world.hpp"
 
 #include <cstddef>
@@ -29,7 +29,11 @@ class Rebounds {
 	// The bias of a contact in an impact: e u_n, or the bias of its gap if this one pushes harder (plain < 0).
 	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
 
-	void clear();
+	void clear()
+	{
+		asked.clear();
+		accounts.clear();
+	}
 	void resize(std::size_t contacts) { asked.resize(contacts); }
 	// For a contact of the system: its bias without restitution, and e u_n [m/s], or NaN if the contact has no part in an impact.
 	void set(std::size_t row, double plain, double rebound) { asked[row] = { plain, rebound }; }
@@ -50,9 +54,6 @@ class Rebounds {
 	bool giveUp(ContactSystem&, int32_t row);
 
     private:
-	int32_t islandOf(int32_t body);
-	void findIslands(const ContactSystem&);
-
 	struct Asked {
 		double plain, rebound;
 	};
@@ -61,16 +62,17 @@ class Rebounds {
 		double sinceBefore = 0, sinceFree = 0; // work of its impulses, from the velocities before the step and from the free ones on [J]
 		double scale = 0; // sum of m |dv|^2, dv the velocity change by the impulses [J]
 		double energy = 0; // kinetic energy of its bodies after the step [J]
-		bool gains = false;
 		int lowered = 0; // how often its rebounds were lowered
 	};
-	Account& accountOf(const ContactSystem&, const ContactRow&);
+
+	void findIslands(const ContactSystem&);
+	Account& accountOf(std::size_t contact) { return accounts[partition.nameAt(contact)]; }
 	bool askAgain(ContactSystem&);
 
 	bool remains = false;
 	std::vector<Asked> asked; // of the contacts
-	std::vector<int32_t> parent; // of every body: a link towards the body that names its island; empty: no islands found yet
-	std::vector<Account> accounts; // by body
+	Partition partition; // of the system
+	std::vector<Account> accounts; // by body; empty: no islands found yet in this step
 };
 
 } // namespace cd

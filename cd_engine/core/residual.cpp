@@ -15,29 +15,6 @@ namespace {
 	constexpr double nothing = 1e-6; // of that mean: a smaller s counts as this
 	constexpr double single = 10; // root mean squares that a single contact may miss there; in a packing it misses 5 to 20
 
-	// Euclidean projection of (pn, pt) on the cone |p_t| <= mu p_n.
-	void projectOnCone(double mu, double& pn, double& pt)
-	{
-		const double size = std::abs(pt);
-		if (pn >= 0 && size <= mu * pn)
-			return;
-		if (mu * size <= -pn) {
-			pn = pt = 0;
-			return;
-		}
-		const double along = (pn + mu * size) / (1 + mu * mu);
-		pt = std::copysign(mu * along, pt);
-		pn = along;
-	}
-
-	// |p - P_K(...)|^2; u: relative velocity with the bias.
-	[[gnu::always_inline]] inline double squaredDifference(double pn, double pt, double un, double ut, double mu, double compliance)
-	{
-		double qn = pn - (un + mu * std::abs(ut)) / compliance, qt = pt - ut / compliance;
-		projectOnCone(mu, qn, qt);
-		return (pn - qn) * (pn - qn) + (pt - qt) * (pt - qt);
-	}
-
 	// Sets a square to 0 if it is at most floor^2.
 	inline double beyond(double square, double floor) { return square <= floor * floor ? 0 : square; }
 
@@ -74,41 +51,6 @@ namespace {
 		std::vector<char> met;
 		std::vector<double> asked; // smallest s of the far heavier bodies that it carries [m/s]
 	};
-
-	// sumOf(i): the sum that contact i adds to, null if the contact is left out.
-	template <class SumOf> void addAll(const ContactSystem& system, const std::vector<double>& freeVelocity, const SumOf& sumOf)
-	{
-		const Borrowed<Bodies> bodies(system.memory);
-		auto& [moved, met, asked] = *bodies;
-		moveBodies(system, freeVelocity, moved);
-		met.assign(moved.size(), 0);
-		asked.assign(moved.size(), std::numeric_limits<double>::infinity());
-		forEachCarried(system, [&](int32_t light, int32_t heavy) {
-			if (moved[heavy].s > 0)
-				asked[light] = std::min(asked[light], moved[heavy].s);
-		});
-		for (std::size_t i = 0; i < system.contacts.size(); i++) {
-			const ContactRow& c = system.contacts[i];
-			ResidualSum* const sum = sumOf(i);
-			const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
-			const double compliance
-			    = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
-			if (!sum || ContactRow::held(compliance, c.freedom(ma, mb)))
-				continue; // nothing can move along n
-			const Miss miss = missOf(c, compliance, moved[c.a], moved[c.b]);
-			sum->addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, compliance);
-			sum->addUnderHeavy(miss.velocity, std::min(asked[c.a], asked[c.b]));
-			// Bodies are added as the contacts meet them, so that the sums do not depend on the numbering of the bodies.
-			for (const int32_t body : { c.a, c.b })
-				if (!met[body]) {
-					met[body] = 1;
-					const double* const w = system.bodies[body].w;
-					const double inverse = std::max(w[0], w[1]);
-					if (inverse > 0 || w[2] > 0)
-						sum->addBody(inverse > 0 ? 1 / inverse : 0, moved[body].s, body);
-				}
-		}
-	}
 
 } // namespace
 
@@ -201,12 +143,7 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 	ResidualSum all;
 	Residual r;
 	for (const ResidualSum* sum = islands; sum != islands + count; sum++) {
-		all.contacts += sum->contacts;
-		all.difference += sum->difference;
-		all.square += sum->square;
-		all.differenceEnergy += sum->differenceEnergy;
-		all.squareEnergy += sum->squareEnergy;
-		raise(all.worst, sum->worst);
+		all.add(*sum);
 		const double bodies = sum->bodies();
 		if (!(bodies <= r.bodies)) {
 			r.bodies = bodies;
@@ -239,10 +176,38 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 	return residual(sums.data(), sums.size());
 }
 
-void addResiduals(
-    const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf, std::vector<ResidualSum>& sums)
+void addResiduals(const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
+    std::vector<ResidualSum>& sums, const int32_t* numbers)
 {
-	addAll(system, freeVelocity, [&](std::size_t i) { return islandOf[i] < 0 ? nullptr : &sums[islandOf[i]]; });
+	const Borrowed<Bodies> bodies(system.memory);
+	auto& [moved, met, asked] = *bodies;
+	moveBodies(system, freeVelocity, moved);
+	met.assign(moved.size(), 0);
+	asked.assign(moved.size(), std::numeric_limits<double>::infinity());
+	forEachCarried(system, [&](int32_t light, int32_t heavy) {
+		if (moved[heavy].s > 0)
+			asked[light] = std::min(asked[light], moved[heavy].s);
+	});
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		const ContactRow& c = system.contacts[i];
+		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
+		const double compliance = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
+		if (islandOf[i] < 0 || ContactRow::held(compliance, c.freedom(ma, mb)))
+			continue; // nothing can move along n
+		ResidualSum& sum = sums[islandOf[i]];
+		const Miss miss = missOf(c, compliance, moved[c.a], moved[c.b]);
+		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, compliance);
+		sum.addUnderHeavy(miss.velocity, std::min(asked[c.a], asked[c.b]));
+		// Bodies are added as the contacts meet them, so that the sums do not depend on the numbering of the bodies.
+		for (const int32_t body : { c.a, c.b })
+			if (!met[body]) {
+				met[body] = 1;
+				const double* const w = system.bodies[body].w;
+				const double inverse = std::max(w[0], w[1]);
+				if (inverse > 0 || w[2] > 0)
+					sum.addBody(inverse > 0 ? 1 / inverse : 0, moved[body].s, numbers ? numbers[body] : body);
+			}
+	}
 }
 
 Residual residual(const DelassusSystem& system)

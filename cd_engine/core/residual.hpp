@@ -84,6 +84,20 @@ struct ResidualSum {
 	Residual of() const;
 };
 
+// |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
+[[gnu::always_inline]] inline double squaredDifference(double pn, double pt, double un, double ut, double mu, double compliance)
+{
+	double qn = pn - (un + mu * std::abs(ut)) / compliance, qt = pt - ut / compliance;
+	const double size = std::abs(qt);
+	if (mu * size <= -qn)
+		qn = qt = 0;
+	else if (!(qn >= 0 && size <= mu * qn)) {
+		qn = (qn + mu * size) / (1 + mu * mu);
+		qt = std::copysign(mu * qn, qt);
+	}
+	return (pn - qn) * (pn - qn) + (pt - qt) * (pt - qt);
+}
+
 // How far a contact misses its law, squared: in its impulse [N^2 s^2], in its velocity [m^2/s^2].
 struct Miss {
 	double difference, velocity;
@@ -121,8 +135,9 @@ Residual residual(const ResidualSum* islands, std::size_t count);
 Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
 
 // Adds the same for every island of a system to `sums`, one an island. Contact i belongs to the island islandOf[i], to none if that is negative.
-void addResiduals(
-    const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf, std::vector<ResidualSum>& sums);
+// numbers: how to name the bodies; null: by their place in the system.
+void addResiduals(const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
+    std::vector<ResidualSum>& sums, const int32_t* numbers = nullptr);
 
 // The same for the impulses in `system`, with u = W p + q. The error of the bodies is not known here and set to 0. Costs about a sweep.
 Residual residual(const DelassusSystem& system);

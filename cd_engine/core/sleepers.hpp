@@ -1,22 +1,20 @@
 // Islands that stay asleep: a step only checks whether their bodies are unchanged.
 //
-// If a step finds an island asleep (sleep.hpp) and writes none of its forces anew, it leaves everything in the island as it was, and so would every
-// later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error and the forces. This ends
-// when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body comes to touch it. Then the island is
-// looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on their order are made over the islands in the
-// order of their names, whether a step looked at them or not.
+// If a step finds an island asleep (island_sleep.cpp) and writes none of its forces anew, it leaves everything in the island as it was, and
+// so would every later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error
+// and the forces. This ends when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body
+// comes to touch it. Then the island is looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on
+// their order are made over the islands in the order of their names, whether a step looked at them or not.
+//
+// The truth is one array, the island of every body, with a copy of the bodies as they were. What else is stored here follows from it, or
+// was found in the step that put an island to sleep.
 #pragma once
 
+#include "contact_system.hpp"
 #include "residual.hpp"
 #include "world.hpp"
 
 namespace cd {
-
-// An impulse on a body.
-struct Push {
-	int32_t body;
-	double impulse[3]; // [N s], [N s], angular momentum about the body's centre [N m s]
-};
 
 // Why an island is woken.
 struct Cause {
@@ -25,78 +23,72 @@ struct Cause {
 };
 
 struct SleepingIsland {
-	int32_t name = 0; // the first of its movable bodies
-	int unknowns = 0;
+	int32_t name; // the first of its movable bodies
 	ResidualSum error;
-	// Set at the end of the step that found the island asleep.
 	int contacts = 0, loaded = 0, sliding = 0;
 	double deepest = 0; // overlap beyond the reference one [m]
-	std::vector<Push> onImmobile; // one for every contact with an immobile body
-	bool found = true; // whether the present or last step looked at the island and found it asleep
 	Cause disturbed; // the first thing in it that has changed
 
-	void disturb(const char* what, int32_t body)
-	{
-		if (!disturbed.what)
-			disturbed = { what, body };
-	}
+	bool operator<(const SleepingIsland& o) const { return name < o.name; }
+	operator const ResidualSum&() const { return error; }
 };
 
-// To be called in a step in this order: look (or wakeAll), wake, startSearch, add, finishSearch, join, disturb, remember.
+// The impulse of a contact of a sleeping island on an immobile body.
+struct Push {
+	int32_t island, row, body;
+	double impulse[3]; // [N s], [N s], angular momentum about the body's centre [N m s]
+
+	bool operator<(const Push& o) const { return island < o.island || (island == o.island && row < o.row); }
+};
+
+// To be called in a step in this order: look (or wakeAll), wake, add.
 class Sleepers {
     public:
 	// After the bodies of a step are read, but before its pairs. Lists in world.awake the pairs that the step must look at.
 	void look(World&);
 	void wakeAll(World&);
+	// Wakes the islands that have a body in one of these contacts. Returns whether there were any.
+	bool wake(const ContactRows&, World&);
+	// Adds the islands that a step has looked at and found asleep. names: of each body, the name of its island.
+	void add(const World&, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names);
 
 	bool none() const { return list.empty(); }
-	// Sorted by name.
-	const std::vector<SleepingIsland>& islands() const { return list; }
-	// sleeps: whether a body is in a sleeping island. sleepsOn: whether this step also does not look at that island.
-	bool sleeps(int32_t body) const { return !none() && nameOf[body] >= 0; }
-	bool sleepsOn(int32_t body) const { return sleeps(body) && !list[indexOf[nameOf[body]]].found; }
-	SleepingIsland& islandOf(int32_t body) { return list[indexOf[nameOf[body]]]; }
+	bool sleeps(int32_t body) const { return !none() && of[body] >= 0; }
+	const std::vector<SleepingIsland>& islands() const { return list; } // sorted by name
+	// The sleeping island of a contact of these bodies; null: both are awake.
+	SleepingIsland* islandAt(int32_t a, int32_t b)
+	{
+		const int32_t body = sleeps(a) ? a : b;
+		return sleeps(body) ? &list[index[of[body]]] : nullptr;
+	}
+	void push(const Push& push) { pushed.push_back(push); }
+	const std::vector<Push>& pushes(); // in the order of the islands' names, then of the contacts
 
-	// Wakes the islands that sleep on and have a body in one of these contacts. Returns whether there were any.
-	bool wake(const ContactRows&, World&);
-
-	// Record what a step finds, in place of what this step or the last one found before: first all islands, then their bodies.
-	void startSearch(std::size_t bodies);
-	void add(int32_t name, const ResidualSum& error);
-	void finishSearch();
-	void join(int32_t body, int32_t name, int unknowns);
-
-	// At the end of a step: stores the state of the bodies.
-	void remember(const World&);
-	// A force between these bodies has changed. Not thread-safe.
+	// Something about this body has changed, or about the body `with` that it touches. If it sleeps, the next look wakes its island.
+	// Not thread-safe.
+	void disturb(int32_t body, const char* what, int32_t with);
 	void disturb(int32_t a, int32_t b)
 	{
 		for (const int32_t body : { a, b })
-			if (sleeps(body))
-				islandOf(body).disturb("the force of a contact was changed", body);
+			disturb(body, "the force of a contact was changed", body);
 	}
 	// Why islands were woken last.
 	const Cause& woken() const { return last; }
 	void forgetWoken() { last = {}; }
 
     private:
-	void resize(std::size_t bodies);
-	bool compareBodies(const World&);
-	template <class Condition> bool remove(Condition);
-	bool removeDisturbed(bool sleepingOn);
+	bool wakeDisturbed(World&);
 	void number();
-	void listAwake(World&) const;
 
-	void recycle(SleepingIsland&);
-
-	std::vector<SleepingIsland> list;
-	Cause last;
-	std::vector<std::vector<Push>> memory; // of islands that no longer exist, for reuse
-	std::vector<int32_t> nameOf; // by body: the name of its island, -1: it is awake
-	std::vector<int32_t> indexOf; // by name: the index of the island in the list
-	std::vector<char> quiet; // by body: it sleeps on, or is immobile and unchanged
-	std::vector<Body> bodies; // stored state of the bodies that sleep or cannot move
+	static constexpr int32_t awake = -1, unchanged = -2;
+	std::vector<int32_t> of; // by body: the name of its island; `unchanged`: it is immobile, and was like this in the last step
+	bool changed = false; // since the pairs were listed
+	std::vector<Body> bodies; // as they were when they fell asleep, or of immobile ones, in the last step
 	std::vector<Shape> shapes;
+	std::vector<SleepingIsland> list;
+	std::vector<int32_t> index; // by name: of an island in the list
+	std::vector<Push> pushed;
+	Cause last;
 };
 
 } // namespace cd

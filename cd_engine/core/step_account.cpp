@@ -57,15 +57,6 @@ inline bool TimeStep::keeps(double nx, double ny, double pn, double pt, Carried&
 	return true;
 }
 
-// The sleeping island that a contact belongs to, if any.
-SleepingIsland* TimeStep::asleepAt(int32_t a, int32_t b)
-{
-	for (const int32_t body : { a, b })
-		if (sleepers.sleeps(body))
-			return &sleepers.islandOf(body);
-	return nullptr;
-}
-
 // Gives the impulse of a contact to both of its bodies.
 inline void TimeStep::give(const Share& of)
 {
@@ -89,14 +80,14 @@ void TimeStep::pushAll()
 	});
 }
 
-// Adds a share to the bodies of a sleeping island, and to the island's list of impulses on immobile bodies.
-void TimeStep::push(const Share& of, SleepingIsland& island)
+// Adds a share to the bodies of a sleeping island, and to the list of its impulses on immobile bodies.
+void TimeStep::push(const Share& of, int32_t island, int32_t row)
 {
 	const auto addTo = [&](int32_t body, double x, double y, double turn) {
 		if (sleepers.sleeps(body))
 			add(impulses[body], x, y, turn);
 		else
-			island.onImmobile.push_back({ body, { x, y, turn } });
+			sleepers.push({ island, row, body, { x, y, turn } });
 	};
 	addTo(of.a, -of.x, -of.y, of.turnA);
 	addTo(of.b, of.x, of.y, of.turnB);
@@ -144,7 +135,7 @@ inline void TimeStep::book(World& world, const StepSettings& settings, size_t ro
 	}
 	if (shares.empty())
 		give(of);
-	const bool asleep = !sleepers.none() && asleepAt(of.a, of.b);
+	const bool asleep = !sleepers.none() && sleepers.islandAt(of.a, of.b);
 	sum.loaded += !asleep;
 	sum.sliding += !asleep && slides(e.mu, e.pn, e.pt);
 	sum.dissipated -= e.work;
@@ -200,9 +191,11 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	impulses.resize(world.bodies.size());
 	forRanges(&threads, impulses.size(), [&](size_t from, size_t to) {
 		for (size_t i = from; i < to; i++)
-			if (!sleepers.sleepsOn(static_cast<int32_t>(i)))
+			if (!sleepers.sleeps(static_cast<int32_t>(i)))
 				impulses[i] = { 0, 0, 0 };
 	});
+	if (settings.reduce)
+		solveIslands.putToSleep(sleepers, world);
 	if (!sleepers.none() || !system.contacts.solvedBeside())
 		system.contacts.make();
 	// A single thread adds the shares to the bodies at once, without storing them.
@@ -225,14 +218,15 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	for (size_t i = 0; i < shares.size(); i++) {
 		const Share& of = shares[i];
 		const ContactRow& c = system.contacts[i];
-		if (SleepingIsland* const asleep = asleepAt(c.a, c.b)) {
+		if (SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b)) {
+			report.contacts--;
 			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gapOf(world, rowPair[i]));
 			if (i >= assembled) // a contact that was added later is none in the next step
-				asleep->disturb("a contact came late", c.a);
+				sleepers.disturb(asleep->name, "a contact came late", c.a);
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
-			push(of, *asleep);
+			push(of, asleep->name, static_cast<int32_t>(i));
 		} else if (c.pn > 0)
 			give(of);
 	}
@@ -242,14 +236,14 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 void TimeStep::finishSleepers(StepReport& report)
 {
 	for (const SleepingIsland& island : sleepers.islands()) {
-		report.contacts += island.found ? 0 : island.contacts;
+		report.contacts += island.contacts;
 		report.loadedContacts += island.loaded;
 		report.slidingContacts += island.sliding;
 		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
-		for (const Push& push : island.onImmobile)
-			for (int k = 0; k < 3; k++)
-				impulses[push.body][k] += push.impulse[k];
 	}
+	for (const Push& push : sleepers.pushes())
+		for (int k = 0; k < 3; k++)
+			impulses[push.body][k] += push.impulse[k];
 }
 
 } // namespace cd

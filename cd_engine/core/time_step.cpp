@@ -217,7 +217,6 @@ bool TimeStep::finishBodies(World& world, double h)
 		world.bodies[shift.body].x += shift.x;
 		world.bodies[shift.body].y += shift.y;
 	}
-	sleepers.remember(world);
 	return moves;
 }
 

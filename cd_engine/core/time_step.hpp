@@ -25,7 +25,7 @@ struct StepSettings {
 	bool warmStart = true; // the first guess are the forces that contacts have carried; else nothing
 	long iteration = 0; // number of the step, recorded where a contact becomes loaded
 	bool reduce = true; // solve islands of contacts separately (island_solver.hpp)
-	int trial = 0; // sweeps that slow islands may take to prove their rest in this step (sleep.hpp)
+	int trial = 0; // sweeps that slow islands may take to prove their rest in this step (island_sleep.cpp)
 	const std::vector<int>* loadsBefore = nullptr; // for a trial: hashes of the loads in the step before
 	bool notesLoads = false; // record the loads, for a trial in the next step
 	Solver solve = nullptr;
@@ -158,7 +158,6 @@ class TimeStep : RowSource {
 	bool lowerRebounds(const World&, const StepSettings&, const StepReport&);
 	static bool end(StepReport&);
 	void finishContacts(World&, const StepSettings&, StepReport&);
-	SleepingIsland* asleepAt(int32_t a, int32_t b);
 	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
 	static constexpr std::size_t batch = 64;
 	void effectsOf(const World&, double rate, std::size_t from, std::size_t count, PairEffects*) const;
@@ -173,7 +172,7 @@ class TimeStep : RowSource {
 	struct Share;
 	Share share(std::size_t row, const ContactRow&) const;
 	void give(const Share&);
-	void push(const Share&, SleepingIsland&);
+	void push(const Share&, int32_t island, int32_t row);
 	void pushAll();
 	void finishSleepers(StepReport&);
 	bool finishBodies(World&, double dt);

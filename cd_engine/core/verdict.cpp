@@ -2,12 +2,14 @@
 
 #include "closing_in.hpp"
 #include "problem_form.hpp"
+#include "residual.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 namespace cd {
 namespace {
@@ -27,27 +29,7 @@ namespace {
 	constexpr int few = 256; // contacts up to which the proof by velocities may take more products than the sweeps did
 	constexpr int rounds = 20; // at most; in each, contacts leave the self-stress or begin to slide in it
 
-	double dot(const std::vector<double>& a, const std::vector<double>& b)
-	{
-		double sum = 0;
-		for (std::size_t i = 0; i < a.size(); i++)
-			sum += a[i] * b[i];
-		return sum;
-	}
-
-	// Distance of the impulses p from the projection of p - u on Coulomb's cone. The error of residual.hpp consists of such distances.
-	double distance(double pn, double pt, double un, double ut, double mu)
-	{
-		double n = pn - un, t = pt - ut;
-		const double size = std::abs(t);
-		if (mu * size <= -n)
-			n = t = 0;
-		else if (n < 0 || size > mu * n) {
-			n = (n + mu * size) / (1 + mu * mu);
-			t = std::copysign(mu * n, t);
-		}
-		return std::sqrt((pn - n) * (pn - n) + (pt - t) * (pt - t));
-	}
+	double dot(const std::vector<double>& a, const std::vector<double>& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.); }
 
 	template <class Form> double growthOf(const Form& form)
 	{
@@ -123,7 +105,7 @@ namespace {
 				closing -= pn * un + (sticks ? pt * ut : 0);
 				dragging += sticks ? 0 : pt * (ut - form->prescribed[2 * i + 1]);
 				const double floor = 16 * epsilon * (sizes[2 * i] + sizes[2 * i + 1] + form->data[i]);
-				const double amiss = own * distance(pn, pt, (un + form->mu(i) * std::abs(ut)) / own, ut / own, form->mu(i));
+				const double amiss = own * std::sqrt(squaredDifference(pn, pt, un, ut, form->mu(i), own)); // as in the error
 				const double power = amiss > floor ? amiss * std::sqrt(pn * pn + pt * pt) : 0;
 				kept += power;
 				if (power > mostKept || (mostKept == 0 && strength > largest)) {
@@ -309,16 +291,12 @@ namespace {
 		bool negative = false; // a direction of negative energy was met
 	};
 
-	template <class Form> Verdict judged(Workspace* memory, const Form& form, double guess, double tolerance, int mostProducts)
-	{
-		return (*Borrowed<Judgement<Form>>(memory))(form, guess, tolerance, mostProducts);
-	}
-
 } // namespace
 
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
-	Verdict v = judged(system.memory, Borrowed<BodyForm>(system.memory)->of(system, freeVelocity), guess, tolerance, mostProducts);
+	const Borrowed<BodyForm> form(system.memory);
+	Verdict v = (*Borrowed<Judgement<BodyForm>>(system.memory))(form->of(system, freeVelocity), guess, tolerance, mostProducts);
 	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
 	if (open && v.growth > mayHide) {
 		const int contacts = static_cast<int>(system.contacts.size());
@@ -331,7 +309,8 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 }
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
 {
-	return judged(system.memory, Borrowed<MatrixForm>(system.memory)->of(system), guess, tolerance, mostProducts);
+	const Borrowed<MatrixForm> form(system.memory);
+	return (*Borrowed<Judgement<MatrixForm>>(system.memory))(form->of(system), guess, tolerance, mostProducts);
 }
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity)

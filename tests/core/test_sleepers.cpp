@@ -191,6 +191,28 @@ TEST_CASE("changes of every kind wake what they concern")
 	CHECK(looksAgain([](Run& r) { r.world.shapes[0].axis = 0; }));
 }
 
+TEST_CASE("a body beside a sleeping one, that nothing holds any more, falls")
+{
+	// Both can only fall; along the normal of their contact neither can move, so it carries nothing.
+	Scene scene(0);
+	World& world = scene.world;
+	const int held = scene.disk(2, 1), beside = scene.disk(2 + 2 * radius, 1);
+	for (const int body : { held, beside })
+		world.bodies[body].inverseMass[0] = world.bodies[body].inverseMass[2] = 0;
+	const int below = scene.disk(2, 1 - 2 * radius), support = scene.disk(2 + 2 * radius, 1 - 2 * radius);
+	for (const int body : { below, support, scene.flyer, scene.press })
+		std::fill_n(world.bodies[body].inverseMass, 3, 0.);
+	world.pairs = { { held, beside, 0.5 }, { held, below, 0.5 }, { beside, support, 0.5 } };
+	Run run(world, false);
+	for (int i = 0; i < 20; i++)
+		run.go();
+	REQUIRE(run.report.effort.sleeping == 2);
+	run.world.bodies[support].y = 0;
+	for (int i = 0; i < 20; i++)
+		run.go();
+	CHECK(run.world.bodies[beside].v[1] == doctest::Approx(-20 * h * gravity));
+}
+
 TEST_CASE("nothing shows of what is not looked at, whatever happens")
 {
 	std::size_t looked = 0, slept = 0, steps = 0;
