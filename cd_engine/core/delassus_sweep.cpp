@@ -12,7 +12,7 @@ DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed, Threads*)
     , packed(*kept)
     , order(seed, s.memory)
 {
-	packed.builder.build(system, packed.grouping);
+	packed.grouping.group(system);
 	const std::size_t count = packed.grouping.groups();
 	packed.place.resize(system.contacts());
 	for (std::size_t place = 0; place < packed.grouping.members.size(); place++)

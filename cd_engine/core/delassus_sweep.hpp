@@ -2,9 +2,9 @@
 #pragma once
 
 #include "delassus_system.hpp"
+#include "grouping.hpp"
 #include "random_order.hpp"
 #include "residual.hpp"
-#include "row_grouping.hpp"
 #include "row_momentum.hpp"
 #include "threads.hpp"
 #include "workspace.hpp"
@@ -49,7 +49,6 @@ class DelassusSweep {
 	// The packed problem. The next DelassusSweep takes over its memory.
 	struct Packed {
 		RowGrouping grouping;
-		RowGroupBuilder builder;
 		std::vector<int32_t> place; // of each row: its lane, counted over all groups
 		std::vector<RowGroup> groups;
 		std::vector<std::size_t> start; // as in RowGroups

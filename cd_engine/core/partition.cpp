@@ -42,7 +42,7 @@ bool Partition::sameFreedoms(const ContactSystem& system, Threads* threads)
 
 bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
-	if (system.contacts.postponed() && system.contactSet == contactSet)
+	if (knows(system))
 		return true;
 	system.contacts.make();
 	const bool same = renew(links, system.contacts, linkOf, threads);
