@@ -59,12 +59,10 @@ class DelassusSweep {
 		std::vector<GroupStep> steps; // of each group: its last step
 		std::vector<int32_t> focus; // the only groups that the next sweep with momentum solves; empty: all
 	};
-	double* pairAt(std::size_t place) { return packed.impulses[place / RowGroup::lanes].p + 2 * (place % RowGroup::lanes); }
 	void fillGroup(std::size_t group);
-	void countSlices();
 	void fillSlices(std::size_t group);
-	RowGroups rows();
-	void remember();
+	// Solves groups as the kernel does.
+	void sweep(const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
 	void aheadInFocus();
 	void chooseFocus();
 

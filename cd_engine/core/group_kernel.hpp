@@ -66,10 +66,9 @@ struct GroupKernel {
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
-	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held.
-	void (*sweepRows)(const RowGroups& rows, std::size_t from, std::size_t to);
-	// The same from y. The impulses must already have the values of y.
-	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
+	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
+	// the impulses must already have the values of y, and `steps` gets the results.
+	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
 	// Replaces the impulses p of every group by y = p + beta (p - before), with a beta for each group; `before` becomes p.
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
 	// Where the disks of `count` times eight pairs touch.

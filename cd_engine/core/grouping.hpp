@@ -17,8 +17,8 @@ struct Grouping {
 	std::size_t groups() const { return members.size() / Group::lanes; }
 };
 
-// Fills groups. At most places - 1 are open at a time, in a ring. A contact goes to the oldest open group that has room, if neither this group nor the
-// groups next to it in the sweep influence it. So no group waits for numbers that the last one has just written (a third of the time).
+// Fills groups. At most places - 1 are open at a time, in a ring. A contact goes to the oldest open group that has room, if neither this group nor
+// the groups next to it in the sweep influence it. So no group waits for numbers that the last one has just written (a third of the time).
 //
 // Marks says who influences whom. It keeps a word for whatever contacts share, with a bit for every place in the ring: influences(item) has the bits
 // of the groups that may not take an item, set() and clear() those of a group that has taken it.
@@ -120,8 +120,8 @@ struct BodyMarks {
 };
 using BodyGroups = GroupRing<BodyMarks>;
 
-// Groups of rows of W that do not couple and have about equally many blocks. Rows that are in no group follow, each in the first lane of a group of its
-// own.
+// Groups of rows of W that do not couple and have about equally many blocks. Rows that are in no group follow, each in the first lane of a group of
+// its own.
 struct RowGrouping : Grouping {
 	std::size_t firstSpread = 0; // from this group on, each group has one row
 

@@ -24,7 +24,9 @@ namespace {
 			bool same = known;
 			for (std::size_t i = from; i < to; i++) {
 				const auto one = now(all[i]);
-				same = same && of[i] == one;
+				if (of[i] == one)
+					continue;
+				same = false;
 				of[i] = one;
 			}
 			return same;
@@ -45,7 +47,8 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 	if (knows(system))
 		return true;
 	system.contacts.make();
-	const bool same = renew(links, system.contacts, linkOf, threads);
+	const bool same = renew(
+	    links, system.contacts, [](const ContactRow& c) { return linkOf(c); }, threads);
 	// A contact that could not be solved may be solvable the next time.
 	contactSet = anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable; }) ? 0 : system.contactSet;
 	return same;

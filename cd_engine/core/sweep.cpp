@@ -158,11 +158,12 @@ template <class Work> void Sweep::inOrder(const Work& work)
 	if (!order)
 		return colourByColour([&](Part& block) { work(block.groups, block.loose, block); });
 	const std::size_t groups = packed.groups.size();
-	for (const std::size_t i : order.next(groups + packed.loose.size()))
+	order.visit(groups + packed.loose.size(), [&](std::size_t i, std::size_t end) {
 		if (i < groups)
-			work(Range { i, i + 1 }, Range {}, packed.parts[0]);
+			work(Range { i, end }, Range {}, packed.parts[0]);
 		else
-			work(Range {}, Range { i - groups, i - groups + 1 }, packed.parts[0]);
+			work(Range {}, Range { i - groups, end - groups }, packed.parts[0]);
+	});
 }
 
 void Sweep::operator()()

@@ -38,8 +38,7 @@ void Sweep::moveBodies()
 		std::fill_n(&moved[block.bodies.from], block.bodies.size(), PackedBody {});
 		moved[block.nobody] = {};
 	});
-	colourByColour(
-	    [&](const Part& block) { groupKernel().press(packed.groups.data() + block.groups.from, block.groups.size(), moved.data()); });
+	colourByColour([&](const Part& block) { groupKernel().press(packed.groups.data() + block.groups.from, block.groups.size(), moved.data()); });
 	inEveryBlock([&](const Part& block) {
 		for (const std::size_t i : block.bodies) {
 			const PackedBody& free = packed.freeBodies[i];
