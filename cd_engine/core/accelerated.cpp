@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace cd {
 namespace {
@@ -102,7 +103,8 @@ namespace {
 		const int all = settings.maxIterations;
 		if (settings.fixedIterations > 0 || all <= firstTrial)
 			return iterate<S>(system, settings, method);
-		const Kept start(system, settings);
+		std::optional<Start> own;
+		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
 		S withMomentum(system, settings.seed, settings.threads);
 		auto improve = method(withMomentum);
 		Iteration<S> first(withMomentum, settings);
@@ -113,8 +115,8 @@ namespace {
 				return first.conclude();
 			until = until > all / 2 ? all : 2 * until;
 		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
-		start->free(system);
-		start->guess(system);
+		start.free(system);
+		start.guess(system);
 		S plain(system, settings.seed, settings.threads);
 		Iteration<S> second(plain, settings);
 		second.begin();

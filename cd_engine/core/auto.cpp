@@ -8,6 +8,7 @@
 #include "start.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace cd {
 namespace {
@@ -47,7 +48,8 @@ namespace {
 		const int most = std::min(mostSteps, settings.maxIterations / 6); // iterations left for Newton's method
 		if (settings.fixedIterations > 0 || size(system) > large || most == 0)
 			return accelerated(system, settings);
-		const Kept start(system, settings);
+		std::optional<Start> own;
+		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
 		SolverSettings part = settings;
 		part.maxIterations -= most;
 		const SolverReport sweeps = accelerated(system, part);

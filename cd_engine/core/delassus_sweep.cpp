@@ -72,7 +72,7 @@ void DelassusSweep::fillSlices(std::size_t group)
 	}
 }
 
-void DelassusSweep::sweep(const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to)
+void DelassusSweep::sweep(const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to)
 {
 	const RowGroups rows { packed.groups.data(), packed.start.data(), packed.slices.data(), packed.columns.data(), packed.grouping.firstSpread,
 		packed.impulses.data() };
@@ -120,7 +120,7 @@ void DelassusSweep::aheadInFocus()
 void DelassusSweep::chooseFocus()
 {
 	double total = 0, inFocus = 0;
-	for (const GroupStep& s : packed.steps)
+	for (const AheadReport& s : packed.steps)
 		total += s.change;
 	for (std::size_t g = 0; g < packed.steps.size(); g++)
 		if (packed.steps[g].change > 1e-3 * total) {

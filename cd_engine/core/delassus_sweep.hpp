@@ -56,13 +56,13 @@ class DelassusSweep {
 		std::vector<SliceColumns> columns;
 		std::vector<ImpulsePairs> impulses, before; // of each group: now, and one sweep ago
 		RowMomentum momentum;
-		std::vector<GroupStep> steps; // of each group: its last step
+		std::vector<AheadReport> steps; // of each group: its last step
 		std::vector<int32_t> focus; // the only groups that the next sweep with momentum solves; empty: all
 	};
 	void fillGroup(std::size_t group);
 	void fillSlices(std::size_t group);
 	// Solves groups as the kernel does.
-	void sweep(const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
+	void sweep(const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
 	void aheadInFocus();
 	void chooseFocus();
 

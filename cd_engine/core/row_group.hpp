@@ -7,6 +7,7 @@
 #pragma once
 
 #include "delassus_system.hpp"
+#include "group.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -46,12 +47,6 @@ struct alignas(64) ImpulsePairs {
 	double p[2 * RowGroup::lanes];
 };
 static_assert(sizeof(ImpulsePairs) == 2 * 64);
-
-// Result of a sweep from an extrapolated point y for one group [N^2 s^2]. p are the impulses before the sweep, p+ those after it.
-struct GroupStep {
-	double change; // |y - p+|^2
-	double against; // (y - p+) . (p+ - p)
-};
 
 struct RowGroups {
 	const RowGroup* groups;

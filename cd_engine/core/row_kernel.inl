@@ -139,7 +139,7 @@ INLINE void solveOne(const RowGroups& rows, std::size_t k, Vector* pn, Vector* p
 }
 
 template <bool ahead>
-INLINE void sweepRowGroups(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to)
+INLINE void sweepRowGroups(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to)
 {
 	for (std::size_t k = from; k < to; k++) {
 		Vector pn[RowGroup::lanes / LANES], pt[RowGroup::lanes / LANES];
@@ -162,7 +162,7 @@ INLINE void sweepRowGroups(const RowGroups& rows, const ImpulsePairs* before, Gr
 	}
 }
 
-static void sweepRows(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to)
+static void sweepRows(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to)
 {
 	if (before)
 		sweepRowGroups<true>(rows, before, steps, from, to);

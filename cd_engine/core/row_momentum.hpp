@@ -28,7 +28,7 @@ class RowMomentum {
 	}
 
 	// Call after a group has made a step.
-	void add(std::size_t group, const GroupStep& step)
+	void add(std::size_t group, const AheadReport& step)
 	{
 		Group& g = groups[group];
 		if (step.against > 0)
@@ -39,7 +39,7 @@ class RowMomentum {
 	}
 
 	// Call after all groups have made a step.
-	void watch(const std::vector<GroupStep>& steps)
+	void watch(const std::vector<AheadReport>& steps)
 	{
 		double total = 0;
 		for (std::size_t i = 0; i < groups.size(); i++) {

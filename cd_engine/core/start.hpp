@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <optional>
 
 namespace cd {
 
@@ -27,7 +26,6 @@ class Start {
 		if (s.contacts.solvedBeside()) // else the source of postponed rows still knows the guess
 			s.contacts.make();
 		source = s.contacts.postponed();
-		impulses.resize(source ? 0 : 2 * s.contacts.size());
 		std::atomic<bool> driven { false };
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
@@ -36,7 +34,8 @@ class Start {
 					driven = true;
 			}
 		});
-		const auto keep = [&](std::size_t from, std::size_t to) {
+		impulses.resize(source ? 0 : 2 * s.contacts.size());
+		forRanges(threads, impulses.size() / 2, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
 				const ContactRow& c = s.contacts[i];
@@ -46,9 +45,7 @@ class Start {
 			}
 			if (pushed)
 				driven = true;
-		};
-		if (!source) // postponed contacts push nothing
-			forRanges(threads, s.contacts.size(), keep);
+		});
 		solvable = !driven;
 	}
 	explicit Start(const DelassusSystem& s, Threads* t)
@@ -118,22 +115,6 @@ class Start {
 	};
 	Borrowed<State> kept;
 	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;
-};
-
-// Refers to the Start that the caller keeps, or else makes its own.
-class Kept {
-    public:
-	template <class System>
-	Kept(const System& s, const SolverSettings& settings)
-	    : start(settings.start ? settings.start : &own.emplace(s, settings.threads))
-	{
-	}
-	operator const Start&() const { return *start; }
-	const Start* operator->() const { return start; }
-
-    private:
-	std::optional<Start> own;
-	const Start* start;
 };
 
 } // namespace cd

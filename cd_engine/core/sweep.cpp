@@ -125,16 +125,9 @@ void Sweep::solveLoose(Loose& l, PackedBody* bodies)
 		const double qn = un - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
 		solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, qn, qt, pn, pt);
 	}
-	const double dn = pn - c.pn, dt = pt - c.pt;
+	push(l, pn - c.pn, pt - c.pt, A, B);
 	c.pn = pn;
 	c.pt = pt;
-	const double px = c.nx * dn - c.ny * dt, py = c.ny * dn + c.nx * dt;
-	A.vx -= l.wa[0] * px;
-	A.vy -= l.wa[1] * py;
-	A.spin -= l.wa[2] * (c.an * dn + c.at * dt);
-	B.vx += l.wb[0] * px;
-	B.vy += l.wb[1] * py;
-	B.spin += l.wb[2] * (c.bn * dn + c.bt * dt);
 }
 
 inline void Sweep::solveAhead(Loose& l, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport& report)

@@ -30,12 +30,6 @@ struct Range {
 	std::size_t from = 0, to = 0;
 };
 
-// Result of a sweep from an extrapolated point y; p are the impulses before the sweep, p+ those after it.
-struct AheadReport {
-	double change = 0; // |y - p+|^2 [N^2 s^2]
-	double against = 0; // (y - p+) . (p+ - p) [N^2 s^2]; positive if the sweep turned back against the momentum
-};
-
 // What a method needs, for a problem given by its bodies. DelassusSweep has the same functions for a problem given by its matrix.
 class Sweep {
     public:
@@ -162,6 +156,7 @@ class Sweep {
 	void missInBlock(const Part&, bool apart);
 	void addApart(const Part&);
 	Miss missOf(const Loose&) const;
+	static void push(const Loose&, double pn, double pt, PackedBody& A, PackedBody& B);
 	static void solveLoose(Loose&, PackedBody* bodies);
 	static void solveAhead(Loose&, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport&);
 
@@ -174,6 +169,19 @@ class Sweep {
 	RandomOrder order;
 	Threads* const threads;
 };
+
+// Adds an impulse of a contact to the velocities of its bodies.
+inline void Sweep::push(const Loose& l, double pn, double pt, PackedBody& A, PackedBody& B)
+{
+	const ContactRow& c = l.row;
+	const double px = c.nx * pn - c.ny * pt, py = c.ny * pn + c.nx * pt;
+	A.vx -= l.wa[0] * px;
+	A.vy -= l.wa[1] * py;
+	A.spin -= l.wa[2] * (c.an * pn + c.at * pt);
+	B.vx += l.wb[0] * px;
+	B.vy += l.wb[1] * py;
+	B.spin += l.wb[2] * (c.bn * pn + c.bt * pt);
+}
 
 // Calls work(part) for every block.
 template <class Work> void Sweep::inEveryBlock(const Work& work) const

@@ -53,15 +53,9 @@ void Sweep::moveBodies()
 		for (const std::size_t i : block.loose) {
 			const Loose& l = packed.loose[i];
 			const ContactRow& c = l.row;
-			const double px = c.nx * c.pn - c.ny * c.pt, py = c.ny * c.pn + c.nx * c.pt;
 			PackedBody &A = moved[c.a], &B = moved[c.b];
-			A.vx -= l.wa[0] * px;
-			A.vy -= l.wa[1] * py;
-			A.spin -= l.wa[2] * (c.an * c.pn + c.at * c.pt);
+			push(l, c.pn, c.pt, A, B);
 			A.w += actionOn(l.wa, c, c.an, c.at);
-			B.vx += l.wb[0] * px;
-			B.vy += l.wb[1] * py;
-			B.spin += l.wb[2] * (c.bn * c.pn + c.bt * c.pt);
 			B.w += actionOn(l.wb, c, c.bn, c.bt);
 		}
 	});
