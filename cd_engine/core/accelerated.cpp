@@ -101,13 +101,13 @@ namespace {
 		constexpr int share = 4;
 		constexpr double drifting = 1e-2; // below this error, momentum that stands still is mostly in a drift, and goes on
 		const int all = settings.maxIterations;
-		if (settings.fixedIterations > 0 || all <= firstTrial)
-			return iterate<S>(system, settings, method);
 		std::optional<Start> own;
 		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
 		S withMomentum(system, settings.seed, settings.threads);
 		auto improve = method(withMomentum);
 		Iteration<S> first(withMomentum, settings);
+		if (settings.fixedIterations > 0 || all <= firstTrial)
+			return first.run(improve);
 		first.begin();
 		int until = firstTrial;
 		do {

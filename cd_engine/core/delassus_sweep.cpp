@@ -24,6 +24,7 @@ DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed, Threads*)
 	packed.slices.clear();
 	packed.slices.reserve(system.blocks.size() / RowGroup::lanes); // about a tenth of them stay empty, and own blocks are not among them
 	packed.columns.clear();
+	packed.columns.reserve(packed.slices.capacity());
 	for (std::size_t g = 0; g < count; g++) {
 		fillGroup(g);
 		fillSlices(g);

@@ -9,7 +9,8 @@ namespace {
 
 	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
 	{
-		return iterate<S>(system, settings, [](S& sweep) { return [&sweep] { sweep(); }; });
+		S sweep(system, settings.seed, settings.threads);
+		return Iteration<S>(sweep, settings).run(sweep);
 	}
 
 } // namespace

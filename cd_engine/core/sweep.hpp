@@ -155,7 +155,6 @@ class Sweep {
 	void findAsked();
 	void missInBlock(const Part&, bool apart);
 	void addApart(const Part&);
-	Miss missOf(const Loose&) const;
 	static void push(const Loose&, double pn, double pt, PackedBody& A, PackedBody& B);
 	static void solveLoose(Loose&, PackedBody* bodies);
 	static void solveAhead(Loose&, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport&);

@@ -83,14 +83,6 @@ void Sweep::twistBodies()
 	});
 }
 
-Miss Sweep::missOf(const Loose& l) const
-{
-	const auto at = [&](int32_t body) {
-		return Moved { { packed.moved[body].vx, packed.moved[body].vy, packed.moved[body].spin }, packed.moved[body].w };
-	};
-	return cd::missOf(l.row, l.row.wnn, at(l.row.a), at(l.row.b));
-}
-
 // Numbers the sums that make the error: one for every island in every block, in the order of the sweep.
 void Sweep::numberSums()
 {
@@ -156,9 +148,13 @@ void Sweep::missInBlock(const Part& block, bool apart)
 		addApart(block);
 	else if (block.sums.size() > 0)
 		*first = sumOf(all, block.contacts.size() - block.loose.size());
+	const auto moved = [&](int32_t body) {
+		const PackedBody& m = packed.moved[body];
+		return Moved { { m.vx, m.vy, m.spin }, m.w };
+	};
 	for (const std::size_t i : block.loose) {
 		const ContactRow& c = packed.loose[i].row;
-		const Miss miss = missOf(packed.loose[i]);
+		const Miss miss = missOf(c, c.wnn, moved(c.a), moved(c.b));
 		ResidualSum& sum = packed.partSums[packed.ends[packed.grouping.loose[i]].sum];
 		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
 		if (!packed.carried.empty())
