@@ -71,7 +71,9 @@ namespace {
 				const ContactRow& c = system->contacts[i];
 				if (!(c.wnn > 0))
 					continue;
+				const double root = std::sqrt(c.wnn);
 				double prescribed = c.bias, terms = std::abs(c.bias), all = c.bias;
+				Link link { { { 3 * c.a, {} }, { 3 * c.b, {} } } };
 				for (const int side : { -1, 1 }) {
 					const int32_t body = side < 0 ? c.a : c.b;
 					const double arms[3] = { c.nx, c.ny, side < 0 ? c.an : c.bn };
@@ -82,13 +84,11 @@ namespace {
 							prescribed += velocity;
 							terms += std::abs(velocity);
 						}
+						link.ends[side > 0].row[k] = side * roots[3 * body + k] * arms[k] / root;
 					}
 				}
 				rows.push_back(static_cast<int32_t>(i));
-				const double root = std::sqrt(c.wnn);
-				const double *A = &roots[3 * c.a], *B = &roots[3 * c.b];
-				links.push_back({ 3 * c.a, 3 * c.b, { -A[0] * c.nx / root, -A[1] * c.ny / root, -A[2] * c.an / root },
-				    { B[0] * c.nx / root, B[1] * c.ny / root, B[2] * c.bn / root } });
+				links.push_back(link);
 				b.push_back(prescribed / root);
 				q.push_back(all / root);
 				size.push_back(terms / root);
@@ -167,10 +167,10 @@ namespace {
 		{
 			to.resize(links.size());
 			for (std::size_t i = 0; i < links.size(); i++) {
-				const Link& l = links[i];
+				const auto& [a, b] = links[i].ends;
 				double u = 0;
 				for (int k = 0; k < 3; k++)
-					u += l.onA[k] * x[l.a + k] + l.onB[k] * x[l.b + k];
+					u += a.row[k] * x[a.first + k] + b.row[k] * x[b.first + k];
 				to[i] = u;
 			}
 		}
@@ -182,11 +182,9 @@ namespace {
 			for (std::size_t i = 0; i < links.size(); i++) {
 				if (!(r[i] < 0))
 					continue;
-				const Link& l = links[i];
-				for (int k = 0; k < 3; k++) {
-					g[l.a + k] -= l.onA[k] * y[i];
-					g[l.b + k] -= l.onB[k] * y[i];
-				}
+				for (const Link::End& end : links[i].ends)
+					for (int k = 0; k < 3; k++)
+						g[end.first + k] -= end.row[k] * y[i];
 			}
 		}
 
@@ -259,8 +257,10 @@ namespace {
 		std::vector<double> roots; // square roots of the inverse masses
 		std::vector<int32_t> rows; // contacts with a body that can move along the normal
 		struct Link { // a row of J
-			int32_t a, b; // index of the first unknown of each body
-			double onA[3], onB[3];
+			struct End {
+				int32_t first; // unknown of the body
+				double row[3];
+			} ends[2];
 		};
 		std::vector<Link> links; // one for each of `rows`
 		std::vector<double> b, size; // the prescribed closing velocities, and the magnitude of their terms
