@@ -36,12 +36,6 @@ namespace {
 
 } // namespace
 
-bool Partition::sameFreedoms(const ContactSystem& system, Threads* threads)
-{
-	return renew(
-	    freedom, system.bodies, [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); }, threads);
-}
-
 bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
 	if (knows(system))
@@ -56,7 +50,9 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 
 bool Partition::update(const ContactSystem& system, Threads* threads)
 {
-	const bool bodies = sameFreedoms(system, threads), contacts = sameLinks(system, threads); // both, since both renew what is kept
+	const auto count = [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); };
+	const bool bodies = renew(freedom, system.bodies, count, threads);
+	const bool contacts = sameLinks(system, threads);
 	if (bodies && contacts)
 		return false;
 	name.resize(freedom.size());

@@ -41,7 +41,6 @@ class Partition {
 	int32_t nameOf(const Island& island) const { return name[mobileOf(links[island.first])]; }
 
     private:
-	bool sameFreedoms(const ContactSystem&, Threads*);
 	bool sameLinks(const ContactSystem&, Threads*);
 	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	int32_t root(int32_t body);
