@@ -21,7 +21,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace cd {
 namespace {
@@ -101,13 +100,12 @@ namespace {
 		constexpr int share = 4;
 		constexpr double drifting = 1e-2; // below this error, momentum that stands still is mostly in a drift, and goes on
 		const int all = settings.maxIterations;
-		std::optional<Start> own;
-		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
+		if (settings.fixedIterations > 0 || all <= firstTrial)
+			return iterate<S>(system, settings, method);
+		const Kept start(system, settings);
 		S withMomentum(system, settings.seed, settings.threads);
 		auto improve = method(withMomentum);
 		Iteration<S> first(withMomentum, settings);
-		if (settings.fixedIterations > 0 || all <= firstTrial)
-			return first.run(improve);
 		first.begin();
 		int until = firstTrial;
 		do {
@@ -115,8 +113,8 @@ namespace {
 				return first.conclude();
 			until = until > all / 2 ? all : 2 * until;
 		} while (!always && (first.least() < drifting || 2 * first.idle() < first.iterations()));
-		start.free(system);
-		start.guess(system);
+		start->free(system);
+		start->guess(system);
 		S plain(system, settings.seed, settings.threads);
 		Iteration<S> second(plain, settings);
 		second.begin();

@@ -8,7 +8,6 @@
 #include "start.hpp"
 
 #include <algorithm>
-#include <optional>
 
 namespace cd {
 namespace {
@@ -48,8 +47,7 @@ namespace {
 		const int most = std::min(mostSteps, settings.maxIterations / 6); // iterations left for Newton's method
 		if (settings.fixedIterations > 0 || size(system) > large || most == 0)
 			return accelerated(system, settings);
-		std::optional<Start> own;
-		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
+		const Kept start(system, settings);
 		SolverSettings part = settings;
 		part.maxIterations -= most;
 		const SolverReport sweeps = accelerated(system, part);

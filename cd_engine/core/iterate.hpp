@@ -11,8 +11,7 @@
 
 namespace cd {
 
-// S: Sweep or DelassusSweep, for the two forms that a problem can have. Stops when the errors of residual.hpp are at most settings.tolerance, after
-// settings.maxIterations sweeps, or when nothing is gained any more. If the problem is not solved, the best iterate is the result.
+// S: Sweep or DelassusSweep, for the two forms that a problem can have.
 template <class S> class Iteration {
     public:
 	Iteration(S& s, const SolverSettings& t)
@@ -22,9 +21,7 @@ template <class S> class Iteration {
 	{
 	}
 
-	// improve() makes one sweep of the method; after each call the sweep's impulses are the iterate. With settings.fixedIterations this makes
-	// exactly so many plain sweeps, whatever the method, and computes the error at the end: what is known of under-converged contact dynamics
-	// (Unger & Kertesz 2003) holds for plain Gauss-Seidel.
+	// improve() makes one sweep of the method.
 	template <class Improve> SolverReport run(Improve& improve)
 	{
 		if (settings.fixedIterations > 0) {
@@ -170,5 +167,16 @@ template <class S> class Iteration {
 	} best {}; // the best iterate so far
 	Borrowed<typename S::Iterate, Iteration> bestIterate;
 };
+
+// `method(sweep)` returns an object whose operator() makes one sweep; after each call the sweep's impulses are the iterate. Stops when the errors of
+// residual.hpp are at most settings.tolerance, after settings.maxIterations sweeps, or when nothing is gained any more. If the problem is not solved,
+// the best iterate is the result. With settings.fixedIterations it makes exactly so many plain sweeps, whatever the method, and computes the error at
+// the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain Gauss-Seidel.
+template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)
+{
+	S sweep(system, settings.seed, settings.threads);
+	auto improve = method(sweep);
+	return Iteration<S>(sweep, settings).run(improve);
+}
 
 } // namespace cd

@@ -9,8 +9,7 @@ namespace {
 
 	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
 	{
-		S sweep(system, settings.seed, settings.threads);
-		return Iteration<S>(sweep, settings).run(sweep);
+		return iterate<S>(system, settings, [](S& sweep) { return [&sweep] { sweep(); }; });
 	}
 
 } // namespace

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <optional>
 
 namespace cd {
 
@@ -115,6 +116,22 @@ class Start {
 	};
 	Borrowed<State> kept;
 	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;
+};
+
+// Refers to the Start that the caller keeps, or else makes its own.
+class Kept {
+    public:
+	template <class System>
+	Kept(const System& s, const SolverSettings& settings)
+	    : start(settings.start ? settings.start : &own.emplace(s, settings.threads))
+	{
+	}
+	operator const Start&() const { return *start; }
+	const Start* operator->() const { return start; }
+
+    private:
+	std::optional<Start> own;
+	const Start* start;
 };
 
 } // namespace cd
