@@ -57,8 +57,6 @@ template <int B> void BlockMatrix<B>::plan(std::size_t rows, const std::vector<s
 		throw std::bad_alloc(); // the pattern is valid, so only memory can be missing
 }
 
-template <int B> void BlockMatrix<B>::clear() { std::fill(block.begin(), block.end(), Block {}); }
-
 template <int B> typename BlockMatrix<B>::Block& BlockMatrix<B>::at(int32_t i, int32_t j)
 {
 	const auto first = row.begin() + static_cast<std::ptrdiff_t>(start[static_cast<std::size_t>(j)]);
@@ -66,23 +64,17 @@ template <int B> typename BlockMatrix<B>::Block& BlockMatrix<B>::at(int32_t i, i
 	return block[static_cast<std::size_t>(std::lower_bound(first, end, i) - row.begin())];
 }
 
-template <int B> void BlockMatrix<B>::copyValues()
-{
-	std::size_t to = 0;
-	for (std::size_t j = 0; j < blocks; j++)
-		for (std::size_t c = 0; c < B; c++)
-			for (std::size_t k = start[j]; k < start[j + 1]; k++)
-				for (std::size_t r = 0; r < B; r++)
-					number[to++] = block[k][B * r + c];
-}
-
 template <int B> bool BlockMatrix<B>::factorize()
 {
 	if (blocks == 0)
 		return true;
-	copyValues();
 	int *columns = numberStart.data(), *rows = numberRow.data();
-	double* values = number.data();
+	double *const values = number.data(), *to = values;
+	for (std::size_t j = 0; j < blocks; j++)
+		for (std::size_t c = 0; c < B; c++)
+			for (std::size_t k = start[j]; k < start[j + 1]; k++)
+				for (std::size_t r = 0; r < B; r++)
+					*to++ = block[k][B * r + c];
 	const bool again = factors && klu_refactor(columns, rows, values, order, factors, &settings) && settings.status == KLU_OK
 	    && klu_rgrowth(columns, rows, values, order, factors, &settings) && settings.rgrowth * growth > 1;
 	if (!again) {

@@ -8,6 +8,7 @@
 // contacts), 0.62, 0.79 and 36 ms.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,7 +35,7 @@ template <int B> class BlockMatrix {
 	void plan(std::size_t rows, const std::vector<std::pair<int32_t, int32_t>>& pairs);
 
 	// Sets all blocks to zero.
-	void clear();
+	void clear() { std::fill(block.begin(), block.end(), Block {}); }
 	// The block at row i, column j, for the caller to add to. It must be on the diagonal or among the pairs.
 	Block& at(int32_t i, int32_t j);
 
@@ -49,7 +50,6 @@ template <int B> class BlockMatrix {
 
     private:
 	void release();
-	void copyValues();
 
 	std::size_t blocks = 0; // block rows
 	// Column j holds the blocks start[j] .. start[j + 1] - 1, rows ascending. The number... arrays hold the same by scalar columns for KLU.

@@ -1,7 +1,6 @@
 #include "blocks.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace cd {
 
@@ -75,28 +74,29 @@ void Blocks::sort()
 	contacts.clear();
 	block.clear();
 	colour.clear();
+	const auto mark
+	    = [](std::vector<int32_t>& beginnings, const std::vector<int32_t>& of) { beginnings.push_back(static_cast<int32_t>(of.size())); };
 	const auto take = [&](std::size_t i, bool walls) {
 		for (std::size_t k = i * size; k < std::min((i + 1) * size, solvable.size()); k++)
 			if ((colourOf[i] < 0 || atWall[k]) == walls)
 				contacts.push_back(solvable[k]);
 	};
 	for (std::size_t c = 0; c < filled.size(); c++) {
-		colour.push_back(static_cast<int32_t>(block.size()));
+		mark(colour, block);
 		for (std::size_t i = 0; i < colourOf.size(); i++)
 			if (colourOf[i] == static_cast<int32_t>(c)) {
-				block.push_back(static_cast<int32_t>(contacts.size()));
+				mark(block, contacts);
 				take(i, false);
 			}
 	}
-	colour.push_back(static_cast<int32_t>(block.size()));
-	block.push_back(static_cast<int32_t>(contacts.size()));
-	const std::size_t apart = contacts.size();
+	mark(colour, block);
+	mark(block, contacts);
 	for (std::size_t i = 0; i < colourOf.size(); i++)
 		take(i, true);
-	if (contacts.size() == apart)
-		return;
-	colour.push_back(static_cast<int32_t>(block.size()));
-	block.push_back(static_cast<int32_t>(contacts.size()));
+	if (contacts.size() > static_cast<std::size_t>(block.back())) {
+		mark(colour, block);
+		mark(block, contacts);
+	}
 }
 
 } // namespace cd

@@ -1,8 +1,10 @@
 #include "closing_in.hpp"
+#include "vector.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace cd {
 namespace {
@@ -14,12 +16,12 @@ namespace {
 	constexpr double missed = 3;
 	constexpr double share = 1e-8; // the work b . y must exceed this share of its terms
 
-	double square(const std::vector<double>& a)
+	double square(const std::vector<double>& a) { return std::inner_product(a.begin(), a.end(), a.begin(), 0.); }
+
+	void add(std::vector<double>& to, double factor, const std::vector<double>& what)
 	{
-		double sum = 0;
-		for (const double e : a)
-			sum += e * e;
-		return sum;
+		for (std::size_t i = 0; i < to.size(); i++)
+			to[i] += factor * what[i];
 	}
 
 	// Rows are weighted by 1/sqrt(W_nn) and velocities by the square roots of the masses, so that the rows of J have length 1.
@@ -40,14 +42,12 @@ namespace {
 				const double before = closing(r);
 				if (!(before > share * share * scale * scale))
 					return -1;
-				gradient(r, g);
+				descent(r);
 				if (square(g) <= solved * solved * terms(r))
 					break;
 				descend();
 				along(step, change);
-				const double length = best();
-				for (std::size_t i = 0; i < r.size(); i++)
-					r[i] += length * change[i];
+				add(r, best(), change);
 				if (!(closing(r) < before))
 					break;
 			}
@@ -71,7 +71,9 @@ namespace {
 				const ContactRow& c = system->contacts[i];
 				if (!(c.wnn > 0))
 					continue;
+				const double root = std::sqrt(c.wnn);
 				double prescribed = c.bias, terms = std::abs(c.bias), all = c.bias;
+				Link link { { { 3 * c.a, {} }, { 3 * c.b, {} } } };
 				for (const int side : { -1, 1 }) {
 					const int32_t body = side < 0 ? c.a : c.b;
 					const double arms[3] = { c.nx, c.ny, side < 0 ? c.an : c.bn };
@@ -82,13 +84,11 @@ namespace {
 							prescribed += velocity;
 							terms += std::abs(velocity);
 						}
+						link.ends[side > 0].row[k] = side * roots[3 * body + k] * arms[k] / root;
 					}
 				}
 				rows.push_back(static_cast<int32_t>(i));
-				const double root = std::sqrt(c.wnn);
-				const double *A = &roots[3 * c.a], *B = &roots[3 * c.b];
-				links.push_back({ 3 * c.a, 3 * c.b, { -A[0] * c.nx / root, -A[1] * c.ny / root, -A[2] * c.an / root },
-				    { B[0] * c.nx / root, B[1] * c.ny / root, B[2] * c.bn / root } });
+				links.push_back(link);
 				b.push_back(prescribed / root);
 				q.push_back(all / root);
 				size.push_back(terms / root);
@@ -105,8 +105,11 @@ namespace {
 			if (system->places.empty())
 				return;
 			const auto prescribed = [&](int32_t i) { return system->bodies[i].w[0] == 0 && system->bodies[i].w[1] == 0; };
+			const auto place = [&](std::size_t i) { return Vector { system->places[i][0], system->places[i][1] }; };
+			const auto velocity = [&](std::size_t i) { return Vector { free[3 * i], free[3 * i + 1] }; };
 			touched.assign(system->bodies.size(), 0);
-			double x = 0, y = 0, vx = 0, vy = 0, spin = 0, turn = 0, spread = 0;
+			Vector centre { 0, 0 }, v { 0, 0 };
+			double spin = 0, turn = 0, spread = 0;
 			int count = 0;
 			for (const int32_t row : rows)
 				for (const int32_t i : { system->contacts[row].a, system->contacts[row].b }) {
@@ -114,27 +117,25 @@ namespace {
 						continue;
 					touched[i] = 1;
 					count++;
-					x += system->places[i][0];
-					y += system->places[i][1];
-					vx += free[3 * i];
-					vy += free[3 * i + 1];
+					centre = centre + place(i);
+					v = v + velocity(i);
 					spin += free[3 * i + 2];
 				}
 			if (count == 0)
 				return;
-			for (double* mean : { &x, &y, &vx, &vy, &spin })
-				*mean /= count;
+			centre = { centre.x / count, centre.y / count };
+			v = { v.x / count, v.y / count };
 			for (std::size_t i = 0; i < touched.size(); i++)
 				if (touched[i]) {
-					const double dx = system->places[i][0] - x, dy = system->places[i][1] - y;
-					turn += dx * (free[3 * i + 1] - vy) - dy * (free[3 * i] - vx);
-					spread += dx * dx + dy * dy;
+					const Vector arm = place(i) - centre;
+					turn += cross(arm, velocity(i) - v);
+					spread += dot(arm, arm);
 				}
-			if (spread > 0)
-				spin = turn / spread;
+			spin = spread > 0 ? turn / spread : spin / count;
 			motion = free;
 			for (std::size_t i = 0; i < touched.size(); i++) {
-				const double rigid[3] = { vx - spin * (system->places[i][1] - y), vy + spin * (system->places[i][0] - x), spin };
+				const Vector arm = place(i) - centre;
+				const double rigid[3] = { v.x - spin * arm.y, v.y + spin * arm.x, spin };
 				for (int k = 0; k < 3; k++)
 					if (system->bodies[i].w[k] > 0)
 						motion[3 * i + k] = rigid[k];
@@ -159,45 +160,40 @@ namespace {
 		}
 
 		// The magnitude with which round-off in the gradient is compared.
-		double terms(const std::vector<double>& r) const { return 2 * closing(r); }
+		static double terms(const std::vector<double>& r) { return 2 * closing(r); }
 
 		// J x
 		void along(const std::vector<double>& x, std::vector<double>& to) const
 		{
 			to.resize(links.size());
 			for (std::size_t i = 0; i < links.size(); i++) {
-				const Link& l = links[i];
+				const auto& [a, b] = links[i].ends;
 				double u = 0;
 				for (int k = 0; k < 3; k++)
-					u += l.onA[k] * x[l.a + k] + l.onB[k] * x[l.b + k];
+					u += a.row[k] * x[a.first + k] + b.row[k] * x[b.first + k];
 				to[i] = u;
 			}
 		}
 
-		// J^T y, summed over the contacts at which `closes` is negative
-		void back(const std::vector<double>& y, const std::vector<double>& closes, std::vector<double>& to) const
+		// Puts -J^T y, summed over the contacts that now close, into g.
+		void descent(const std::vector<double>& y)
 		{
-			to.assign(unknowns, 0);
+			g.assign(unknowns, 0);
 			for (std::size_t i = 0; i < links.size(); i++) {
-				if (!(closes[i] < 0))
+				if (!(r[i] < 0))
 					continue;
-				const Link& l = links[i];
-				for (int k = 0; k < 3; k++) {
-					to[l.a + k] += l.onA[k] * y[i];
-					to[l.b + k] += l.onB[k] * y[i];
-				}
+				for (const Link::End& end : links[i].ends)
+					for (int k = 0; k < 3; k++)
+						g[end.first + k] -= end.row[k] * y[i];
 			}
 		}
-		void gradient(const std::vector<double>& of, std::vector<double>& to) const { back(of, of, to); }
 
 		// Solves the least squares problem of the contacts that now close, by conjugate gradients (CGLS). The result goes to `step`.
 		void descend()
 		{
 			step.assign(unknowns, 0);
 			rest = r;
-			gradient(r, g);
-			for (double& e : g)
-				e = -e;
+			descent(rest);
 			direction = g;
 			double gg = square(g);
 			const double goal = gg * 1e-24;
@@ -209,13 +205,9 @@ namespace {
 				if (!(ww > 0))
 					return;
 				const double length = gg / ww;
-				for (std::size_t i = 0; i < step.size(); i++)
-					step[i] += length * direction[i];
-				for (std::size_t i = 0; i < w.size(); i++)
-					rest[i] += length * w[i];
-				back(rest, r, g);
-				for (double& e : g)
-					e = -e;
+				add(step, length, direction);
+				add(rest, length, w);
+				descent(rest);
 				const double next = square(g);
 				for (std::size_t i = 0; i < step.size(); i++)
 					direction[i] = g[i] + next / gg * direction[i];
@@ -245,7 +237,7 @@ namespace {
 		// The contact that closes most if y is a proof, else -1. Velocities without closing would have to be larger than |y|^2/|J^T y|.
 		int proof(double scale, double bound)
 		{
-			gradient(r, g);
+			descent(r);
 			const double all = closing(r);
 			double work = 0, sum = 0;
 			std::size_t most = 0;
@@ -265,8 +257,10 @@ namespace {
 		std::vector<double> roots; // square roots of the inverse masses
 		std::vector<int32_t> rows; // contacts with a body that can move along the normal
 		struct Link { // a row of J
-			int32_t a, b; // index of the first unknown of each body
-			double onA[3], onB[3];
+			struct End {
+				int32_t first; // unknown of the body
+				double row[3];
+			} ends[2];
 		};
 		std::vector<Link> links; // one for each of `rows`
 		std::vector<double> b, size; // the prescribed closing velocities, and the magnitude of their terms

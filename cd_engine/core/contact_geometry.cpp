@@ -7,58 +7,55 @@
 namespace cd {
 namespace {
 
+	double along(int axis, Vector d) { return axis == 0 ? d.x : d.y; }
+	Vector unit(int axis, double side) { return axis == 0 ? Vector { side, 0 } : Vector { 0, side }; }
+	Vector toDisk(const Place& boundary, const Place& disk) { return { disk.x - boundary.x, disk.y - boundary.y }; }
+
 	// The axes of a box; `turned`: rotation beyond the orientation stored in its shape [rad].
 	struct Axes {
-		double cosine, sine;
+		Vector axis;
 
 		Axes(const Shape& box, double turned)
 		{
 			const double c = turned == 0 ? 1 : std::cos(turned), s = turned == 0 ? 0 : std::sin(turned); // most boundaries do not turn
-			cosine = box.cosine * c - box.sine * s;
-			sine = box.sine * c + box.cosine * s;
+			axis = { box.cosine * c - box.sine * s, box.sine * c + box.cosine * s };
 		}
-		double along(double dx, double dy) const { return cosine * dx + sine * dy; }
-		double across(double dx, double dy) const { return -sine * dx + cosine * dy; }
-		Foot foot(double nx, double ny, double distance) const { return { cosine * nx - sine * ny, sine * nx + cosine * ny, distance }; }
+		Vector local(Vector d) const { return { dot(axis, d), cross(axis, d) }; }
+		Foot foot(Vector n, double distance) const { return { axis.x * n.x - axis.y * n.y, axis.y * n.x + axis.x * n.y, distance }; }
 	};
 
-	Foot footOnBox(const Shape& box, double turned, double dx, double dy)
+	Foot footOnBox(const Shape& box, double turned, Vector centre)
 	{
 		const Axes axes(box, turned);
-		const double lx = axes.along(dx, dy), ly = axes.across(dx, dy);
-		const double ox = lx - std::clamp(lx, -box.ex, box.ex), oy = ly - std::clamp(ly, -box.ey, box.ey);
-		double nx, ny, distance;
-		if (ox != 0 && oy != 0) { // beyond a corner
-			distance = std::hypot(ox, oy);
-			nx = ox / distance;
-			ny = oy / distance;
-		} else {
-			// Over a face, or inside: then the nearest face.
-			const double outX = std::abs(lx) - box.ex, outY = std::abs(ly) - box.ey;
-			const bool alongX = outX > outY;
-			distance = alongX ? outX : outY;
-			nx = alongX ? std::copysign(1., lx) : 0.;
-			ny = alongX ? 0. : std::copysign(1., ly);
+		const Vector d = axes.local(centre);
+		const Vector out { d.x - std::clamp(d.x, -box.ex, box.ex), d.y - std::clamp(d.y, -box.ey, box.ey) };
+		if (out.x != 0 && out.y != 0) { // beyond a corner
+			const double distance = length(out);
+			return axes.foot({ out.x / distance, out.y / distance }, distance);
 		}
-		return axes.foot(nx, ny, distance);
+		// Over a face, or inside: then the nearest face.
+		const Vector from { std::abs(d.x) - box.ex, std::abs(d.y) - box.ey };
+		const int face = from.x > from.y ? 0 : 1;
+		return axes.foot(unit(face, std::copysign(1., along(face, d))), along(face, from));
 	}
 
-	Foot footOnWall(const Shape& wall, double dx, double dy)
+	// The foot on one side of a wall.
+	Foot footOnWall(const Shape& wall, double side, Vector centre)
 	{
-		const double d = wall.axis == 0 ? dx : dy;
-		const double side = wall.sense != 0 ? wall.sense : std::copysign(1., d);
-		return { wall.axis == 0 ? side : 0., wall.axis == 0 ? 0. : side, side * d };
+		const Vector n = unit(wall.axis, side);
+		return { n.x, n.y, side * along(wall.axis, centre) };
 	}
 
-	// The axis of the face through which a point enters a box of half lengths e on its way from `from` to `to`, both in the box's axes; -1: none.
-	int faceEntered(const double* from, const double* to, const double* e)
+	// The axis of the face through which a point enters a box of half lengths e on its way from `from` to `to`, all in the box's axes; -1: none.
+	int faceEntered(Vector from, Vector to, Vector e)
 	{
 		double latest = -1;
 		int face = -1;
 		for (const int k : { 0, 1 }) {
-			if (std::abs(from[k]) <= e[k])
+			const double start = along(k, from), half = along(k, e);
+			if (std::abs(start) <= half)
 				continue;
-			const double share = (std::copysign(e[k], from[k]) - from[k]) / (to[k] - from[k]);
+			const double share = (std::copysign(half, start) - start) / (along(k, to) - start);
 			if (share > latest) {
 				latest = share;
 				face = k;
@@ -66,8 +63,8 @@ namespace {
 			if (!(share >= 0 && share <= 1))
 				return -1;
 		}
-		const int other = 1 - face;
-		return face >= 0 && std::abs(from[other] + latest * (to[other] - from[other])) <= e[other] ? face : -1;
+		const Vector there = from + latest * (to - from);
+		return face >= 0 && std::abs(along(1 - face, there)) <= along(1 - face, e) ? face : -1;
 	}
 
 } // namespace
@@ -84,20 +81,19 @@ Half halfSides(const Body& body, const Shape& shape)
 
 bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face)
 {
-	const double fx = diskBefore.x - boundaryBefore.x, fy = diskBefore.y - boundaryBefore.y, dx = disk.x - boundary.x, dy = disk.y - boundary.y;
+	const Vector before = toDisk(boundaryBefore, diskBefore), now = toDisk(boundary, disk);
 	if (shape.kind == ShapeKind::wall) {
-		const double from = shape.axis == 0 ? fx : fy, to = shape.axis == 0 ? dx : dy, side = std::copysign(1., from);
-		face = { shape.axis == 0 ? side : 0., shape.axis == 0 ? 0. : side, side * to };
-		return side * to < 0 && shape.sense * side >= 0;
+		const double side = std::copysign(1., along(shape.axis, before));
+		face = footOnWall(shape, side, now);
+		return face.distance < 0 && shape.sense * side >= 0;
 	}
-	const Axes then(shape, boundaryBefore.turned), now(shape, boundary.turned);
-	const double from[2] = { then.along(fx, fy), then.across(fx, fy) }, to[2] = { now.along(dx, dy), now.across(dx, dy) };
-	const double e[2] = { shape.ex, shape.ey };
+	const Axes axes(shape, boundary.turned);
+	const Vector from = Axes(shape, boundaryBefore.turned).local(before), to = axes.local(now), e { shape.ex, shape.ey };
 	const int k = faceEntered(from, to, e);
 	if (k < 0)
 		return false;
-	const double side = std::copysign(1., from[k]);
-	face = now.foot(k == 0 ? side : 0., k == 1 ? side : 0., side * to[k] - e[k]);
+	const double side = std::copysign(1., along(k, from));
+	face = axes.foot(unit(k, side), side * along(k, to) - along(k, e));
 	return true;
 }
 
@@ -107,20 +103,21 @@ bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& 
 double gapByTurning(
     const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox, const double* vDisk, double h)
 {
-	const double w = h * vBox[2], dx = disk.x - box.x, dy = disk.y - box.y;
-	const Axes axes(shape, box.turned);
-	if (std::abs(axes.along(dx, dy)) > shape.ex && std::abs(axes.across(dx, dy)) > shape.ey)
+	const Vector d = toDisk(box, disk), local = Axes(shape, box.turned).local(d), n { touch.nx, touch.ny };
+	const double w = h * vBox[2];
+	if (std::abs(local.x) > shape.ex && std::abs(local.y) > shape.ey)
 		return 0; // beyond a corner, which is a point: its path bends away from the disk
 	if (!(std::abs(w) < 1))
 		return 0; // more than a radian a step: the disk meets no definite face
-	const double s = touch.nx * dy - touch.ny * dx;
-	const double after = s + h * (touch.nx * (vDisk[1] - vBox[1]) - touch.ny * (vDisk[0] - vBox[0]));
+	const double s = cross(n, d), after = s + h * cross(n, { vDisk[0] - vBox[0], vDisk[1] - vBox[1] });
 	return touching * (1 - 1 / std::cos(w)) + after * std::tan(w) - w * s;
 }
 
-Foot footOnBoundary(const Shape& shape, double turned, double dx, double dy)
+Foot footOnBoundary(const Shape& shape, double turned, Vector centre)
 {
-	return shape.kind == ShapeKind::box ? footOnBox(shape, turned, dx, dy) : footOnWall(shape, dx, dy);
+	if (shape.kind == ShapeKind::box)
+		return footOnBox(shape, turned, centre);
+	return footOnWall(shape, shape.sense != 0 ? shape.sense : std::copysign(1., along(shape.axis, centre)), centre);
 }
 
 } // namespace cd

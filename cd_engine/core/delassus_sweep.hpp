@@ -2,9 +2,9 @@
 #pragma once
 
 #include "delassus_system.hpp"
+#include "grouping.hpp"
 #include "random_order.hpp"
 #include "residual.hpp"
-#include "row_grouping.hpp"
 #include "row_momentum.hpp"
 #include "threads.hpp"
 #include "workspace.hpp"
@@ -49,7 +49,6 @@ class DelassusSweep {
 	// The packed problem. The next DelassusSweep takes over its memory.
 	struct Packed {
 		RowGrouping grouping;
-		RowGroupBuilder builder;
 		std::vector<int32_t> place; // of each row: its lane, counted over all groups
 		std::vector<RowGroup> groups;
 		std::vector<std::size_t> start; // as in RowGroups
@@ -57,15 +56,13 @@ class DelassusSweep {
 		std::vector<SliceColumns> columns;
 		std::vector<ImpulsePairs> impulses, before; // of each group: now, and one sweep ago
 		RowMomentum momentum;
-		std::vector<GroupStep> steps; // of each group: its last step
+		std::vector<AheadReport> steps; // of each group: its last step
 		std::vector<int32_t> focus; // the only groups that the next sweep with momentum solves; empty: all
 	};
-	double* pairAt(std::size_t place) { return packed.impulses[place / RowGroup::lanes].p + 2 * (place % RowGroup::lanes); }
 	void fillGroup(std::size_t group);
-	void countSlices();
 	void fillSlices(std::size_t group);
-	RowGroups rows();
-	void remember();
+	// Solves groups as the kernel does.
+	void sweep(const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
 	void aheadInFocus();
 	void chooseFocus();
 

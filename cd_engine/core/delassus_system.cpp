@@ -1,4 +1,5 @@
 #include "delassus_system.hpp"
+#include "partition.hpp"
 
 #include <algorithm>
 
@@ -35,13 +36,9 @@ DelassusSystem assembleDelassus(const ContactSystem& system)
 	const std::vector<int32_t> rows = solvableRows(system);
 	// The contacts of each body, ascending. An immobile body couples nothing.
 	std::vector<std::vector<int32_t>> of(system.bodies.size());
-	const auto moves = [&](int32_t body) {
-		const double* w = system.bodies[body].w;
-		return w[0] > 0 || w[1] > 0 || w[2] > 0;
-	};
 	for (std::size_t i = 0; i < rows.size(); i++)
 		for (const int32_t body : { system.contacts[rows[i]].a, system.contacts[rows[i]].b })
-			if (moves(body))
+			if (freedoms(system.bodies[body]) > 0)
 				of[body].push_back(static_cast<int32_t>(i));
 
 	DelassusSystem d;

@@ -25,6 +25,7 @@ struct DelassusSystem {
 	Workspace* memory = nullptr; // as in ContactSystem
 
 	std::size_t contacts() const { return mu.size(); }
+	std::size_t others(int32_t row) const { return start[row + 1] - start[row] - 1; } // blocks of a row beside its own
 };
 
 // The rows of `system.contacts` that belong to W, ascending: all but those whose bodies cannot move along the normal.

@@ -35,6 +35,12 @@ struct alignas(64) GroupMiss {
 };
 static_assert(sizeof(GroupMiss) == 2 * 64);
 
+// Result of a sweep from an extrapolated point y. p are the impulses before the sweep, p+ those after it.
+struct AheadReport {
+	double change = 0; // |y - p+|^2 [N^2 s^2]
+	double against = 0; // (y - p+) . (p+ - p) [N^2 s^2]; positive if the sweep turned back against the momentum
+};
+
 // The impulses of a group one sweep ago.
 struct alignas(64) GroupBefore {
 	double pn[Group::lanes], pt[Group::lanes];

@@ -5,11 +5,17 @@ namespace cd {
 // Inlining is forced: the vectors of a target must stay in registers, also where the optimizer would make a call.
 #define INLINE static inline __attribute__((always_inline))
 
+// The functions of a target.
+#define KERNEL(name)                                                                                                                                 \
+	constexpr GroupKernel kernel                                                                                                                 \
+	    = { name, LANES, sweep, sweepAhead, extrapolate, press, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
+
 #define LANES 2
 namespace any_processor {
 #include "group_kernel.inl"
 #include "row_kernel.inl"
 #include "pair_kernel.inl"
+	KERNEL("any");
 }
 #undef LANES
 
@@ -21,6 +27,7 @@ namespace avx2 {
 #include "group_kernel.inl"
 #include "row_kernel.inl"
 #include "pair_kernel.inl"
+	KERNEL("avx2");
 }
 #undef LANES
 #pragma GCC pop_options
@@ -32,6 +39,7 @@ namespace avx512 {
 #include "group_kernel.inl"
 #include "row_kernel.inl"
 #include "pair_kernel.inl"
+	KERNEL("avx512");
 }
 #undef LANES
 #pragma GCC pop_options
@@ -41,14 +49,10 @@ namespace {
 
 	const GroupKernel all[] = {
 #ifdef __x86_64__
-		{ "avx512", 8, avx512::sweep, avx512::sweepAhead, avx512::extrapolate, avx512::press, avx512::miss, avx512::sweepRows,
-		    avx512::sweepRowsAhead, avx512::extrapolateRows, avx512::overlaps, avx512::assemble, avx512::effects, avx512::assembleGroup },
-		{ "avx2", 4, avx2::sweep, avx2::sweepAhead, avx2::extrapolate, avx2::press, avx2::miss, avx2::sweepRows, avx2::sweepRowsAhead,
-		    avx2::extrapolateRows, avx2::overlaps, avx2::assemble, avx2::effects, avx2::assembleGroup },
+		avx512::kernel,
+		avx2::kernel,
 #endif
-		{ "any", 2, any_processor::sweep, any_processor::sweepAhead, any_processor::extrapolate, any_processor::press, any_processor::miss,
-		    any_processor::sweepRows, any_processor::sweepRowsAhead, any_processor::extrapolateRows, any_processor::overlaps,
-		    any_processor::assemble, any_processor::effects, any_processor::assembleGroup },
+		any_processor::kernel,
 	};
 	constexpr std::size_t known = sizeof all / sizeof *all;
 

@@ -10,10 +10,9 @@
 
 namespace cd {
 
-// Results of a sweep from an extrapolated point y, summed lane by lane [N^2 s^2]. p are the impulses before the sweep, p+ those after it.
+// The members of AheadReport, summed lane by lane.
 struct alignas(64) LaneSums {
-	double change[Group::lanes]; // |y - p+|^2
-	double against[Group::lanes]; // (y - p+) . (p+ - p)
+	double change[Group::lanes], against[Group::lanes];
 };
 
 // How far the contacts miss the contact law, summed lane by lane: members of ResidualSum with the same names; `velocity` is its `missed`.
@@ -66,10 +65,9 @@ struct GroupKernel {
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
-	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held.
-	void (*sweepRows)(const RowGroups& rows, std::size_t from, std::size_t to);
-	// The same from y. The impulses must already have the values of y.
-	void (*sweepRowsAhead)(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to);
+	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
+	// the impulses must already have the values of y, and `steps` gets the results.
+	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
 	// Replaces the impulses p of every group by y = p + beta (p - before), with a beta for each group; `before` becomes p.
 	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
 	// Where the disks of `count` times eight pairs touch.

@@ -1,72 +1,87 @@
 #include "grouping.hpp"
 
-#include <algorithm>
-
 namespace cd {
 namespace {
 
-	uint64_t rotateLeft(uint64_t x, int by) { return x << (by & 63) | x >> (-by & 63); }
+	// Rows are sorted by length in windows of this size, ascending in one window and descending in the next. A group has as many slices as its
+	// longest row has blocks, so rows of similar length leave few lanes empty.
+	constexpr std::size_t window = 512;
+	// A longer row is solved faster alone, with eight of its blocks in a slice.
+	constexpr std::size_t longest = 16;
+
+	struct RowMarks {
+		struct Item {
+			int32_t contact;
+		};
+		static constexpr int fewest = 2;
+
+		// Calls f for all contacts that a row couples to, itself included.
+		template <class F> void forEachCoupled(int32_t row, const F& f) const
+		{
+			for (std::size_t k = system.start[row]; k < system.start[row + 1]; k++)
+				f(system.column[k]);
+		}
+		// Tests both directions, as W need not be symmetric.
+		uint64_t influences(const Item& row) const
+		{
+			uint64_t taken = coupled[row.contact];
+			forEachCoupled(row.contact, [&](int32_t other) { taken |= has[other]; });
+			return taken;
+		}
+		void set(const Item& row, uint64_t bit)
+		{
+			has[row.contact] = bit;
+			forEachCoupled(row.contact, [&](int32_t other) { coupled[other] |= bit; });
+		}
+		void clear(const Item& row, uint64_t bit)
+		{
+			has[row.contact] = 0;
+			forEachCoupled(row.contact, [&](int32_t other) { coupled[other] &= ~bit; });
+		}
+
+		const DelassusSystem& system;
+		std::vector<uint64_t>& has; // of each row: the place of the open group that contains it
+		std::vector<uint64_t>& coupled; // of each row: the places of the open groups with a row coupled to it
+	};
 
 } // namespace
 
-void GroupBuilder::begin(std::size_t bodies, std::size_t contacts, Grouping& result)
+void RowGrouping::group(const DelassusSystem& s)
 {
-	has.assign(bodies, 0);
-	for (OpenGroup& g : group)
-		g.count = 0;
-	oldest = 0;
-	withRoom = ~uint64_t(0) >> 1; // the last place is reserved for the group before the oldest
-	grouping = &result;
-	result.members.clear();
-	result.members.reserve(contacts + contacts / 8);
-	result.loose.clear();
-}
-
-void GroupBuilder::add(int32_t contact, int32_t a, bool movableA, int32_t b, bool movableB)
-{
-	const uint64_t taken = has[a] | has[b];
-	const uint64_t allowed = withRoom & ~(taken | rotateLeft(taken, 1) | rotateLeft(taken, -1));
-	if (allowed == 0) { // one of the bodies has very many contacts
-		grouping->loose.push_back(contact);
-		return;
+	has.assign(s.contacts(), 0);
+	coupled.assign(s.contacts(), 0);
+	GroupRing<RowMarks> groups(*this, s, has, coupled);
+	for (std::size_t from = 0; from < s.contacts(); from += window) {
+		sortWindow(s, from, std::min(from + window, s.contacts()), from / window % 2 != 0);
+		for (const int32_t row : sorted)
+			if (s.others(row) > longest)
+				loose.push_back(row);
+			else
+				groups.add({ row });
 	}
-	const int slot = (oldest + __builtin_ctzll(rotateLeft(allowed, -oldest))) & (places - 1);
-	const uint64_t bit = uint64_t(1) << slot;
-	OpenGroup& g = group[slot];
-	g.contacts[g.count] = contact;
-	g.bodies[2 * g.count] = a;
-	g.bodies[2 * g.count + 1] = b;
-	has[a] |= movableA ? bit : 0;
-	has[b] |= movableB ? bit : 0;
-	if (++g.count < Group::lanes)
-		return;
-	withRoom &= ~bit;
-	while (!(withRoom >> oldest & 1))
-		retireOldest();
+	groups.end();
+	firstSpread = this->groups();
+	for (const int32_t row : loose) {
+		members.push_back(row);
+		members.resize(members.size() + RowGroup::lanes - 1, -1);
+	}
 }
 
-// A closed group stays in its place until the next group is closed, because the next one must not contain its bodies.
-void GroupBuilder::retireOldest()
+// Counting sort; rows of the same length keep their order.
+void RowGrouping::sortWindow(const DelassusSystem& s, std::size_t from, std::size_t to, bool descending)
 {
-	OpenGroup& done = group[oldest];
-	if (done.count >= fewest) {
-		std::fill(done.contacts + done.count, done.contacts + Group::lanes, -1);
-		grouping->members.insert(grouping->members.end(), done.contacts, done.contacts + Group::lanes);
-	} else
-		grouping->loose.insert(grouping->loose.end(), done.contacts, done.contacts + done.count);
-	const int previous = (oldest + places - 1) % places;
-	const uint64_t bit = uint64_t(1) << previous;
-	for (int i = 0; i < 2 * group[previous].count; i++)
-		has[group[previous].bodies[i]] &= ~bit;
-	group[previous].count = 0;
-	withRoom = (withRoom | bit) & ~(uint64_t(1) << oldest);
-	oldest = (oldest + 1) % places;
-}
-
-void GroupBuilder::end()
-{
-	for (int i = 0; i < places; i++) // the last pass only frees the place of the last closed group
-		retireOldest();
+	std::size_t first[longest + 2] = {};
+	const auto key = [&](std::size_t row) {
+		const std::size_t length = std::min(s.others(static_cast<int32_t>(row)), longest);
+		return descending ? longest - length : length;
+	};
+	for (std::size_t row = from; row < to; row++)
+		first[key(row) + 1]++;
+	for (std::size_t i = 1; i < longest + 2; i++)
+		first[i] += first[i - 1];
+	sorted.resize(to - from);
+	for (std::size_t row = from; row < to; row++)
+		sorted[first[key(row)]++] = static_cast<int32_t>(row);
 }
 
 } // namespace cd

@@ -13,19 +13,17 @@ inline void solveLocal(double wnn, double wnt, double wtn, double wtt, double mu
 	if (!(qn < 0))
 		return;
 	const double determinant = wnn * wtt - wnt * wtn;
-	if (determinant > 1e-14 * wnn * wtt) {
+	const bool regular = determinant > 1e-14 * wnn * wtt;
+	if (regular) {
 		pn = (-qn * wtt + qt * wnt) / determinant;
 		pt = (-qt * wnn + qn * wtn) / determinant;
 		if (pn >= 0 && std::abs(pt) <= mu * pn)
 			return;
-	} else if (wtt <= 1e-14 * wnn) {
-		// Nothing can move along t, so a tangential impulse is neither needed nor determined.
-		pn = -qn / wnn;
-		pt = 0;
-		return;
 	}
 	pn = -qn / wnn;
 	pt = 0;
+	if (!regular && wtt <= 1e-14 * wnn)
+		return; // nothing can move along t, so a tangential impulse is neither needed nor determined
 	for (const double side : { -1., 1. }) {
 		const double w = wnn + side * mu * wnt;
 		if (w <= 0)

@@ -24,7 +24,9 @@ namespace {
 			bool same = known;
 			for (std::size_t i = from; i < to; i++) {
 				const auto one = now(all[i]);
-				same = same && of[i] == one;
+				if (of[i] == one)
+					continue;
+				same = false;
 				of[i] = one;
 			}
 			return same;
@@ -34,18 +36,13 @@ namespace {
 
 } // namespace
 
-bool Partition::sameFreedoms(const ContactSystem& system, Threads* threads)
-{
-	return renew(
-	    freedom, system.bodies, [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); }, threads);
-}
-
 bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
-	if (system.contacts.postponed() && system.contactSet == contactSet)
+	if (knows(system))
 		return true;
 	system.contacts.make();
-	const bool same = renew(links, system.contacts, linkOf, threads);
+	const bool same = renew(
+	    links, system.contacts, [](const ContactRow& c) { return linkOf(c); }, threads);
 	// A contact that could not be solved may be solvable the next time.
 	contactSet = anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable; }) ? 0 : system.contactSet;
 	return same;
@@ -53,7 +50,9 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 
 bool Partition::update(const ContactSystem& system, Threads* threads)
 {
-	const bool bodies = sameFreedoms(system, threads), contacts = sameLinks(system, threads); // both, since both renew what is kept
+	const auto count = [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); };
+	const bool bodies = renew(freedom, system.bodies, count, threads);
+	const bool contacts = sameLinks(system, threads);
 	if (bodies && contacts)
 		return false;
 	name.resize(freedom.size());

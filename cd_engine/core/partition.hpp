@@ -23,6 +23,8 @@ class Partition {
     public:
 	// Finds the islands of this system. Returns false if its contacts and freedoms, and so its islands, are those of the last system.
 	bool update(const ContactSystem&, Threads* = nullptr);
+	// Whether the rows of this system are postponed and link the same bodies as those of the last one, all of which could be solved.
+	bool knows(const ContactSystem& s) const { return s.contacts.postponed() && s.contactSet == contactSet; }
 
 	struct Island {
 		int32_t first = 0; // index of the first contact
@@ -40,7 +42,6 @@ class Partition {
 	int32_t nameAt(std::size_t contact) const { return name[mobileOf(links[contact])]; }
 
     private:
-	bool sameFreedoms(const ContactSystem&, Threads*);
 	bool sameLinks(const ContactSystem&, Threads*);
 	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	int32_t root(int32_t body);

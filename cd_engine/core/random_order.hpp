@@ -24,14 +24,18 @@ class RandomOrder {
 
 	explicit operator bool() const { return asked; }
 
-	// A permutation of the numbers below `count`. `count` must be the same at every call.
-	const std::vector<int32_t>& next(std::size_t count)
+	// Calls work(from, to) for ranges that make up the numbers below `count`: once for all, or number by number in a random order. `count` must
+	// be the same at every call.
+	template <class Work> void visit(std::size_t count, const Work& work)
 	{
+		if (!asked)
+			return work(std::size_t(0), count);
 		while (order.size() < count)
 			order.push_back(static_cast<int32_t>(order.size()));
 		for (std::size_t i = count; i > 1; i--)
 			std::swap(order[i - 1], order[random() % i]);
-		return order;
+		for (const std::size_t i : order)
+			work(i, i + 1);
 	}
 
     private:

@@ -6,24 +6,37 @@
 // more with momentum.
 #pragma once
 
+#include "delassus_system.hpp"
+#include "group.hpp"
+
 #include <cstddef>
 #include <cstdint>
 
 namespace cd {
 
-struct alignas(64) RowGroup {
+// Lane l holds a block of row l of a group, or any block of a spread row; zero if there are no more.
+struct alignas(64) BlockSlice {
 	static constexpr int lanes = 8;
+	double nn[lanes], nt[lanes], tn[lanes], tt[lanes];
+
+	void set(int lane, const Block& w)
+	{
+		nn[lane] = w.nn;
+		nt[lane] = w.nt;
+		tn[lane] = w.tn;
+		tt[lane] = w.tt;
+	}
+};
+static_assert(sizeof(BlockSlice) == 4 * 64);
+
+struct alignas(64) RowGroup {
+	static constexpr int lanes = BlockSlice::lanes;
 	double qn[lanes], qt[lanes]; // relative velocities without impulses [m/s]
 	double mu[lanes];
-	double nn[lanes], nt[lanes], tn[lanes], tt[lanes]; // the contacts' own blocks [1/kg]; unused lanes: nn = tt = 1
+	BlockSlice own; // the contacts' own blocks [1/kg]; unused lanes: nn = tt = 1
 };
 static_assert(sizeof(RowGroup) == 7 * 64);
 
-// Lane l holds a block of row l of the group, or any block of a spread row; zero if there are no more.
-struct alignas(64) BlockSlice {
-	double nn[RowGroup::lanes], nt[RowGroup::lanes], tn[RowGroup::lanes], tt[RowGroup::lanes];
-};
-static_assert(sizeof(BlockSlice) == 4 * 64);
 struct alignas(32) SliceColumns {
 	int32_t pair[RowGroup::lanes]; // twice the place of the contact whose impulses the block multiplies
 };
@@ -34,12 +47,6 @@ struct alignas(64) ImpulsePairs {
 	double p[2 * RowGroup::lanes];
 };
 static_assert(sizeof(ImpulsePairs) == 2 * 64);
-
-// Result of a sweep from an extrapolated point y for one group [N^2 s^2]. p are the impulses before the sweep, p+ those after it.
-struct GroupStep {
-	double change; // |y - p+|^2
-	double against; // (y - p+) . (p+ - p)
-};
 
 struct RowGroups {
 	const RowGroup* groups;

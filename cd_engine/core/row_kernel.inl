@@ -73,7 +73,8 @@ INLINE void loadPairs(const double* p, Vector& n, Vector& t)
 INLINE void solveRows(const RowGroup& g, int lane, const Vector& qn, const Vector& qt, Vector& pn, Vector& pt)
 {
 	const Vector none = {};
-	const Vector nn = load(g.nn + lane), nt = load(g.nt + lane), tn = load(g.tn + lane), tt = load(g.tt + lane), mu = load(g.mu + lane);
+	const Vector nn = load(g.own.nn + lane), nt = load(g.own.nt + lane), tn = load(g.own.tn + lane), tt = load(g.own.tt + lane),
+		     mu = load(g.mu + lane);
 	const Vector determinant = nn * tt - nt * tn;
 	const auto regular = determinant > 1e-14 * nn * tt, stiff = tt <= 1e-14 * nn;
 	const Vector stickN = qt * nt - qn * tt, stickT = qn * tn - qt * nn;
@@ -137,17 +138,8 @@ INLINE void solveOne(const RowGroups& rows, std::size_t k, Vector* pn, Vector* p
 		solveSpread(rows.groups[k], pn, pt);
 }
 
-static void sweepRows(const RowGroups& rows, std::size_t from, std::size_t to)
-{
-	for (std::size_t k = from; k < to; k++) {
-		Vector pn[RowGroup::lanes / LANES], pt[RowGroup::lanes / LANES];
-		solveOne(rows, k, pn, pt);
-		for (int part = 0; part < RowGroup::lanes / LANES; part++)
-			storePairs(rows.impulses[k].p + 2 * part * LANES, pn[part], pt[part]);
-	}
-}
-
-static void sweepRowsAhead(const RowGroups& rows, const ImpulsePairs* before, GroupStep* steps, std::size_t from, std::size_t to)
+template <bool ahead>
+INLINE void sweepRowGroups(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to)
 {
 	for (std::size_t k = from; k < to; k++) {
 		Vector pn[RowGroup::lanes / LANES], pt[RowGroup::lanes / LANES];
@@ -155,16 +147,27 @@ static void sweepRowsAhead(const RowGroups& rows, const ImpulsePairs* before, Gr
 		alignas(64) double change[RowGroup::lanes], against[RowGroup::lanes];
 		for (int part = 0; part < RowGroup::lanes / LANES; part++) {
 			double* const p = rows.impulses[k].p + 2 * part * LANES;
-			Vector yn, yt, n, t;
-			loadPairs(p, yn, yt);
-			loadPairs(before[k].p + 2 * part * LANES, n, t);
+			if (ahead) {
+				Vector yn, yt, n, t;
+				loadPairs(p, yn, yt);
+				loadPairs(before[k].p + 2 * part * LANES, n, t);
+				const Vector dn = yn - pn[part], dt = yt - pt[part];
+				store(change + part * LANES, dn * dn + dt * dt);
+				store(against + part * LANES, dn * (pn[part] - n) + dt * (pt[part] - t));
+			}
 			storePairs(p, pn[part], pt[part]);
-			const Vector dn = yn - pn[part], dt = yt - pt[part];
-			store(change + part * LANES, dn * dn + dt * dt);
-			store(against + part * LANES, dn * (pn[part] - n) + dt * (pt[part] - t));
 		}
-		steps[k] = { sumOf(change), sumOf(against) };
+		if (ahead)
+			steps[k] = { sumOf(change), sumOf(against) };
 	}
+}
+
+static void sweepRows(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to)
+{
+	if (before)
+		sweepRowGroups<true>(rows, before, steps, from, to);
+	else
+		sweepRowGroups<false>(rows, before, steps, from, to);
 }
 
 static void extrapolateRows(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count)

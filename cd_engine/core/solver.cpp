@@ -1,13 +1,16 @@
 #include "solver.hpp"
 #include "judged.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 namespace cd {
 namespace {
 
 	struct Entry {
-		const char* name;
-		Solver solver;
-		DelassusSolver delassusSolver;
+		const char* name = nullptr;
+		Solver solver = nullptr;
+		DelassusSolver delassusSolver = nullptr;
 	};
 	const Entry entries[] = {
 		{ "nsgs", judged<ContactSystem, nsgs>, judged<DelassusSystem, nsgs> },
@@ -16,26 +19,17 @@ namespace {
 		{ "auto", judged<ContactSystem, automatic>, judged<DelassusSystem, automatic> },
 	};
 
-	const Entry* find(const std::string& method)
+	const Entry& find(const std::string& method)
 	{
-		for (const Entry& e : entries)
-			if (method == e.name)
-				return &e;
-		return nullptr;
+		static const Entry none {};
+		const auto found = std::find_if(std::begin(entries), std::end(entries), [&](const Entry& e) { return method == e.name; });
+		return found != std::end(entries) ? *found : none;
 	}
+
 } // namespace
 
-Solver findSolver(const std::string& method)
-{
-	const Entry* const e = find(method);
-	return e ? e->solver : nullptr;
-}
-
-DelassusSolver findDelassusSolver(const std::string& method)
-{
-	const Entry* const e = find(method);
-	return e ? e->delassusSolver : nullptr;
-}
+Solver findSolver(const std::string& method) { return find(method).solver; }
+DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 
 std::vector<std::string> solverNames()
 {
@@ -58,23 +52,9 @@ std::string solvedBy(const std::string& method, const SolverReport& report)
 
 const char* name(Status s)
 {
-	switch (s) {
-	case Status::converged:
-		return "converged";
-	case Status::fixed_iterations:
-		return "fixed_iterations";
-	case Status::max_iterations:
-		return "max_iterations";
-	case Status::stagnated:
-		return "stagnated";
-	case Status::diverged:
-		return "diverged";
-	case Status::no_solution:
-		return "no_solution";
-	case Status::indefinite:
-		return "indefinite";
-	}
-	return "unknown";
+	constexpr const char* names[] // in the order of the declaration
+	    = { "converged", "fixed_iterations", "max_iterations", "stagnated", "diverged", "no_solution", "indefinite" };
+	return names[static_cast<int>(s)];
 }
 
 } // namespace cd

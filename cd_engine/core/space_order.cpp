@@ -30,36 +30,23 @@ namespace {
 		return along;
 	}
 
-	struct Box {
-		double x = std::numeric_limits<double>::infinity(), y = x, size = 0;
-	};
-
-	Box aroundDisks(const std::vector<Body>& bodies)
-	{
-		Box box;
-		double right = -box.x, top = -box.y;
-		for (const Body& b : bodies)
-			if (b.radius > 0) {
-				box.x = std::min(box.x, b.x);
-				box.y = std::min(box.y, b.y);
-				right = std::max(right, b.x);
-				top = std::max(top, b.y);
-			}
-		box.size = std::max(right - box.x, top - box.y);
-		return box;
-	}
-
 	// The disks in the order of the curve.
 	std::vector<int> disksAlongCurve(const std::vector<Body>& bodies)
 	{
-		const Box box = aroundDisks(bodies);
-		const double scale = box.size > 0 ? 65535 / box.size : 0;
+		double left = std::numeric_limits<double>::infinity(), bottom = left, right = -left, top = -left;
+		for (const Body& b : bodies)
+			if (b.radius > 0) {
+				left = std::min(left, b.x);
+				bottom = std::min(bottom, b.y);
+				right = std::max(right, b.x);
+				top = std::max(top, b.y);
+			}
+		const double size = std::max(right - left, top - bottom), scale = size > 0 ? 65535 / size : 0;
+		const auto cell = [&](double from, double x) { return static_cast<uint32_t>(scale * (x - from)); };
 		std::vector<std::pair<uint32_t, int>> places;
 		for (std::size_t i = 0; i < bodies.size(); i++)
 			if (bodies[i].radius > 0)
-				places.emplace_back(alongCurve(static_cast<uint32_t>(scale * (bodies[i].x - box.x)),
-							static_cast<uint32_t>(scale * (bodies[i].y - box.y))),
-				    static_cast<int>(i));
+				places.emplace_back(alongCurve(cell(left, bodies[i].x), cell(bottom, bodies[i].y)), static_cast<int>(i));
 		std::sort(places.begin(), places.end());
 		std::vector<int> disks;
 		for (const auto& place : places)
@@ -69,10 +56,11 @@ namespace {
 
 	double lengthOf(const std::vector<int>& way, const std::vector<Body>& bodies)
 	{
-		double length = 0;
+		const auto centre = [&](std::size_t i) { return Vector { bodies[way[i]].x, bodies[way[i]].y }; };
+		double sum = 0;
 		for (std::size_t i = 1; i < way.size(); i++)
-			length += std::hypot(bodies[way[i]].x - bodies[way[i - 1]].x, bodies[way[i]].y - bodies[way[i - 1]].y);
-		return length;
+			sum += length(centre(i) - centre(i - 1));
+		return sum;
 	}
 
 	// Length of the path through the disks in the order of their ranks. Disks that have become boundaries or were erased are left out. Infinite

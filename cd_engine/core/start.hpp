@@ -27,7 +27,6 @@ class Start {
 		if (s.contacts.solvedBeside()) // else the source of postponed rows still knows the guess
 			s.contacts.make();
 		source = s.contacts.postponed();
-		impulses.resize(source ? 0 : 2 * s.contacts.size());
 		std::atomic<bool> driven { false };
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
@@ -36,7 +35,8 @@ class Start {
 					driven = true;
 			}
 		});
-		const auto keep = [&](std::size_t from, std::size_t to) {
+		impulses.resize(source ? 0 : 2 * s.contacts.size());
+		forRanges(threads, impulses.size() / 2, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
 				const ContactRow& c = s.contacts[i];
@@ -46,9 +46,7 @@ class Start {
 			}
 			if (pushed)
 				driven = true;
-		};
-		if (!source) // postponed contacts push nothing
-			forRanges(threads, s.contacts.size(), keep);
+		});
 		solvable = !driven;
 	}
 	explicit Start(const DelassusSystem& s, Threads* t)

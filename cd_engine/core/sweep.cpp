@@ -8,20 +8,11 @@
 namespace cd {
 namespace {
 
-	AheadReport total(const LaneSums& sums, AheadReport report)
-	{
-		for (int lane = 0; lane < Group::lanes; lane++) {
-			report.change += sums.change[lane];
-			report.against += sums.against[lane];
-		}
-		return report;
-	}
-
-	// Of a group. std::copy_n would be a call.
+	// Of a group or a contact. std::copy_n would be a call.
 	template <class From, class To> void copyImpulses(const From& from, To& to)
 	{
-		std::memcpy(to.pn, from.pn, sizeof to.pn);
-		std::memcpy(to.pt, from.pt, sizeof to.pt);
+		std::memcpy(&to.pn, &from.pn, sizeof to.pn);
+		std::memcpy(&to.pt, &from.pt, sizeof to.pt);
 	}
 
 } // namespace
@@ -33,18 +24,16 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     , order(seed, s.memory)
     , threads(t)
 {
-	bool sameMasses = true;
-	const bool sameKinds = classifyBodies(sameMasses);
-	if (!sameKinds || !sameMasses || !sameContacts())
+	const Same same = classifyBodies();
+	if (!same.kinds || !same.masses || !mayStayPostponed())
 		system.contacts.make();
-	const bool same = sameKinds && !packed.begin.empty() && packed.partition.links.size() == system.contacts.size() && sameLeftOut() && fill();
-	if (!same) {
+	const bool others = packed.partition.update(system, threads), anew = others || !same.kinds || packed.parts.empty() || !fill();
+	if (anew) {
 		system.contacts.make();
 		groupContacts();
 		fill();
 	}
-	packed.contactSet = system.contactSet;
-	if (!same || !sameMasses)
+	if (anew || !same.masses)
 		findCarried();
 	restoreVelocities();
 }
@@ -53,13 +42,13 @@ void Sweep::restoreVelocities()
 {
 	moveBodies();
 	// + 0 turns -0 into +0. A body at rest must stay at +0 whatever is added to it 0 times, or its lanes would differ in sign.
-	inEveryBlock([&](std::size_t block) {
-		for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
+	inEveryBlock([&](const Part& block) {
+		for (const std::size_t i : block.bodies) {
 			const PackedBody& m = packed.moved[i];
 			packed.bodies[i] = { m.vx + 0., m.vy + 0., m.spin + 0., packed.bodies[i].w };
 		}
 	});
-	remembered = false; // the arrays named `before` still contain the round-off
+	remembered = false; // what is remembered still contains the round-off
 }
 
 void Sweep::store()
@@ -74,17 +63,16 @@ void Sweep::store()
 		system.contacts[contact].pn = pn;
 		system.contacts[contact].pt = pt;
 	};
-	inEveryBlock([&](std::size_t block) {
-		const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
-		for (std::size_t k = begin.group * Group::lanes; k < end.group * Group::lanes; k++)
+	inEveryBlock([&](const Part& block) {
+		for (const std::size_t k : block.lanes())
 			if (packed.grouping.members[k] >= 0) {
 				const Group& g = packed.groups[k / Group::lanes];
 				store(packed.grouping.members[k], g.pn[k % Group::lanes], g.pt[k % Group::lanes]);
 			}
-		for (std::size_t i = begin.loose; i < end.loose; i++)
+		for (const std::size_t i : block.loose)
 			store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
-		for (std::size_t i = begin.body; i < end.body; i++) {
-			if (i + soon < end.body)
+		for (const std::size_t i : block.bodies) {
+			if (i + soon < block.bodies.to)
 				__builtin_prefetch(&system.bodies[packed.bodyAt[i + soon]], 1);
 			if (packed.partition.freedom[packed.bodyAt[i]] == 0)
 				continue; // immobile: keeps its velocity
@@ -98,31 +86,28 @@ void Sweep::store()
 	});
 }
 
+// Calls copy(the packed impulses, those of the iterate) for all groups and loose contacts.
+template <class P, class Copy> void Sweep::withIterate(P& p, const Copy& copy) const
+{
+	inEveryBlock([&](const Part& block) {
+		for (const std::size_t k : block.groups)
+			copy(packed.groups[k], p.groups[k]);
+		for (const std::size_t i : block.loose)
+			copy(packed.loose[i].row, p.loose[i]);
+	});
+}
+
 void Sweep::copyTo(Iterate& p) const
 {
 	p.groups.resize(packed.groups.size());
-	p.loose.resize(2 * packed.loose.size());
-	inEveryBlock([&](std::size_t block) {
-		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++)
-			copyImpulses(packed.groups[k], p.groups[k]);
-		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
-			p.loose[2 * i] = packed.loose[i].row.pn;
-			p.loose[2 * i + 1] = packed.loose[i].row.pt;
-		}
-	});
+	p.loose.resize(packed.loose.size());
+	withIterate(p, [](const auto& own, auto& saved) { copyImpulses(own, saved); });
 }
 
 void Sweep::copyFrom(const Iterate& p)
 {
 	current = false;
-	inEveryBlock([&](std::size_t block) {
-		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++)
-			copyImpulses(p.groups[k], packed.groups[k]);
-		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
-			packed.loose[i].row.pn = p.loose[2 * i];
-			packed.loose[i].row.pt = p.loose[2 * i + 1];
-		}
-	});
+	withIterate(p, [](auto& own, const auto& saved) { copyImpulses(saved, own); });
 }
 
 void Sweep::solveLoose(Loose& l, PackedBody* bodies)
@@ -140,25 +125,17 @@ void Sweep::solveLoose(Loose& l, PackedBody* bodies)
 		const double qn = un - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
 		solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, qn, qt, pn, pt);
 	}
-	const double dn = pn - c.pn, dt = pt - c.pt;
+	push(l, pn - c.pn, pt - c.pt, A, B);
 	c.pn = pn;
 	c.pt = pt;
-	const double px = c.nx * dn - c.ny * dt, py = c.ny * dn + c.nx * dt;
-	A.vx -= l.wa[0] * px;
-	A.vy -= l.wa[1] * py;
-	A.spin -= l.wa[2] * (c.an * dn + c.at * dt);
-	B.vx += l.wb[0] * px;
-	B.vy += l.wb[1] * py;
-	B.spin += l.wb[2] * (c.bn * dn + c.bt * dt);
 }
 
-inline void Sweep::solveAhead(Loose& l, PackedBody* bodies, double beta, AheadReport& report)
+inline void Sweep::solveAhead(Loose& l, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport& report)
 {
 	ContactRow& c = l.row;
 	const double n = c.pn, t = c.pt;
-	const double yn = n + beta * (n - l.beforePn), yt = t + beta * (t - l.beforePt);
-	l.beforePn = n;
-	l.beforePt = t;
+	const double yn = n + beta * (n - before.pn), yt = t + beta * (t - before.pt);
+	before = { n, t };
 	c.pn = yn;
 	c.pt = yt;
 	solveLoose(l, bodies);
@@ -167,98 +144,64 @@ inline void Sweep::solveAhead(Loose& l, PackedBody* bodies, double beta, AheadRe
 	report.against += dn * (c.pn - n) + dt * (c.pt - t);
 }
 
-// Velocities are linear in the impulses, so they are extrapolated in the same way.
-AheadReport Sweep::ahead(double beta)
+// Calls work(groups, loose contacts, where their sums are) in the order of the sweep.
+template <class Work> void Sweep::inOrder(const Work& work)
 {
 	current = false;
-	if (!remembered)
-		remember();
-	inEveryBlock([&](std::size_t block) {
-		const std::size_t first = packed.begin[block].body, end = packed.begin[block + 1].body;
-		groupKernel().extrapolate(packed.bodies.data() + first, packed.bodiesBefore.data() + first, end - first, beta);
-	});
-	if (order)
-		return aheadAtRandom(beta);
-	colourByColour([&](std::size_t block) { aheadInBlock(block, beta); });
-	LaneSums sums = packed.blockSums[0].ahead;
-	AheadReport report = packed.blockSums[0].aheadLoose;
-	for (std::size_t block = 1; block < packed.blocks.count(); block++) {
-		const BlockSums& of = packed.blockSums[block];
-		for (int lane = 0; lane < Group::lanes; lane++) {
-			sums.change[lane] += of.ahead.change[lane];
-			sums.against[lane] += of.ahead.against[lane];
-		}
-		report.change += of.aheadLoose.change;
-		report.against += of.aheadLoose.against;
-	}
-	return total(sums, report);
-}
-
-void Sweep::aheadInBlock(std::size_t block, double beta)
-{
-	const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
-	BlockSums& sums = packed.blockSums[block];
-	sums.ahead = {};
-	sums.aheadLoose = {};
-	groupKernel().sweepAhead(packed.groups.data() + begin.group, packed.groupsBefore.data() + begin.group, end.group - begin.group,
-	    packed.bodies.data(), beta, sums.ahead);
-	for (std::size_t i = begin.loose; i < end.loose; i++)
-		solveAhead(packed.loose[i], packed.bodies.data(), beta, sums.aheadLoose);
-}
-
-AheadReport Sweep::aheadAtRandom(double beta)
-{
-	LaneSums sums = {};
-	AheadReport report;
+	if (!order)
+		return colourByColour([&](Part& block) { work(block.groups, block.loose, block); });
 	const std::size_t groups = packed.groups.size();
-	for (const auto i : order.next(groups + packed.loose.size())) {
-		if (static_cast<std::size_t>(i) < groups)
-			groupKernel().sweepAhead(&packed.groups[i], &packed.groupsBefore[i], 1, packed.bodies.data(), beta, sums);
+	order.visit(groups + packed.loose.size(), [&](std::size_t i, std::size_t end) {
+		if (i < groups)
+			work(Range { i, end }, Range {}, packed.parts[0]);
 		else
-			solveAhead(packed.loose[i - groups], packed.bodies.data(), beta, report);
-	}
-	return total(sums, report);
-}
-
-void Sweep::remember()
-{
-	packed.bodiesBefore.resize(packed.bodies.size());
-	packed.groupsBefore.resize(packed.groups.size());
-	inEveryBlock([&](std::size_t block) {
-		const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
-		std::copy_n(packed.bodies.data() + begin.body, end.body - begin.body, packed.bodiesBefore.data() + begin.body);
-		for (std::size_t k = begin.group; k < end.group; k++)
-			copyImpulses(packed.groups[k], packed.groupsBefore[k]);
-		for (std::size_t i = begin.loose; i < end.loose; i++) {
-			packed.loose[i].beforePn = packed.loose[i].row.pn;
-			packed.loose[i].beforePt = packed.loose[i].row.pt;
-		}
+			work(Range {}, Range { i - groups, end - groups }, packed.parts[0]);
 	});
-	remembered = true;
 }
 
 void Sweep::operator()()
 {
-	current = false;
-	const std::size_t groups = packed.groups.size();
-	if (!order) {
-		colourByColour([&](std::size_t block) { sweepBlock(block); });
-		return;
-	}
-	for (const auto i : order.next(groups + packed.loose.size())) {
-		if (static_cast<std::size_t>(i) < groups)
-			groupKernel().sweep(&packed.groups[i], 1, packed.bodies.data());
-		else
-			solveLoose(packed.loose[i - groups], packed.bodies.data());
-	}
+	inOrder([&](const Range& groups, const Range& loose, Part&) {
+		groupKernel().sweep(packed.groups.data() + groups.from, groups.size(), packed.bodies.data());
+		for (const std::size_t i : loose)
+			solveLoose(packed.loose[i], packed.bodies.data());
+	});
 }
 
-void Sweep::sweepBlock(std::size_t block)
+// Velocities are linear in the impulses, so they are extrapolated in the same way.
+AheadReport Sweep::ahead(double beta)
 {
-	const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
-	groupKernel().sweep(packed.groups.data() + begin.group, end.group - begin.group, packed.bodies.data());
-	for (std::size_t i = begin.loose; i < end.loose; i++)
-		solveLoose(packed.loose[i], packed.bodies.data());
+	if (!remembered) {
+		packed.bodiesBefore = packed.bodies;
+		copyTo(packed.before);
+		remembered = true;
+	}
+	inEveryBlock([&](Part& block) {
+		groupKernel().extrapolate(&packed.bodies[block.bodies.from], &packed.bodiesBefore[block.bodies.from], block.bodies.size(), beta);
+		block.ahead = {};
+		block.aheadLoose = {};
+	});
+	inOrder([&](const Range& groups, const Range& loose, Part& sums) {
+		groupKernel().sweepAhead(packed.groups.data() + groups.from, packed.before.groups.data() + groups.from, groups.size(),
+		    packed.bodies.data(), beta, sums.ahead);
+		for (const std::size_t i : loose)
+			solveAhead(packed.loose[i], packed.before.loose[i], packed.bodies.data(), beta, sums.aheadLoose);
+	});
+	LaneSums sums = {};
+	AheadReport report;
+	for (const Part& block : packed.parts) {
+		for (int lane = 0; lane < Group::lanes; lane++) {
+			sums.change[lane] += block.ahead.change[lane];
+			sums.against[lane] += block.ahead.against[lane];
+		}
+		report.change += block.aheadLoose.change;
+		report.against += block.aheadLoose.against;
+	}
+	for (int lane = 0; lane < Group::lanes; lane++) {
+		report.change += sums.change[lane];
+		report.against += sums.against[lane];
+	}
+	return report;
 }
 
 } // namespace cd

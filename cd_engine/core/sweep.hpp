@@ -15,10 +15,19 @@
 
 namespace cd {
 
-// Result of a sweep from an extrapolated point y; p are the impulses before the sweep, p+ those after it.
-struct AheadReport {
-	double change = 0; // |y - p+|^2 [N^2 s^2]
-	double against = 0; // (y - p+) . (p+ - p) [N^2 s^2]; positive if the sweep turned back against the momentum
+// The numbers from .. to - 1.
+struct Range {
+	struct Number {
+		std::size_t i;
+		std::size_t operator*() const { return i; }
+		void operator++() { i++; }
+		bool operator!=(const Number& other) const { return i != other.i; }
+	};
+	Number begin() const { return { from }; }
+	Number end() const { return { to }; }
+	std::size_t size() const { return to - from; }
+
+	std::size_t from = 0, to = 0;
 };
 
 // What a method needs, for a problem given by its bodies. DelassusSweep has the same functions for a problem given by its matrix.
@@ -45,8 +54,11 @@ class Sweep {
 
 	// The impulses of an iterate, saved to restore it later.
 	struct Iterate {
+		struct Loose {
+			double pn, pt;
+		};
 		std::vector<GroupBefore> groups;
-		std::vector<double> loose; // two a contact
+		std::vector<Loose> loose;
 	};
 	void copyTo(Iterate&) const;
 	void copyFrom(const Iterate&);
@@ -61,29 +73,29 @@ class Sweep {
 	struct Loose {
 		ContactRow row; // a, b: packed bodies; arms divided by k
 		double wa[3], wb[3]; // inverse masses of x, y and spin
-		double beforePn, beforePt;
 	};
 	struct BodyKind {
 		double w[3]; // inverse masses that the members below are made from
 		double radius; // k [m]; 1 where the body does not turn
 		bool uniform; // x, y and spin have one inverse mass: its contacts may be in a group
-		bool turns, movable;
+		bool turns;
 	};
-	// Where a block begins among the groups, loose contacts, bodies and sums; it ends where the next begins. A movable body belongs to the first
-	// block that meets it. An immobile body has a copy in every block, because sweeps write to it, too.
-	struct Begin {
-		std::size_t group, loose, body, sum;
+	// What a block has of the packed arrays. A movable body belongs to the first block that meets it. An immobile body has a copy in every block,
+	// because sweeps write to it, too.
+	struct alignas(128) Part {
+		Range contacts; // of Blocks::contacts
+		Range groups, loose, bodies, sums;
+		int32_t nobody; // an immobile body for the empty lanes, in memory lines that no other block uses
+		LaneSums ahead; // results of a sweep with momentum: of the groups,
+		AheadReport aheadLoose; // and of the loose contacts
+
+		Range lanes() const { return { groups.from * Group::lanes, groups.to * Group::lanes }; }
 	};
 	// Of a contact: its packed bodies; the sum for the error that it adds to, which is that of its island in its block; whether it may be in a
 	// group.
 	struct Ends {
 		int32_t a, b, sum;
 		bool groupable;
-	};
-	// Results of a sweep with momentum in one block.
-	struct alignas(128) BlockSums {
-		LaneSums ahead;
-		AheadReport aheadLoose;
 	};
 	// The packed problem. The next Sweep with the same memory finds it.
 	struct Packed {
@@ -92,19 +104,18 @@ class Sweep {
 		std::vector<int32_t> bodyAt; // of each packed body: its number in the system
 		std::vector<BodyKind> kinds; // of each body of the system
 		std::vector<double> inverseRadii; // of the same: 1/k
-		std::size_t contactSet = 0; // of the system whose contacts were grouped
 		std::vector<Ends> ends;
-		std::vector<PackedBody> bodies, bodiesBefore; // the last ones are immobile, for the empty lanes of each block
+		std::vector<PackedBody> bodies; // the last ones are immobile, for the empty lanes of each block
 		std::vector<PackedBody> freeBodies; // their free velocities; w: the velocity by external forces, BodyVelocity::pushed [m/s]
 		std::vector<double> masses; // of the same [kg]; 0: it cannot move along x or y
 		std::vector<Group> groups;
-		std::vector<GroupBefore> groupsBefore;
 		std::vector<Loose> loose;
+		std::vector<PackedBody> bodiesBefore; // one sweep ago,
+		Iterate before; // and the impulses
 		Grouping grouping;
-		GroupBuilder builder;
+		std::vector<uint64_t> grouped; // of each packed body: marks while contacts are grouped
 		Blocks blocks;
-		std::vector<Begin> begin; // of each block, and the end of all
-		std::vector<BlockSums> blockSums;
+		std::vector<Part> parts; // one a block
 		Partition partition; // of the system
 		std::vector<std::pair<int32_t, int32_t>> carried; // packed bodies that touch; the second is ten times heavier
 		// For the error.
@@ -117,59 +128,68 @@ class Sweep {
 		std::vector<std::pair<int32_t, int32_t>> sumOfIsland; // of each island: block in which it was last met, and its sum there
 		std::vector<double> asked; // of each packed body: smallest s of the far heavier bodies that it carries [m/s]
 	};
-	bool classifyBodies(bool& sameMasses); // returns whether they are of the same kinds as in the last problem
+	struct Same {
+		bool kinds, masses;
+	};
+	Same classifyBodies(); // what has stayed the same since the last problem
+	bool mayStayPostponed() const;
 	bool groupable(const ContactRow&) const;
-	bool sameLinks(std::size_t block) const;
-	bool sameLeftOut() const;
-	bool sameContacts() const;
 	void groupContacts();
-	void linkGroups();
 	void numberBodies();
-	// An immobile body for the empty lanes of a block, in memory lines that no other block uses.
-	int32_t nobody(std::size_t block) const { return static_cast<int32_t>(packed.bodyAt.size() + 4 * block); }
-	// Fill in this problem's numbers. Return false if its contacts are not those that were grouped, so that the groups must be made anew.
+	// Fills in this problem's numbers. Returns false if a contact is no longer what it was when groups were made.
 	bool fill();
-	bool fillGroups(std::size_t block);
-	bool fillFromStep(std::size_t block);
-	static void setLane(Group&, int lane, const ContactRow&, double radiusA, double radiusB);
+	bool fillGroups(const Part&);
 	static void clearLane(Group&, int lane);
-	bool fillLoose(std::size_t block);
-	void packBodies(std::size_t block);
+	bool fillLane(Group&, int lane, const ContactRow&) const;
+	bool fillLoose(const Part&);
+	const ContactRow& rowOf(int32_t contact, ContactRow& made) const;
+	void packBodies(const Part&);
 	template <class Work> void inEveryBlock(const Work&) const;
 	template <class Work> void colourByColour(const Work&) const;
-	void sweepBlock(std::size_t block);
-	void aheadInBlock(std::size_t block, double beta);
-	AheadReport aheadAtRandom(double beta);
-	void remember();
+	template <class Work> void inOrder(const Work&);
+	template <class P, class Copy> void withIterate(P&, const Copy&) const;
 	void findCarried();
 	void moveBodies();
 	void twistBodies();
 	void numberSums();
 	void findAsked();
-	void missInBlock(std::size_t block, bool apart);
-	void addApart(std::size_t block);
-	Miss missOf(const Loose&) const;
+	void missInBlock(const Part&, bool apart);
+	void addApart(const Part&);
+	static void push(const Loose&, double pn, double pt, PackedBody& A, PackedBody& B);
 	static void solveLoose(Loose&, PackedBody* bodies);
-	static void solveAhead(Loose&, PackedBody* bodies, double beta, AheadReport&);
+	static void solveAhead(Loose&, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport&);
 
 	ContactSystem& system;
 	Borrowed<Packed> kept;
 	Packed& packed;
-	bool remembered = false; // whether the arrays named `before` are set
+	bool remembered = false; // whether `bodiesBefore` and `before` are set
 	bool current = false; // whether packed.moved has the velocities of the present impulses
 	bool twisted = false; // whether external forces turn any body
 	RandomOrder order;
 	Threads* const threads;
 };
 
-// Calls work(block) for every block.
+// Adds an impulse of a contact to the velocities of its bodies.
+inline void Sweep::push(const Loose& l, double pn, double pt, PackedBody& A, PackedBody& B)
+{
+	const ContactRow& c = l.row;
+	const double px = c.nx * pn - c.ny * pt, py = c.ny * pn + c.nx * pt;
+	A.vx -= l.wa[0] * px;
+	A.vy -= l.wa[1] * py;
+	A.spin -= l.wa[2] * (c.an * pn + c.at * pt);
+	B.vx += l.wb[0] * px;
+	B.vy += l.wb[1] * py;
+	B.spin += l.wb[2] * (c.bn * pn + c.bt * pt);
+}
+
+// Calls work(part) for every block.
 template <class Work> void Sweep::inEveryBlock(const Work& work) const
 {
 	if (threads)
-		threads->run(packed.blocks.colour.data(), packed.blocks.colours(), work);
+		threads->run(packed.blocks.colour.data(), packed.blocks.colours(), [&](int32_t block) { work(packed.parts[block]); });
 	else
-		for (std::size_t block = 0; block < packed.blocks.count(); block++)
-			work(block);
+		for (Part& part : packed.parts)
+			work(part);
 }
 
 // The same in the order of the sweep: blocks that share a movable body never run at the same time.
@@ -178,7 +198,7 @@ template <class Work> void Sweep::colourByColour(const Work& work) const
 	if (!threads)
 		return inEveryBlock(work);
 	for (std::size_t c = 0; c < packed.blocks.colours(); c++)
-		threads->run(&packed.blocks.colour[c], 1, work);
+		threads->run(&packed.blocks.colour[c], 1, [&](int32_t block) { work(packed.parts[block]); });
 }
 
 } // namespace cd

@@ -34,16 +34,13 @@ void Sweep::moveBodies()
 	current = true;
 	std::vector<PackedBody>& moved = packed.moved;
 	moved.resize(packed.bodies.size());
-	inEveryBlock([&](std::size_t block) {
-		std::fill(moved.data() + packed.begin[block].body, moved.data() + packed.begin[block + 1].body, PackedBody {});
-		moved[nobody(block)] = {};
+	inEveryBlock([&](const Part& block) {
+		std::fill_n(&moved[block.bodies.from], block.bodies.size(), PackedBody {});
+		moved[block.nobody] = {};
 	});
-	colourByColour([&](std::size_t block) {
-		const std::size_t first = packed.begin[block].group;
-		groupKernel().press(packed.groups.data() + first, packed.begin[block + 1].group - first, moved.data());
-	});
-	inEveryBlock([&](std::size_t block) {
-		for (std::size_t i = packed.begin[block].body; i < packed.begin[block + 1].body; i++) {
+	colourByColour([&](const Part& block) { groupKernel().press(packed.groups.data() + block.groups.from, block.groups.size(), moved.data()); });
+	inEveryBlock([&](const Part& block) {
+		for (const std::size_t i : block.bodies) {
 			const PackedBody& free = packed.freeBodies[i];
 			const double w = packed.bodies[i].w; // a body without a uniform inverse mass has no group, so m is 0
 			PackedBody& m = moved[i];
@@ -52,19 +49,13 @@ void Sweep::moveBodies()
 	});
 	if (packed.loose.empty())
 		return;
-	colourByColour([&](std::size_t block) {
-		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
+	colourByColour([&](const Part& block) {
+		for (const std::size_t i : block.loose) {
 			const Loose& l = packed.loose[i];
 			const ContactRow& c = l.row;
-			const double px = c.nx * c.pn - c.ny * c.pt, py = c.ny * c.pn + c.nx * c.pt;
 			PackedBody &A = moved[c.a], &B = moved[c.b];
-			A.vx -= l.wa[0] * px;
-			A.vy -= l.wa[1] * py;
-			A.spin -= l.wa[2] * (c.an * c.pn + c.at * c.pt);
+			push(l, c.pn, c.pt, A, B);
 			A.w += actionOn(l.wa, c, c.an, c.at);
-			B.vx += l.wb[0] * px;
-			B.vy += l.wb[1] * py;
-			B.spin += l.wb[2] * (c.bn * c.pn + c.bt * c.pt);
 			B.w += actionOn(l.wb, c, c.bn, c.bt);
 		}
 	});
@@ -78,27 +69,18 @@ void Sweep::twistBodies()
 		if (static_cast<std::size_t>(at) < packed.bodyAt.size())
 			packed.moved[at].w += system.bodies[packed.bodyAt[at]].twisted * packed.kinds[packed.bodyAt[at]].radius * std::abs(arm);
 	};
-	colourByColour([&](std::size_t block) {
-		for (std::size_t k = packed.begin[block].group; k < packed.begin[block + 1].group; k++)
-			for (int lane = 0; lane < Group::lanes; lane++) {
-				const Group& g = packed.groups[k];
-				twist(g.a[lane], g.at[lane]);
-				twist(g.b[lane], g.bt[lane]);
-			}
-		for (std::size_t i = packed.begin[block].loose; i < packed.begin[block + 1].loose; i++) {
+	colourByColour([&](const Part& block) {
+		for (const std::size_t k : block.lanes()) {
+			const Group& g = packed.groups[k / Group::lanes];
+			twist(g.a[k % Group::lanes], g.at[k % Group::lanes]);
+			twist(g.b[k % Group::lanes], g.bt[k % Group::lanes]);
+		}
+		for (const std::size_t i : block.loose) {
 			const ContactRow& c = packed.loose[i].row;
 			twist(c.a, c.at);
 			twist(c.b, c.bt);
 		}
 	});
-}
-
-Miss Sweep::missOf(const Loose& l) const
-{
-	const auto at = [&](int32_t body) {
-		return Moved { { packed.moved[body].vx, packed.moved[body].vy, packed.moved[body].spin }, packed.moved[body].w };
-	};
-	return cd::missOf(l.row, l.row.wnn, at(l.row.a), at(l.row.b));
 }
 
 // Numbers the sums that make the error: one for every island in every block, in the order of the sweep.
@@ -107,23 +89,26 @@ void Sweep::numberSums()
 	packed.islandAt.clear();
 	packed.sumOfIsland.assign(packed.partition.islands.size(), { -1, -1 });
 	packed.sumOfBody.assign(packed.bodyAt.size(), -1);
-	for (std::size_t block = 0; block < packed.blocks.count(); block++) {
-		packed.begin[block].sum = packed.islandAt.size();
-		for (int32_t k = packed.blocks.block[block]; k < packed.blocks.block[block + 1]; k++) {
+	int32_t block = 0;
+	for (Part& part : packed.parts) {
+		part.sums.from = packed.islandAt.size();
+		for (const std::size_t k : part.contacts) {
 			const int32_t contact = packed.blocks.contacts[k], island = packed.partition.ofContact[contact];
+			Ends& ends = packed.ends[contact];
 			auto& [metIn, sum] = packed.sumOfIsland[island];
-			if (metIn != static_cast<int32_t>(block)) {
-				metIn = static_cast<int32_t>(block);
+			if (metIn != block) {
+				metIn = block;
 				sum = static_cast<int32_t>(packed.islandAt.size());
 				packed.islandAt.push_back(island);
 			}
-			packed.ends[contact].sum = sum;
-			for (const int32_t body : { packed.ends[contact].a, packed.ends[contact].b })
+			ends.sum = sum;
+			for (const int32_t body : { ends.a, ends.b })
 				if (packed.sumOfBody[body] < 0 && packed.partition.freedom[packed.bodyAt[body]] > 0)
 					packed.sumOfBody[body] = sum;
 		}
+		part.sums.to = packed.islandAt.size();
+		block++;
 	}
-	packed.begin.back().sum = packed.islandAt.size();
 }
 
 Residual Sweep::error()
@@ -136,7 +121,7 @@ Residual Sweep::error()
 	packed.partSums.resize(packed.islandAt.size());
 	if (!packed.carried.empty())
 		findAsked();
-	inEveryBlock([&](std::size_t block) { missInBlock(block, apart); });
+	inEveryBlock([&](const Part& block) { missInBlock(block, apart); });
 	packed.sums.assign(packed.partition.islands.size(), {});
 	for (std::size_t i = 0; i < packed.partSums.size(); i++)
 		packed.sums[packed.islandAt[i]].add(packed.partSums[i]);
@@ -152,42 +137,45 @@ void Sweep::findAsked()
 			packed.asked[light] = std::min(packed.asked[light], packed.moved[heavy].w);
 }
 
-void Sweep::missInBlock(std::size_t block, bool apart)
+void Sweep::missInBlock(const Part& block, bool apart)
 {
-	const Begin &begin = packed.begin[block], &end = packed.begin[block + 1];
-	const auto first = packed.partSums.begin() + static_cast<std::ptrdiff_t>(begin.sum);
-	std::fill(first, packed.partSums.begin() + static_cast<std::ptrdiff_t>(end.sum), ResidualSum {});
+	ResidualSum* const first = packed.partSums.data() + block.sums.from;
+	std::fill_n(first, block.sums.size(), ResidualSum {});
 	LaneMisses all = {};
-	groupKernel().miss(packed.groups.data() + begin.group, end.group - begin.group, packed.moved.data(), all,
-	    apart ? packed.misses.data() + begin.group : nullptr);
+	GroupMiss* const each = apart ? packed.misses.data() + block.groups.from : nullptr;
+	groupKernel().miss(packed.groups.data() + block.groups.from, block.groups.size(), packed.moved.data(), all, each);
 	if (apart)
 		addApart(block);
-	else if (begin.sum < end.sum)
-		*first = sumOf(all, packed.blocks.block[block + 1] - packed.blocks.block[block] - (end.loose - begin.loose));
-	for (std::size_t i = begin.loose; i < end.loose; i++) {
+	else if (block.sums.size() > 0)
+		*first = sumOf(all, block.contacts.size() - block.loose.size());
+	const auto moved = [&](int32_t body) {
+		const PackedBody& m = packed.moved[body];
+		return Moved { { m.vx, m.vy, m.spin }, m.w };
+	};
+	for (const std::size_t i : block.loose) {
 		const ContactRow& c = packed.loose[i].row;
-		const Miss miss = missOf(packed.loose[i]);
+		const Miss miss = missOf(c, c.wnn, moved(c.a), moved(c.b));
 		ResidualSum& sum = packed.partSums[packed.ends[packed.grouping.loose[i]].sum];
 		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
 		if (!packed.carried.empty())
 			sum.addUnderHeavy(miss.velocity, std::min(packed.asked[c.a], packed.asked[c.b]));
 	}
-	if (end.sum - begin.sum == 1) {
+	if (block.sums.size() == 1) {
 		ResidualSum sum = *first; // a local copy, which stays in registers
-		for (std::size_t i = begin.body; i < end.body; i++)
+		for (const std::size_t i : block.bodies)
 			if (packed.sumOfBody[i] >= 0)
 				sum.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
 		*first = sum;
 	} else
-		for (std::size_t i = begin.body; i < end.body; i++)
+		for (const std::size_t i : block.bodies)
 			if (packed.sumOfBody[i] >= 0)
 				packed.partSums[packed.sumOfBody[i]].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
 }
 
 // Adds what the contacts in the groups of a block miss, contact by contact.
-void Sweep::addApart(std::size_t block)
+void Sweep::addApart(const Part& block)
 {
-	for (std::size_t k = packed.begin[block].group * Group::lanes; k < packed.begin[block + 1].group * Group::lanes; k++)
+	for (const std::size_t k : block.lanes())
 		if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
 			const Group& g = packed.groups[k / Group::lanes];
 			const GroupMiss& miss = packed.misses[k / Group::lanes];

@@ -1,6 +1,8 @@
 // The bodies of a plane scene and the pairs of bodies that may touch. A time step reads and moves them. Nothing here depends on YADE or Python.
 #pragma once
 
+#include "vector.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -141,8 +143,8 @@ struct Foot {
 	double nx, ny, distance;
 };
 
-// (dx, dy): centre of the disk minus centre of the boundary [m].
-Foot footOnBoundary(const Shape&, double turned, double dx, double dy);
+// centre: that of the disk, from the centre of the boundary [m].
+Foot footOnBoundary(const Shape&, double turned, Vector centre);
 // Whether the centre of a disk entered a boundary, or went right through it, between the places before and now; if so, through which face.
 bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face);
 
@@ -161,13 +163,13 @@ inline Touch touchAt(double nx, double ny, double gap, const Place& disk)
 // `shape` is the shape of `a`. It is read only if `a` is a boundary.
 inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
 {
-	const double dx = b.x - a.x, dy = b.y - a.y;
+	const Vector d { b.x - a.x, b.y - a.y };
 	Foot foot;
 	if (a.radius > 0) {
-		const double centres = std::sqrt(dx * dx + dy * dy), inverse = 1 / centres;
-		foot = { dx * inverse, dy * inverse, centres - a.radius };
+		const double centres = std::sqrt(dot(d, d)), inverse = 1 / centres;
+		foot = { d.x * inverse, d.y * inverse, centres - a.radius };
 	} else
-		foot = footOnBoundary(shape, a.turned, dx, dy);
+		foot = footOnBoundary(shape, a.turned, d);
 	return touchAt(foot.nx, foot.ny, foot.distance - b.radius, b);
 }
 

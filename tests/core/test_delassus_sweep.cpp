@@ -109,10 +109,9 @@ TEST_CASE("no row is lost, those of a group do not couple, nor do neighbouring g
 {
 	const DelassusSystem s = scattered(1, 3000, 0.5);
 	RowGrouping grouping;
-	RowGroupBuilder builder;
 	for (const bool again : { false, true }) { // with what the first left behind
 		CAPTURE(again);
-		builder.build(s, grouping);
+		grouping.group(s);
 		std::multiset<int32_t> seen;
 		std::vector<int32_t> before;
 		std::size_t lanes = 0, longest = 0, blocks = 0;
@@ -157,7 +156,7 @@ TEST_CASE("a sweep is what it is contact by contact in the same order, up to rou
 			CAPTURE(mu);
 			DelassusSystem packed = scattered(2, contacts, mu), oneByOne = packed;
 			RowGrouping grouping;
-			RowGroupBuilder().build(packed, grouping);
+			grouping.group(packed);
 			DelassusSweep sweep(packed, 0);
 			for (int k = 0; k < 3; k++) {
 				sweep();
