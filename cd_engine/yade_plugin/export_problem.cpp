@@ -1,18 +1,10 @@
 // Exports the problem of the next step to a file: it is assembled here and written by cd_engine/core.
+#include "../bindings/python.hpp"
 #include "../core/delassus_system.hpp"
 #include "contact_dynamics.hpp"
 
 namespace cd_engine {
 namespace {
-
-	namespace py = boost::python;
-
-	// An array as Python's bytes. NumPy reads these, so that this file does not need NumPy.
-	template <class T> py::object bytes(const std::vector<T>& v)
-	{
-		return py::object(
-		    py::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(v.data()), static_cast<Py_ssize_t>(v.size() * sizeof(T)))));
-	}
 
 	// Whether a run in the background changes the scene meanwhile. Code that an engine of the run calls (PyRunner) blocks the run, so it is safe.
 	// It runs in a thread of YADE's own, which Python's threading module knows only as a dummy.
@@ -56,19 +48,20 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 		throw SceneError(
 		    "ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
 		    "engine of the run (PyRunner)");
-	PyThreadState* const gil = PyEval_SaveThread(); // the step that runs now may need the Python lock
-	const std::lock_guard<std::mutex> betweenSteps(stepping);
-	PyEval_RestoreThread(gil);
+	std::unique_lock<std::mutex> betweenSteps(stepping, std::defer_lock);
+	{
+		const WithoutInterpreterLock unlocked; // the step that runs now may need it
+		betweenSteps.lock();
+	}
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
 	const cd::StepSettings settings = this->settings(now);
 	std::mutex alone;
-	std::vector<int> ids = referenceIds;
+	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
-	std::vector<int> order = bodyOrder;
 	double length = bodyOrderLength;
 	SceneLink look;
-	look.world.apart = rest->maskApart();
+	look.world.apart = others.maskApart();
 	look.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
 	if (handover)
 		look.takeOverlaps();
@@ -79,8 +72,7 @@ void ContactDynamics::exportProblem(const std::string& path, bool bodies)
 	const cd::DelassusSystem problem = cd::assembleDelassus(system);
 	std::vector<int> pairs;
 	for (const int32_t row : cd::solvableRows(system)) {
-		pairs.push_back(system.contacts[row].a);
-		pairs.push_back(system.contacts[row].b);
+		pairs.insert(pairs.end(), { system.contacts[row].a, system.contacts[row].b });
 	}
 	const std::vector<int64_t> start(problem.start.begin(), problem.start.end());
 	py::import("cd_engine.core.export")

@@ -14,12 +14,12 @@ void SceneLink::tell(const std::string& what, const std::string& remedy)
 
 void SceneLink::checkScene(yade::Scene* scene, double dt)
 {
-	if (at<bool>(scene, layout.scene_isPeriodic))
+	if (scene_isPeriodic(scene))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
 	if (dt == 1e-8)
 		tell("O.dt is 1e-8 s, which YADE sets where nobody has.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
 	if (!(dt > 0 && std::isfinite(dt)))
-		throw SceneError("ContactDynamics: the time step O.dt is " + text(dt) + " s. Set it to a positive number");
+		throw SceneError(text("ContactDynamics: the time step O.dt is ", dt, " s. Set it to a positive number"));
 }
 
 void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool look, double margin, cd::TimeStep& step,
@@ -29,7 +29,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	const bool read = !behind;
 	if (read) {
 		gravity = g;
-		gatherBodies(scene, g);
+		gatherBodies(scene);
 	}
 	bool reordered;
 	{
@@ -41,17 +41,13 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	if (behind && reordered)
 		publishScene(scene, step); // the pairs are then read from it in their new order
 	const bool searched = search.needed(world, dt, margin, outran, &step.threads);
-	if (searched)
-		findPairs();
+	if (searched) {
+		before.swap(pairs);
+		search.find(world, pairs);
+	}
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
 	if (read || searched || reordered)
 		setFriction(&step.threads);
-}
-
-void SceneLink::findPairs()
-{
-	before.swap(pairs);
-	search.find(world, pairs);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool look)
@@ -59,7 +55,8 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, c
 	namespace py = boost::python;
 	inspecting = true;
 	checkScene(scene, dt);
-	gatherBodies(scene, g);
+	gravity = g;
+	gatherBodies(scene);
 	// O.forces still holds what the last step left, its contact forces included. A ForceResetter clears it before the next step.
 	const py::object lasting = py::import("yade").attr("O").attr("forces");
 	const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
@@ -72,12 +69,12 @@ void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, c
 			force = py::extract<Vector3r>(lasting.attr("permF")(id));
 			torque = py::extract<Vector3r>(lasting.attr("permT")(id));
 		}
-		setForce(id, body, force, torque, g);
+		setForce(id, body, force, torque);
 	}
 	cd::renewOrder(world, memory.order, look);
 	cd::Sleepers none;
 	search.needed(world, dt, 0, {});
-	findPairs();
+	search.find(world, pairs);
 	gatherPairs(scene, memory, true, true, true, none);
 	setFriction(nullptr);
 }

@@ -1,37 +1,19 @@
 // Reads the class, the size and the orientation of a body's shape. Refuses what the engine does not know.
+#include "kind.hpp"
 #include "scene_link.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cd_engine {
-namespace {
 
-	// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
-	[[noreturn]] void refuseShape(int id, const std::string& name)
-	{
-		if (name == "Clump")
-			refuseBody(id, "is a clump", releaseClump);
-		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
-	}
-
-} // namespace
-
-// Which of cd::ShapeKind a shape is, -1: none of them. The vtable identifies the class; the name of the class is asked for only once. The address of
-// a shape identifies nothing, because a new shape may get the address of an old one.
+// Which of cd::ShapeKind a shape is, -1: none of them. The address of a shape identifies nothing, because a new shape may get the address of an old
+// one.
 int SceneLink::kindOf(const void* shape)
 {
-	static const char* const names[] = { "Sphere", "Box", "Wall" };
-	const void* const vtable = *static_cast<const void* const*>(shape);
-	for (std::size_t kind = 0; kind < vtables.size(); kind++)
-		if (vtables[kind] == vtable)
-			return static_cast<int>(kind);
-	const std::string name = className(shape);
-	for (std::size_t kind = 0; kind < vtables.size(); kind++)
-		if (name == names[kind]) {
-			vtables[kind] = vtable;
-			return static_cast<int>(kind);
-		}
-	return -1;
+	static Kind kinds[] = { { "Sphere", Kind::exactly }, { "Box", Kind::exactly }, { "Wall", Kind::exactly } };
+	const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](Kind& isKind) { return isKind(shape); });
+	return found == std::end(kinds) ? -1 : static_cast<int>(found - kinds);
 }
 
 // Reads class, size and orientation of the shape, any of which may change at any time.
@@ -39,8 +21,13 @@ void SceneLink::readShape(int id, cd::Body& body)
 {
 	KnownBody& known = bodies[id];
 	const int found = kindOf(known.shape);
-	if (found < 0)
-		refuseShape(id, className(known.shape));
+	if (found < 0) {
+		// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
+		const std::string name = className(known.shape);
+		if (name == "Clump")
+			refuseBody(id, "is a clump", releaseClump);
+		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
+	}
 	const auto kind = static_cast<cd::ShapeKind>(found);
 	cd::Shape& shape = world.shapes[id];
 	if (shape.kind != kind) {
@@ -60,11 +47,11 @@ void SceneLink::readShape(int id, cd::Body& body)
 void SceneLink::readDisk(int id, cd::Body& body)
 {
 	KnownBody& known = bodies[id];
-	const double z = at<Vector3r>(known.state, layout.state_se3)[2], radius = at<double>(known.shape, layout.sphere_radius);
+	const double z = state_pos(known.state)[2], radius = sphere_radius(known.shape);
 	if (!(radius > 0 && std::isfinite(radius)))
-		refuseBody(id, "has the radius " + text(radius) + " m", "Set " + ofBody(id) + ".shape.radius to a positive number");
+		refuseBody(id, text("has the radius ", radius, " m"), "Set O.bodies[#].shape.radius to a positive number");
 	if (!(std::abs(z - layer) <= 1e-9 * radius))
-		refuseBody(id, "has z = " + text(z) + " m but body #" + std::to_string(layerId) + " has z = " + text(layer) + " m",
+		refuseBody(id, text("has z = ", z, " m but body #", layerId, " has z = ", layer, " m"),
 		    "Put all disks in one plane: set the third component of their state.pos");
 	known.inPlane = true;
 	body.radius = radius;
@@ -73,18 +60,18 @@ void SceneLink::readDisk(int id, cd::Body& body)
 void SceneLink::readBox(int id, cd::Shape& shape)
 {
 	KnownBody& known = bodies[id];
-	const Vector3r& extents = at<Vector3r>(known.shape, layout.box_extents);
+	const Vector3r& extents = box_extents(known.shape);
 	if (!extents.allFinite() || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
-		refuseBody(id, "is a box with the extents " + text(extents[0]) + ", " + text(extents[1]) + ", " + text(extents[2]) + " m",
-		    "Set " + ofBody(id) + ".shape.extents, the halves of its edges, to numbers that are not negative");
+		refuseBody(id, text("is a box with the extents ", extents[0], ", ", extents[1], ", ", extents[2], " m"),
+		    "Set O.bodies[#].shape.extents, the halves of its edges, to numbers that are not negative");
 	const auto& q = orientations[id];
 	const double norm = q[2] * q[2] + q[3] * q[3];
 	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
-		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: " + ofBody(id) + ".state.ori");
+		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: O.bodies[#].state.ori");
 	if (!(norm > 0.5 && norm < 2))
-		refuseBody(id, "has an orientation that is not a rotation", "Set " + ofBody(id) + ".state.ori to a unit quaternion");
+		refuseBody(id, "has an orientation that is not a rotation", "Set O.bodies[#].state.ori to a unit quaternion");
 	// A box that the disks' plane does not cut (a front or back wall) is never touched.
-	known.inPlane = layerId < 0 || std::abs(at<Vector3r>(known.state, layout.state_se3)[2] - layer) <= extents[2] * (1 + 1e-9);
+	known.inPlane = layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
 	shape.ex = extents[0];
 	shape.ey = extents[1];
 	orient(id);
@@ -103,20 +90,19 @@ void SceneLink::orient(int id)
 void SceneLink::readWall(int id, cd::Shape& shape)
 {
 	KnownBody& known = bodies[id];
-	const double spin = at<Vector3r>(known.state, layout.state_angVel)[2];
+	const double spin = state_angVel(known.state)[2];
 	if (spin != 0)
-		refuseBody(id, "is a wall with the angular velocity " + text(spin) + " rad/s about z",
-		    "Set " + ofBody(id) + ".state.angVel to 0, or use a Box, which can turn");
-	if (!(at<unsigned>(known.state, layout.state_blockedDOFs) & rotZ))
-		refuseBody(
-		    id, "is a wall that is free to turn about z", "Block 'Z' in " + ofBody(id) + ".state.blockedDOFs, or use a Box, which can turn");
-	shape.axis = at<int>(known.shape, layout.wall_axis);
-	shape.sense = at<int>(known.shape, layout.wall_sense);
+		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about z"),
+		    "Set O.bodies[#].state.angVel to 0, or use a Box, which can turn");
+	if (!(state_blockedDOFs(known.state) & rotZ))
+		refuseBody(id, "is a wall that is free to turn about z", "Block 'Z' in O.bodies[#].state.blockedDOFs, or use a Box, which can turn");
+	shape.axis = wall_axis(known.shape);
+	shape.sense = wall_sense(known.shape);
 	if (shape.axis < 0 || shape.axis > 2)
-		refuseBody(id, "is a wall with the axis " + std::to_string(shape.axis),
-		    "Set " + ofBody(id) + ".shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
+		refuseBody(id, text("is a wall with the axis ", shape.axis),
+		    "Set O.bodies[#].shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
 	if (shape.sense < -1 || shape.sense > 1)
-		refuseBody(id, "is a wall with the sense " + std::to_string(shape.sense), "Set " + ofBody(id) + ".shape.sense to -1, 0 or 1");
+		refuseBody(id, text("is a wall with the sense ", shape.sense), "Set O.bodies[#].shape.sense to -1, 0 or 1");
 	known.inPlane = shape.axis != 2;
 }
 

@@ -1,10 +1,60 @@
 // Overlaps that count as touching: what springs have left behind.
 #include "scene_link.hpp"
 
+#include <boost/iterator/counting_iterator.hpp>
+
 #include <algorithm>
+#include <cassert>
 #include <set>
 
 namespace cd_engine {
+namespace {
+
+	// Share of a disk's radius: a larger overlap is not left by springs but is a mistake in the scene (the paper's are 1e-3).
+	constexpr double mostOverlap = 0.2;
+	// Share of a disk's radius: smaller overlaps give no warning.
+	constexpr double visible = 0.01;
+
+} // namespace
+
+std::string SceneLink::behindWall(const cd::Pair& pair) const
+{
+	const cd::Shape& wall = world.shapes[pair.a];
+	const cd::Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
+	if (a.radius > 0 || wall.kind != cd::ShapeKind::wall || wall.sense * (wall.axis == 0 ? b.x - a.x : b.y - a.y) >= 0)
+		return "";
+	return text("body #", pair.b, " is behind Wall #", pair.a, ", which with sense=", wall.sense, " has one side only and is solid behind it. ",
+	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
+}
+
+void SceneLink::takeOverlaps()
+{
+	for (cd::Pair& pair : world.pairs) {
+		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
+		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
+		const double radius = world.bodies[pair.b].radius;
+		const auto what = [&] {
+			return text("bodies #", pair.a, " and #", pair.b, " overlap by ", std::to_string(pair.reference / radius),
+			    " of a radius at the start");
+		};
+		if (!(pair.reference <= mostOverlap * radius)) {
+			const std::string reason = behindWall(pair);
+			throw SceneError(
+			    "ContactDynamics: " + (reason.empty() ? what() + ", more than springs leave behind. Move them apart" : reason));
+		}
+		if (pair.reference > visible * radius && !world.carried[&pair - world.pairs.data()].any() && told.insert("overlap").second)
+			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
+			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
+	}
+}
+
+const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
+{
+	const std::vector<int32_t>& pairs = step.pairs();
+	assert(!pairs.empty());
+	return world
+	    .pairs[*std::min_element(pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return step.gapOf(world, i) < step.gapOf(world, k); })];
+}
 
 void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 {
@@ -22,19 +72,13 @@ void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 	}
 }
 
-// By bisection: the pairs are sorted by their ids.
 std::size_t ReferenceOverlaps::find(int id1, int id2) const
 {
 	const std::pair<int, int> wanted = std::minmax(id1, id2);
-	std::size_t low = 0, high = overlaps.size();
-	while (low < high) {
-		const std::size_t middle = (low + high) / 2;
-		if (std::make_pair(ids[2 * middle], ids[2 * middle + 1]) < wanted)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low < overlaps.size() && std::make_pair(ids[2 * low], ids[2 * low + 1]) == wanted ? low : overlaps.size();
+	const auto pair = [this](std::size_t i) { return std::make_pair(ids[2 * i], ids[2 * i + 1]); };
+	const boost::counting_iterator<std::size_t> begin(0), end(overlaps.size());
+	const auto found = std::lower_bound(begin, end, wanted, [&](std::size_t i, const auto& value) { return pair(i) < value; });
+	return found != end && pair(*found) == wanted ? *found : *end;
 }
 
 double ReferenceOverlaps::of(int id1, int id2) const

@@ -12,21 +12,27 @@ class SceneError : public std::runtime_error {
 	using std::runtime_error::runtime_error;
 };
 
-inline std::string ofBody(int id) { return "O.bodies[" + std::to_string(id) + "]"; }
+// All parts in a row, numbers as C++ prints them by default.
+template <class... Parts> std::string text(const Parts&... parts)
+{
+	std::ostringstream s;
+	(s << ... << parts);
+	return s.str();
+}
+
+// `words` with the id in place of each # in square brackets: "O.bodies[#]".
+inline std::string ofBody(int id, std::string words)
+{
+	for (std::size_t at; (at = words.find("[#]")) != std::string::npos;)
+		words.replace(at + 1, 1, std::to_string(id));
+	return words;
+}
 
 [[noreturn]] inline void refuseBody(int id, const std::string& what, const std::string& remedy)
 {
-	throw SceneError("ContactDynamics: body #" + std::to_string(id) + " " + what + ". " + remedy);
+	throw SceneError(text("ContactDynamics: body #", id, " ", what, ". ", ofBody(id, remedy)));
 }
 
 inline const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";
-
-// A number as C++ prints it by default.
-inline std::string text(double x)
-{
-	std::ostringstream s;
-	s << x;
-	return s.str();
-}
 
 } // namespace cd_engine
