@@ -42,14 +42,6 @@ class WithoutInterpreterLock {
 	PyThreadState* state = PyEval_SaveThread();
 };
 
-inline py::list solverNames()
-{
-	py::list all;
-	for (const std::string& name : cd::solverNames())
-		all.append(name);
-	return all;
-}
-
 inline py::list instructionSets()
 {
 	py::list all;
@@ -69,7 +61,13 @@ inline void useInstructionSet(const std::string& name)
 // In the module that is being filled.
 inline void defineNames()
 {
-	py::def("methods", solverNames, "Names of the contact solvers.");
+	const auto methods = +[] {
+		py::list all;
+		for (const std::string& name : cd::solverNames())
+			all.append(name);
+		return all;
+	};
+	py::def("methods", methods, "Names of the contact solvers.");
 	py::def("instruction_sets", instructionSets, "Names of those the sweeps can use on this processor, the fastest first.");
 	py::def("use_instruction_set", useInstructionSet, "Sweep with this one from now on. The results are the same bits with all.");
 }

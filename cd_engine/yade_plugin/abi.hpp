@@ -76,13 +76,9 @@ class GlobalEngine : public Engine {
     public:
 	GlobalEngine() { }
 	~GlobalEngine() override;
-	std::string getBaseClassName(unsigned i = 0) const override;
-	int getBaseClassNumber() const override;
-	std::string getClassName() const override;
 	void pySetAttr(const std::string& key, const boost::python::object& value) override;
 	boost::python::dict pyDict() const override;
 	void callPostLoad() override;
-	void pyRegisterClass(boost::python::object scope) override;
 
 	// Never called: Boost.Serialization's only instance for this class is YADE's, and its vtable leads to YADE's own code.
 	template <class Archive> void serialize(Archive&, unsigned) { throw std::logic_error("YADE's serializer of GlobalEngine was not found"); }

@@ -13,34 +13,21 @@ namespace {
 	// rest that stays awake. Islands that come to rest in a thousand sweeps mostly do so in a hundred, the others by chance in a later trial.
 	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
 
-	// A different random order in every step, but the same in every repetition of a run.
-	unsigned stepSeed(int seed, long iteration)
-	{
-		return seed > 0 ? static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(iteration) + 1 : 0;
-	}
+	struct Energy {
+		double kinetic = 0; // of all free motions [J]
+		double weight = 0; // potential energy of all free bodies in gravity [J], relative to the origin
+	};
 
-	int threadsOfYade() { return omp_get_max_threads ? omp_get_max_threads() : 1; }
-
-	// Kinetic energy of all free motions [J].
-	double kineticEnergy(const cd::World& world)
+	Energy energyOf(const cd::World& world, const Vector3r& gravity)
 	{
-		double sum = 0;
-		for (const cd::Body& b : world.bodies)
-			for (int k = 0; k < 3; k++)
-				if (b.inverseMass[k] > 0)
-					sum += 0.5 * b.v[k] * b.v[k] / b.inverseMass[k];
-		return sum;
-	}
-
-	// Potential energy of all free bodies in this gravity [J], relative to the origin.
-	double weightEnergy(const cd::World& world, const Vector3r& gravity)
-	{
-		double sum = 0;
+		Energy sum;
 		for (const cd::Body& b : world.bodies) {
-			const double place[2] = { b.x, b.y };
-			for (int k = 0; k < 2; k++)
-				if (b.inverseMass[k] > 0)
-					sum -= gravity[k] * place[k] / b.inverseMass[k];
+			const double place[3] = { b.x, b.y, 0 };
+			for (int k = 0; k < 3; k++)
+				if (b.inverseMass[k] > 0) {
+					sum.kinetic += 0.5 * b.v[k] * b.v[k] / b.inverseMass[k];
+					sum.weight -= gravity[k] * place[k] / b.inverseMass[k];
+				}
 		}
 		return sum;
 	}
@@ -52,14 +39,10 @@ namespace {
 		const PyGILState_STATE gil = PyGILState_Ensure();
 		{
 			py::object energy = py::import("yade").attr("O").attr("energy");
-			const py::object known = energy.attr("keys")();
-			const auto add = [&](const char* name, double value) {
-				const bool there = PySequence_Contains(known.ptr(), py::str(name).ptr()) == 1;
-				energy[name] = value + (there ? double(py::extract<double>(energy[name])) : 0);
-			};
+			const py::dict known(energy.attr("items")());
 			energy["kinetic"] = kinetic;
-			add("gravWork", gravWork);
-			add("plastDissip", plastDissip);
+			energy["gravWork"] = known.get("gravWork", 0.) + gravWork;
+			energy["plastDissip"] = known.get("plastDissip", 0.) + plastDissip;
 		}
 		PyGILState_Release(gil);
 	}
@@ -79,36 +62,28 @@ ContactDynamics::~ContactDynamics()
 void ContactDynamics::takeOver()
 {
 	ContactDynamics* const before = latest.exchange(this);
-	if (before && before != this)
-		before->forget();
-}
-
-void ContactDynamics::forget()
-{
+	if (!before || before == this)
+		return;
 	const PyGILState_STATE gil = PyGILState_Ensure(); // needed to release objects made in Python, if these references are the last
-	link = SceneLink();
-	step = cd::TimeStep();
-	others.wake();
-	others = OtherEngines();
-	last = {};
-	idle = false;
+	before->link = SceneLink();
+	before->step = cd::TimeStep();
+	before->others.wake();
+	before->others = OtherEngines();
+	before->last = {};
+	before->idle = false;
 	PyGILState_Release(gil);
-}
-
-// Updates the scene when the code that waited for a run continues.
-void ContactDynamics::settle()
-{
-	const WithoutInterpreterLock unlocked; // the last step of the run may need it
-	const std::lock_guard<std::mutex> lock(stepping);
-	if (link.ahead())
-		link.publish(scene, step);
-	others.wake();
 }
 
 void ContactDynamics::settleLatest()
 {
-	if (ContactDynamics* const engine = latest)
-		engine->settle();
+	ContactDynamics* const engine = latest;
+	if (!engine)
+		return;
+	const WithoutInterpreterLock unlocked; // the last step of the run may need it
+	const std::lock_guard<std::mutex> lock(engine->stepping);
+	if (engine->link.ahead())
+		engine->link.publish(engine->scene, engine->step);
+	engine->others.wake();
 }
 
 void ContactDynamics::action()
@@ -140,14 +115,16 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.warmStart = warmStart;
 	s.iteration = scene_iter(of);
 	s.reduce = reduce;
-	s.threads = threads > 0 ? threads : threadsOfYade();
+	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	const bool awake = sleeping < islands; // else there is nothing to try
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
 	const std::string name = read(&ContactDynamics::method);
 	s.solve = cd::findSolver(name);
-	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, scene_iter(of)) };
+	s.solver = { tolerance, maxIterations, fixedIterations };
+	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
+		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	s.solver.guessSolved = converged || steps == 0;
 	s.solver.guessPressed = pressed;
 	if (!s.solve)
@@ -172,7 +149,7 @@ void ContactDynamics::advance()
 			steps++;
 		}
 		if (scene_trackEnergy(scene))
-			track(kineticEnergy(link.world), 0, 0);
+			track(energyOf(link.world, gravity).kinetic, 0, 0);
 		if (somebodyLooks())
 			link.publish(scene, step);
 		return;
@@ -199,7 +176,7 @@ void ContactDynamics::advance()
 		link.tell("restitution and gapCorrection together make energy: the velocity that pushes an overlap out bounces on.",
 		    "Set one of them to 0, and take a smaller O.dt against overlaps.");
 	const bool tracks = scene_trackEnergy(scene);
-	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
+	const double height = tracks ? energyOf(link.world, gravity).weight : 0;
 	cd::StepReport made = step(link.world, settings);
 	for (std::vector<double> needed; !made.outran.empty();) { // a repeated step may need more
 		needed.resize(made.outran.size());
@@ -208,12 +185,14 @@ void ContactDynamics::advance()
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)
-		throw SceneError("ContactDynamics: the solver met a number that is not finite at step " + std::to_string(scene_iter(scene))
-		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
+		throw SceneError(text("ContactDynamics: the solver met a number that is not finite at step ", scene_iter(scene),
+		    "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt"));
 	link.hold(step, settings.dt);
 	idle = made.idle;
-	if (tracks)
-		track(kineticEnergy(link.world), weightEnergy(link.world, gravity) - height, made.dissipated);
+	if (tracks) {
+		const Energy now = energyOf(link.world, gravity);
+		track(now.kinetic, now.weight - height, made.dissipated);
+	}
 	if (somebodyLooks())
 		link.publish(scene, step);
 	const double before = deepestPenetration;
@@ -254,8 +233,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	planRestTrial(report.effort, settings.trial > 0);
 	sleeping = report.effort.sleeping;
 	if (const cd::Cause& cause = step.sleepers.woken(); cause.what) {
-		woken = "step " + std::to_string(scene_iter(scene)) + ": " + cause.what
-		    + (cause.body >= 0 ? " (body #" + std::to_string(cause.body) + ")" : "");
+		woken = text("step ", scene_iter(scene), ": ", cause.what, cause.body < 0 ? "" : text(" (body #", cause.body, ")"));
 		step.sleepers.forgetWoken();
 	}
 	loadedContacts = report.loadedContacts;

@@ -88,16 +88,13 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void action() override;
 	// Brings the scene up to date, by the engine that has made the last step.
 	static void settleLatest();
-	void exportProblem(const std::string& path, bool bodies);
-	static void summary(const boost::python::object& self);
-	template <class Class> static void methods(Class&);
+	// What exportProblem (engine_methods.py) writes: the arguments of core/export.py's write_bodies, or of write_step, as bytes.
+	py::tuple nextProblem(bool bodies);
 
     private:
 	cd::StepSettings settings(yade::Scene*) const;
-	void settle();
 	bool somebodyLooks() const;
 	void takeOver();
-	void forget();
 	void advance();
 	void report(const cd::StepReport&, const cd::StepSettings&);
 	void planRestTrial(const cd::Effort&, bool tried);

@@ -1,4 +1,4 @@
-// The attributes of the engine, its functions for Python, and its registration.
+// The attributes of the engine and its registration.
 #include "contact_dynamics.hpp"
 
 namespace cd_engine {
@@ -16,8 +16,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 {
 	using C = ContactDynamics;
 	constexpr double most = std::numeric_limits<int>::max();
-	visit("gravity", &C::gravity, Access::set, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
-	visit("tolerance", &C::tolerance, Access(Access::set, 0, 1, true),
+	visit("gravity", &C::gravity, setting, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
+	visit("tolerance", &C::tolerance, Access { Access::set, 0, 1, true },
 	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by "
 	    "W_nn, and *bodyError*) [1].");
 	visit("maxIterations", &C::maxIterations, within(1, most),
@@ -26,11 +26,11 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("fixedIterations", &C::fixedIterations, within(0, most),
 	    "If positive: make exactly this many plain Gauss-Seidel sweeps in every step, whatever *method*, and test nothing, for studies of "
 	    "under-converged contact dynamics [1].");
-	visit("method", &C::method, Access::set,
+	visit("method", &C::method, setting,
 	    "Name of the solver: one of :py:func:`cd_engine.methods`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: "
 	    "proximal-point semismooth Newton, for small problems; auto: accelerated, and newton where that stagnates, which can take half a second "
 	    "a step and more.");
-	visit("warmStart", &C::warmStart, Access::set,
+	visit("warmStart", &C::warmStart, setting,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
 	visit("restitution", &C::restitution, within(0, 1),
 	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
@@ -44,99 +44,87 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "corrections of its contacts contradict each other.");
 	visit("seed", &C::seed, within(0, most),
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
-	visit("reduce", &C::reduce, Access::set,
+	visit("reduce", &C::reduce, setting,
 	    "Solve islands of contacts without a common movable body separately, each to the tolerance by itself, which is never less than the "
 	    "tolerance for the whole; bodies that touch nothing take no part. A step of one island is the same to the last bit. "
 	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
-	visit("handover", &C::handover, Access::set,
+	visit("handover", &C::handover, setting,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
 	    "Reset to False by that step; set it again after an interlude with springs.");
 	visit("searchMargin", &C::searchMargin, within(0, 10),
 	    "How far around slow bodies near pairs are listed, at least, as a fraction of the smallest radius [1]; around fast ones as far as a step "
 	    "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, never its result.");
-	visit("publish", &C::publish, Access::set,
+	visit("publish", &C::publish, setting,
 	    "When positions, velocities, interactions and O.forces are written to the scene. due: in a run that somebody waits for (O.run(n, True), "
 	    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "
 	    "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.");
-	visit("stopUnsolved", &C::stopUnsolved, Access::set,
+	visit("stopUnsolved", &C::stopUnsolved, setting,
 	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told "
 	    "of and the run goes on.");
 	visit("threads", &C::threads, within(0, 1024),
 	    "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with "
 	    "any number. Only steps with thousands of bodies and contacts use more than one.");
-	visit("iterations", &C::iterations, Access::read,
+	visit("iterations", &C::iterations, result,
 	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
-	visit("residual", &C::residual, Access::read,
+	visit("residual", &C::residual, result,
 	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
 	    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
-	visit("residualMax", &C::residualMax, Access::read, "The same for the worst contact, over the root mean square of p [1].");
-	visit("bodyError", &C::bodyError, Access::read,
+	visit("residualMax", &C::residualMax, result, "The same for the worst contact, over the root mean square of p [1].");
+	visit("bodyError", &C::bodyError, result,
 	    "How far off the velocity changes of the last step may be, relative to what acts on the body: its contacts' impulses and its external "
 	    "one [1]. Of all islands of contacts the largest. In packings, where some disks always carry next to nothing, relative to the mean over "
 	    "the mass of the island (cd_engine/core/residual.hpp has the formula).");
-	visit("worstBody", &C::worstBody, Access::read, "Id of the body whose velocity may be the most wrong; -1: none.");
-	visit("unsolvableContact", &C::unsolvableContact, Access::read,
+	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may be the most wrong; -1: none.");
+	visit("unsolvableContact", &C::unsolvableContact, result,
 	    "Where *status* is no_solution: ids of the bodies of the contact that speaks most against one. A disk between two walls that move "
 	    "towards each other has none.");
-	visit("converged", &C::converged, Access::read,
+	visit("converged", &C::converged, result,
 	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change "
 	    "of every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
-	visit("status", &C::status, Access::read,
+	visit("status", &C::status, result,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated, no_solution (*unsolvableContact*) or "
 	    "diverged.");
-	visit("solvedBy", &C::solvedBy, Access::read, "The method that brought the last step to its tolerance, or none.");
-	visit("contacts", &C::contacts, Access::read, "Contacts the solver was given in the last step [1].");
-	visit("unknowns", &C::unknowns, Access::read,
+	visit("solvedBy", &C::solvedBy, result, "The method that brought the last step to its tolerance, or none.");
+	visit("contacts", &C::contacts, result, "Contacts the solver was given in the last step [1].");
+	visit("unknowns", &C::unknowns, result,
 	    "Velocities it had to find: three for a free disk, none for a fixed body, nor with *reduce* for a body without contacts [1].");
-	visit("islands", &C::islands, Access::read, "Islands of contacts solved apart; 1 for all contacts if they were not parted [1].");
-	visit("resting", &C::resting, Access::read,
+	visit("islands", &C::islands, result, "Islands of contacts solved apart; 1 for all contacts if they were not parted [1].");
+	visit("resting", &C::resting, result,
 	    "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].");
-	visit("sleeping", &C::sleeping, Access::read,
+	visit("sleeping", &C::sleeping, result,
 	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing of "
 	    "them is looked at but their bodies [1].");
-	visit("woken", &C::woken, Access::read, "Why islands were woken last: the step, what had changed, and the body.");
-	visit("loadsBeforeTrial", &C::loadsBeforeTrial, Access::internal,
+	visit("woken", &C::woken, result, "Why islands were woken last: the step, what had changed, and the body.");
+	visit("loadsBeforeTrial", &C::loadsBeforeTrial, internal,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
-	visit("restTrialAt", &C::restTrialAt, Access::internal,
+	visit("restTrialAt", &C::restTrialAt, internal,
 	    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
 	    "to a thousandth of the tolerance are stopped and sleep [1].");
-	visit("pressed", &C::pressed, Access::internal,
+	visit("pressed", &C::pressed, internal,
 	    "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.");
-	visit("restTrialPause", &C::restTrialPause, Access::internal, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
-	visit("loadedContacts", &C::loadedContacts, Access::read, "Contacts that carry a force [1].");
-	visit("slidingContacts", &C::slidingContacts, Access::read,
-	    "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
-	visit("maxPenetration", &C::maxPenetration, Access::read, "Largest overlap beyond the reference one met in the last step [m].");
-	visit("deepestPenetration", &C::deepestPenetration, Access::read,
+	visit("restTrialPause", &C::restTrialPause, internal, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
+	visit("loadedContacts", &C::loadedContacts, result, "Contacts that carry a force [1].");
+	visit("slidingContacts", &C::slidingContacts, result, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
+	visit("maxPenetration", &C::maxPenetration, result, "Largest overlap beyond the reference one met in the last step [m].");
+	visit("deepestPenetration", &C::deepestPenetration, result,
 	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: bodies pass into each "
 	    "other where forces are far too small, even if *converged* says that the error e is.");
-	visit("handoverOverlap", &C::handoverOverlap, Access::read, "Largest overlap taken as reference at the hand-over [m].");
-	visit("dissipatedEnergy", &C::dissipatedEnergy, Access::read,
+	visit("handoverOverlap", &C::handoverOverlap, result, "Largest overlap taken as reference at the hand-over [m].");
+	visit("dissipatedEnergy", &C::dissipatedEnergy, result,
 	    "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "
 	    "'kinetic' and 'gravWork'.");
-	visit("steps", &C::steps, Access::read, "Steps made [1].");
-	visit("unconvergedSteps", &C::unconvergedSteps, Access::read,
-	    "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");
-	visit("totalIterations", &C::totalIterations, Access::read, "Sweeps and factorizations made in all steps [1].");
-	visit("solveTime", &C::solveTime, Access::read,
+	visit("steps", &C::steps, result, "Steps made [1].");
+	visit("unconvergedSteps", &C::unconvergedSteps, result, "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");
+	visit("totalIterations", &C::totalIterations, result, "Sweeps and factorizations made in all steps [1].");
+	visit("solveTime", &C::solveTime, result,
 	    "Time spent in the solver [s]; what O.timingEnabled shows beyond it went into geometry, reading and writing the scene.");
-	visit("referenceIds", &C::referenceIds, Access::internal, "Ids of the pairs that keep a reference overlap, two a pair.");
-	visit("referenceOverlaps", &C::referenceOverlaps, Access::internal,
+	visit("referenceIds", &C::referenceIds, internal, "Ids of the pairs that keep a reference overlap, two a pair.");
+	visit("referenceOverlaps", &C::referenceOverlaps, internal,
 	    "The reference overlaps of these pairs [m]. A pair forgets its overlap once its bodies are apart.");
-	visit("bodyOrder", &C::bodyOrder, Access::internal,
+	visit("bodyOrder", &C::bodyOrder, internal,
 	    "In scenes of more than 2048 bodies: the place of every body along a curve through space (Hilbert's), by which contacts are ordered in "
 	    "memory. Renewed where the bodies have moved far apart along it, and saved, so that a run goes on as if it had not been saved.");
-	visit("bodyOrderLength", &C::bodyOrderLength, Access::internal, "Length of the way through the disks in that order, when it was made [m].");
-}
-
-template <class Class> void ContactDynamics::methods(Class& cls)
-{
-	cls.def("summary", &ContactDynamics::summary, py::arg("self"), "Print how the engine is set and how its steps went, on one screen.");
-	cls.def("exportProblem", &ContactDynamics::exportProblem, (py::arg("self"), py::arg("path"), py::arg("bodies") = false),
-	    "Write the contact problem that the next step would solve to *path* (FCLIB, HDF5; with *bodies* a BodyProblem as .npz, in the order of "
-	    "the sweeps and with the first guess) for :py:func:`cd_engine.core.read_problem` and for other codes; the ids of the bodies of each "
-	    "contact are in its data set contact_ids. Nothing in the scene changes. External forces are gravity and the permanent ones "
-	    "(O.forces.setPermF); what engines add in the course of a step is not known before it, and is left out. ");
+	visit("bodyOrderLength", &C::bodyOrderLength, internal, "Length of the way through the disks in that order, when it was made [m].");
 }
 
 // Checks loaded lists that steps use unchecked. bodyOrder is not checked: it is only a hint, and is made anew if it is invalid.
@@ -157,8 +145,6 @@ void ContactDynamics::checkLoaded() const
 			throw SceneError(damaged + "the referenceOverlaps " + pair + " are " + std::to_string(referenceOverlaps[i]) + " m." + remedy);
 	}
 }
-
-void ContactDynamics::summary(const py::object& self) { py::import("builtins").attr("print")(py::import("cd_engine.summary").attr("text")(self)); }
 
 void ContactDynamics::checkText(const char* attribute, const std::string& value)
 {

@@ -19,7 +19,7 @@ class DashpotWork : public RegisteredEngine<DashpotWork> {
 
 	template <class Visitor> static void attributes(Visitor&& visit)
 	{
-		visit("work", &DashpotWork::work, Access::set, "Energy dissipated since the start [J].");
+		visit("work", &DashpotWork::work, setting, "Energy dissipated since the start [J].");
 	}
 
 	void action() override

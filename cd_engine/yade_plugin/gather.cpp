@@ -52,25 +52,10 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool look)
 {
-	namespace py = boost::python;
 	inspecting = true;
 	checkScene(scene, dt);
 	gravity = g;
 	gatherBodies(scene);
-	// O.forces still holds what the last step left, its contact forces included. A ForceResetter clears it before the next step.
-	const py::object lasting = py::import("yade").attr("O").attr("forces");
-	const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
-	for (int id = 0; id < static_cast<int>(world.bodies.size()); id++) {
-		cd::Body& body = world.bodies[id];
-		if (!bodies[id].exists || !(body.inverseMass[0] > 0 || body.inverseMass[1] > 0 || body.inverseMass[2] > 0))
-			continue;
-		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero();
-		if (any) { // without permanent forces YADE reads past the end of its list
-			force = py::extract<Vector3r>(lasting.attr("permF")(id));
-			torque = py::extract<Vector3r>(lasting.attr("permT")(id));
-		}
-		setForce(id, body, force, torque);
-	}
 	cd::renewOrder(world, memory.order, look);
 	cd::Sleepers none;
 	search.needed(world, dt, 0, {});

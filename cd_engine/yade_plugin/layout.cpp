@@ -1,7 +1,7 @@
 #include "layout.hpp"
 #include "evidence.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cstring>
 #include <dlfcn.h>
 
@@ -142,21 +142,17 @@ namespace {
 		holds(state_blockedDOFs, dofs);
 	}
 
-	// A force container at `place` must be built byte by byte like a fresh one, with pointers where pointers are.
+	// A force container at `place` must be built like a fresh one, word by word, with pointers where pointers are.
 	bool looksLikeForceContainer(const char* place)
 	{
-		constexpr std::size_t words = 64; // more than it has
-		union Bytes {
-			unsigned long word[words];
-			unsigned char byte[8 * words];
-		};
-		// Built on two different backgrounds, so that bytes the constructor does not write (padding, what lies behind) are told from others.
-		alignas(16) static Bytes fresh[2]; // never destroyed: a few bytes stay with the process
-		Bytes found;
-		for (const int i : { 0, 1 }) {
-			std::fill(std::begin(fresh[i].byte), std::end(fresh[i].byte), i ? 0x5A : 0xA5);
-			new (static_cast<void*>(&fresh[i])) yade::ForceContainer();
-		}
+		using Words = std::array<unsigned long, 64>; // more than it has
+		// Built on two different backgrounds, so that words the constructor does not write (padding, what lies behind) are told from others.
+		alignas(16) static Words fresh[2]; // never destroyed: a few bytes stay with the process
+		Words found;
+		fresh[0].fill(0xA5A5A5A5A5A5A5A5);
+		fresh[1].fill(0x5A5A5A5A5A5A5A5A);
+		for (Words& words : fresh)
+			new (static_cast<void*>(&words)) yade::ForceContainer();
 		if (!readMemory(place, found))
 			return false;
 		const auto isPointer = [](unsigned long word) {
@@ -164,22 +160,14 @@ namespace {
 			return readMemory(reinterpret_cast<void*>(word), target);
 		};
 		std::size_t compared = 0, pointers = 0;
-		for (std::size_t i = 0; i < words; i++) {
-			if (isPointer(fresh[0].word[i]) && isPointer(fresh[1].word[i])) {
-				if (!isPointer(found.word[i]))
-					return false;
-				pointers++;
-				continue;
-			}
-			for (std::size_t k = 8 * i; k < 8 * i + 8; k++) {
-				if (fresh[0].byte[k] != fresh[1].byte[k])
-					continue;
-				if (fresh[0].byte[k] != found.byte[k])
-					return false;
-				compared++;
-			}
+		for (std::size_t i = 0; i < found.size(); i++) {
+			const bool same = fresh[0][i] == fresh[1][i], pointer = isPointer(fresh[0][i]) && isPointer(fresh[1][i]);
+			if (pointer ? !isPointer(found[i]) : same && found[i] != fresh[0][i])
+				return false;
+			compared += same && !pointer;
+			pointers += pointer;
 		}
-		return compared > 100 && pointers > 6;
+		return compared > 12 && pointers > 6;
 	}
 
 	// Scene and its containers, on a scene of our own, so that the user's is not touched.

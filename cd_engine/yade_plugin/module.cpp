@@ -17,42 +17,36 @@ namespace {
 		}
 	}
 
-	py::list layout() { return verify({}); }
-
-	void waitBegins() { waiting++; }
-
-	void waitEnds()
-	{
-		waiting--;
-		ContactDynamics::settleLatest();
-	}
-
-	void runBegins()
-	{
-		paused = false;
-		exchangeError("");
-	}
-
-	void pauseBegins() { paused = true; }
-
-	std::string takeError() { return exchangeError(""); }
-
 	void fill()
 	{
 		verify({});
 		for (void (*const registerEngine)() : registrations())
 			registerEngine();
 		defineNames();
-		py::def("layout", layout, "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes.");
+		py::def(
+		    "layout", +[] { return verify({}); },
+		    "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes.");
 		py::def("verify_layout", verify,
 		    "Repeat the check made on import with false claims {member: offset or type name}; ImportError where one is found out.");
-		py::def("wait_begins", waitBegins, "Somebody waits for the run to end and does not look at the scene meanwhile.");
+		py::def(
+		    "wait_begins", +[] { waiting++; }, "Somebody waits for the run to end and does not look at the scene meanwhile.");
+		const auto waitEnds = +[] {
+			waiting--;
+			ContactDynamics::settleLatest();
+		};
 		py::def("wait_ends", waitEnds, "The end of that: the scene is up to date.");
+		const auto runBegins = +[] {
+			paused = false;
+			exchangeError("");
+		};
 		py::def("run_begins", runBegins, "A run begins or goes on.");
-		py::def("pause_begins", pauseBegins,
+		py::def(
+		    "pause_begins", +[] { paused = true; },
 		    "Another thread has paused the run and looks at the scene: until the next run begins, it has to see the last step.");
+		py::def("next_problem", &ContactDynamics::nextProblem, "What exportProblem writes.");
 		py::def("settle", ContactDynamics::settleLatest, "Bring the scene up to date.");
-		py::def("take_error", takeError, "The error that has ended the last run, if nobody has taken it; else empty.");
+		py::def(
+		    "take_error", +[] { return exchangeError(""); }, "The error that has ended the last run, if nobody has taken it; else empty.");
 	}
 
 } // namespace

@@ -62,17 +62,14 @@ class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
 	template <class Visitor> static void attributes(Visitor&& visit)
 	{
 		using C = PathIndependentShear;
-		visit("contacts", &C::contacts, Access::read, "Contacts between two disks that the last step has dealt with [1].");
-		visit("slidingContacts", &C::slidingContacts, Access::read,
-		    "Of these, the ones that slipped at the Coulomb limit in the last step [1].");
-		visit("frictionDissipation", &C::frictionDissipation, Access::set,
-		    "Energy dissipated by the slips of these contacts since the start [J].");
-		visit("pairIds", &C::pairIds, Access::internal, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
-		visit("pairNormals", &C::pairNormals, Access::internal,
-		    "Their normals in the last step, from the first body to the second: x and y [1].");
-		visit("pairForces", &C::pairForces, Access::internal,
-		    "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
-		visit("lastStep", &C::lastStep, Access::internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
+		visit("contacts", &C::contacts, result, "Contacts between two disks that the last step has dealt with [1].");
+		visit("slidingContacts", &C::slidingContacts, result, "Of these, the ones that slipped at the Coulomb limit in the last step [1].");
+		visit(
+		    "frictionDissipation", &C::frictionDissipation, setting, "Energy dissipated by the slips of these contacts since the start [J].");
+		visit("pairIds", &C::pairIds, internal, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
+		visit("pairNormals", &C::pairNormals, internal, "Their normals in the last step, from the first body to the second: x and y [1].");
+		visit("pairForces", &C::pairForces, internal, "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
+		visit("lastStep", &C::lastStep, internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
 	}
 
 	void action() override;
@@ -81,13 +78,12 @@ class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
 	struct Disk {
 		bool exists = false; // else the body is no disk
 		double turn = 0; // since the step before [rad]
-		double force[2] = { 0, 0 }, torque = 0; // to be added to O.forces
+		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero(); // to be added to O.forces
 		bool touched = false;
 	};
 
 	void checkScene() const;
 	void readBodies();
-	void forget();
 	bool exchange(yade::Interaction*);
 	std::size_t recall(int id1, int id2);
 
@@ -98,13 +94,6 @@ class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
 	std::size_t expected = 0;
 	std::vector<std::size_t> sorted;
 };
-
-void PathIndependentShear::forget()
-{
-	pairIds.clear();
-	pairNormals.clear();
-	pairForces.clear();
-}
 
 // The forces to be replaced must have been found in this step and not yet have moved the bodies.
 void PathIndependentShear::checkScene() const
@@ -217,14 +206,12 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	newForces.push_back(force);
 
 	const double alpha = (r1 + r2) / (r1 + r2 - overlap);
-	const double fx = alpha * shear[0] - old[0], fy = alpha * shear[1] - old[1];
+	const Vector3r added(alpha * shear[0] - old[0], alpha * shear[1] - old[1], 0);
 	Disk &one = disks[id1], &two = disks[id2];
-	one.force[0] -= fx;
-	one.force[1] -= fy;
-	two.force[0] += fx;
-	two.force[1] += fy;
-	one.torque -= r1 * force - (r1 - overlap / 2) * oldForce;
-	two.torque -= r2 * force - (r2 - overlap / 2) * oldForce;
+	one.force -= added;
+	two.force += added;
+	one.torque[2] -= r1 * force - (r1 - overlap / 2) * oldForce;
+	two.torque[2] -= r2 * force - (r2 - overlap / 2) * oldForce;
 	one.touched = two.touched = true;
 	return true;
 }
@@ -234,8 +221,11 @@ void PathIndependentShear::action()
 	checkScene();
 	readBodies();
 	const long step = scene_iter(scene);
-	if (step != lastStep + 1)
-		forget();
+	if (step != lastStep + 1) {
+		pairIds.clear();
+		pairNormals.clear();
+		pairForces.clear();
+	}
 	expected = 0;
 	sorted.clear();
 	newIds.clear();
@@ -254,8 +244,8 @@ void PathIndependentShear::action()
 	for (std::size_t id = 0; id < disks.size(); id++) {
 		if (!disks[id].touched)
 			continue;
-		forces.addForce(static_cast<int>(id), Vector3r(disks[id].force[0], disks[id].force[1], 0));
-		forces.addTorque(static_cast<int>(id), Vector3r(0, 0, disks[id].torque));
+		forces.addForce(static_cast<int>(id), disks[id].force);
+		forces.addTorque(static_cast<int>(id), disks[id].torque);
 	}
 }
 

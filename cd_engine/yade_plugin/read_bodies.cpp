@@ -6,6 +6,9 @@
 #include <cmath>
 
 namespace cd_engine {
+
+namespace py = boost::python;
+
 namespace {
 
 	// Whether both refer to the same body. A new body may get the address of an old one, but not its reference count, which exists as long as the
@@ -15,14 +18,21 @@ namespace {
 		return !known.owner_before(now) && !now.owner_before(known);
 	}
 
-	// One test for several vectors, since nearly always all are finite: a product with 0 is 0 unless a factor is infinite or NaN.
-	template <class... V> bool allFinite(const V&... v) { return ((v[0] * 0 + v[1] * 0 + v[2] * 0) + ...) == 0; }
-
 	void mustBeFinite(int id, const char* what, const Vector3r& v)
 	{
-		if (!v.allFinite())
+		if (!((v[0] * 0 + v[1] * 0 + v[2] * 0) == 0)) // one test: a product with 0 is 0 unless a factor is infinite or NaN
 			refuseBody(
 			    id, text("has a ", what, " that is not a number"), "Look for what set O.bodies[#] to it, or for a failed step before");
+	}
+
+	// What acts on a body before the next step. O.forces still holds what the last step left, its contact forces included; a ForceResetter clears
+	// that. Without permanent forces YADE reads past the end of its list.
+	void readPermanentForce(int id, Vector3r& force, Vector3r& torque)
+	{
+		const py::object lasting = py::import("yade").attr("O").attr("forces");
+		const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
+		force = any ? py::extract<Vector3r>(lasting.attr("permF")(id))() : Vector3r::Zero();
+		torque = any ? py::extract<Vector3r>(lasting.attr("permT")(id))() : Vector3r::Zero();
 	}
 
 } // namespace
@@ -67,11 +77,9 @@ void SceneLink::checkMotion(int id)
 	const Vector3r& velocity = state_vel(state);
 	const Vector3r& spin = state_angVel(state);
 	const Vector3r& position = state_pos(state);
-	if (!allFinite(position, velocity, spin)) {
-		mustBeFinite(id, "position", position);
-		mustBeFinite(id, "velocity", velocity);
-		mustBeFinite(id, "angular velocity", spin);
-	}
+	mustBeFinite(id, "position", position);
+	mustBeFinite(id, "velocity", velocity);
+	mustBeFinite(id, "angular velocity", spin);
 	constexpr unsigned outside = dofZ | rotX | rotY;
 	if ((state_blockedDOFs(state) & outside) != outside) {
 		if (body_clumpId(bodies[id].body) >= 0)
@@ -109,18 +117,11 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	std::fill_n(body.force, 3, 0.);
 	if (!moves && !turns)
 		return;
-	const Vector3r &force = forces.getForce(id), &torque = forces.getTorque(id);
-	if (!allFinite(force, torque)) {
-		mustBeFinite(id, "force", force);
-		mustBeFinite(id, "torque", torque);
-	}
-	setForce(id, body, force, torque);
-}
-
-void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Vector3r& torque) const
-{
-	const bool moves = body.inverseMass[0] > 0 || body.inverseMass[1] > 0;
-	const double mass = state_mass(bodies[id].state);
+	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
+	if (inspecting)
+		readPermanentForce(id, force, torque);
+	mustBeFinite(id, "force", force);
+	mustBeFinite(id, "torque", torque);
 	body.force[0] = force[0] + (moves ? mass * gravity[0] : 0);
 	body.force[1] = force[1] + (moves ? mass * gravity[1] : 0);
 	body.force[2] = torque[2];

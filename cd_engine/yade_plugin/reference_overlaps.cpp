@@ -72,45 +72,19 @@ void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 	}
 }
 
-std::size_t ReferenceOverlaps::find(int id1, int id2) const
-{
-	const std::pair<int, int> wanted = std::minmax(id1, id2);
-	const auto pair = [this](std::size_t i) { return std::make_pair(ids[2 * i], ids[2 * i + 1]); };
-	const boost::counting_iterator<std::size_t> begin(0), end(overlaps.size());
-	const auto found = std::lower_bound(begin, end, wanted, [&](std::size_t i, const auto& value) { return pair(i) < value; });
-	return found != end && pair(*found) == wanted ? *found : *end;
-}
-
 double ReferenceOverlaps::of(int id1, int id2) const
 {
-	const std::size_t found = find(id1, id2);
-	return found < overlaps.size() ? overlaps[found] : 0;
+	const std::pair<int, int> wanted = std::minmax(id1, id2);
+	const boost::counting_iterator<std::size_t> begin(0), end(overlaps.size());
+	const auto found = std::lower_bound(begin, end, wanted, [this](std::size_t i, const auto& value) { return pair(i) < value; });
+	return found != end && pair(*found) == wanted ? overlaps[*found] : 0;
 }
 
-void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which)
-{
-	for (const int32_t i : which)
-		if (const std::size_t found = find(pairs[i].a, pairs[i].b); found < overlaps.size())
-			overlaps[found] = 0;
-	dropZeros();
-}
-
-void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
-{
-	if (which.empty() || overlaps.empty())
-		return;
-	const std::set<int> bodies(which.begin(), which.end());
-	for (std::size_t i = 0; i < overlaps.size(); i++)
-		if (bodies.count(ids[2 * i]) > 0 || bodies.count(ids[2 * i + 1]) > 0)
-			overlaps[i] = 0;
-	dropZeros();
-}
-
-void ReferenceOverlaps::dropZeros() const
+template <class Condition> void ReferenceOverlaps::forgetIf(const Condition& ended) const
 {
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < overlaps.size(); i++) {
-		if (overlaps[i] == 0)
+		if (ended(pair(i)))
 			continue;
 		ids[2 * kept] = ids[2 * i];
 		ids[2 * kept + 1] = ids[2 * i + 1];
@@ -118,6 +92,26 @@ void ReferenceOverlaps::dropZeros() const
 	}
 	ids.resize(2 * kept);
 	overlaps.resize(kept);
+}
+
+void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
+{
+	std::set<std::pair<int, int>> all;
+	for (const int32_t i : which)
+		all.insert(std::minmax(pairs[i].a, pairs[i].b));
+	auto next = all.begin(); // both lists are sorted
+	forgetIf([&](const std::pair<int, int>& pair) {
+		while (next != all.end() && *next < pair)
+			++next;
+		return next != all.end() && *next == pair;
+	});
+}
+
+void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
+{
+	const std::set<int> all(which.begin(), which.end());
+	if (!all.empty())
+		forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair.first) > 0 || all.count(pair.second) > 0; });
 }
 
 } // namespace cd_engine

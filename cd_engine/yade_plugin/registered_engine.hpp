@@ -40,17 +40,10 @@ namespace py = boost::python;
 // What an attribute is to a user: a setting, a result, or what an engine remembers from step to step. The last kind (internal) is saved like the
 // others, but help(), the inspector and .dict() do not show it. Python reads it with an underscore before its name.
 struct Access {
-	enum Kind { set, read, internal } kind;
-	double low, high; // what a setting may be
-	bool openLow; // low itself is excluded
+	enum Kind { set, read, remember } kind;
+	double low = -INFINITY, high = INFINITY; // what a setting may be
+	bool openLow = false; // low itself is excluded
 
-	Access(Kind kind, double low = -INFINITY, double high = INFINITY, bool openLow = false)
-	    : kind(kind)
-	    , low(low)
-	    , high(high)
-	    , openLow(openLow)
-	{
-	}
 	bool allows(double x) const { return x >= low && x <= high && !(openLow && x == low); }
 	// The limits in words; empty if there are none.
 	std::string words() const
@@ -60,7 +53,8 @@ struct Access {
 		return (openLow ? "above " : "at least ") + text(low) + (high < 1e9 ? " and at most " + text(high) : "");
 	}
 };
-inline Access within(double low, double high) { return { Access::set, low, high }; }
+constexpr Access setting { Access::set }, result { Access::read }, internal { Access::remember };
+constexpr Access within(double low, double high) { return { Access::set, low, high }; }
 
 // A type as YADE's inspector names it.
 template <class T> inline const char* const typeName = nullptr;
@@ -86,14 +80,12 @@ template <> inline const char* const typeName<std::vector<double>> = "vector<Rea
 //                   arguments, .dict(), saving, properties and documentation are all made from this list
 //   checkText(attribute, value)   only if it has attributes of type string that can be set
 //   checkLoaded()   only if there is something to refuse: throws SceneError if a file has left invalid values in the attributes
-//   methods(c)      only if it has functions for Python: defines them on its class c
 // and after its definition CD_ENGINE_REGISTER(E).
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
     public:
 	std::string getClassName() const override { return E::name; }
 	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
 	int getBaseClassNumber() const override { return 1; }
-	template <class Class> static void methods(Class&) { }
 	static void checkText(const char*, const std::string&) { }
 	void checkLoaded() const { }
 
@@ -149,7 +141,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	{
 		bool found = false;
 		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
-			if (key != name || access.kind == Access::internal)
+			if (key != name || access.kind == Access::remember)
 				return;
 			found = true;
 			const std::string full = std::string(E::name) + "." + key;
@@ -230,7 +222,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		std::string settings, results;
 		E::attributes([&](const char* name, auto, const Access& access, const char*) {
 			std::string& names = access.kind == Access::set ? settings : results;
-			if (access.kind != Access::internal)
+			if (access.kind != Access::remember)
 				names += (names.empty() ? "" : ", ") + std::string(name);
 		});
 		return std::string(E::documentation) + (settings.empty() ? "" : "\n\nTo set: " + settings) + "\n\nTo read after a step: " + results;
@@ -248,7 +240,7 @@ template <class E> py::dict RegisteredEngine<E>::pyDict() const
 {
 	py::dict all;
 	E::attributes([&](const char* name, auto member, const Access& access, const char*) {
-		if (access.kind != Access::internal)
+		if (access.kind != Access::remember)
 			all[name] = read(member);
 	});
 	all.update(pyDictCustom());
@@ -269,11 +261,10 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	E::attributes([&](const char* name, auto member, const Access& access, const char* text) {
 		using T = std::decay_t<decltype(self().*member)>;
 		const auto getter = [member](const E& engine) { return engine.read(member); };
-		cls.add_property(((access.kind == Access::internal ? "_" : "") + std::string(name)).c_str(),
+		cls.add_property(((access.kind == Access::remember ? "_" : "") + std::string(name)).c_str(),
 		    py::make_function(getter, py::default_call_policies(), boost::mpl::vector2<T, const E&>()),
 		    attributeText(self().*member, access, text).c_str());
 	});
-	E::methods(cls);
 }
 
 // What registers each of the plug-in's engines; called when the module is filled.

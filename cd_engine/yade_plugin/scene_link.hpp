@@ -29,12 +29,12 @@ struct ReferenceOverlaps {
 	std::vector<double>& overlaps;
 
 	double of(int id1, int id2) const; // 0 if the pair has none
-	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which);
+	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which) const;
 	void forgetBodies(const std::vector<int>& ids) const;
 
     private:
-	std::size_t find(int id1, int id2) const; // overlaps.size() if the pair has none
-	void dropZeros() const;
+	std::pair<int, int> pair(std::size_t i) const { return { ids[2 * i], ids[2 * i + 1] }; }
+	template <class Condition> void forgetIf(const Condition&) const;
 };
 
 // What the engine keeps about the pairs from step to step, and saves.
@@ -118,7 +118,6 @@ class SceneLink {
 	void readFriction(int id, void* mat);
 	void tellOfPlacing(int id, bool same, double x, double y);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
-	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque) const;
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
 	void tellOfFalls();
 	void keepPairs();

@@ -17,21 +17,17 @@ namespace {
 // Describes why a step is not solved, and what to do.
 std::string ContactDynamics::unsolved() const
 {
-	std::ostringstream s;
-	s << "ContactDynamics: step " << scene_iter(scene) << " is not solved (" << status << " after " << iterations << " iterations): ";
+	const std::string begin
+	    = text("ContactDynamics: step ", scene_iter(scene), " is not solved (", status, " after ", iterations, " iterations): ");
 	if (!unsolvableContact.empty())
-		s << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
-		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
-		     "be trusted.";
-	else {
-		s << "the contact law is missed by " << residual << " of all impulses";
-		if (worstBody >= 0)
-			s << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
-		s << "; the tolerance is " << tolerance << ". "
-		  << (status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance")
-		  << ", or take a smaller O.dt.";
-	}
-	return s.str();
+		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
+		    " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
+		    "be "
+		    "trusted.");
+	return text(begin, "the contact law is missed by ", residual, " of all impulses",
+	    worstBody < 0 ? "" : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, " of what acts on it"),
+	    "; the tolerance is ", tolerance, ". ",
+	    status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance", ", or take a smaller O.dt.");
 }
 
 // Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).

@@ -106,14 +106,10 @@ void SceneLink::makeReal(std::size_t index)
 
 void SceneLink::makeUnreal(std::size_t index)
 {
-	auto& geom = interaction_geom(interactions[index]);
-	auto& phys = interaction_phys(interactions[index]);
 	if (forces[index].geom)
-		spare[index] = { geom, phys };
+		spare[index] = { interaction_geom(interactions[index]), interaction_phys(interactions[index]) };
 	forces[index] = { nullptr, nullptr, false };
-	geom.reset();
-	phys.reset();
-	interaction_iterMadeReal(interactions[index]) = -1;
+	forget(interactions[index]);
 }
 
 // The forces in YADE's signs: normalForce + shearForce act on the second body.
@@ -135,12 +131,8 @@ void SceneLink::writeMotion(std::size_t id)
 {
 	void* const state = bodies[id].state;
 	const cd::Body& body = world.bodies[id];
-	Vector3r& position = state_pos(state);
-	Vector3r& velocity = state_vel(state);
-	position[0] = body.x;
-	position[1] = body.y;
-	velocity[0] = body.v[0];
-	velocity[1] = body.v[1];
+	state_pos(state).head<2>() << body.x, body.y;
+	state_vel(state).head<2>() << body.v[0], body.v[1];
 	state_angVel(state)[2] = body.v[2];
 	std::copy_n(orientations[id].data(), 4, &state_ori(state));
 }
@@ -163,10 +155,7 @@ void SceneLink::hold(cd::TimeStep& step, double dt)
 			const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
 			// Renormalised, because round-off would grow over 1e6 steps.
 			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
-			q[0] = x * inverse;
-			q[1] = y * inverse;
-			q[2] = z * inverse;
-			q[3] = w * inverse;
+			q = { x * inverse, y * inverse, z * inverse, w * inverse };
 			if (world.shapes[id].kind == cd::ShapeKind::box)
 				orient(static_cast<int>(id));
 		}
