@@ -16,17 +16,13 @@ using namespace cd_engine;
 
 // The calls of a thread follow each other and share one. So who solves a problem again, with other numbers, does not wait for it to be
 // packed anew.
-cd::Workspace& memoryOfThread()
-{
-	static thread_local cd::Workspace memory;
-	return memory;
-}
+thread_local cd::Workspace memory;
 
 // A problem by its matrix: W as rows of 2 x 2 blocks (start, column, blocks), q and mu.
 cd::DelassusSystem matrixSystem(const py::tuple& arrays, const py::object& impulses)
 {
 	cd::DelassusSystem s;
-	s.memory = &memoryOfThread();
+	s.memory = &memory;
 	s.start = numbers<std::size_t>(arrays[0]);
 	s.column = numbers<int32_t>(arrays[1]);
 	s.blocks = numbers<cd::Block>(arrays[2]);
@@ -50,7 +46,7 @@ cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses
 	const auto arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
 	const auto p = numbers<double>(impulses);
 	cd::ContactSystem s;
-	s.memory = &memoryOfThread();
+	s.memory = &memory;
 	s.bodies.resize(w.size() / 3);
 	for (std::size_t i = 0; i < s.bodies.size(); i++) {
 		std::copy_n(&w[3 * i], 3, s.bodies[i].w);
@@ -109,29 +105,25 @@ py::tuple solved(System& system, Solver* solver, const std::string& method, cd::
 	    report.contact, cd::solvedBy(method, report), seconds, looks);
 }
 
-// Returns the impulses, and what `solved` does.
+// Returns the impulses, and what `solved` does. threads: for bodies, of which there are seven arrays.
 py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::string& method, double tolerance, int maxIterations,
-    int fixedIterations, unsigned seed, bool traced)
-{
-	cd::DelassusSystem system = matrixSystem(arrays, impulses);
-	if (!(cd::growth(system) <= cd::mostGrowth)) // a guess that tells nothing, and would stay where nothing resists it
-		std::fill(system.p.begin(), system.p.end(), 0.);
-	const cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
-	const py::tuple report = solved(system, cd::findDelassusSolver(method), method, settings, traced);
-	return py::make_tuple(bytes(system.p), report);
-}
-
-// The same for bodies.
-py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const std::string& method, double tolerance, int maxIterations,
     int fixedIterations, unsigned seed, bool traced, int threads)
 {
+	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
+	// A guess that tells nothing is not used: it would stay where nothing resists it.
+	if (py::len(arrays) == 5) {
+		cd::DelassusSystem system = matrixSystem(arrays, impulses);
+		if (!(cd::growth(system) <= cd::mostGrowth))
+			std::fill(system.p.begin(), system.p.end(), 0.);
+		const py::tuple report = solved(system, cd::findDelassusSolver(method), method, settings, traced);
+		return py::make_tuple(bytes(system.p), report);
+	}
 	cd::ContactSystem system = bodySystem(arrays, impulses);
-	if (!(cd::growth(system, numbers<double>(arrays[1])) <= cd::mostGrowth)) // as above
+	if (!(cd::growth(system, numbers<double>(arrays[1])) <= cd::mostGrowth))
 		for (cd::ContactRow& c : system.contacts)
 			c.pn = c.pt = 0;
 	cd::Threads team;
 	team.use(threads);
-	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
 	settings.threads = &team;
 	const py::tuple report = solved(system, cd::findSolver(method), method, settings, traced);
 	std::vector<double> p;
@@ -143,13 +135,8 @@ py::tuple solveBodies(const py::tuple& arrays, const py::object& impulses, const
 // Returns (residual, residual_max).
 py::tuple residual(const py::tuple& arrays, const py::object& impulses)
 {
-	const cd::Residual e = cd::residual(matrixSystem(arrays, impulses));
-	return py::make_tuple(e.norm, e.maximum);
-}
-
-py::tuple residualOfBodies(const py::tuple& arrays, const py::object& impulses)
-{
-	const cd::Residual e = cd::residual(bodySystem(arrays, impulses), numbers<double>(arrays[1]));
+	const cd::Residual e = py::len(arrays) == 5 ? cd::residual(matrixSystem(arrays, impulses))
+						    : cd::residual(bodySystem(arrays, impulses), numbers<double>(arrays[1]));
 	return py::make_tuple(e.norm, e.maximum);
 }
 
@@ -165,8 +152,6 @@ BOOST_PYTHON_MODULE(_core)
 {
 	py::def("solve", solve);
 	py::def("residual", residual);
-	py::def("solve_bodies", solveBodies);
-	py::def("residual_of_bodies", residualOfBodies);
 	py::def("bytes_of_a_sweep", bytesOfASweep);
 	defineNames();
 }

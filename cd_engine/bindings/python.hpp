@@ -6,13 +6,18 @@
 
 #include <boost/python.hpp>
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace cd_engine {
 
 namespace py = boost::python;
+
+[[noreturn]] inline void raise(PyObject* type, const std::string& message)
+{
+	PyErr_SetString(type, message.c_str());
+	throw py::error_already_set();
+}
 
 // Arrays pass as bytes, so that NumPy is needed by the callers only.
 template <class T> py::object bytes(const std::vector<T>& v)
@@ -55,7 +60,7 @@ inline void useInstructionSet(const std::string& name)
 	for (const cd::GroupKernel& kernel : cd::groupKernels())
 		if (name == kernel.name)
 			return cd::useGroupKernel(kernel);
-	throw std::invalid_argument("this processor has no instruction set '" + name + "' that the sweeps are written for"); // Python's ValueError
+	raise(PyExc_ValueError, "this processor has no instruction set '" + name + "' that the sweeps are written for");
 }
 
 // In the module that is being filled.

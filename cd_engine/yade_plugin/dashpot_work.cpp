@@ -24,7 +24,7 @@ class DashpotWork : public RegisteredEngine<DashpotWork> {
 
 	void action() override
 	{
-		static Kind isFrictViscoPhys("FrictViscoPhys");
+		static Kind isFrictViscoPhys { "FrictViscoPhys" };
 		double power = 0;
 		for (const auto& interaction : interactionsOf(scene)) {
 			// Where only the bounds of a pair overlap there is no geom, and phys is from before, or none.

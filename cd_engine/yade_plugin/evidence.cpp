@@ -1,5 +1,5 @@
 #include "evidence.hpp"
-#include "layout.hpp"
+#include "../bindings/python.hpp"
 
 #include <boost/core/demangle.hpp>
 
@@ -8,12 +8,11 @@
 
 namespace cd_engine {
 
-namespace py = boost::python;
-
 void refuse(const std::string& what, const std::string& expected, const std::string& found)
 {
-	throw LayoutError("cd_engine does not fit the running YADE: " + what + ": expected " + expected + ", found " + found
-	    + ". Run the `yade` that Debian packages, in double precision; if this is it, rebuild with `make build`.");
+	raise(PyExc_ImportError,
+	    "cd_engine does not fit the running YADE: " + what + ": expected " + expected + ", found " + found
+		+ ". Run the `yade` that Debian packages, in double precision; if this is it, rebuild with `make build`.");
 }
 
 bool readMemory(const void* from, void* to, std::size_t bytes)

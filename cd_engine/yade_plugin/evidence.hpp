@@ -6,7 +6,7 @@
 
 namespace cd_engine {
 
-// Throws the LayoutError of every refusal, which says what was checked, expected and found, and what to do.
+// Raises the ImportError of every refusal, which says what was checked, expected and found, and what to do.
 [[noreturn]] void refuse(const std::string& what, const std::string& expected, const std::string& found);
 
 // Reads up to 4096 bytes of this process that may not exist: returns false instead of crashing.

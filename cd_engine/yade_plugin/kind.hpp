@@ -16,14 +16,13 @@ inline bool isA(const std::string& name, const char* base)
 }
 
 // Tells the objects of one class. The vtable identifies the class of an object, whose name is asked for once.
-class Kind {
-    public:
+struct Kind {
 	enum Which { withDerived, exactly };
-	Kind(const char* base, Which which = withDerived)
-	    : base(base)
-	    , which(which)
-	{
-	}
+	const char* base;
+	Which which = withDerived;
+	const void* latest = nullptr; // the vtable of the last object of this kind
+	std::map<const void*, bool> seen {}; // by vtable
+
 	bool operator()(const void* serializable)
 	{
 		const void* const vtable = *static_cast<const void* const*>(serializable);
@@ -38,12 +37,6 @@ class Kind {
 			latest = vtable;
 		return known->second;
 	}
-
-    private:
-	const char* base;
-	Which which;
-	const void* latest = nullptr; // the vtable of the last object of this kind
-	std::map<const void*, bool> seen; // by vtable
 };
 
 inline Kind isScGeom { "ScGeom" }, isFrictPhys { "FrictPhys" };

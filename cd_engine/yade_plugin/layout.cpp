@@ -1,29 +1,13 @@
 #include "layout.hpp"
+#include "../bindings/python.hpp"
 #include "evidence.hpp"
+#include "scene_error.hpp"
 
 #include <array>
 #include <cstring>
 #include <dlfcn.h>
 
 namespace cd_engine {
-
-namespace py = boost::python;
-
-std::vector<AnyMember*>& AnyMember::all()
-{
-	static std::vector<AnyMember*> members;
-	return members;
-}
-
-AnyMember::AnyMember(const char* owner, const char* name, const char* type, long declared)
-    : owner(owner)
-    , name(name)
-    , type(type)
-    , published(declared < 0)
-    , offset(declared)
-{
-	all().push_back(this);
-}
 
 namespace {
 
@@ -63,24 +47,14 @@ namespace {
 		}
 
 		// holds(offset): whether the declared offset is that of the member, which `expected` describes.
-		template <class Test> void declared(const std::string& name, long own, const std::string& expected, const Test& holds)
-		{
-			const long offset = claimed(name, own);
-			const bool plausible = offset >= 0 && offset <= 4096;
-			confirm(plausible && holds(offset), name, offset, "at offset " + std::to_string(offset) + " " + expected);
-		}
 		template <class Test> void declared(const AnyMember& member, const std::string& expected, const Test& holds)
 		{
-			declared(std::string(member.owner) + "." + member.name, member.offset, expected, holds);
+			const std::string name = std::string(member.owner) + "." + member.name;
+			const long offset = claimed(name, member.offset);
+			const bool plausible = offset >= 0 && offset <= 4096;
+			confirm(plausible && holds(offset), name, offset, text("at offset ", offset, " ", expected));
 		}
 	};
-
-	void surveyPublished(Survey& s)
-	{
-		for (AnyMember* const member : AnyMember::all())
-			if (member->published)
-				member->offset = s.published(member->owner, member->name, member->type);
-	}
 
 	// The first of a class's virtual functions, found by an exported symbol of YADE's.
 	void** vtable(const char* name)
@@ -216,21 +190,22 @@ namespace {
 		// An empty list would confirm any place that holds zeros.
 		py::list filled;
 		filled.append(py::import("yade.wrapper").attr("ForceResetter")());
-		scene.attr("engines") = py::len(before) ? before : filled;
-		const boost::shared_ptr<void> restore(nullptr, [&](void*) { scene.attr("engines") = before; });
+		const bool empty = py::len(before) == 0;
+		if (empty)
+			scene.attr("engines") = filled;
 		const py::object expected = scene.attr("engines");
-		const auto isList = [&](long offset) {
-			constexpr long each = sizeof(Shared<yade::Engine>);
-			char* range[2] = { nullptr, nullptr };
-			const char* const raw = reinterpret_cast<const char*>(Singleton<yade::Omega>::instance().getScene().get());
-			bool same = readMemory(raw + offset, range) && range[1] - range[0] == py::len(expected) * each;
-			for (py::ssize_t i = 0; same && i < py::len(expected); i++) {
-				char* found = nullptr;
-				same = readMemory(range[0] + i * each, found) && found == address(expected[i]);
-			}
-			return same;
-		};
-		s.declared(scene_engines, "the engines that O.engines names", isList);
+		constexpr long each = sizeof(Shared<yade::Engine>);
+		char* range[2] = { nullptr, nullptr };
+		const char* const raw = reinterpret_cast<const char*>(Singleton<yade::Omega>::instance().getScene().get());
+		bool same
+		    = readMemory(raw + s.claimed<long>("Scene.engines", scene_engines), range) && range[1] - range[0] == py::len(expected) * each;
+		for (py::ssize_t i = 0; same && i < py::len(expected); i++) {
+			char* found = nullptr;
+			same = readMemory(range[0] + i * each, found) && found == address(expected[i]);
+		}
+		if (empty)
+			scene.attr("engines") = before;
+		s.declared(scene_engines, "the engines that O.engines names", [&](long) { return same; });
 	}
 
 	// The base class we derive from: its size, its members as the compiler placed them.
@@ -248,17 +223,18 @@ namespace {
 		const std::string size = "GlobalEngine.sizeof";
 		s.confirmSame(size, s.claimed<long>(size, sizeof own), periodic_virtPeriod, "the first member of a derived class at ");
 
-		s.declared("Engine.scene", placed(own.scene), "the current scene", [&](long offset) {
+		s.declared(AnyMember { "Engine", "scene", "", false, placed(own.scene) }, "the current scene", [&](long offset) {
 			void* current = nullptr;
 			return readMemory(reinterpret_cast<char*>(made.get()) + offset, current)
 			    && current == Singleton<yade::Omega>::instance().getScene().get();
 		});
 		py::object engine = py::import("yade.wrapper").attr("GlobalEngine")();
 		engine.attr("execTime") = 4711;
-		s.declared("Engine.timingInfo", placed(own.timingInfo), "the time just set from Python", [&](long offset) {
-			unsigned long long nsec = 0;
-			return readMemory(address(engine) + offset + 8, nsec) && nsec == 4711;
-		});
+		s.declared(
+		    AnyMember { "Engine", "timingInfo", "", false, placed(own.timingInfo) }, "the time just set from Python", [&](long offset) {
+			    unsigned long long nsec = 0;
+			    return readMemory(address(engine) + offset + 8, nsec) && nsec == 4711;
+		    });
 	}
 
 	// Virtual functions of GlobalEngine in the order abi.hpp declares them.
@@ -303,7 +279,9 @@ py::list establishLayout(const py::dict& claims)
 	mustBeLoadedOnce();
 	surveyVtable(survey);
 	surveyBases(survey);
-	surveyPublished(survey);
+	for (AnyMember* const member : AnyMember::all)
+		if (member->published)
+			member->offset = survey.published(member->owner, member->name, member->type);
 	surveyEngine(survey);
 	surveyState(survey);
 	surveyScene(survey);
@@ -311,7 +289,7 @@ py::list establishLayout(const py::dict& claims)
 	const py::object looked = py::dict(survey.entries);
 	for (py::stl_input_iterator<std::string> claim(claims), end; claim != end; ++claim)
 		if (!looked.contains(*claim))
-			throw LayoutError("no member named " + *claim + " is looked up");
+			raise(PyExc_ImportError, "no member named " + *claim + " is looked up");
 	return survey.entries;
 }
 

@@ -10,32 +10,32 @@
 #include "abi.hpp"
 
 #include <initializer_list>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace cd_engine {
 
+namespace py = boost::python;
 template <class T> using Shared = boost::shared_ptr<T>;
 using yade::Vector3r;
 
-// A member of a class of YADE's. All members list themselves, so that what is declared below is also what is confirmed.
+// A member of a class of YADE's.
 struct AnyMember {
 	const char *const owner, *const name, *const type;
 	const bool published;
 	long offset; // in bytes from the start of the object; if it is published, known only once it is confirmed
 
-	// declared: the offset, -1 if YADE publishes the member.
-	AnyMember(const char* owner, const char* name, const char* type, long declared);
-	static std::vector<AnyMember*>& all();
 	operator long() const { return offset; }
+	static inline std::vector<AnyMember*> all; // members list themselves, so that what is declared below is also what is confirmed
 };
 
 // member(object) is the member of an object.
 template <class T> struct Member : AnyMember {
+	// declared: the offset, -1 if YADE publishes the member.
 	Member(const char* owner, const char* name, long declared = -1)
-	    : AnyMember(owner, name, boost::python::type_id<T>().name(), declared)
+	    : AnyMember { owner, name, py::type_id<T>().name(), declared < 0, declared }
 	{
+		all.push_back(this);
 	}
 	T& operator()(void* object) const { return *reinterpret_cast<T*>(static_cast<char*>(object) + offset); }
 	template <class U> T& operator()(const Shared<U>& object) const { return (*this)(object.get()); }
@@ -95,14 +95,10 @@ inline Member<long> periodic_iterLast { "PeriodicEngine", "iterLast" };
 // The interactions of a scene, real ones and others.
 inline const std::vector<Shared<yade::Interaction>>& interactionsOf(yade::Scene* scene) { return interactions_linear(scene_interactions(scene)); }
 
-class LayoutError : public std::runtime_error {
-	using std::runtime_error::runtime_error;
-};
-
-// Confirms all members and returns each "Class.member" with its offset (vtable slots: the slot's number). Throws LayoutError naming class, member,
+// Confirms all members and returns each "Class.member" with its offset (vtable slots: the slot's number). Raises ImportError naming class, member,
 // what was expected and what was found. claims: what a test claims falsely about a member to see the claim refused, {"State.vel": 136} (an offset)
 // or {"State.vel": "int"} (a type).
-boost::python::list establishLayout(const boost::python::dict& claims = {});
+py::list establishLayout(const py::dict& claims = {});
 
 // Asks for the lines of memory of members ahead of their use.
 inline void prefetch(void* object, std::initializer_list<long> members)

@@ -7,26 +7,16 @@
 namespace cd_engine {
 namespace {
 
-	// claims: of the tests, which repeat the check of the module's import with false ones.
-	py::list verify(const py::dict& claims)
-	{
-		try {
-			return establishLayout(claims);
-		} catch (const LayoutError& e) {
-			raise(PyExc_ImportError, e.what());
-		}
-	}
-
 	void fill()
 	{
-		verify({});
-		for (void (*const registerEngine)() : registrations())
+		establishLayout();
+		for (void (*const registerEngine)() : registrations)
 			registerEngine();
 		defineNames();
 		py::def(
-		    "layout", +[] { return verify({}); },
+		    "layout", +[] { return establishLayout(); },
 		    "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes.");
-		py::def("verify_layout", verify,
+		py::def("verify_layout", establishLayout,
 		    "Repeat the check made on import with false claims {member: offset or type name}; ImportError where one is found out.");
 		py::def(
 		    "wait_begins", +[] { waiting++; }, "Somebody waits for the run to end and does not look at the scene meanwhile.");

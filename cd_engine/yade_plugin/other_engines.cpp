@@ -6,7 +6,7 @@
 namespace cd_engine {
 namespace {
 
-	Kind isPeriodic("PeriodicEngine");
+	Kind isPeriodic { "PeriodicEngine" };
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
 	// ForceResetter stands before it.

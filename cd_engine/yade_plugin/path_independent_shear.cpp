@@ -20,7 +20,7 @@ namespace {
 	// whose stiffness varies or whose shearForce holds a dashpot's part.
 	bool linearSprings(const void* phys)
 	{
-		static Kind isFrictPhys("FrictPhys", Kind::exactly), isFrictViscoPhys("FrictViscoPhys", Kind::exactly);
+		static Kind isFrictPhys { "FrictPhys", Kind::exactly }, isFrictViscoPhys { "FrictViscoPhys", Kind::exactly };
 		return isFrictPhys(phys) || isFrictViscoPhys(phys);
 	}
 
@@ -124,7 +124,7 @@ void PathIndependentShear::readBodies()
 {
 	auto& container = *scene_bodies(scene);
 	const double dt = scene_dt(scene);
-	static Kind isSphere("Sphere");
+	static Kind isSphere { "Sphere" };
 	disks.assign(container.size(), Disk());
 	for (std::size_t id = 0; id < disks.size(); id++) {
 		const Shared<yade::Body>& body = container[id];

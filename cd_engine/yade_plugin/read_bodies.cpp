@@ -6,14 +6,11 @@
 #include <cmath>
 
 namespace cd_engine {
-
-namespace py = boost::python;
-
 namespace {
 
 	// Whether both refer to the same body. A new body may get the address of an old one, but not its reference count, which exists as long as the
 	// old body is remembered here.
-	bool isSame(const boost::weak_ptr<yade::Body>& known, const boost::shared_ptr<yade::Body>& now)
+	bool isSame(const boost::weak_ptr<yade::Body>& known, const Shared<yade::Body>& now)
 	{
 		return !known.owner_before(now) && !now.owner_before(known);
 	}
@@ -129,7 +126,7 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 
 void SceneLink::readFriction(int id, void* mat)
 {
-	static Kind isFrictMat("FrictMat");
+	static Kind isFrictMat { "FrictMat" };
 	KnownBody& known = bodies[id];
 	if (!mat || !isFrictMat(mat))
 		refuseBody(id, "has a material without friction angle", "Set O.bodies[#].mat to a FrictMat or a material derived from it");

@@ -7,6 +7,7 @@
 #include <boost/archive/xml_iarchive.hpp>
 #include <boost/archive/xml_oarchive.hpp>
 
+#include "../bindings/python.hpp"
 #include "layout.hpp"
 #include "scene_error.hpp"
 
@@ -34,8 +35,6 @@ namespace serialization {
 }
 
 namespace cd_engine {
-
-namespace py = boost::python;
 
 // What an attribute is to a user: a setting, a result, or what an engine remembers from step to step. The last kind (internal) is saved like the
 // others, but help(), the inspector and .dict() do not show it. Python reads it with an underscore before its name.
@@ -67,12 +66,6 @@ template <> inline const char* const typeName<Vector3r> = "Vector3r";
 template <> inline const char* const typeName<std::vector<int>> = "vector<int>";
 template <> inline const char* const typeName<std::vector<double>> = "vector<Real>";
 
-[[noreturn]] inline void raise(PyObject* type, const std::string& message)
-{
-	PyErr_SetString(type, message.c_str());
-	throw py::error_already_set();
-}
-
 // An engine E : RegisteredEngine<E> has
 //   name            of the class in YADE
 //   documentation   of the class
@@ -97,8 +90,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	static void registerClass()
 	{
 		Singleton<yade::ClassFactory>::instance().registerFactorable(
-		    E::name, []() -> yade::Factorable* { return new E; },
-		    []() -> boost::shared_ptr<yade::Factorable> { return boost::make_shared<E>(); }, []() -> void* { return nullptr; });
+		    E::name, []() -> yade::Factorable* { return new E; }, []() -> Shared<yade::Factorable> { return boost::make_shared<E>(); },
+		    []() -> void* { return nullptr; });
 		E().pyRegisterClass(py::import("yade.wrapper"));
 	}
 
@@ -181,10 +174,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	static py::object construct(py::tuple arguments, py::dict keywords)
 	{
 		const py::object python = arguments[0];
-		py::tuple rest(arguments.slice(1, py::_));
 		const auto engine = boost::make_shared<E>();
-		engine->pyHandleCustomCtorArgs(rest, keywords);
-		if (py::len(rest) > 0)
+		if (py::len(arguments) > 1)
 			raise(PyExc_TypeError, std::string(E::name) + " takes keyword arguments only, for instance " + E::name + "(label='name')");
 		if (py::len(keywords) > 0) {
 			engine->pyUpdateAttrs(keywords);
@@ -254,9 +245,9 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	const py::scope inside(scope);
 	py::docstring_options options;
 	options.disable_signatures();
-	py::class_<E, boost::shared_ptr<E>, py::bases<yade::GlobalEngine>, boost::noncopyable> cls(E::name, classText().c_str());
+	py::class_<E, Shared<E>, py::bases<yade::GlobalEngine>, boost::noncopyable> cls(E::name, classText().c_str());
 	cls.def("__init__", py::raw_function(construct, 1));
-	cls.def("__init__", py::make_constructor(+[](const boost::shared_ptr<E>& e) { return e; }));
+	cls.def("__init__", py::make_constructor(+[](const Shared<E>& e) { return e; }));
 	cls.def("__setattr__", setAttribute);
 	E::attributes([&](const char* name, auto member, const Access& access, const char* text) {
 		using T = std::decay_t<decltype(self().*member)>;
@@ -268,11 +259,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 }
 
 // What registers each of the plug-in's engines; called when the module is filled.
-inline std::vector<void (*)()>& registrations()
-{
-	static std::vector<void (*)()> all;
-	return all;
-}
+inline std::vector<void (*)()> registrations;
 
 } // namespace cd_engine
 
@@ -280,4 +267,4 @@ inline std::vector<void (*)()>& registrations()
 #define CD_ENGINE_REGISTER(E)                                                                                                                        \
 	BOOST_CLASS_VERSION(cd_engine::E, 1)                                                                                                         \
 	BOOST_CLASS_EXPORT(cd_engine::E)                                                                                                             \
-	[[maybe_unused]] static const auto& registered = cd_engine::registrations().emplace_back(cd_engine::E::registerClass);
+	[[maybe_unused]] static const auto& registered = cd_engine::registrations.emplace_back(cd_engine::E::registerClass);

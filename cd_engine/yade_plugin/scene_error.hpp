@@ -20,17 +20,12 @@ template <class... Parts> std::string text(const Parts&... parts)
 	return s.str();
 }
 
-// `words` with the id in place of each # in square brackets: "O.bodies[#]".
-inline std::string ofBody(int id, std::string words)
+// In the remedy a # in square brackets stands for the id: "O.bodies[#]".
+[[noreturn]] inline void refuseBody(int id, const std::string& what, std::string remedy)
 {
-	for (std::size_t at; (at = words.find("[#]")) != std::string::npos;)
-		words.replace(at + 1, 1, std::to_string(id));
-	return words;
-}
-
-[[noreturn]] inline void refuseBody(int id, const std::string& what, const std::string& remedy)
-{
-	throw SceneError(text("ContactDynamics: body #", id, " ", what, ". ", ofBody(id, remedy)));
+	for (std::size_t at; (at = remedy.find("[#]")) != std::string::npos;)
+		remedy.replace(at + 1, 1, std::to_string(id));
+	throw SceneError(text("ContactDynamics: body #", id, " ", what, ". ", remedy));
 }
 
 inline const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";

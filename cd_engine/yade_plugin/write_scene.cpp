@@ -41,7 +41,7 @@ namespace {
 // made, are not kept, because stiffnesses stay with their pair.
 void SceneLink::recycle(Spare&& s)
 {
-	static Kind isPlainGeom("ScGeom", Kind::exactly), isPlainPhys("FrictPhys", Kind::exactly);
+	static Kind isPlainGeom { "ScGeom", Kind::exactly }, isPlainPhys { "FrictPhys", Kind::exactly };
 	if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isPlainGeom(s.geom.get()) && isPlainPhys(s.phys.get()) && phys_kn(s.phys) == 0)
 		pool.push_back(std::move(s));
 }
