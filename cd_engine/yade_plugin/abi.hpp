@@ -9,6 +9,7 @@
 #include <boost/shared_ptr.hpp>
 #include <Eigen/Core>
 
+#include <stdexcept>
 #include <string>
 
 template <class T> class Singleton {
@@ -27,7 +28,6 @@ class State;
 class Shape;
 class Bound;
 class Material;
-class Interaction;
 class IGeom;
 class IPhys;
 class Scene;
@@ -91,6 +91,11 @@ class BodyContainer {
 	int insert(boost::shared_ptr<Body>);
 };
 
+class Interaction {
+    public:
+	void swapOrder();
+};
+
 class InteractionContainer {
     public:
 	bool insert(int id1, int id2);
@@ -106,11 +111,6 @@ class ForceContainer {
 	const Vector3r& getTorque(int id);
 	void addForce(int id, const Vector3r&);
 	void addTorque(int id, const Vector3r&);
-};
-
-class Interaction {
-    public:
-	void swapOrder();
 };
 
 class ClassFactory {

@@ -8,7 +8,6 @@
 #include <dlfcn.h>
 
 namespace cd_engine {
-
 namespace {
 
 	// One run over all members: what was claimed, what was confirmed.

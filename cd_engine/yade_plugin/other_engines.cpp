@@ -3,6 +3,8 @@
 #include "scene_error.hpp"
 #include "waiting.hpp"
 
+#include <algorithm>
+
 namespace cd_engine {
 namespace {
 
@@ -45,20 +47,15 @@ namespace {
 		    || (period > 0 && iteration - last >= period) || iteration < last;
 	}
 
-	// Whether a periodic engine has run in the step `iteration`; it may have set itself dead in that step.
-	bool hasRun(yade::Engine* engine, long iteration) { return isPeriodic(engine) && periodic_iterLast(engine) == iteration; }
-
 } // namespace
 
 // If the collider has been switched on or off, the list has not changed.
 bool OtherEngines::changed(const std::vector<Shared<yade::Engine>>& engines) const
 {
-	if (engines.size() != others.size())
-		return true;
-	for (std::size_t i = 0; i < engines.size(); i++)
-		if (others[i].engine != engines[i].get() || (others[i].dead != engines[i]->dead && engines[i] != collider))
-			return true;
-	return false;
+	const auto same = [this](const Shared<yade::Engine>& now, const Other& known) {
+		return known.engine == now.get() && (known.dead == now->dead || now == collider);
+	};
+	return !std::equal(engines.begin(), engines.end(), others.begin(), others.end(), same);
 }
 
 void OtherEngines::check(const yade::Engine* self, yade::Scene* scene)
@@ -126,8 +123,9 @@ bool OtherEngines::looks(long iteration) const
 	for (const Other& other : others) {
 		if (other.self || other.ours)
 			continue;
-		if ((other.before && hasRun(other.engine, iteration))
-		    || (!other.dead && isDue(other.engine, other.before ? iteration + 1 : iteration)))
+		// A periodic engine that has run before may have set itself dead in that step.
+		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;
+		if (hasRun || (!other.dead && isDue(other.engine, other.before ? iteration + 1 : iteration)))
 			return true;
 	}
 	return false;

@@ -4,7 +4,6 @@
 #include <boost/iterator/counting_iterator.hpp>
 
 #include <algorithm>
-#include <cassert>
 #include <set>
 
 namespace cd_engine {
@@ -51,7 +50,6 @@ void SceneLink::takeOverlaps()
 const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
 {
 	const std::vector<int32_t>& pairs = step.pairs();
-	assert(!pairs.empty());
 	return world
 	    .pairs[*std::min_element(pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return step.gapOf(world, i) < step.gapOf(world, k); })];
 }

@@ -11,8 +11,6 @@
 #include <boost/weak_ptr.hpp>
 
 #include <array>
-#include <cstdint>
-#include <limits>
 #include <mutex>
 #include <set>
 #include <string>
@@ -52,7 +50,7 @@ struct KnownBody {
 	bool inPlane = false; // in the plane of the disks: takes part in contacts
 	bool boundary = false;
 	int placed = 0; // number of steps in a row before which somebody has set its position
-	double frictionAngle = 0, friction = 0; // [rad] and its tangent
+	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
 };
 void prefetchBody(const KnownBody&);
 
