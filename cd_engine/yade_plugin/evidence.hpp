@@ -1,7 +1,6 @@
 // What the running process itself tells about its binary interface, and the refusal of a YADE that does not fit.
 #pragma once
 
-#include <cstddef>
 #include <string>
 
 namespace cd_engine {

@@ -173,7 +173,6 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	// E(name=value, ...): keyword attributes as with every engine of YADE's.
 	static py::object construct(py::tuple arguments, py::dict keywords)
 	{
-		const py::object python = arguments[0];
 		const auto engine = boost::make_shared<E>();
 		if (py::len(arguments) > 1)
 			raise(PyExc_TypeError, std::string(E::name) + " takes keyword arguments only, for instance " + E::name + "(label='name')");
@@ -181,14 +180,12 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			engine->pyUpdateAttrs(keywords);
 			engine->callPostLoad();
 		}
-		return python.attr("__init__")(engine);
+		return py::object(arguments[0]).attr("__init__")(engine);
 	}
 
 	// engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
 	static void setAttribute(const py::object& python, const std::string& name, const py::object& value)
 	{
-		if (static_cast<RegisteredEngine&>(py::extract<E&>(python)()).setOwn(name, value))
-			return;
 		const py::object type = python.attr("__class__"), own = py::import("yade.wrapper").attr(E::name);
 		// A class derived in Python may have attributes of its own.
 		if (type.ptr() == own.ptr() && PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
@@ -251,10 +248,15 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	cls.def("__setattr__", setAttribute);
 	E::attributes([&](const char* name, auto member, const Access& access, const char* text) {
 		using T = std::decay_t<decltype(self().*member)>;
-		const auto getter = [member](const E& engine) { return engine.read(member); };
-		cls.add_property(((access.kind == Access::remember ? "_" : "") + std::string(name)).c_str(),
-		    py::make_function(getter, py::default_call_policies(), boost::mpl::vector2<T, const E&>()),
-		    attributeText(self().*member, access, text).c_str());
+		const py::object getter = py::make_function(
+		    [member](const E& engine) { return engine.read(member); }, py::default_call_policies(), boost::mpl::vector2<T, const E&>());
+		const auto set = [name](RegisteredEngine& engine, const py::object& value) { engine.setOwn(name, value); };
+		const py::object setter = py::make_function(set, py::default_call_policies(), boost::mpl::vector3<void, E&, const py::object&>());
+		const std::string doc = attributeText(self().*member, access, text);
+		if (access.kind == Access::set)
+			cls.add_property(name, getter, setter, doc.c_str());
+		else
+			cls.add_property(((access.kind == Access::remember ? "_" : "") + std::string(name)).c_str(), getter, doc.c_str());
 	});
 }
 
