@@ -11,7 +11,7 @@ what their dashpots dissipate. Import this module before `O.load` of a scene tha
 """
 import sys
 
-from . import run_hooks
+from . import engine_methods, run_hooks
 from .proposed_step import timeStep
 
 __all__ = ["ContactDynamics", "DashpotWork", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
@@ -45,6 +45,8 @@ def _plugin():
     if config.version not in TESTED:
         print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
               file=sys.stderr)
+    from yade import wrapper
+    engine_methods.install(wrapper.ContactDynamics)
     _report_at_exit()
     run_hooks.install(module)
     return module

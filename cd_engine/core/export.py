@@ -1,4 +1,4 @@
-"""Writes the problem that the engine in YADE assembled; called from cd_engine/yade_plugin/export_problem.cpp."""
+"""Writes the problem that the engine in YADE assembled; called from cd_engine/yade_plugin/next_problem.cpp."""
 import numpy as np
 from scipy import sparse
 

@@ -116,9 +116,9 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
         raise ValueError(f"threads={threads} is out of range: it must be at most 1024")
     arrays = _arrays(problem)
     size = 2 * len(arrays[-1])
-    p = np.zeros(size) if impulses is None else vector("impulses", impulses, size).copy()
-    settings = method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace)
-    found = core.solve_bodies(arrays, p, *settings, threads) if isinstance(problem, BodyProblem) else core.solve(*arrays, p, *settings)
+    p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
+    p, found = core.solve(arrays, p, method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
+    p = np.frombuffer(p).copy()
     iterations, factorizations, e, worst, status, doubtful, contact, solved_by, seconds, looks = found
     converged = status == "converged" or (status == "fixed_iterations" and not doubtful and e <= tolerance)
     contact = contact if contact >= 0 else None
@@ -146,4 +146,4 @@ def residual_max(problem, impulses):
 def _residuals(problem, impulses):
     arrays = _arrays(problem)
     p = vector("impulses", impulses, 2 * len(arrays[-1]))
-    return _core().residual_of_bodies(arrays, p) if isinstance(problem, BodyProblem) else _core().residual(*arrays, p)
+    return _core().residual(arrays, p)

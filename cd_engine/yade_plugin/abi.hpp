@@ -9,6 +9,7 @@
 #include <boost/shared_ptr.hpp>
 #include <Eigen/Core>
 
+#include <stdexcept>
 #include <string>
 
 template <class T> class Singleton {
@@ -27,7 +28,6 @@ class State;
 class Shape;
 class Bound;
 class Material;
-class Interaction;
 class IGeom;
 class IPhys;
 class Scene;
@@ -76,13 +76,9 @@ class GlobalEngine : public Engine {
     public:
 	GlobalEngine() { }
 	~GlobalEngine() override;
-	std::string getBaseClassName(unsigned i = 0) const override;
-	int getBaseClassNumber() const override;
-	std::string getClassName() const override;
 	void pySetAttr(const std::string& key, const boost::python::object& value) override;
 	boost::python::dict pyDict() const override;
 	void callPostLoad() override;
-	void pyRegisterClass(boost::python::object scope) override;
 
 	// Never called: Boost.Serialization's only instance for this class is YADE's, and its vtable leads to YADE's own code.
 	template <class Archive> void serialize(Archive&, unsigned) { throw std::logic_error("YADE's serializer of GlobalEngine was not found"); }
@@ -93,6 +89,11 @@ class BodyContainer {
 	boost::shared_ptr<Body>& operator[](unsigned id);
 	std::size_t size() const;
 	int insert(boost::shared_ptr<Body>);
+};
+
+class Interaction {
+    public:
+	void swapOrder();
 };
 
 class InteractionContainer {
@@ -110,11 +111,6 @@ class ForceContainer {
 	const Vector3r& getTorque(int id);
 	void addForce(int id, const Vector3r&);
 	void addTorque(int id, const Vector3r&);
-};
-
-class Interaction {
-    public:
-	void swapOrder();
 };
 
 class ClassFactory {

@@ -1,33 +1,51 @@
+#include "../bindings/python.hpp"
 #include "contact_dynamics.hpp"
-#include "energy.hpp"
 #include "waiting.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <iostream>
-#include <sstream>
 
 extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the OpenMP library that YADE's own loops use; null if YADE was built without it
 
 namespace cd_engine {
 namespace {
 
-	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
-	constexpr double deep = 0.01;
-	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
-	constexpr double far = 4; // radii that a disk may move in a step without a warning
-
 	// Steps between two trials of rest, and sweeps in one trial: about one sweep a step since the last trial. This costs less than an island at
 	// rest that stays awake. Islands that come to rest in a thousand sweeps mostly do so in a hundred, the others by chance in a later trial.
 	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
 
-	// A different random order in every step, but the same in every repetition of a run.
-	unsigned stepSeed(int seed, long iteration)
+	struct Energy {
+		double kinetic = 0; // of all free motions [J]
+		double weight = 0; // potential energy of all free bodies in gravity [J], relative to the origin
+	};
+
+	Energy energyOf(const cd::World& world, const Vector3r& gravity)
 	{
-		return seed > 0 ? static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(iteration) + 1 : 0;
+		Energy sum;
+		for (const cd::Body& b : world.bodies) {
+			const double place[3] = { b.x, b.y, 0 };
+			for (int k = 0; k < 3; k++)
+				if (b.inverseMass[k] > 0) {
+					sum.kinetic += 0.5 * b.v[k] * b.v[k] / b.inverseMass[k];
+					sum.weight -= gravity[k] * place[k] / b.inverseMass[k];
+				}
+		}
+		return sum;
 	}
 
-	int threadsOfYade() { return omp_get_max_threads ? omp_get_max_threads() : 1; }
+	// Writes O.energy, under YADE's names. kinetic replaces the value there; gravWork and plastDissip are added to it. total() then stays the
+	// same if neither boundaries nor other forces do work.
+	void track(double kinetic, double gravWork, double plastDissip)
+	{
+		const PyGILState_STATE gil = PyGILState_Ensure();
+		{
+			py::object energy = py::import("yade").attr("O").attr("energy");
+			const py::dict known(energy.attr("items")());
+			energy["kinetic"] = kinetic;
+			energy["gravWork"] = known.get("gravWork", 0.) + gravWork;
+			energy["plastDissip"] = known.get("plastDissip", 0.) + plastDissip;
+		}
+		PyGILState_Release(gil);
+	}
 
 } // namespace
 
@@ -44,39 +62,28 @@ ContactDynamics::~ContactDynamics()
 void ContactDynamics::takeOver()
 {
 	ContactDynamics* const before = latest.exchange(this);
-	if (before && before != this)
-		before->forget();
-}
-
-void ContactDynamics::forget()
-{
+	if (!before || before == this)
+		return;
 	const PyGILState_STATE gil = PyGILState_Ensure(); // needed to release objects made in Python, if these references are the last
-	link = SceneLink();
-	rest.emplace();
-	step = cd::TimeStep();
-	others = OtherEngines();
-	last = {};
-	idle = false;
+	before->link = SceneLink();
+	before->step = cd::TimeStep();
+	before->others.wake();
+	before->others = OtherEngines();
+	before->last = {};
+	before->idle = false;
 	PyGILState_Release(gil);
-}
-
-// Updates the scene when the code that waited for a run continues.
-void ContactDynamics::settle()
-{
-	PyThreadState* const gil = PyEval_SaveThread(); // the last step of the run may need the Python lock
-	{
-		const std::lock_guard<std::mutex> lock(stepping);
-		if (link.ahead())
-			link.publish(scene, step);
-		rest->wake();
-	}
-	PyEval_RestoreThread(gil);
 }
 
 void ContactDynamics::settleLatest()
 {
-	if (ContactDynamics* const engine = latest)
-		engine->settle();
+	ContactDynamics* const engine = latest;
+	if (!engine)
+		return;
+	const WithoutInterpreterLock unlocked; // the last step of the run may need it
+	const std::lock_guard<std::mutex> lock(engine->stepping);
+	if (engine->link.ahead())
+		engine->link.publish(engine->scene, engine->step);
+	engine->others.wake();
 }
 
 void ContactDynamics::action()
@@ -87,12 +94,12 @@ void ContactDynamics::action()
 		advance();
 	} catch (...) {
 		link.catchUp(scene, step);
-		rest->wakeUnsorted(); // whoever continues from here must not find a sleeping collider
+		others.wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 		last = {};
 		try {
 			throw;
 		} catch (const std::exception& error) {
-			keepError(error.what());
+			exchangeError(error.what());
 			throw;
 		}
 	}
@@ -101,21 +108,23 @@ void ContactDynamics::action()
 cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 {
 	cd::StepSettings s;
-	s.dt = at<double>(of, layout.scene_dt);
+	s.dt = scene_dt(of);
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.allowedOverlap = allowedOverlap;
 	s.warmStart = warmStart;
-	s.iteration = at<long>(of, layout.scene_iter);
+	s.iteration = scene_iter(of);
 	s.reduce = reduce;
-	s.threads = threads > 0 ? threads : threadsOfYade();
+	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	const bool awake = sleeping < islands; // else there is nothing to try
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
 	const std::string name = read(&ContactDynamics::method);
 	s.solve = cd::findSolver(name);
-	s.solver = { tolerance, maxIterations, fixedIterations, stepSeed(seed, at<long>(of, layout.scene_iter)) };
+	s.solver = { tolerance, maxIterations, fixedIterations };
+	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
+		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	s.solver.guessSolved = converged || steps == 0;
 	s.solver.guessPressed = pressed;
 	if (!s.solve)
@@ -127,8 +136,8 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 
 bool ContactDynamics::somebodyLooks() const
 {
-	const long iteration = at<long>(scene, layout.scene_iter);
-	const bool ends = at<long>(scene, layout.scene_stopAtIter) == iteration + 1;
+	const long iteration = scene_iter(scene);
+	const bool ends = scene_stopAtIter(scene) == iteration + 1;
 	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || others.looks(iteration);
 }
 
@@ -139,19 +148,19 @@ void ContactDynamics::advance()
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
 		}
-		if (tracksEnergy(scene))
-			track(kineticEnergy(link.world), 0, 0);
+		if (scene_trackEnergy(scene))
+			track(energyOf(link.world, gravity).kinetic, 0, 0);
 		if (somebodyLooks())
 			link.publish(scene, step);
 		return;
 	}
-	others.check(this, scene, *rest);
+	others.check(this, scene);
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
 	last = settings;
-	link.world.apart = rest->maskApart();
-	rest->rest(scene);
+	link.world.apart = others.maskApart();
+	others.restCollider(scene);
 	link.gather(scene, gravity, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
 	if (handover) {
 		link.takeOverlaps();
@@ -166,8 +175,8 @@ void ContactDynamics::advance()
 	if (restitution > 0 && gapCorrection > 0)
 		link.tell("restitution and gapCorrection together make energy: the velocity that pushes an overlap out bounces on.",
 		    "Set one of them to 0, and take a smaller O.dt against overlaps.");
-	const bool tracks = tracksEnergy(scene);
-	const double height = tracks ? weightEnergy(link.world, gravity) : 0;
+	const bool tracks = scene_trackEnergy(scene);
+	const double height = tracks ? energyOf(link.world, gravity).weight : 0;
 	cd::StepReport made = step(link.world, settings);
 	for (std::vector<double> needed; !made.outran.empty();) { // a repeated step may need more
 		needed.resize(made.outran.size());
@@ -176,13 +185,14 @@ void ContactDynamics::advance()
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)
-		throw SceneError("ContactDynamics: the solver met a number that is not finite at step "
-		    + std::to_string(at<long>(scene, layout.scene_iter))
-		    + "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt");
+		throw SceneError(text("ContactDynamics: the solver met a number that is not finite at step ", scene_iter(scene),
+		    "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt"));
 	link.hold(step, settings.dt);
 	idle = made.idle;
-	if (tracks)
-		track(kineticEnergy(link.world), weightEnergy(link.world, gravity) - height, made.dissipated);
+	if (tracks) {
+		const Energy now = energyOf(link.world, gravity);
+		track(now.kinetic, now.weight - height, made.dissipated);
+	}
 	if (somebodyLooks())
 		link.publish(scene, step);
 	const double before = deepestPenetration;
@@ -223,8 +233,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	planRestTrial(report.effort, settings.trial > 0);
 	sleeping = report.effort.sleeping;
 	if (const cd::Cause& cause = step.sleepers.woken(); cause.what) {
-		woken = "step " + std::to_string(at<long>(scene, layout.scene_iter)) + ": " + cause.what
-		    + (cause.body >= 0 ? " (body #" + std::to_string(cause.body) + ")" : "");
+		woken = text("step ", scene_iter(scene), ": ", cause.what, cause.body < 0 ? "" : text(" (body #", cause.body, ")"));
 		step.sleepers.forgetWoken();
 	}
 	loadedContacts = report.loadedContacts;
@@ -258,154 +267,6 @@ void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
 	else if (effort.notAtRest > 0)
 		restTrialPause = std::min(2 * restTrialPause, longestPause);
 	restTrialAt = steps + (effort.stoppedMoving ? 1 : restTrialPause);
-}
-
-// Describes why a step is not solved, and what to do.
-std::string ContactDynamics::unsolved() const
-{
-	std::ostringstream s;
-	s << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << " is not solved (" << status << " after " << iterations
-	  << " iterations): ";
-	if (!unsolvableContact.empty())
-		s << "no velocities keep bodies #" << unsolvableContact[0] << " and #" << unsolvableContact[1]
-		  << " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
-		     "be trusted.";
-	else {
-		s << "the contact law is missed by " << residual << " of all impulses";
-		if (worstBody >= 0)
-			s << ", and the velocity change of body #" << worstBody << " may be wrong by " << bodyError << " of what acts on it";
-		s << "; the tolerance is " << tolerance << ". "
-		  << (status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance")
-		  << ", or take a smaller O.dt.";
-	}
-	return s.str();
-}
-
-// Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).
-void ContactDynamics::warn()
-{
-	if (stopUnsolved) {
-		if (link.ahead())
-			link.publish(scene, step);
-		throw SceneError(unsolved() + " (stopUnsolved is set; the step has been made)");
-	}
-	if (warned)
-		return;
-	warned = true;
-	toldOfUnsolvable = !unsolvableContact.empty();
-	std::cerr << unsolved() << " Further such steps are counted in unconvergedSteps.\n";
-}
-
-// Prints one line a run, for the first body that leaves the scene.
-void ContactDynamics::tellOfLost()
-{
-	const int id = toldOfLost ? -1 : link.pairSearch().lost(link.world);
-	if (id < 0)
-		return;
-	toldOfLost = true;
-	const cd::Body& body = link.world.bodies[id];
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": body #" << id
-		  << " has left all others far behind: it is at (" << body.x << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1])
-		  << " m/s. Erase it (O.bodies.erase(" << id << ")) or give the scene a boundary that holds it. Others that do so are not named.\n";
-}
-
-// Prints one line a run if a disk with neighbours moves so far in a step that it may jump over a body that it would have met.
-void ContactDynamics::tellOfSpeed(double dt)
-{
-	if (toldOfSpeed || !(link.pairSearch().longestWay() > far))
-		return;
-	const auto& bodies = link.world.bodies;
-	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
-	const auto meets = [&](const cd::Pair& pair) { return tooFar(bodies[pair.a]) || tooFar(bodies[pair.b]); };
-	const auto near = std::find_if(link.world.pairs.begin(), link.world.pairs.end(), meets);
-	if (near == link.world.pairs.end())
-		return;
-	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
-	toldOfSpeed = true;
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": body #" << fast - bodies.begin() << " moves "
-		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " of its radii in a step, which is rough. O.dt is " << dt
-		  << " s; cd_engine.timeStep() proposes one. Others that do so are not named.\n";
-}
-
-// Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
-// carried; fixedIterations demand no error; small errors add up; and a step may be too long for the speed or rotation of the bodies.
-void ContactDynamics::watchPenetration(double before) const
-{
-	const double smallest = cd::smallestRadius(link.world);
-	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
-		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
-	const cd::Pair& deepest = link.deepest(step);
-	std::string remedy;
-	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
-	const double way = 2 * link.pairSearch().longestWay() * smallest; // that two bodies can approach each other in the step
-	if (atOnce && maxPenetration - before > way && link.isBehind(deepest))
-		remedy = "No speed explains it: " + link.tellBehind(deepest);
-	else if (atOnce && maxPenetration - before > way)
-		remedy = std::string("No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start "
-				     "(handover=False). Move them apart")
-		    + (gapCorrection == 0 && maxPenetration < smallest ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
-	else if (atOnce && restitution > 0)
-		remedy
-		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
-		      "its speed times O.dt until then. Take a smaller O.dt";
-	else if (atOnce && misses)
-		remedy = "It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt "
-			 "(cd_engine.timeStep() proposes one), or raise maxIterations or fixedIterations";
-	else if (atOnce)
-		remedy = "It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt (cd_engine.timeStep() "
-			 "proposes one)";
-	else if (misses)
-		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
-	else if (tolerance > loose)
-		remedy = "It grew step by step by what the tolerance leaves: lower it to 1e-4 or less";
-	else if (gapCorrection == 0)
-		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
-			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
-	else
-		remedy
-		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
-		      "of their masses less) or take a smaller O.dt";
-	std::cerr << "ContactDynamics: step " << at<long>(scene, layout.scene_iter) << ": bodies #" << deepest.a << " and #" << deepest.b
-		  << " overlap by " << maxPenetration << " m, " << maxPenetration / smallest
-		  << " of the smallest radius, and more than when they were taken over. " << remedy
-		  << ". deepestPenetration tells how far it goes.\n";
-}
-
-// Checks loaded lists that steps use unchecked. bodyOrder is not checked: it is only a hint, and is made anew if it is invalid.
-void ContactDynamics::checkLoaded() const
-{
-	const std::string damaged = "ContactDynamics: the file is damaged: ";
-	const std::string remedy = " Load another one, or empty both lists in it, which makes the overlaps present now count as such";
-	const std::size_t pairs = referenceOverlaps.size();
-	if (referenceIds.size() != 2 * pairs)
-		throw SceneError(damaged + "it has " + std::to_string(referenceIds.size()) + " referenceIds for " + std::to_string(pairs)
-		    + " referenceOverlaps, not two for each." + remedy);
-	for (std::size_t i = 0; i < pairs; i++) {
-		const int *const now = &referenceIds[2 * i], *const before = i > 0 ? now - 2 : nullptr;
-		const std::string pair = "of bodies #" + std::to_string(now[0]) + " and #" + std::to_string(now[1]);
-		if (now[0] < 0 || now[0] >= now[1] || (before && !(std::make_pair(before[0], before[1]) < std::make_pair(now[0], now[1]))))
-			throw SceneError(damaged + "the referenceIds " + pair + " are negative or not in order, the smaller first." + remedy);
-		if (!(referenceOverlaps[i] > 0 && std::isfinite(referenceOverlaps[i])))
-			throw SceneError(damaged + "the referenceOverlaps " + pair + " are " + std::to_string(referenceOverlaps[i]) + " m." + remedy);
-	}
-}
-
-void ContactDynamics::summary(const boost::python::object& self)
-{
-	namespace py = boost::python;
-	py::import("builtins").attr("print")(py::import("cd_engine.summary").attr("text")(self));
-}
-
-void ContactDynamics::checkText(const char* attribute, const std::string& value)
-{
-	if (std::string(attribute) == "publish" && value != "always" && value != "due")
-		throw std::invalid_argument("ContactDynamics.publish='" + value + "' is not known; there is 'always' and 'due'");
-	if (std::string(attribute) != "method" || cd::findSolver(value))
-		return;
-	std::string known;
-	for (const std::string& m : cd::solverNames())
-		known += (known.empty() ? "'" : ", '") + m + "'";
-	throw std::invalid_argument("ContactDynamics.method='" + value + "' is not known; there is " + known);
 }
 
 } // namespace cd_engine

@@ -1,29 +1,44 @@
-#include "dashpot_work.hpp"
-#include "inheritance.hpp"
+// What the normal dashpots of Molecular Dynamics dissipate, which YADE's law functor does not sum.
+#include "kind.hpp"
 #include "layout.hpp"
+#include "registered_engine.hpp"
 
 namespace cd_engine {
 
-void DashpotWork::action()
-{
-	double power = 0;
-	void* const list = at<boost::shared_ptr<yade::InteractionContainer>>(scene, layout.scene_interactions).get();
-	for (const auto& interaction : at<std::vector<boost::shared_ptr<yade::Interaction>>>(list, layout.interactions_linear)) {
-		// Where only the bounds of a pair overlap there is no geom, and phys is from before, or none.
-		void* const geom = at<boost::shared_ptr<yade::IGeom>>(interaction.get(), layout.interaction_geom).get();
-		if (!geom || !inherits(geom, Base::ScGeom))
-			continue;
-		void* const phys = at<boost::shared_ptr<yade::IPhys>>(interaction.get(), layout.interaction_phys).get();
-		if (!phys || !inherits(phys, Base::FrictViscoPhys))
-			continue;
-		const double coefficient = at<double>(phys, layout.phys_cn);
-		if (!(coefficient > 0))
-			continue;
-		const double radii = at<double>(geom, layout.geom_refR1) + at<double>(geom, layout.geom_refR2);
-		const double alpha = radii / (radii - at<double>(geom, layout.geom_penetrationDepth));
-		power += at<Vector3r>(phys, layout.phys_normalViscous).squaredNorm() / (coefficient * alpha);
+// A dashpot of coefficient c pushes with f = c alpha v, v being the speed at which the centres approach and alpha = (R1 + R2)/d the factor by which
+// YADE scales it, d their distance. It dissipates f v = f^2/(c alpha) a second. In leapfrog v is that of half a step before. What this leaves out is
+// (omega dt)^2/4 of the sum, omega being the frequency of the springs, and a difference of two kinetic energies times c dt/m.
+class DashpotWork : public RegisteredEngine<DashpotWork> {
+    public:
+	static constexpr const char* name = "DashpotWork";
+	static constexpr const char* documentation
+	    = "Sums the energy that the normal dashpots of the contacts dissipate. It stands behind InteractionLoop and looks at the contacts that "
+	      "Law2_ScGeom_FrictViscoPhys_CundallStrackVisco has made, whose own plasticDissipation() has only the friction.";
+
+	double work = 0; // [J]
+
+	template <class Visitor> static void attributes(Visitor&& visit)
+	{
+		visit("work", &DashpotWork::work, setting, "Energy dissipated since the start [J].");
 	}
-	work += power * at<double>(scene, layout.scene_dt);
-}
+
+	void action() override
+	{
+		static Kind isFrictViscoPhys { "FrictViscoPhys" };
+		double power = 0;
+		for (const auto& interaction : interactionsOf(scene)) {
+			// Where only the bounds of a pair overlap there is no geom, and phys is from before, or none.
+			void* const geom = interaction_geom(interaction).get();
+			void* const phys = interaction_phys(interaction).get();
+			if (!geom || !isScGeom(geom) || !phys || !isFrictViscoPhys(phys) || !(phys_cn(phys) > 0))
+				continue;
+			const double radii = geom_refR1(geom) + geom_refR2(geom), alpha = radii / (radii - geom_penetrationDepth(geom));
+			power += phys_normalViscous(phys).squaredNorm() / (phys_cn(phys) * alpha);
+		}
+		work += power * scene_dt(scene);
+	}
+};
 
 } // namespace cd_engine
+
+CD_ENGINE_REGISTER(DashpotWork)

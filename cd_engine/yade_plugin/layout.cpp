@@ -1,122 +1,74 @@
 #include "layout.hpp"
-#include "loaded_once.hpp"
-#include "published_member.hpp"
-#include "safe_memory.hpp"
+#include "../bindings/python.hpp"
+#include "evidence.hpp"
+#include "scene_error.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cstring>
 #include <dlfcn.h>
 
 namespace cd_engine {
-
-Layout layout;
-
 namespace {
 
-	namespace py = boost::python;
-	template <class T> using Shared = boost::shared_ptr<T>;
-
-	using Entries = std::vector<std::pair<std::string, long>>;
-
-	// One run over all members: what was claimed, what was found.
+	// One run over all members: what was claimed, what was confirmed.
 	struct Survey {
-		const std::map<std::string, Lie>& lies;
-		Layout found {};
-		Entries entries {};
+		const py::dict& claims;
+		py::list entries {};
 
-		template <class T> void published(long Layout::*slot, const char* className, const char* member)
+		// What a test claims of `name`, or else what is so by ourselves.
+		template <class T> T claimed(const std::string& name, const T& own) const
 		{
-			const std::string name = std::string(className) + "." + member;
-			std::string type = py::type_id<T>().name();
-			const auto lie = lies.find(name);
-			if (lie != lies.end() && !lie->second.type.empty())
-				type = lie->second.type;
-			const long offset = publishedOffset(className, member, type);
-			if (lie != lies.end() && lie->second.offset >= 0 && lie->second.offset != offset)
-				refuse(name, "offset " + std::to_string(lie->second.offset), "offset " + std::to_string(offset));
-			found.*slot = offset;
-			entries.emplace_back(name, offset);
+			const py::object claim = claims.get(name, py::object());
+			const py::extract<T> value(claim);
+			return value.check() ? value() : own;
 		}
 
-		// The offset to be confirmed by the caller.
-		long declared(const std::string& name, long offset)
+		void confirm(
+		    bool holds, const std::string& name, long offset, const std::string& expected, const std::string& found = "something else")
 		{
-			const auto lie = lies.find(name);
-			if (lie != lies.end() && lie->second.offset >= 0)
-				offset = lie->second.offset;
-			entries.emplace_back(name, offset);
+			if (!holds)
+				refuse(name, expected, found);
+			entries.append(py::make_tuple(name, offset));
+		}
+
+		void confirmSame(const std::string& name, long expected, long found, const std::string& what = "offset ")
+		{
+			confirm(expected == found, name, found, what + std::to_string(expected), what + std::to_string(found));
+		}
+
+		// own: where our compiler has placed the member, -1 if it knows nothing of it.
+		long published(const std::string& owner, const std::string& member, const std::string& type, long own = -1)
+		{
+			const std::string name = owner + "." + member;
+			const long offset = publishedOffset(owner, member, claimed(name, type));
+			confirmSame(name, claimed(name, own < 0 ? offset : own), offset);
 			return offset;
+		}
+
+		// holds(offset): whether the declared offset is that of the member, which `expected` describes.
+		template <class Test> void declared(const AnyMember& member, const std::string& expected, const Test& holds)
+		{
+			const std::string name = std::string(member.owner) + "." + member.name;
+			const long offset = claimed(name, member.offset);
+			const bool plausible = offset >= 0 && offset <= 4096;
+			confirm(plausible && holds(offset), name, offset, text("at offset ", offset, " ", expected));
 		}
 	};
 
-	void surveyPublished(Survey& s)
+	// The first of a class's virtual functions, found by an exported symbol of YADE's.
+	void** vtable(const char* name)
 	{
-		using yade::Vector3r;
-		s.published<double>(&Layout::scene_dt, "Scene", "dt");
-		s.published<long>(&Layout::scene_iter, "Scene", "iter");
-		s.published<long>(&Layout::scene_stopAtIter, "Scene", "stopAtIter");
-		s.published<bool>(&Layout::scene_isPeriodic, "Scene", "isPeriodic");
-		s.published<bool>(&Layout::scene_trackEnergy, "Scene", "trackEnergy");
-		s.published<int>(&Layout::body_id, "Body", "id");
-		s.published<Shared<yade::Material>>(&Layout::body_material, "Body", "material");
-		s.published<Shared<yade::State>>(&Layout::body_state, "Body", "state");
-		s.published<Shared<yade::Shape>>(&Layout::body_shape, "Body", "shape");
-		s.published<Shared<yade::Bound>>(&Layout::body_bound, "Body", "bound");
-		s.published<int>(&Layout::body_clumpId, "Body", "clumpId");
-		s.published<int>(&Layout::body_flags, "Body", "flags");
-		s.published<int>(&Layout::body_groupMask, "Body", "groupMask");
-		s.published<Vector3r>(&Layout::state_vel, "State", "vel");
-		s.published<Vector3r>(&Layout::state_angVel, "State", "angVel");
-		s.published<Vector3r>(&Layout::state_inertia, "State", "inertia");
-		s.published<double>(&Layout::state_mass, "State", "mass");
-		s.published<int>(&Layout::interaction_id1, "Interaction", "id1");
-		s.published<int>(&Layout::interaction_id2, "Interaction", "id2");
-		s.published<long>(&Layout::interaction_iterMadeReal, "Interaction", "iterMadeReal");
-		s.published<Shared<yade::IGeom>>(&Layout::interaction_geom, "Interaction", "geom");
-		s.published<Shared<yade::IPhys>>(&Layout::interaction_phys, "Interaction", "phys");
-		s.published<Vector3r>(&Layout::geom_normal, "GenericSpheresContact", "normal");
-		s.published<Vector3r>(&Layout::geom_contactPoint, "GenericSpheresContact", "contactPoint");
-		s.published<double>(&Layout::geom_refR1, "GenericSpheresContact", "refR1");
-		s.published<double>(&Layout::geom_refR2, "GenericSpheresContact", "refR2");
-		s.published<double>(&Layout::geom_penetrationDepth, "ScGeom", "penetrationDepth");
-		s.published<Vector3r>(&Layout::geom_shearInc, "ScGeom", "shearInc");
-		s.published<double>(&Layout::phys_kn, "NormPhys", "kn");
-		s.published<Vector3r>(&Layout::phys_normalForce, "NormPhys", "normalForce");
-		s.published<double>(&Layout::phys_ks, "NormShearPhys", "ks");
-		s.published<Vector3r>(&Layout::phys_shearForce, "NormShearPhys", "shearForce");
-		s.published<double>(&Layout::phys_tangensOfFrictionAngle, "FrictPhys", "tangensOfFrictionAngle");
-		s.published<double>(&Layout::phys_cn, "FrictViscoPhys", "cn");
-		s.published<Vector3r>(&Layout::phys_normalViscous, "FrictViscoPhys", "normalViscous");
-		s.published<Vector3r>(&Layout::bound_min, "Bound", "min");
-		s.published<Vector3r>(&Layout::bound_max, "Bound", "max");
-		s.published<int>(&Layout::collider_avoidSelfInteractionMask, "Collider", "avoidSelfInteractionMask");
-		s.published<bool>(&Layout::collider_doSort, "InsertionSortCollider", "doSort");
-		s.published<double>(&Layout::periodic_virtPeriod, "PeriodicEngine", "virtPeriod");
-		s.published<double>(&Layout::periodic_realPeriod, "PeriodicEngine", "realPeriod");
-		s.published<long>(&Layout::periodic_iterPeriod, "PeriodicEngine", "iterPeriod");
-		s.published<long>(&Layout::periodic_nDone, "PeriodicEngine", "nDone");
-		s.published<long>(&Layout::periodic_iterLast, "PeriodicEngine", "iterLast");
-		s.published<double>(&Layout::sphere_radius, "Sphere", "radius");
-		s.published<Vector3r>(&Layout::box_extents, "Box", "extents");
-		s.published<int>(&Layout::wall_sense, "Wall", "sense");
-		s.published<int>(&Layout::wall_axis, "Wall", "axis");
-		s.published<double>(&Layout::frictMat_frictionAngle, "FrictMat", "frictionAngle");
-	}
-
-	// The address of an exported symbol of YADE's.
-	void* symbol(const char* name)
-	{
-		void* address = dlsym(RTLD_DEFAULT, name);
+		void* const address = dlsym(RTLD_DEFAULT, name);
 		if (!address)
 			refuse("symbol " + std::string(name), "exported by libyade.so", "not there");
-		return address;
+		return static_cast<void**>(address) + 2;
 	}
 
 	// Whether the object at `object` has the given class's vtable; never touches memory that is not mapped.
-	bool hasVtable(const void* object, const char* vtableSymbol)
+	bool hasVtable(const void* object, const char* name)
 	{
 		void* found = nullptr;
-		return readMemory(object, found) && found == static_cast<char*>(symbol(vtableSymbol)) + 16;
+		return readMemory(object, found) && found == vtable(name);
 	}
 
 	Shared<yade::Factorable> make(const char* className)
@@ -127,90 +79,111 @@ namespace {
 		return object;
 	}
 
+	char* address(const py::object& of) { return reinterpret_cast<char*>(py::extract<yade::Serializable*>(of)()); }
+
 	// The plug-in takes a pointer to an object for one to its Factorable and back: that base must come first.
 	void surveyBases(Survey& s)
 	{
-		for (const char* const name : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictViscoPhys", "FrictMat", "Sphere", "Box",
+		for (const char* const owner : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictViscoPhys", "FrictMat", "Sphere", "Box",
 			 "Wall", "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
-			const Shared<yade::Factorable> object = make(name);
+			const std::string name = std::string(owner) + ".Factorable";
+			const Shared<yade::Factorable> object = make(owner);
 			const long offset = reinterpret_cast<char*>(object.get()) - static_cast<char*>(dynamic_cast<void*>(object.get()));
-			const long expected = s.declared(std::string(name) + ".Factorable", 0);
-			if (offset != expected)
-				refuse(std::string(name) + ".Factorable", "offset " + std::to_string(expected), "offset " + std::to_string(offset));
+			s.confirmSame(name, s.claimed(name, 0L), offset);
 		}
 	}
 
 	// State: written through Python's accessors, read at the declared offsets.
 	void surveyState(Survey& s)
 	{
-		using yade::Vector3r;
-		const py::object wrapper = py::import("yade.wrapper"), minieigen = py::import("yade.minieigenHP");
-		py::object state = wrapper.attr("State")();
-		char* raw = static_cast<char*>(static_cast<void*>(py::extract<yade::Serializable*>(state)()));
-
-		state.attr("pos") = minieigen.attr("Vector3")(1.25, -2.5, 3.75);
+		const py::object minieigen = py::import("yade.minieigenHP");
+		py::object state = py::import("yade.wrapper").attr("State")();
+		const double position[3] = { 1.25, -2.5, 3.75 };
 		const double turned[4] = { 0.36, 0.48, 0, 0.8 }; // x, y, z, w: a unit quaternion
+		const unsigned dofs = 2 | 4 | 8;
+		state.attr("pos") = minieigen.attr("Vector3")(position[0], position[1], position[2]);
 		state.attr("ori") = minieigen.attr("Quaternion")(turned[3], turned[0], turned[1], turned[2]);
 		state.attr("blockedDOFs") = "yzX";
-
-		const auto holds = [&](const char* member, long offset, const void* expected, std::size_t bytes) {
-			std::vector<char> found(bytes);
-			if (offset < 0 || !readMemory(raw + offset, found.data(), bytes) || std::memcmp(found.data(), expected, bytes) != 0)
-				refuse(std::string("State.") + member, "at offset " + std::to_string(offset) + " the value just set from Python",
-				    "something else");
+		const auto holds = [&](const AnyMember& member, const auto& expected) {
+			s.declared(member, "the value just set from Python", [&](long offset) {
+				char found[sizeof expected];
+				return readMemory(address(state) + offset, found) && std::memcmp(found, &expected, sizeof expected) == 0;
+			});
 		};
-		const double position[3] = { 1.25, -2.5, 3.75 };
-		const unsigned dofs = 2 | 4 | 8;
-		s.found.state_se3 = s.declared("State.pos", 88);
-		holds("pos", s.found.state_se3, position, sizeof position);
-		s.found.state_orientation = s.declared("State.ori", 112);
-		holds("ori", s.found.state_orientation, turned, sizeof turned);
-		s.found.state_blockedDOFs = s.declared("State.blockedDOFs", 304);
-		holds("blockedDOFs", s.found.state_blockedDOFs, &dofs, sizeof dofs);
+		holds(state_pos, position);
+		holds(state_ori, turned);
+		holds(state_blockedDOFs, dofs);
 	}
 
-	// A force container at `place` must be built byte by byte like a fresh one, with pointers where pointers are.
+	// A force container at `place` must be built like a fresh one, word by word, with pointers where pointers are.
 	bool looksLikeForceContainer(const char* place)
 	{
-		constexpr std::size_t words = 64; // more than it has
-		union Bytes {
-			unsigned long word[words];
-			unsigned char byte[8 * words];
-		};
-		// Built on two different backgrounds, so that bytes the constructor does not write (padding, what lies behind) are told from others.
-		alignas(16) static Bytes fresh[2]; // never destroyed: a few bytes stay with the process
-		Bytes found;
-		for (const int i : { 0, 1 }) {
-			std::fill(std::begin(fresh[i].byte), std::end(fresh[i].byte), i ? 0x5A : 0xA5);
-			new (static_cast<void*>(&fresh[i])) yade::ForceContainer();
-		}
+		using Words = std::array<unsigned long, 64>; // more than it has
+		// Built on two different backgrounds, so that words the constructor does not write (padding, what lies behind) are told from others.
+		alignas(16) static Words fresh[2]; // never destroyed: a few bytes stay with the process
+		Words found;
+		fresh[0].fill(0xA5A5A5A5A5A5A5A5);
+		fresh[1].fill(0x5A5A5A5A5A5A5A5A);
+		for (Words& words : fresh)
+			new (static_cast<void*>(&words)) yade::ForceContainer();
 		if (!readMemory(place, found))
 			return false;
-		std::size_t compared = 0, pointers = 0;
-		for (std::size_t i = 0; i < words; i++) {
+		const auto isPointer = [](unsigned long word) {
 			char target;
-			if (readMemory(reinterpret_cast<void*>(fresh[0].word[i]), target)
-			    && readMemory(reinterpret_cast<void*>(fresh[1].word[i]), target)) {
-				if (!readMemory(reinterpret_cast<void*>(found.word[i]), target))
-					return false;
-				pointers++;
-				continue;
-			}
-			for (std::size_t k = 8 * i; k < 8 * i + 8; k++) {
-				if (fresh[0].byte[k] != fresh[1].byte[k])
-					continue;
-				if (fresh[0].byte[k] != found.byte[k])
-					return false;
-				compared++;
-			}
+			return readMemory(reinterpret_cast<void*>(word), target);
+		};
+		std::size_t compared = 0, pointers = 0;
+		for (std::size_t i = 0; i < found.size(); i++) {
+			const bool same = fresh[0][i] == fresh[1][i], pointer = isPointer(fresh[0][i]) && isPointer(fresh[1][i]);
+			if (pointer ? !isPointer(found[i]) : same && found[i] != fresh[0][i])
+				return false;
+			compared += same && !pointer;
+			pointers += pointer;
 		}
-		return compared > 100 && pointers > 6;
+		return compared > 12 && pointers > 6;
+	}
+
+	// Scene and its containers, on a scene of our own, so that the user's is not touched.
+	void surveyScene(Survey& s)
+	{
+		const Shared<yade::Factorable> scene = make("Scene");
+		char* const raw = reinterpret_cast<char*>(scene.get());
+		const auto container = [&](const AnyMember& member, const char* vtableName) {
+			void* object = nullptr;
+			s.declared(member, "a pointer to its container",
+			    [&](long offset) { return readMemory(raw + offset, object) && hasVtable(object, vtableName); });
+			return object;
+		};
+		auto* const bodies = static_cast<yade::BodyContainer*>(container(scene_bodies, "_ZTVN4yade13BodyContainerE"));
+		auto* const interactions
+		    = static_cast<yade::InteractionContainer*>(container(scene_interactions, "_ZTVN4yade20InteractionContainerE"));
+		s.declared(scene_forces, "a force container", [&](long offset) { return looksLikeForceContainer(raw + offset); });
+
+		// Inserting a body sets the current scene's doSort; put it back, so that importing the module changes no run.
+		bool& doSort = scene_doSort(Singleton<yade::Omega>::instance().getScene().get());
+		const bool sorting = doSort;
+		for (int i = 0; i < 3; i++)
+			bodies->insert(boost::reinterpret_pointer_cast<yade::Body>(make("Body")));
+		doSort = sorting;
+		if (bodies->size() != 3 || body_id((*bodies)[2].get()) != 2)
+			refuse(
+			    "BodyContainer", "three bodies after three insertions, the last with id 2", std::to_string(bodies->size()) + " bodies");
+
+		interactions->insert(0, 1);
+		interactions->insert(1, 2);
+		s.declared(interactions_linear, "the two interactions just inserted", [&](long offset) {
+			char *range[2] = { nullptr, nullptr }, *last = nullptr;
+			int ids[2] = { -1, -1 };
+			constexpr long each = sizeof(Shared<yade::Interaction>);
+			return readMemory(reinterpret_cast<char*>(interactions) + offset, range) && range[1] - range[0] == 2 * each
+			    && readMemory(range[0] + each, last) && hasVtable(last, "_ZTVN4yade11InteractionE")
+			    && readMemory(last + interaction_id1, ids[0]) && readMemory(last + interaction_id2, ids[1]) && ids[0] == 1 && ids[1] == 2;
+		});
 	}
 
 	// The list of engines, which YADE publishes by accessor only: compared, one by one, with what that accessor gives.
 	void surveyEngines(Survey& s)
 	{
-		s.found.scene_engines = s.declared("Scene.engines", 552);
 		py::object scene = py::import("yade").attr("O");
 		const py::object before = scene.attr("engines");
 		// An empty list would confirm any place that holds zeros.
@@ -220,117 +193,50 @@ namespace {
 		if (empty)
 			scene.attr("engines") = filled;
 		const py::object expected = scene.attr("engines");
+		constexpr long each = sizeof(Shared<yade::Engine>);
 		char* range[2] = { nullptr, nullptr };
 		const char* const raw = reinterpret_cast<const char*>(Singleton<yade::Omega>::instance().getScene().get());
-		bool same = s.found.scene_engines >= 0 && s.found.scene_engines < 4096 && readMemory(raw + s.found.scene_engines, range, sizeof range)
-		    && range[1] - range[0] == py::len(expected) * static_cast<long>(sizeof(Shared<yade::Engine>));
+		bool same
+		    = readMemory(raw + s.claimed<long>("Scene.engines", scene_engines), range) && range[1] - range[0] == py::len(expected) * each;
 		for (py::ssize_t i = 0; same && i < py::len(expected); i++) {
-			const yade::Engine* found = nullptr;
-			same = readMemory(range[0] + i * sizeof(Shared<yade::Engine>), found)
-			    && found == &py::extract<const yade::Engine&>(expected[i])();
+			char* found = nullptr;
+			same = readMemory(range[0] + i * each, found) && found == address(expected[i]);
 		}
 		if (empty)
 			scene.attr("engines") = before;
-		if (!same)
-			refuse("Scene.engines", "at offset " + std::to_string(s.found.scene_engines) + " the engines that O.engines names",
-			    "something else");
+		s.declared(scene_engines, "the engines that O.engines names", [&](long) { return same; });
 	}
 
-	// Scene and its containers, on a scene of our own, so that the user's is not touched.
-	void surveyScene(Survey& s)
-	{
-		const Shared<yade::Factorable> scene = make("Scene");
-		char* raw = reinterpret_cast<char*>(scene.get());
-
-		const auto container = [&](const char* member, long offset, const char* vtable) {
-			void* object = nullptr;
-			if (offset < 0 || offset > 4096 || !readMemory(raw + offset, object) || !hasVtable(object, vtable))
-				refuse(std::string("Scene.") + member, "at offset " + std::to_string(offset) + " a pointer to its container",
-				    "something else");
-			return object;
-		};
-		s.found.scene_bodies = s.declared("Scene.bodies", 600);
-		auto* bodies = static_cast<yade::BodyContainer*>(container("bodies", s.found.scene_bodies, "_ZTVN4yade13BodyContainerE"));
-		s.found.scene_interactions = s.declared("Scene.interactions", 616);
-		auto* interactions = static_cast<yade::InteractionContainer*>(
-		    container("interactions", s.found.scene_interactions, "_ZTVN4yade20InteractionContainerE"));
-
-		s.found.scene_forces = s.declared("Scene.forces", 32);
-		if (s.found.scene_forces < 0 || s.found.scene_forces > 4096 || !looksLikeForceContainer(raw + s.found.scene_forces))
-			refuse("Scene.forces", "at offset " + std::to_string(s.found.scene_forces) + " a force container", "something else");
-
-		// Inserting a body sets the current scene's doSort; put it back, so that importing the module changes no run.
-		const long doSort = publishedOffset("Scene", "doSort", py::type_id<bool>().name());
-		void* const current = Singleton<yade::Omega>::instance().getScene().get();
-		const bool sorting = at<bool>(current, doSort);
-		for (int i = 0; i < 3; i++) {
-			const Shared<yade::Factorable> body = make("Body");
-			bodies->insert(Shared<yade::Body>(body, reinterpret_cast<yade::Body*>(body.get())));
-		}
-		at<bool>(current, doSort) = sorting;
-		if (bodies->size() != 3 || at<int>((*bodies)[2].get(), s.found.body_id) != 2)
-			refuse(
-			    "BodyContainer", "three bodies after three insertions, the last with id 2", std::to_string(bodies->size()) + " bodies");
-
-		interactions->insert(0, 1);
-		interactions->insert(1, 2);
-		s.found.interactions_linear = s.declared("InteractionContainer.linear", 24);
-		char* const place = reinterpret_cast<char*>(interactions) + s.found.interactions_linear;
-		char *range[2] = { nullptr, nullptr }, *last = nullptr;
-		int ids[2] = { -1, -1 };
-		if (!readMemory(place, range, sizeof range) || range[1] - range[0] != 2 * static_cast<long>(sizeof(Shared<yade::Interaction>))
-		    || !readMemory(range[0] + sizeof(Shared<yade::Interaction>), last) || !hasVtable(last, "_ZTVN4yade11InteractionE")
-		    || !readMemory(last + s.found.interaction_id1, ids[0]) || !readMemory(last + s.found.interaction_id2, ids[1]) || ids[0] != 1
-		    || ids[1] != 2)
-			refuse("InteractionContainer.linear",
-			    "at offset " + std::to_string(s.found.interactions_linear) + " the two interactions just inserted", "something else");
-	}
-
-	// The base class we derive from: its size, its members as the compiler placed them, its virtual functions.
+	// The base class we derive from: its size, its members as the compiler placed them.
 	void surveyEngine(Survey& s)
 	{
 		const Shared<yade::Factorable> made = make("GlobalEngine");
 		yade::GlobalEngine own; // laid out by our compiler, constructed by YADE's code
-		const auto placed = [&](const char* member, const void* address) {
-			return std::make_pair(member, static_cast<long>(static_cast<const char*>(address) - reinterpret_cast<const char*>(&own)));
-		};
-
-		const auto compare = [&](const std::pair<const char*, long>& mine, const std::string& type) {
-			const std::string name = std::string("Engine.") + mine.first;
-			const auto lie = s.lies.find(name);
-			const long claimed = lie != s.lies.end() && lie->second.offset >= 0 ? lie->second.offset : mine.second;
-			const long offset
-			    = publishedOffset("Engine", mine.first, lie != s.lies.end() && !lie->second.type.empty() ? lie->second.type : type);
-			if (offset != claimed)
-				refuse(name, "offset " + std::to_string(claimed), "offset " + std::to_string(offset));
-			s.entries.emplace_back(name, offset);
-		};
-		compare(placed("timingDeltas", &own.timingDeltas), py::type_id<Shared<yade::TimingDeltas>>().name());
-		compare(placed("dead", &own.dead), py::type_id<bool>().name());
-		compare(placed("ompThreads", &own.ompThreads), py::type_id<int>().name());
-		compare(placed("label", &own.label), py::type_id<std::string>().name());
+		const auto placed = [&](const auto& member) { return reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&own); };
+		s.published("Engine", "timingDeltas", py::type_id<Shared<yade::TimingDeltas>>().name(), placed(own.timingDeltas));
+		s.published("Engine", "dead", py::type_id<bool>().name(), placed(own.dead));
+		s.published("Engine", "ompThreads", py::type_id<int>().name(), placed(own.ompThreads));
+		s.published("Engine", "label", py::type_id<std::string>().name(), placed(own.label));
 
 		// PeriodicEngine derives from GlobalEngine and from nothing else; its first own member starts where the base ends.
-		const long size = s.declared("GlobalEngine.sizeof", sizeof(yade::GlobalEngine));
-		const long next = publishedOffset("PeriodicEngine", "virtPeriod", py::type_id<double>().name());
-		if (next != size)
-			refuse("GlobalEngine.sizeof", std::to_string(size) + " bytes", "a derived class's first member at " + std::to_string(next));
+		const std::string size = "GlobalEngine.sizeof";
+		s.confirmSame(size, s.claimed<long>(size, sizeof own), periodic_virtPeriod, "the first member of a derived class at ");
 
-		const long pointer = s.declared("Engine.scene", placed("scene", &own.scene).second);
-		void* current = nullptr;
-		if (pointer < 0 || pointer > size - 8 || !readMemory(reinterpret_cast<char*>(made.get()) + pointer, current)
-		    || current != Singleton<yade::Omega>::instance().getScene().get())
-			refuse("Engine.scene", "at offset " + std::to_string(pointer) + " the current scene", "something else");
-
+		s.declared(AnyMember { "Engine", "scene", "", false, placed(own.scene) }, "the current scene", [&](long offset) {
+			void* current = nullptr;
+			return readMemory(reinterpret_cast<char*>(made.get()) + offset, current)
+			    && current == Singleton<yade::Omega>::instance().getScene().get();
+		});
 		py::object engine = py::import("yade.wrapper").attr("GlobalEngine")();
 		engine.attr("execTime") = 4711;
-		const long nsec = s.declared("Engine.timingInfo", placed("timingInfo", &own.timingInfo).second);
-		unsigned long long read = 0;
-		if (!readMemory(static_cast<char*>(static_cast<void*>(py::extract<yade::Serializable*>(engine)())) + nsec + 8, read) || read != 4711)
-			refuse("Engine.timingInfo", "at offset " + std::to_string(nsec) + " the time just set from Python", std::to_string(read));
+		s.declared(
+		    AnyMember { "Engine", "timingInfo", "", false, placed(own.timingInfo) }, "the time just set from Python", [&](long offset) {
+			    unsigned long long nsec = 0;
+			    return readMemory(address(engine) + offset + 8, nsec) && nsec == 4711;
+		    });
 	}
 
-	// Virtual functions of GlobalEngine in the order abi.hpp declares them, as mangled names without their class's part.
+	// Virtual functions of GlobalEngine in the order abi.hpp declares them.
 	const char* const virtualFunctions[] = {
 		"_ZN4yade12GlobalEngineD1Ev",
 		"_ZN4yade12GlobalEngineD0Ev",
@@ -350,48 +256,40 @@ namespace {
 
 	void surveyVtable(Survey& s)
 	{
-		void** const slots = reinterpret_cast<void**>(static_cast<char*>(symbol("_ZTVN4yade12GlobalEngineE")) + 16);
+		void** const slots = vtable("_ZTVN4yade12GlobalEngineE");
 		for (long i = 0; i < static_cast<long>(std::size(virtualFunctions)); i++) {
 			const std::string name = "GlobalEngine.vtable[" + std::to_string(i) + "]";
-			const auto lie = s.lies.find(name);
-			const char* function = lie != s.lies.end() && !lie->second.type.empty() ? lie->second.type.c_str() : virtualFunctions[i];
+			const std::string function = s.claimed<std::string>(name, virtualFunctions[i]);
 			void* slot = nullptr;
 			readMemory(slots + i, slot);
+			Dl_info info {};
+			dladdr(slot, &info);
 			// Weak functions may have one copy in each library; all of them are reached by this name, the slot holds the first.
-			void* const expected = dlsym(RTLD_DEFAULT, function);
-			if (!expected || slot != expected) {
-				Dl_info info {};
-				dladdr(slot, &info);
-				refuse(name, function, info.dli_sname ? info.dli_sname : "an unnamed function");
-			}
-			s.entries.emplace_back(name, i);
+			void* const expected = dlsym(RTLD_DEFAULT, function.c_str());
+			s.confirm(expected && slot == expected, name, i, function, info.dli_sname ? info.dli_sname : "an unnamed function");
 		}
 	}
 
-	Entries confirmed;
-
 } // namespace
 
-void establishLayout(const std::map<std::string, Lie>& lies)
+py::list establishLayout(const py::dict& claims)
 {
-	Survey survey { lies };
+	Survey survey { claims };
 	mustBeLoadedOnce();
 	surveyVtable(survey);
 	surveyBases(survey);
-	surveyPublished(survey);
+	for (AnyMember* const member : AnyMember::all)
+		if (member->published)
+			member->offset = survey.published(member->owner, member->name, member->type);
 	surveyEngine(survey);
 	surveyState(survey);
 	surveyScene(survey);
 	surveyEngines(survey);
-	for (const auto& lie : lies) {
-		const auto known = [&](const auto& entry) { return entry.first == lie.first; };
-		if (std::none_of(survey.entries.begin(), survey.entries.end(), known))
-			throw LayoutError("no member named " + lie.first + " is looked up");
-	}
-	layout = survey.found;
-	confirmed = survey.entries;
+	const py::object looked = py::dict(survey.entries);
+	for (py::stl_input_iterator<std::string> claim(claims), end; claim != end; ++claim)
+		if (!looked.contains(*claim))
+			raise(PyExc_ImportError, "no member named " + *claim + " is looked up");
+	return survey.entries;
 }
-
-std::vector<std::pair<std::string, long>> layoutEntries() { return confirmed; }
 
 } // namespace cd_engine

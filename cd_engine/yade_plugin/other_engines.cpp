@@ -1,16 +1,14 @@
 #include "other_engines.hpp"
-#include "inheritance.hpp"
+#include "kind.hpp"
 #include "scene_error.hpp"
+#include "waiting.hpp"
 
-#include <string>
+#include <algorithm>
 
 namespace cd_engine {
 namespace {
 
-	bool isA(const std::string& name, const char* base)
-	{
-		return name == base || Singleton<yade::Omega>::instance().isInheritingFrom_recursive(name, base);
-	}
+	Kind isPeriodic { "PeriodicEngine" };
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
 	// ForceResetter stands before it.
@@ -41,51 +39,43 @@ namespace {
 	// Whether an engine runs, or may run, in the step `iteration`.
 	bool isDue(yade::Engine* engine, long iteration)
 	{
-		if (!inherits(engine, Base::PeriodicEngine))
+		if (!isPeriodic(engine))
 			return true;
-		const long period = at<long>(engine, layout.periodic_iterPeriod), last = at<long>(engine, layout.periodic_iterLast);
+		const long period = periodic_iterPeriod(engine), last = periodic_iterLast(engine);
 		// Before its first call the period has not begun to count, so the engine counts as due.
-		return at<double>(engine, layout.periodic_virtPeriod) > 0 || at<double>(engine, layout.periodic_realPeriod) > 0
-		    || at<long>(engine, layout.periodic_nDone) == 0 || (period > 0 && iteration - last >= period) || iteration < last;
-	}
-
-	// Whether a periodic engine has run in the step `iteration`; it may have set itself dead in that step.
-	bool hasRun(yade::Engine* engine, long iteration)
-	{
-		return inherits(engine, Base::PeriodicEngine) && at<long>(engine, layout.periodic_iterLast) == iteration;
+		return periodic_virtPeriod(engine) > 0 || periodic_realPeriod(engine) > 0 || periodic_nDone(engine) == 0
+		    || (period > 0 && iteration - last >= period) || iteration < last;
 	}
 
 } // namespace
 
-// If the collider has been switched on or off by ColliderRest, the list has not changed.
-bool OtherEngines::changed(const std::vector<boost::shared_ptr<yade::Engine>>& engines, const yade::Engine* collider) const
+// If the collider has been switched on or off, the list has not changed.
+bool OtherEngines::changed(const std::vector<Shared<yade::Engine>>& engines) const
 {
-	if (engines.size() != others.size())
-		return true;
-	for (std::size_t i = 0; i < engines.size(); i++)
-		if (others[i].engine != engines[i].get() || (others[i].dead != engines[i]->dead && engines[i].get() != collider))
-			return true;
-	return false;
+	const auto same = [this](const Shared<yade::Engine>& now, const Other& known) {
+		return known.engine == now.get() && (known.dead == now->dead || now == collider);
+	};
+	return !std::equal(engines.begin(), engines.end(), others.begin(), others.end(), same);
 }
 
-void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderRest& rest)
+void OtherEngines::check(const yade::Engine* self, yade::Scene* scene)
 {
-	const auto& engines = at<std::vector<boost::shared_ptr<yade::Engine>>>(scene, layout.scene_engines);
-	if (!changed(engines, rest.engine()))
+	const auto& engines = scene_engines(scene);
+	if (!changed(engines))
 		return;
-	changedAt = at<long>(scene, layout.scene_iter);
+	changedAt = scene_iter(scene);
 	others.clear();
 	std::string problem;
 	bool resets = false, before = true;
-	boost::shared_ptr<yade::Engine> collider;
+	Shared<yade::Engine> found;
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
 		Other other { engine.get(), engine->dead, engine.get() == self, false, before };
 		if (other.self)
 			before = false;
-		else if (isA(name, "Collider") && !collider) {
+		else if (isA(name, "Collider") && !found) {
 			other.ours = true;
-			collider = engine;
+			found = engine;
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
@@ -100,8 +90,31 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, ColliderR
 		others.clear(); // so that the next step checks again
 		throw SceneError("ContactDynamics: " + problem);
 	}
-	rest.attach(collider);
+	wake();
+	collider = found;
 }
+
+void OtherEngines::restCollider(yade::Scene* scene)
+{
+	if (collider)
+		collider->dead = resting = awaited() || scene_stopAtIter(scene) > scene_iter(scene) + 1;
+}
+
+void OtherEngines::wake()
+{
+	if (collider && resting)
+		collider->dead = false;
+	resting = false;
+}
+
+void OtherEngines::wakeUnsorted()
+{
+	wake();
+	if (collider && className(collider.get()) == "InsertionSortCollider")
+		collider_doSort(collider) = true;
+}
+
+int32_t OtherEngines::maskApart() const { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
 
 bool OtherEngines::looks(long iteration) const
 {
@@ -110,8 +123,9 @@ bool OtherEngines::looks(long iteration) const
 	for (const Other& other : others) {
 		if (other.self || other.ours)
 			continue;
-		if ((other.before && hasRun(other.engine, iteration))
-		    || (!other.dead && isDue(other.engine, other.before ? iteration + 1 : iteration)))
+		// A periodic engine that has run before may have set itself dead in that step.
+		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;
+		if (hasRun || (!other.dead && isDue(other.engine, other.before ? iteration + 1 : iteration)))
 			return true;
 	}
 	return false;

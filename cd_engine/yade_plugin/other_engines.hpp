@@ -1,21 +1,37 @@
 // The other engines of O.engines: which of them cannot be used with Contact Dynamics, and when one of them looks at the scene.
 #pragma once
 
-#include "collider_rest.hpp"
+#include "layout.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace cd_engine {
 
 // The other engines of the scene. An engine with a period, such as PyRunner, looks at the scene when its period is over, any other in every step.
+//
+// YADE's collider is switched off during a run, since ContactDynamics finds its pairs itself (core/pair_search.hpp): it is dead to YADE's loop during
+// O.run(n). It is switched on again at the last step or after a refusal, so that the next user, perhaps with springs, finds it awake. (Exception:
+// after O.pause() in mid-run, as long as the engine exists.)
 class OtherEngines {
     public:
-	// Checks the list of engines if it has changed since the last check. Passes the collider that it finds to `rest`. Throws SceneError for
-	// engines that cannot be used with Contact Dynamics.
-	void check(const yade::Engine* self, yade::Scene*, ColliderRest& rest);
+	~OtherEngines() { wake(); }
+
+	// Checks the list of engines if it has changed since the last check. Throws SceneError for engines that cannot be used with Contact Dynamics.
+	void check(const yade::Engine* self, yade::Scene*);
 	// Whether one of them runs between this step of `self` and the next one, or has run before `self` in this step; what that one has added to
 	// O.forces ends with this step.
 	bool looks(long iteration) const;
+
+	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
+	void restCollider(yade::Scene*);
+	// Switches it on again.
+	void wake();
+	// The same after a refusal. The refused scene may have given the collider NaN bounds. They spoil the order of its sorted lists, so that it
+	// misses pairs for ever; therefore it sorts them anew.
+	void wakeUnsorted();
+	// The collider's avoidSelfInteractionMask (cd::World::apart).
+	int32_t maskApart() const;
 
     private:
 	struct Other {
@@ -24,10 +40,12 @@ class OtherEngines {
 		bool self, ours; // ours: changes only what every step makes anew, or acts only on request
 		bool before; // it stands before `self`
 	};
-	bool changed(const std::vector<boost::shared_ptr<yade::Engine>>&, const yade::Engine* collider) const;
+	bool changed(const std::vector<Shared<yade::Engine>>&) const;
 
 	std::vector<Other> others; // all engines, at the last check
 	long changedAt = -1; // iteration of the last check that found a changed list
+	Shared<yade::Engine> collider;
+	bool resting = false; // whether the collider is switched off
 };
 
 } // namespace cd_engine

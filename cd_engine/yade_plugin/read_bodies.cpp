@@ -1,5 +1,5 @@
-// Reads from the scene what the bodies are and how they move now. Refuses what the engine cannot do.
-#include "inheritance.hpp"
+// Reads from the scene what the bodies and their shapes are and how they move now. Refuses what the engine cannot do.
+#include "kind.hpp"
 #include "scene_link.hpp"
 
 #include <algorithm>
@@ -10,22 +10,39 @@ namespace {
 
 	// Whether both refer to the same body. A new body may get the address of an old one, but not its reference count, which exists as long as the
 	// old body is remembered here.
-	bool isSame(const boost::weak_ptr<yade::Body>& known, const boost::shared_ptr<yade::Body>& now)
+	bool isSame(const boost::weak_ptr<yade::Body>& known, const Shared<yade::Body>& now)
 	{
 		return !known.owner_before(now) && !now.owner_before(known);
 	}
 
-	// One test for several vectors, since nearly always all are finite: a product with 0 is 0 unless a factor is infinite or NaN.
-	template <class... V> bool allFinite(const V&... v) { return ((v[0] * 0 + v[1] * 0 + v[2] * 0) + ...) == 0; }
-
 	void mustBeFinite(int id, const char* what, const Vector3r& v)
 	{
-		if (!v.allFinite())
-			refuseBody(id, std::string("has a ") + what + " that is not a number",
-			    "Look for what set " + ofBody(id) + " to it, or for a failed step before");
+		if (!((v[0] * 0 + v[1] * 0 + v[2] * 0) == 0)) // one test: a product with 0 is 0 unless a factor is infinite or NaN
+			refuseBody(
+			    id, text("has a ", what, " that is not a number"), "Look for what set O.bodies[#] to it, or for a failed step before");
+	}
+
+	// What acts on a body before the next step. O.forces still holds what the last step left, its contact forces included; a ForceResetter clears
+	// that. Without permanent forces YADE reads past the end of its list.
+	void readPermanentForce(int id, Vector3r& force, Vector3r& torque)
+	{
+		const py::object lasting = py::import("yade").attr("O").attr("forces");
+		const bool any = py::extract<bool>(lasting.attr("getPermForceUsed")());
+		force = any ? py::extract<Vector3r>(lasting.attr("permF")(id))() : Vector3r::Zero();
+		torque = any ? py::extract<Vector3r>(lasting.attr("permT")(id))() : Vector3r::Zero();
 	}
 
 } // namespace
+
+// Prefetches the memory lines of a body's objects that a step reads.
+void prefetchBody(const KnownBody& known)
+{
+	if (!known.exists)
+		return;
+	prefetch(known.body, { body_material, body_shape });
+	prefetch(known.shape, { 0, sphere_radius });
+	prefetch(known.state, { state_pos, state_vel, state_angVel, state_inertia, state_blockedDOFs });
+}
 
 // The plane of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
@@ -34,21 +51,18 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 	const double stoodAt = layer;
 	layerId = -1;
 	for (std::size_t id = 0; id < container.size() && layerId < 0; id++) {
-		char* const body = reinterpret_cast<char*>(container[id].get());
-		const void* const shape = body ? pointer<yade::Shape>(body, layout.body_shape) : nullptr;
-		void* const state = body ? pointer<yade::State>(body, layout.body_state) : nullptr;
-		if (!shape || !state || kindOf(shape) != static_cast<int>(cd::ShapeKind::disk))
+		const Shared<yade::Body>& body = container[id];
+		if (!body || !body_state(body) || !body_shape(body) || kindOf(body_shape(body).get()) != static_cast<int>(cd::ShapeKind::disk))
 			continue;
 		layerId = static_cast<int>(id);
-		layer = at<Vector3r>(state, layout.state_se3)[2];
+		layer = state_pos(body_state(body))[2];
 	}
 	if (layerId < 0 || layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
 		return;
 	const double z = layer;
 	layer = stoodAt;
 	if (std::isfinite(z) && std::abs(z - stoodAt) > 1e-9 * world.bodies[layerId].radius)
-		refuseBody(layerId,
-		    "has z = " + text(z) + " m but stood at z = " + text(stoodAt) + " m in the step before, in the plane of the scene",
+		refuseBody(layerId, text("has z = ", z, " m but stood at z = ", stoodAt, " m in the step before, in the plane of the scene"),
 		    "Set the third component of its state.pos back. A scene that moves to another plane as a whole needs a new engine: "
 		    "O.engines=cd_engine.engines()");
 }
@@ -56,93 +70,178 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 // Checks that the present freedoms and velocities of the body are those of a plane motion.
 void SceneLink::checkMotion(int id)
 {
-	char* const state = bodies[id].state;
-	const Vector3r& velocity = at<Vector3r>(state, layout.state_vel);
-	const Vector3r& spin = at<Vector3r>(state, layout.state_angVel);
-	const Vector3r& position = at<Vector3r>(state, layout.state_se3);
-	if (!allFinite(position, velocity, spin)) {
-		mustBeFinite(id, "position", position);
-		mustBeFinite(id, "velocity", velocity);
-		mustBeFinite(id, "angular velocity", spin);
-	}
+	void* const state = bodies[id].state;
+	const Vector3r& velocity = state_vel(state);
+	const Vector3r& spin = state_angVel(state);
+	const Vector3r& position = state_pos(state);
+	mustBeFinite(id, "position", position);
+	mustBeFinite(id, "velocity", velocity);
+	mustBeFinite(id, "angular velocity", spin);
 	constexpr unsigned outside = dofZ | rotX | rotY;
-	if ((at<unsigned>(state, layout.state_blockedDOFs) & outside) != outside) {
-		if (at<int>(bodies[id].body, layout.body_clumpId) >= 0)
+	if ((state_blockedDOFs(state) & outside) != outside) {
+		if (body_clumpId(bodies[id].body) >= 0)
 			refuseBody(id, "belongs to a clump", releaseClump);
 		if (kindOf(bodies[id].shape) < 0)
 			readShape(id, world.bodies[id]); // refuses it: to set its freedoms would not help
-		refuseBody(
-		    id, "is free to leave the plane", "Set " + ofBody(id) + ".state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+		refuseBody(id, "is free to leave the plane", "Set O.bodies[#].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
 	}
 	if (velocity[2] != 0 || spin[0] != 0 || spin[1] != 0)
 		refuseBody(id, "moves out of the plane", "Set its z velocity and its x and y angular velocities to 0");
 }
 
-void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces, const Vector3r& g) const
+void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
 {
-	char* const state = bodies[id].state;
-	const Vector3r& position = at<Vector3r>(state, layout.state_se3);
-	const Vector3r& velocity = at<Vector3r>(state, layout.state_vel);
+	void* const state = bodies[id].state;
+	const Vector3r& position = state_pos(state);
+	const Vector3r& velocity = state_vel(state);
 	body.x = position[0];
 	body.y = position[1];
 	body.v[0] = velocity[0];
 	body.v[1] = velocity[1];
-	body.v[2] = at<Vector3r>(state, layout.state_angVel)[2];
+	body.v[2] = state_angVel(state)[2];
 
-	const unsigned blocked = at<unsigned>(state, layout.state_blockedDOFs);
+	const unsigned blocked = state_blockedDOFs(state);
 	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);
-	const double mass = at<double>(state, layout.state_mass), inertia = at<Vector3r>(state, layout.state_inertia)[2];
+	const double mass = state_mass(state), inertia = state_inertia(state)[2];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
-		refuseBody(id, "is free to move but has the mass " + text(mass) + " kg", "Set " + ofBody(id) + ".state.mass, or block its freedoms");
+		refuseBody(id, text("is free to move but has the mass ", mass, " kg"), "Set O.bodies[#].state.mass, or block its freedoms");
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
-		refuseBody(id, "is free to turn but has the moment of inertia " + text(inertia) + " kg m^2 about z",
-		    "Set " + ofBody(id) + ".state.inertia, or block 'Z'");
+		refuseBody(id, text("is free to turn but has the moment of inertia ", inertia, " kg m^2 about z"),
+		    "Set O.bodies[#].state.inertia, or block 'Z'");
 	body.inverseMass[0] = blocked & dofX ? 0 : 1 / mass;
 	body.inverseMass[1] = blocked & dofY ? 0 : 1 / mass;
 	body.inverseMass[2] = blocked & rotZ ? 0 : 1 / inertia;
 	std::fill_n(body.force, 3, 0.);
 	if (!moves && !turns)
 		return;
-	const Vector3r &force = forces.getForce(id), &torque = forces.getTorque(id);
-	if (!allFinite(force, torque)) {
-		mustBeFinite(id, "force", force);
-		mustBeFinite(id, "torque", torque);
-	}
-	setForce(id, body, force, torque, g);
+	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
+	if (inspecting)
+		readPermanentForce(id, force, torque);
+	mustBeFinite(id, "force", force);
+	mustBeFinite(id, "torque", torque);
+	body.force[0] = force[0] + (moves ? mass * gravity[0] : 0);
+	body.force[1] = force[1] + (moves ? mass * gravity[1] : 0);
+	body.force[2] = torque[2];
 }
 
-void SceneLink::setForce(int id, cd::Body& body, const Vector3r& force, const Vector3r& torque, const Vector3r& g) const
+// Which of cd::ShapeKind a shape is, -1: none of them. The address of a shape identifies nothing, because a new shape may get the address of an old
+// one.
+int SceneLink::kindOf(const void* shape)
 {
-	const bool moves = body.inverseMass[0] > 0 || body.inverseMass[1] > 0;
-	const double mass = at<double>(bodies[id].state, layout.state_mass);
-	body.force[0] = force[0] + (moves ? mass * g[0] : 0);
-	body.force[1] = force[1] + (moves ? mass * g[1] : 0);
-	body.force[2] = torque[2];
+	static Kind kinds[] = { { "Sphere", Kind::exactly }, { "Box", Kind::exactly }, { "Wall", Kind::exactly } };
+	const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](Kind& isKind) { return isKind(shape); });
+	return found == std::end(kinds) ? -1 : static_cast<int>(found - kinds);
+}
+
+// Reads class, size and orientation of the shape, any of which may change at any time.
+void SceneLink::readShape(int id, cd::Body& body)
+{
+	KnownBody& known = bodies[id];
+	const int found = kindOf(known.shape);
+	if (found < 0) {
+		// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
+		const std::string name = className(known.shape);
+		if (name == "Clump")
+			refuseBody(id, "is a clump", releaseClump);
+		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
+	}
+	const auto kind = static_cast<cd::ShapeKind>(found);
+	cd::Shape& shape = world.shapes[id];
+	if (shape.kind != kind) {
+		shape = {};
+		shape.kind = kind;
+	}
+	known.boundary = kind != cd::ShapeKind::disk;
+	body.radius = 0;
+	if (kind == cd::ShapeKind::disk)
+		readDisk(id, body);
+	else if (kind == cd::ShapeKind::box)
+		readBox(id, shape);
+	else
+		readWall(id, shape);
+}
+
+void SceneLink::readDisk(int id, cd::Body& body)
+{
+	KnownBody& known = bodies[id];
+	const double z = state_pos(known.state)[2], radius = sphere_radius(known.shape);
+	if (!(radius > 0 && std::isfinite(radius)))
+		refuseBody(id, text("has the radius ", radius, " m"), "Set O.bodies[#].shape.radius to a positive number");
+	if (!(std::abs(z - layer) <= 1e-9 * radius))
+		refuseBody(id, text("has z = ", z, " m but body #", layerId, " has z = ", layer, " m"),
+		    "Put all disks in one plane: set the third component of their state.pos");
+	known.inPlane = true;
+	body.radius = radius;
+}
+
+void SceneLink::readBox(int id, cd::Shape& shape)
+{
+	KnownBody& known = bodies[id];
+	const Vector3r& extents = box_extents(known.shape);
+	if (!extents.allFinite() || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
+		refuseBody(id, text("is a box with the extents ", extents[0], ", ", extents[1], ", ", extents[2], " m"),
+		    "Set O.bodies[#].shape.extents, the halves of its edges, to numbers that are not negative");
+	const auto& q = orientations[id];
+	const double norm = q[2] * q[2] + q[3] * q[3];
+	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
+		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: O.bodies[#].state.ori");
+	if (!(norm > 0.5 && norm < 2))
+		refuseBody(id, "has an orientation that is not a rotation", "Set O.bodies[#].state.ori to a unit quaternion");
+	// A box that the disks' plane does not cut (a front or back wall) is never touched.
+	known.inPlane = layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
+	shape.ex = extents[0];
+	shape.ey = extents[1];
+	orient(id);
+}
+
+// Computes the orientation of a box in the plane.
+void SceneLink::orient(int id)
+{
+	const auto& q = orientations[id];
+	const double norm = q[2] * q[2] + q[3] * q[3];
+	world.shapes[id].cosine = (q[3] * q[3] - q[2] * q[2]) / norm;
+	world.shapes[id].sine = 2 * q[2] * q[3] / norm;
+}
+
+// A wall is as wide as the plane, so it has no point to turn about.
+void SceneLink::readWall(int id, cd::Shape& shape)
+{
+	KnownBody& known = bodies[id];
+	const double spin = state_angVel(known.state)[2];
+	if (spin != 0)
+		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about z"),
+		    "Set O.bodies[#].state.angVel to 0, or use a Box, which can turn");
+	if (!(state_blockedDOFs(known.state) & rotZ))
+		refuseBody(id, "is a wall that is free to turn about z", "Block 'Z' in O.bodies[#].state.blockedDOFs, or use a Box, which can turn");
+	shape.axis = wall_axis(known.shape);
+	shape.sense = wall_sense(known.shape);
+	if (shape.axis < 0 || shape.axis > 2)
+		refuseBody(id, text("is a wall with the axis ", shape.axis),
+		    "Set O.bodies[#].shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
+	if (shape.sense < -1 || shape.sense > 1)
+		refuseBody(id, text("is a wall with the sense ", shape.sense), "Set O.bodies[#].shape.sense to -1, 0 or 1");
+	known.inPlane = shape.axis != 2;
 }
 
 void SceneLink::readFriction(int id, void* mat)
 {
+	static Kind isFrictMat { "FrictMat" };
 	KnownBody& known = bodies[id];
-	if (!mat || !inherits(mat, Base::FrictMat))
-		refuseBody(id, "has a material without friction angle", "Set " + ofBody(id) + ".mat to a FrictMat or a material derived from it");
+	if (!mat || !isFrictMat(mat))
+		refuseBody(id, "has a material without friction angle", "Set O.bodies[#].mat to a FrictMat or a material derived from it");
 	if (const void* const vtable = *static_cast<const void* const*>(mat); vtable != material) {
-		tellOfMaterial(id, className(mat));
 		material = vtable;
+		if (const std::string name = className(mat); name != "FrictMat")
+			tell(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
+			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}
-	const double angle = at<double>(mat, layout.frictMat_frictionAngle);
+	const double angle = frictMat_frictionAngle(mat);
 	if (angle == known.frictionAngle)
 		return;
 	if (!(angle >= 0 && angle < 1.5707963267948966))
-		refuseBody(id, "has the friction angle " + text(angle) + " rad", "Set " + ofBody(id) + ".mat.frictionAngle within [0, pi/2)");
+		refuseBody(id, text("has the friction angle ", angle, " rad"), "Set O.bodies[#].mat.frictionAngle within [0, pi/2)");
 	known.frictionAngle = angle;
-	known.friction = std::tan(angle);
-}
-
-void SceneLink::tellOfMaterial(int id, const std::string& name)
-{
-	if (name != "FrictMat")
-		tell("of a " + name + " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping.",
-		    "(Body #" + std::to_string(id) + " has one.) Use a FrictMat to say so, and `restitution` for bouncing.");
+	world.bodies[id].friction = std::tan(angle);
 }
 
 // Warns if somebody sets the position of a boundary step by step, since no disk sees it come. Once or twice may be a new beginning.
@@ -155,57 +254,50 @@ void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
 	if (bodies[id].placed < often)
 		return;
 	placesBoundaries = true;
-	tell("body #" + std::to_string(id) + " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only.",
-	    "It came by " + text(std::hypot(b.x - x, b.y - y)) + " m since the last step and cuts into what is there. Set " + ofBody(id)
-		+ ".state.vel instead, in an engine before ContactDynamics.");
+	tell(text("body #", id, " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only."),
+	    text("It came by ", std::hypot(b.x - x, b.y - y), " m since the last step and cuts into what is there. Set O.bodies[", id,
+		"].state.vel instead, in an engine before ContactDynamics."));
 }
 
 // Reads all that a step needs to know of a body. Every step looks at all of it, since anybody may have changed it.
-void SceneLink::readBody(int id, const boost::shared_ptr<yade::Body>& owned, yade::ForceContainer& forces, const Vector3r& g)
+void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceContainer& forces)
 {
 	KnownBody& known = bodies[id];
-	char* const body = reinterpret_cast<char*>(owned.get());
-	const bool same = known.exists && isSame(known.identity, owned);
+	const bool same = known.exists && isSame(known.identity, body);
+	if (known.exists && !same)
+		gone.push_back(id);
+	if (!body) {
+		known = KnownBody();
+		world.bodies[id] = cd::Body();
+		world.masks[id] = 0;
+		return;
+	}
 	if (!same)
-		known.identity = owned;
-	known.state = static_cast<char*>(pointer<yade::State>(body, layout.body_state));
-	known.shape = pointer<yade::Shape>(body, layout.body_shape);
-	known.body = body;
+		known.identity = body;
+	known.body = body.get();
+	known.state = body_state(body).get();
+	known.shape = body_shape(body).get();
 	known.exists = true;
 	if (!known.state)
-		refuseBody(id, "has no state", "Give it one: " + ofBody(id) + ".state=State()");
+		refuseBody(id, "has no state", "Give it one: O.bodies[#].state=State()");
 	if (!known.shape)
-		refuseBody(id, "has no shape", "Set " + ofBody(id) + ".shape to a Sphere, Box or Wall, or erase the body");
+		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box or Wall, or erase the body");
 	checkMotion(id);
-	std::copy_n(&at<double>(known.state, layout.state_orientation), 4, orientations[id].data());
+	std::copy_n(&state_ori(known.state), 4, orientations[id].data());
 	readShape(id, world.bodies[id]);
-	readFriction(id, pointer<yade::Material>(body, layout.body_material));
+	readFriction(id, body_material(body).get());
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
-	readMotion(id, world.bodies[id], forces, g);
+	readMotion(id, world.bodies[id], forces);
 	tellOfPlacing(id, same && known.boundary, x, y);
-	world.bodies[id].friction = known.friction;
 	constexpr int bounded = 1; // YADE's bit of Body.flags
-	world.masks[id] = known.inPlane && (at<int>(body, layout.body_flags) & bounded) != 0 ? at<int>(body, layout.body_groupMask) : 0;
+	world.masks[id] = known.inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
 }
 
-// Prefetches the memory lines of a body's objects that a step reads.
-void SceneLink::prefetchBody(const KnownBody& known) const
-{
-	if (!known.exists)
-		return;
-	prefetch(known.body, layout.body_material);
-	prefetch(known.body, layout.body_shape);
-	prefetch(known.shape, 0);
-	prefetch(known.shape, layout.sphere_radius);
-	for (const long member : { layout.state_se3, layout.state_vel, layout.state_angVel, layout.state_inertia, layout.state_blockedDOFs })
-		prefetch(known.state, member);
-}
-
-void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
+void SceneLink::gatherBodies(yade::Scene* scene)
 {
 	constexpr int ahead = 6;
-	auto& container = *at<boost::shared_ptr<yade::BodyContainer>>(scene, layout.scene_bodies);
-	auto& forces = at<yade::ForceContainer>(scene, layout.scene_forces);
+	auto& container = *scene_bodies(scene);
+	auto& forces = scene_forces(scene);
 	findLayer(container);
 	const int count = static_cast<int>(container.size());
 	bool changed = outdated || bodies.size() != container.size();
@@ -221,18 +313,9 @@ void SceneLink::gatherBodies(yade::Scene* scene, const Vector3r& g)
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
-		const boost::shared_ptr<yade::Body>& body = container[id];
-		KnownBody& known = bodies[id];
-		if (known.exists && !isSame(known.identity, body))
-			gone.push_back(id);
+		const KnownBody& known = bodies[id];
 		const bool boundary = known.boundary, inPlane = known.inPlane;
-		if (body)
-			readBody(id, body, forces, g);
-		else {
-			known = KnownBody();
-			world.bodies[id] = cd::Body();
-			world.masks[id] = 0;
-		}
+		readBody(id, container[id], forces);
 		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
 	}
 	outdated = changed || !gone.empty();

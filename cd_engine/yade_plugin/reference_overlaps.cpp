@@ -1,10 +1,58 @@
 // Overlaps that count as touching: what springs have left behind.
 #include "scene_link.hpp"
 
+#include <boost/iterator/counting_iterator.hpp>
+
 #include <algorithm>
 #include <set>
 
 namespace cd_engine {
+namespace {
+
+	// Share of a disk's radius: a larger overlap is not left by springs but is a mistake in the scene (the paper's are 1e-3).
+	constexpr double mostOverlap = 0.2;
+	// Share of a disk's radius: smaller overlaps give no warning.
+	constexpr double visible = 0.01;
+
+} // namespace
+
+std::string SceneLink::behindWall(const cd::Pair& pair) const
+{
+	const cd::Shape& wall = world.shapes[pair.a];
+	const cd::Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
+	if (a.radius > 0 || wall.kind != cd::ShapeKind::wall || wall.sense * (wall.axis == 0 ? b.x - a.x : b.y - a.y) >= 0)
+		return "";
+	return text("body #", pair.b, " is behind Wall #", pair.a, ", which with sense=", wall.sense, " has one side only and is solid behind it. ",
+	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
+}
+
+void SceneLink::takeOverlaps()
+{
+	for (cd::Pair& pair : world.pairs) {
+		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
+		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
+		const double radius = world.bodies[pair.b].radius;
+		const auto what = [&] {
+			return text("bodies #", pair.a, " and #", pair.b, " overlap by ", std::to_string(pair.reference / radius),
+			    " of a radius at the start");
+		};
+		if (!(pair.reference <= mostOverlap * radius)) {
+			const std::string reason = behindWall(pair);
+			throw SceneError(
+			    "ContactDynamics: " + (reason.empty() ? what() + ", more than springs leave behind. Move them apart" : reason));
+		}
+		if (pair.reference > visible * radius && !world.carried[&pair - world.pairs.data()].any() && told.insert("overlap").second)
+			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
+			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
+	}
+}
+
+const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
+{
+	const std::vector<int32_t>& pairs = step.pairs();
+	return world
+	    .pairs[*std::min_element(pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return step.gapOf(world, i) < step.gapOf(world, k); })];
+}
 
 void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 {
@@ -22,51 +70,19 @@ void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 	}
 }
 
-// By bisection: the pairs are sorted by their ids.
-std::size_t ReferenceOverlaps::find(int id1, int id2) const
-{
-	const std::pair<int, int> wanted = std::minmax(id1, id2);
-	std::size_t low = 0, high = overlaps.size();
-	while (low < high) {
-		const std::size_t middle = (low + high) / 2;
-		if (std::make_pair(ids[2 * middle], ids[2 * middle + 1]) < wanted)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low < overlaps.size() && std::make_pair(ids[2 * low], ids[2 * low + 1]) == wanted ? low : overlaps.size();
-}
-
 double ReferenceOverlaps::of(int id1, int id2) const
 {
-	const std::size_t found = find(id1, id2);
-	return found < overlaps.size() ? overlaps[found] : 0;
+	const std::pair<int, int> wanted = std::minmax(id1, id2);
+	const boost::counting_iterator<std::size_t> begin(0), end(overlaps.size());
+	const auto found = std::lower_bound(begin, end, wanted, [this](std::size_t i, const auto& value) { return pair(i) < value; });
+	return found != end && pair(*found) == wanted ? overlaps[*found] : 0;
 }
 
-void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which)
-{
-	for (const int32_t i : which)
-		if (const std::size_t found = find(pairs[i].a, pairs[i].b); found < overlaps.size())
-			overlaps[found] = 0;
-	dropZeros();
-}
-
-void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
-{
-	if (which.empty() || overlaps.empty())
-		return;
-	const std::set<int> bodies(which.begin(), which.end());
-	for (std::size_t i = 0; i < overlaps.size(); i++)
-		if (bodies.count(ids[2 * i]) > 0 || bodies.count(ids[2 * i + 1]) > 0)
-			overlaps[i] = 0;
-	dropZeros();
-}
-
-void ReferenceOverlaps::dropZeros() const
+template <class Condition> void ReferenceOverlaps::forgetIf(const Condition& ended) const
 {
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < overlaps.size(); i++) {
-		if (overlaps[i] == 0)
+		if (ended(pair(i)))
 			continue;
 		ids[2 * kept] = ids[2 * i];
 		ids[2 * kept + 1] = ids[2 * i + 1];
@@ -74,6 +90,26 @@ void ReferenceOverlaps::dropZeros() const
 	}
 	ids.resize(2 * kept);
 	overlaps.resize(kept);
+}
+
+void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
+{
+	std::set<std::pair<int, int>> all;
+	for (const int32_t i : which)
+		all.insert(std::minmax(pairs[i].a, pairs[i].b));
+	auto next = all.begin(); // both lists are sorted
+	forgetIf([&](const std::pair<int, int>& pair) {
+		while (next != all.end() && *next < pair)
+			++next;
+		return next != all.end() && *next == pair;
+	});
+}
+
+void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
+{
+	const std::set<int> all(which.begin(), which.end());
+	if (!all.empty())
+		forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair.first) > 0 || all.count(pair.second) > 0; });
 }
 
 } // namespace cd_engine

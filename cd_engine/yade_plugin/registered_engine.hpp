@@ -1,68 +1,120 @@
 // What makes a C++ class an engine like YADE's own: a base class that derives everything from one list of attributes.
 #pragma once
 
-#include "abi.hpp"
+// The archives come first: CD_ENGINE_REGISTER instantiates one serializer for each archive known by then.
+#include <boost/archive/binary_iarchive.hpp>
+#include <boost/archive/binary_oarchive.hpp>
+#include <boost/archive/xml_iarchive.hpp>
+#include <boost/archive/xml_oarchive.hpp>
+
+#include "../bindings/python.hpp"
+#include "layout.hpp"
 #include "scene_error.hpp"
 
+#include <boost/make_shared.hpp>
+#include <boost/python/raw_function.hpp>
 #include <boost/serialization/base_object.hpp>
+#include <boost/serialization/export.hpp>
 #include <boost/serialization/nvp.hpp>
 #include <boost/serialization/string.hpp>
 #include <boost/serialization/vector.hpp>
 
-#include <limits>
+#include <cmath>
 #include <mutex>
 #include <string>
 #include <vector>
 
-namespace cd_engine {
+// Vector3r in an archive is YADE's: its serializer is the one already instantiated in the process.
+namespace boost {
+namespace serialization {
+	template <class Archive> void serialize(Archive& archive, yade::Vector3r& v, unsigned)
+	{
+		archive& make_nvp("x", v[0]) & make_nvp("y", v[1]) & make_nvp("z", v[2]);
+	}
+}
+}
 
-using yade::Vector3r;
+namespace cd_engine {
 
 // What an attribute is to a user: a setting, a result, or what an engine remembers from step to step. The last kind (internal) is saved like the
 // others, but help(), the inspector and .dict() do not show it. Python reads it with an underscore before its name.
-enum class Access { set, read, internal };
-
-struct Range {
-	double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+struct Access {
+	enum Kind { set, read, remember } kind;
+	double low = -INFINITY, high = INFINITY; // what a setting may be
 	bool openLow = false; // low itself is excluded
+
+	bool allows(double x) const { return x >= low && x <= high && !(openLow && x == low); }
+	// The limits in words; empty if there are none.
+	std::string words() const
+	{
+		if (!std::isfinite(low))
+			return "";
+		return (openLow ? "above " : "at least ") + text(low) + (high < 1e9 ? " and at most " + text(high) : "");
+	}
 };
+constexpr Access setting { Access::set }, result { Access::read }, internal { Access::remember };
+constexpr Access within(double low, double high) { return { Access::set, low, high }; }
+
+// A type as YADE's inspector names it.
+template <class T> inline const char* const typeName = nullptr;
+template <> inline const char* const typeName<double> = "Real";
+template <> inline const char* const typeName<int> = "int";
+template <> inline const char* const typeName<long> = "long";
+template <> inline const char* const typeName<bool> = "bool";
+template <> inline const char* const typeName<std::string> = "string";
+template <> inline const char* const typeName<Vector3r> = "Vector3r";
+template <> inline const char* const typeName<std::vector<int>> = "vector<int>";
+template <> inline const char* const typeName<std::vector<double>> = "vector<Real>";
 
 // An engine E : RegisteredEngine<E> has
 //   name            of the class in YADE
 //   documentation   of the class
-//   attributes(v)   calls v(name, member, Access, Range, documentation) for every attribute, in the order in which a user reads them. Keyword
+//   attributes(v)   calls v(name, member, Access, documentation) for every attribute, in the order in which a user reads them. Keyword
 //                   arguments, .dict(), saving, properties and documentation are all made from this list
 //   checkText(attribute, value)   only if it has attributes of type string that can be set
 //   checkLoaded()   only if there is something to refuse: throws SceneError if a file has left invalid values in the attributes
-//   methods(c)      only if it has functions for Python: defines them on its class c
-// and a line in module.cpp. python_registration.hpp defines the members.
+// and after its definition CD_ENGINE_REGISTER(E).
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
     public:
 	std::string getClassName() const override { return E::name; }
 	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
 	int getBaseClassNumber() const override { return 1; }
-	void pySetAttr(const std::string& key, const boost::python::object& value) override;
-	boost::python::dict pyDict() const override;
-	void callPostLoad() override { GlobalEngine::callPostLoad(); }
-	void pyRegisterClass(boost::python::object scope) override;
-	template <class Class> static void methods(Class&) { }
+	static void checkText(const char*, const std::string&) { }
 	void checkLoaded() const { }
+
+	void pySetAttr(const std::string& key, const py::object& value) override;
+	py::dict pyDict() const override;
+	void pyRegisterClass(py::object scope) override;
+
+	// With YADE's class factory and with Python. CD_ENGINE_REGISTER registers it with Boost.Serialization.
+	static void registerClass()
+	{
+		Singleton<yade::ClassFactory>::instance().registerFactorable(
+		    E::name, []() -> yade::Factorable* { return new E; }, []() -> Shared<yade::Factorable> { return boost::make_shared<E>(); },
+		    []() -> void* { return nullptr; });
+		E().pyRegisterClass(py::import("yade.wrapper"));
+	}
 
 	template <class Archive> void serialize(Archive& archive, unsigned version)
 	{
+		using boost::serialization::make_nvp;
 		if (version == 0)
 			throw SceneError(std::string(E::name)
 			    + ": the scene was saved by a version of this engine that did not yet name its attributes. Build it anew.");
-		// Of E itself: Boost.Serialization learns here how to cast between E and its registered base.
-		E& self = static_cast<E&>(*this);
 		const std::lock_guard<std::mutex> lock(attributesLock);
-		archive& boost::serialization::make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self));
-		checkAttributes(archive);
-		E::attributes([&](const char* name, auto member, Access, const Range&, const char*) {
-			archive& boost::serialization::make_nvp(name, self.*member);
-		});
+		// Of E itself: Boost.Serialization learns here how to cast between E and its registered base.
+		archive& make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self()));
+		// A scene holds the values one after the other. Read into other attributes, they would be nonsense or ask for endless memory.
+		std::string names;
+		E::attributes([&](const char* name, auto, const Access&, const char*) { names += std::string(name) + ' '; });
+		std::string saved = names;
+		archive& make_nvp("attributes", saved);
+		if (saved != names)
+			throw SceneError(std::string(E::name) + ": the scene was saved by another version of this engine, whose attributes were: "
+			    + saved + "\nLoad it with that version, set O.engines = [] and save it again; or build the scene anew.");
+		E::attributes([&](const char* name, auto member, const Access&, const char*) { archive& make_nvp(name, self().*member); });
 		if (Archive::is_loading::value)
-			self.checkLoaded();
+			self().checkLoaded();
 	}
 
 	// Python may read attributes while a run continues in the background, so every read or write of one holds this lock. A thread that holds it
@@ -75,17 +127,146 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	}
 
     private:
-	// A scene holds the values one after the other. Read into other attributes, they would be nonsense or ask for endless memory.
-	template <class Archive> static void checkAttributes(Archive& archive)
+	E& self() { return static_cast<E&>(*this); }
+
+	// Whether `key` is one of the engine's own attributes, which then has this value.
+	bool setOwn(const std::string& key, const py::object& value)
 	{
-		std::string names;
-		E::attributes([&](const char* name, auto, Access, const Range&, const char*) { names += std::string(name) + ' '; });
-		std::string saved = names;
-		archive& boost::serialization::make_nvp("attributes", saved);
-		if (saved != names)
-			throw SceneError(std::string(E::name) + ": the scene was saved by another version of this engine, whose attributes were: "
-			    + saved + "\nLoad it with that version, set O.engines = [] and save it again; or build the scene anew.");
+		bool found = false;
+		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
+			if (key != name || access.kind == Access::remember)
+				return;
+			found = true;
+			const std::string full = std::string(E::name) + "." + key;
+			if (access.kind == Access::read)
+				raise(PyExc_AttributeError, full + " is a result and cannot be set");
+			using T = std::decay_t<decltype(self().*member)>;
+			const py::extract<T> extracted(value);
+			if (!extracted.check())
+				raise(PyExc_TypeError, full + " must be of type " + typeName<T> + ", not " + Py_TYPE(value.ptr())->tp_name);
+			const T checked = extracted();
+			check(name, full, checked, access);
+			const std::lock_guard<std::mutex> lock(attributesLock);
+			self().*member = checked;
+		});
+		return found;
+	}
+
+	// Refuses a value that the attribute cannot have.
+	template <class T> static void check(const char* name, const std::string& full, const T& value, const Access& access)
+	{
+		if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>) {
+			const std::string words = access.words();
+			if (!access.allows(value))
+				raise(PyExc_ValueError,
+				    full + "=" + text(value) + " is out of range: it must be " + (words.empty() ? "a number" : words));
+		} else if constexpr (std::is_same_v<T, std::string>) {
+			E::checkText(name, value);
+		} else if constexpr (std::is_same_v<T, Vector3r>) {
+			if (!value.allFinite())
+				raise(PyExc_ValueError, full + " is not a vector of finite numbers");
+			if (value[2] != 0)
+				raise(PyExc_ValueError, full + " has a component out of the plane; its z must be 0");
+		}
+	}
+
+	// E(name=value, ...): keyword attributes as with every engine of YADE's.
+	static py::object construct(py::tuple arguments, py::dict keywords)
+	{
+		const auto engine = boost::make_shared<E>();
+		if (py::len(arguments) > 1)
+			raise(PyExc_TypeError, std::string(E::name) + " takes keyword arguments only, for instance " + E::name + "(label='name')");
+		if (py::len(keywords) > 0) {
+			engine->pyUpdateAttrs(keywords);
+			engine->callPostLoad();
+		}
+		return py::object(arguments[0]).attr("__init__")(engine);
+	}
+
+	// engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
+	static void setAttribute(const py::object& python, const std::string& name, const py::object& value)
+	{
+		const py::object type = python.attr("__class__"), own = py::import("yade.wrapper").attr(E::name);
+		// A class derived in Python may have attributes of its own.
+		if (type.ptr() == own.ptr() && PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
+			const py::object near = py::import("difflib").attr("get_close_matches")(name, py::import("builtins").attr("dir")(type), 1);
+			const std::string hint = py::len(near) ? "; did you mean " + std::string(py::extract<std::string>(near[0])) + "?" : "";
+			raise(PyExc_AttributeError, std::string(E::name) + " has no attribute '" + name + "'" + hint);
+		}
+		py::import("builtins").attr("object").attr("__setattr__")(python, name, value);
+	}
+
+	// Documentation of an attribute in the form YADE's inspector and manual read.
+	template <class T> static std::string attributeText(const T& initial, const Access& access, const char* text)
+	{
+		const std::string value = py::extract<std::string>(py::str(py::object(initial))), words = access.words();
+		return text + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + value + "` :yattrtype:`"
+		    + typeName<T> + "` :yattrflags:`" + (access.kind == Access::read ? "2" : "0") + "` ";
+	}
+
+	// Documentation of the class: what it is, then the names of its settings and of its results. help() itself lists them alphabetically.
+	static std::string classText()
+	{
+		std::string settings, results;
+		E::attributes([&](const char* name, auto, const Access& access, const char*) {
+			std::string& names = access.kind == Access::set ? settings : results;
+			if (access.kind != Access::remember)
+				names += (names.empty() ? "" : ", ") + std::string(name);
+		});
+		return std::string(E::documentation) + (settings.empty() ? "" : "\n\nTo set: " + settings) + "\n\nTo read after a step: " + results;
 	}
 };
 
+// Not in the class, where they would be inline: a file that does not define the attributes has them from another (extern template).
+template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, const py::object& value)
+{
+	if (!setOwn(key, value))
+		GlobalEngine::pySetAttr(key, value);
+}
+
+template <class E> py::dict RegisteredEngine<E>::pyDict() const
+{
+	py::dict all;
+	E::attributes([&](const char* name, auto member, const Access& access, const char*) {
+		if (access.kind != Access::remember)
+			all[name] = read(member);
+	});
+	all.update(pyDictCustom());
+	all.update(GlobalEngine::pyDict());
+	return all;
+}
+
+template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
+{
+	checkPyClassRegistersItself(E::name);
+	const py::scope inside(scope);
+	py::docstring_options options;
+	options.disable_signatures();
+	py::class_<E, Shared<E>, py::bases<yade::GlobalEngine>, boost::noncopyable> cls(E::name, classText().c_str());
+	cls.def("__init__", py::raw_function(construct, 1));
+	cls.def("__init__", py::make_constructor(+[](const Shared<E>& e) { return e; }));
+	cls.def("__setattr__", setAttribute);
+	E::attributes([&](const char* name, auto member, const Access& access, const char* text) {
+		using T = std::decay_t<decltype(self().*member)>;
+		const py::object getter = py::make_function(
+		    [member](const E& engine) { return engine.read(member); }, py::default_call_policies(), boost::mpl::vector2<T, const E&>());
+		const auto set = [name](RegisteredEngine& engine, const py::object& value) { engine.setOwn(name, value); };
+		const py::object setter = py::make_function(set, py::default_call_policies(), boost::mpl::vector3<void, E&, const py::object&>());
+		const std::string doc = attributeText(self().*member, access, text);
+		if (access.kind == Access::set)
+			cls.add_property(name, getter, setter, doc.c_str());
+		else
+			cls.add_property(((access.kind == Access::remember ? "_" : "") + std::string(name)).c_str(), getter, doc.c_str());
+	});
+}
+
+// What registers each of the plug-in's engines; called when the module is filled.
+inline std::vector<void (*)()> registrations;
+
 } // namespace cd_engine
+
+// Version 1 of a saved engine begins with the names of its attributes. At the end of the engine's file, outside of any namespace.
+#define CD_ENGINE_REGISTER(E)                                                                                                                        \
+	BOOST_CLASS_VERSION(cd_engine::E, 1)                                                                                                         \
+	BOOST_CLASS_EXPORT(cd_engine::E)                                                                                                             \
+	[[maybe_unused]] static const auto& registered = cd_engine::registrations.emplace_back(cd_engine::E::registerClass);

@@ -12,21 +12,22 @@ class SceneError : public std::runtime_error {
 	using std::runtime_error::runtime_error;
 };
 
-inline std::string ofBody(int id) { return "O.bodies[" + std::to_string(id) + "]"; }
-
-[[noreturn]] inline void refuseBody(int id, const std::string& what, const std::string& remedy)
+// All parts in a row, numbers as C++ prints them by default.
+template <class... Parts> std::string text(const Parts&... parts)
 {
-	throw SceneError("ContactDynamics: body #" + std::to_string(id) + " " + what + ". " + remedy);
+	std::ostringstream s;
+	(s << ... << parts);
+	return s.str();
+}
+
+// In the remedy a # in square brackets stands for the id: "O.bodies[#]".
+[[noreturn]] inline void refuseBody(int id, const std::string& what, std::string remedy)
+{
+	for (std::size_t at; (at = remedy.find("[#]")) != std::string::npos;)
+		remedy.replace(at + 1, 1, std::to_string(id));
+	throw SceneError(text("ContactDynamics: body #", id, " ", what, ". ", remedy));
 }
 
 inline const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";
-
-// A number as C++ prints it by default.
-inline std::string text(double x)
-{
-	std::ostringstream s;
-	s << x;
-	return s.str();
-}
 
 } // namespace cd_engine

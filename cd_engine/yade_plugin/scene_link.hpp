@@ -11,8 +11,6 @@
 #include <boost/weak_ptr.hpp>
 
 #include <array>
-#include <cstdint>
-#include <limits>
 #include <mutex>
 #include <set>
 #include <string>
@@ -20,13 +18,8 @@
 
 namespace cd_engine {
 
-using yade::Vector3r;
-
 // Bits of State.blockedDOFs.
 constexpr unsigned dofX = 1, dofY = 2, dofZ = 4, rotX = 8, rotY = 16, rotZ = 32;
-
-// The class of a shape or a material.
-inline std::string className(const void* serializable) { return static_cast<const yade::Serializable*>(serializable)->getClassName(); }
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
@@ -34,12 +27,12 @@ struct ReferenceOverlaps {
 	std::vector<double>& overlaps;
 
 	double of(int id1, int id2) const; // 0 if the pair has none
-	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which);
+	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which) const;
 	void forgetBodies(const std::vector<int>& ids) const;
 
     private:
-	std::size_t find(int id1, int id2) const; // overlaps.size() if the pair has none
-	void dropZeros() const;
+	std::pair<int, int> pair(std::size_t i) const { return { ids[2 * i], ids[2 * i + 1] }; }
+	template <class Condition> void forgetIf(const Condition&) const;
 };
 
 // What the engine keeps about the pairs from step to step, and saves.
@@ -47,6 +40,29 @@ struct Memory {
 	ReferenceOverlaps overlaps;
 	cd::SpaceOrder order;
 	std::mutex& lock; // held while they change, since other threads may read them
+};
+
+// A body of this step. Its addresses are valid in this step only. Before the next step reads them again, it only prefetches from them.
+struct KnownBody {
+	boost::weak_ptr<yade::Body> identity;
+	void *body = nullptr, *shape = nullptr, *state = nullptr;
+	bool exists = false;
+	bool inPlane = false; // in the plane of the disks: takes part in contacts
+	bool boundary = false;
+	int placed = 0; // number of steps in a row before which somebody has set its position
+	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
+};
+void prefetchBody(const KnownBody&);
+
+// The objects of an interaction that hold the force of its contact.
+struct Forces {
+	void *geom, *phys; // null: none, or of a class that cannot hold a contact's force
+	bool any; // whether there is any object at all
+};
+// The same objects, owned.
+struct Spare {
+	Shared<yade::IGeom> geom;
+	Shared<yade::IPhys> phys;
 };
 
 class SceneLink {
@@ -80,65 +96,35 @@ class SceneLink {
 	bool boundariesPlaced() const { return placesBoundaries; }
 	// The pair that overlapped most in a step, beyond its reference overlap. The step must have had contacts.
 	const cd::Pair& deepest(const cd::TimeStep&) const;
-	// Whether it is a disk behind a Wall that has only one side, and a sentence for the user that says so.
-	bool isBehind(const cd::Pair&) const;
-	std::string tellBehind(const cd::Pair&) const;
+	// If it is a disk behind a Wall that has only one side: a sentence for the user that says so. Else empty.
+	std::string behindWall(const cd::Pair&) const;
 
 	// Prints a warning once.
 	void tell(const std::string& what, const std::string& remedy);
 
     private:
-	// A body of this step. Its addresses are valid in this step only. Before the next step reads them again, it only prefetches from them.
-	struct KnownBody {
-		boost::weak_ptr<yade::Body> identity;
-		void *body = nullptr, *shape = nullptr;
-		char* state = nullptr;
-		bool exists = false;
-		bool inPlane = false; // in the plane of the disks: takes part in contacts
-		bool boundary = false;
-		int placed = 0; // number of steps in a row before which somebody has set its position
-		double frictionAngle = 0, friction = 0; // [rad] and its tangent
-	};
-
-	struct Spare {
-		boost::shared_ptr<yade::IGeom> geom;
-		boost::shared_ptr<yade::IPhys> phys;
-	};
-	struct Forces {
-		void *geom, *phys; // null: none, or of a class that cannot hold a contact's force
-		bool any; // whether there is any object at all
-	};
 	void checkScene(yade::Scene*, double dt);
-	void gatherBodies(yade::Scene*, const Vector3r& gravity);
-	void prefetchBody(const KnownBody&) const;
+	void gatherBodies(yade::Scene*);
 	void findLayer(yade::BodyContainer&);
-	int kindOf(const void* shape);
-	void readBody(int id, const boost::shared_ptr<yade::Body>&, yade::ForceContainer&, const Vector3r& gravity);
+	static int kindOf(const void* shape);
+	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&);
 	void checkMotion(int id);
 	void readShape(int id, cd::Body&);
 	void readDisk(int id, cd::Body&);
 	void readBox(int id, cd::Shape&);
 	void readWall(int id, cd::Shape&);
 	void readFriction(int id, void* mat);
-	void tellOfMaterial(int id, const std::string& name);
-	void tellOfFall(int upper, int lower);
 	void tellOfPlacing(int id, bool same, double x, double y);
-	void readMotion(int id, cd::Body&, yade::ForceContainer&, const Vector3r& gravity) const;
-	void setForce(int id, cd::Body&, const Vector3r& force, const Vector3r& torque, const Vector3r& gravity) const;
-	void findPairs();
+	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
-	bool listUnchanged(yade::InteractionContainer*) const;
 	void tellOfFalls();
 	void keepPairs();
-	void takePairs(yade::InteractionContainer*, const std::vector<int>& rank);
+	void takePairs(yade::Scene*, const std::vector<int>& rank);
 	void forget(yade::Interaction*) const;
 	void turn(std::size_t pair) const;
 	void listPairs(const Memory&, bool all);
 	bool readForces(cd::Sleepers*);
-	cd::Carried carriedIn(const Forces&) const;
 	void setFriction(cd::Threads*);
-	void findForces(std::size_t pair);
-	bool checkForces(std::size_t pair);
 	void recycle(Spare&&);
 	Spare takeSpare();
 	void makeReal(std::size_t pair);
@@ -148,15 +134,13 @@ class SceneLink {
 	void insert(yade::InteractionContainer&, std::size_t pair);
 	void eraseParted(yade::Scene*);
 	void writeContact(std::size_t pair, const cd::Touch&);
-	void prefetchContact(const Forces&) const;
 	void writeMotion(std::size_t id);
 
-	std::array<const void*, 3> vtables {}; // of the classes of shapes that have been met
 	const void* material = nullptr; // vtable of the class of the material that was last told of
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
-	std::vector<boost::shared_ptr<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
+	std::vector<Shared<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearch search;
 	cd::PairOrder order;
 	std::vector<cd::NearPair> pairs, before; // pairs: those of world.pairs; before: scratch

@@ -1,19 +1,27 @@
 // Who waits for a run, who has paused it, and what has ended it. cd_engine/run_hooks.py calls these functions.
 #pragma once
 
+#include <atomic>
+#include <mutex>
 #include <string>
+#include <utility>
 
 namespace cd_engine {
 
+inline std::atomic<int> waiting { 0 };
+inline std::atomic<bool> paused { false };
+
 // Whether somebody waits for the run to end: O.run(n, True) or O.wait(). Meanwhile only the scene's engines look at the scene.
-bool awaited();
-void waitBegins();
-void waitEnds();
-// Another thread has paused the run. Until the next run begins, whoever looks at the scene must see the last step.
-void pauseBegins();
-void runBegins();
-// YADE forgets the error of a run that has ended before somebody begins to wait for it. So it is kept here until it is taken or the next run begins.
-void keepError(const std::string&);
-std::string takeError(); // empty: there is none
+inline bool awaited() { return waiting > 0 && !paused; }
+
+// Returns what ended the last run, empty if nothing did or somebody has taken it, and keeps `next` in its place. YADE forgets the error of a run
+// that has ended before somebody begins to wait for it.
+inline std::string exchangeError(const std::string& next)
+{
+	static std::mutex lock;
+	static std::string error;
+	const std::lock_guard<std::mutex> held(lock);
+	return std::exchange(error, next);
+}
 
 } // namespace cd_engine

@@ -1,0 +1,64 @@
+// Assembles the problem of the next step for cd_engine/core/export.py.
+#include "../bindings/python.hpp"
+#include "../core/delassus_system.hpp"
+#include "contact_dynamics.hpp"
+
+namespace cd_engine {
+namespace {
+
+	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
+	py::tuple bodyArrays(const cd::ContactSystem& system)
+	{
+		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
+		std::vector<int32_t> pairs;
+		for (const cd::BodyVelocity& b : system.bodies) {
+			masses.insert(masses.end(), b.w, b.w + 3);
+			velocities.insert(velocities.end(), b.v, b.v + 3);
+		}
+		for (const int32_t row : cd::solvableRows(system)) {
+			const cd::ContactRow& c = system.contacts[row];
+			pairs.insert(pairs.end(), { c.a, c.b });
+			normals.insert(normals.end(), { c.nx, c.ny });
+			arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
+			bias.push_back(c.bias);
+			mu.push_back(c.mu);
+			impulses.insert(impulses.end(), { c.pn, c.pt });
+		}
+		return py::make_tuple(
+		    bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
+	}
+
+} // namespace
+
+py::tuple ContactDynamics::nextProblem(bool bodies)
+{
+	std::unique_lock<std::mutex> betweenSteps(stepping, std::defer_lock);
+	{
+		const WithoutInterpreterLock unlocked; // the step that runs now may need it
+		betweenSteps.lock();
+	}
+	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
+	// Whatever has a memory is a copy here: this engine and the scene do not change.
+	const cd::StepSettings settings = this->settings(now);
+	std::mutex alone;
+	std::vector<int> ids = referenceIds, order = bodyOrder;
+	std::vector<double> overlaps = referenceOverlaps;
+	double length = bodyOrderLength;
+	SceneLink look;
+	look.world.apart = others.maskApart();
+	look.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
+	if (handover)
+		look.takeOverlaps();
+	cd::TimeStep next;
+	const cd::ContactSystem& system = next.assemble(look.world, settings);
+	if (bodies)
+		return bodyArrays(system);
+	const cd::DelassusSystem problem = cd::assembleDelassus(system);
+	std::vector<int> pairs;
+	for (const int32_t row : cd::solvableRows(system)) {
+		pairs.insert(pairs.end(), { system.contacts[row].a, system.contacts[row].b });
+	}
+	return py::make_tuple(bytes(problem.start), bytes(problem.column), bytes(problem.blocks), bytes(problem.q), bytes(problem.mu), bytes(pairs));
+}
+
+} // namespace cd_engine

@@ -1,0 +1,122 @@
+// What the engine tells the user of a step, once a run.
+#include "contact_dynamics.hpp"
+
+#include <algorithm>
+#include <iostream>
+
+namespace cd_engine {
+namespace {
+
+	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
+	constexpr double deep = 0.01;
+	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
+	constexpr double far = 4; // radii that a disk may move in a step without a warning
+
+} // namespace
+
+// Describes why a step is not solved, and what to do.
+std::string ContactDynamics::unsolved() const
+{
+	const std::string begin
+	    = text("ContactDynamics: step ", scene_iter(scene), " is not solved (", status, " after ", iterations, " iterations): ");
+	if (!unsolvableContact.empty())
+		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
+		    " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
+		    "be "
+		    "trusted.");
+	return text(begin, "the contact law is missed by ", residual, " of all impulses",
+	    worstBody < 0 ? "" : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, " of what acts on it"),
+	    "; the tolerance is ", tolerance, ". ",
+	    status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance", ", or take a smaller O.dt.");
+}
+
+// Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).
+void ContactDynamics::warn()
+{
+	if (stopUnsolved) {
+		if (link.ahead())
+			link.publish(scene, step);
+		throw SceneError(unsolved() + " (stopUnsolved is set; the step has been made)");
+	}
+	if (warned)
+		return;
+	warned = true;
+	toldOfUnsolvable = !unsolvableContact.empty();
+	std::cerr << unsolved() << " Further such steps are counted in unconvergedSteps.\n";
+}
+
+// Prints one line a run, for the first body that leaves the scene.
+void ContactDynamics::tellOfLost()
+{
+	const int id = toldOfLost ? -1 : link.pairSearch().lost(link.world);
+	if (id < 0)
+		return;
+	toldOfLost = true;
+	const cd::Body& body = link.world.bodies[id];
+	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left all others far behind: it is at (" << body.x
+		  << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
+		  << ")) or give the scene a boundary that holds it. Others that do so are not named.\n";
+}
+
+// Prints one line a run if a disk with neighbours moves so far in a step that it may jump over a body that it would have met.
+void ContactDynamics::tellOfSpeed(double dt)
+{
+	if (toldOfSpeed || !(link.pairSearch().longestWay() > far))
+		return;
+	const auto& bodies = link.world.bodies;
+	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
+	const auto meets = [&](const cd::Pair& pair) { return tooFar(bodies[pair.a]) || tooFar(bodies[pair.b]); };
+	const auto near = std::find_if(link.world.pairs.begin(), link.world.pairs.end(), meets);
+	if (near == link.world.pairs.end())
+		return;
+	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
+	toldOfSpeed = true;
+	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves "
+		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " of its radii in a step, which is rough. O.dt is " << dt
+		  << " s; cd_engine.timeStep() proposes one. Others that do so are not named.\n";
+}
+
+// Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
+// carried; fixedIterations demand no error; small errors add up; and a step may be too long for the speed or rotation of the bodies.
+void ContactDynamics::watchPenetration(double before) const
+{
+	const double smallest = cd::smallestRadius(link.world);
+	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
+		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
+	const cd::Pair& deepest = link.deepest(step);
+	std::string remedy;
+	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
+	const double way = 2 * link.pairSearch().longestWay() * smallest; // that two bodies can approach each other in the step
+	if (const std::string behind = link.behindWall(deepest); atOnce && maxPenetration - before > way && !behind.empty())
+		remedy = "No speed explains it: " + behind;
+	else if (atOnce && maxPenetration - before > way)
+		remedy = std::string("No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start "
+				     "(handover=False). Move them apart")
+		    + (gapCorrection == 0 && maxPenetration < smallest ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
+	else if (atOnce && restitution > 0)
+		remedy
+		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
+		      "its speed times O.dt until then. Take a smaller O.dt";
+	else if (atOnce && misses)
+		remedy = "It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt "
+			 "(cd_engine.timeStep() proposes one), or raise maxIterations or fixedIterations";
+	else if (atOnce)
+		remedy = "It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt (cd_engine.timeStep() "
+			 "proposes one)";
+	else if (misses)
+		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
+	else if (tolerance > loose)
+		remedy = "It grew step by step by what the tolerance leaves: lower it to 1e-4 or less";
+	else if (gapCorrection == 0)
+		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
+			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
+	else
+		remedy
+		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
+		      "of their masses less) or take a smaller O.dt";
+	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
+		  << maxPenetration << " m, " << maxPenetration / smallest << " of the smallest radius, and more than when they were taken over. "
+		  << remedy << ". deepestPenetration tells how far it goes.\n";
+}
+
+} // namespace cd_engine
