@@ -14,7 +14,8 @@ import sys
 from . import run_hooks
 from .proposed_step import timeStep
 
-__all__ = ["ContactDynamics", "DashpotWork", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
+ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear")
+__all__ = [*ENGINES, "TESTED", "engines", "methods", "release", "timeStep"]
 
 # Versions of YADE that all tests were run with, by the Debian that packages them. What decides is the binary interface, which the compiled
 # module compares with the running YADE: any other version that passes runs, too, and says that nobody has tested it.
@@ -46,6 +47,7 @@ def _plugin():
         print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
               file=sys.stderr)
     _report_at_exit()
+    _refuse_unknown_names()
     run_hooks.install(module)
     return module
 
@@ -67,7 +69,7 @@ def _report_at_exit():
 
 
 def __getattr__(name):
-    if name in ("ContactDynamics", "DashpotWork", "PathIndependentShear"):
+    if name in ENGINES:
         _plugin()
         from yade import wrapper
         return getattr(wrapper, name)
@@ -87,7 +89,6 @@ def engines(**settings):
     """
     _plugin()
     from yade import wrapper as w
-    _check_names(settings, w.ContactDynamics)
     _let_colliders_begin()
     return [
         w.ForceResetter(),
@@ -97,8 +98,25 @@ def engines(**settings):
     ]
 
 
+def _refuse_unknown_names():
+    """Have the engines' constructors suggest names that are near an unknown one; YADE says only that there is no such attribute."""
+    from yade import wrapper
+
+    def check_in(engine):
+        made = engine.__init__
+
+        def __init__(self, *arguments, **settings):
+            _check_names(settings, engine)
+            made(self, *arguments, **settings)
+
+        engine.__init__ = __init__
+
+    for name in ENGINES:
+        check_in(getattr(wrapper, name))
+
+
 def _check_names(settings, engine):
-    """AttributeError with the names that are near, where an engine has no attribute of a name; YADE says only that there is none."""
+    """Raise AttributeError, with the names that are near, for a name that is no attribute of an engine."""
     import difflib
     for name in settings:
         if hasattr(engine, name):
@@ -107,7 +125,7 @@ def _check_names(settings, engine):
         friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
         remedy = {"damping": "Rigid contacts have no damping; see restitution.", "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
                   "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
-        raise AttributeError(f"ContactDynamics has no attribute {name!r}. {remedy or 'help(cd_engine.ContactDynamics) lists them.'}")
+        raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")
 
 
 def _let_colliders_begin():

@@ -1,5 +1,6 @@
 """Proposes a time step from the bodies in the scene."""
 import math
+import numbers
 
 SHARE = 0.25
 UPRIGHT = 1e-6  # sine of the angle up to which rounding may tilt an upright face
@@ -25,14 +26,17 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     Raises ValueError if no disk may move, if no speed is known, or if an argument is out of range. At h = 0.5 m and R = 5 mm it gives 0.4 ms.
     """
     from yade import O
-    if not (math.isfinite(share) and share > 0):
-        raise ValueError(f"timeStep: share={share} is out of range: it must be above 0")
-    if speed is not None and not (math.isfinite(speed) and speed >= 0):
-        raise ValueError(f"timeStep: speed={speed} m/s is out of range: it must be at least 0")
+    if not (_is_finite(share) and share > 0):
+        raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
+    if speed is not None and not (_is_finite(speed) and speed >= 0):
+        raise ValueError(f"timeStep: speed={speed!r} m/s is out of range: it must be a number, at least 0")
     down = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), (0, 0, 0)) if gravity is None else gravity
-    g = math.hypot(*down)
+    try:
+        g = math.hypot(*down)
+    except TypeError:
+        g = math.nan
     if not math.isfinite(g):
-        raise ValueError(f"timeStep: gravity={tuple(down)} is not a vector of finite numbers")
+        raise ValueError(f"timeStep: gravity={down!r} is not a vector of finite numbers, such as (0, -9.81, 0)")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
     if not movable:
         raise ValueError("timeStep: no disk in the scene may move. Append the disks first")
@@ -44,6 +48,10 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     if not times:
         raise ValueError("timeStep: nothing moves and there is no gravity, so no speed can be estimated. Give one: timeStep(speed=0.1), in m/s")
     return share * min(times)
+
+
+def _is_finite(value):
+    return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
 def _speed(body):
