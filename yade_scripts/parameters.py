@@ -40,6 +40,9 @@ class Parameter:
     prepare: bool = False
     method: str | None = None
 
+    def __post_init__(self):
+        self.check(self.default)
+
     def allowed(self):
         """Return the allowed values in words."""
         if self.choices:
