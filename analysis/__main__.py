@@ -74,7 +74,7 @@ def _study(options):
         return make_study.run(names, options.full, options.results, figures, options.jobs)
     left = publish.publish_all(names, figures, options.results, options.full)
     for name in names:
-        print(f"analysis study: {name}: {left[name]}" if name in left else (figures / f"{name}.png").resolve(), file=sys.stderr if name in left else sys.stdout)
+        print(f"analysis study: {left[name]}" if name in left else (figures / f"{name}.png").resolve(), file=sys.stderr if name in left else sys.stdout)
     return commands.MISTAKE if len(left) == len(names) else 0
 
 
@@ -88,8 +88,8 @@ def _charts(options):
     from analysis import charts
     folder = Path(options.output or _folder(options) / charts.FOLDER)
     left = charts.publish_all(options.results, folder, options.full)
-    for name, reason in left.items():
-        print(f"analysis charts: {name}: {reason}", file=sys.stderr)
+    for message in left.values():
+        print(f"analysis charts: {message}", file=sys.stderr)
     print("\n".join(str(path.resolve()) for path in sorted(folder.glob("*.png"))))
     return commands.MISTAKE if len(left) == len(charts.ORDER) else 0
 
@@ -99,9 +99,9 @@ def _report(options):
     from analysis import charts, publish, report, studies
     folder = Path(options.published or _folder(options))
     if not options.published:
-        for name, reason in (publish.publish_all(studies.names(), folder, options.results, options.full)
-                             | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).items():
-            print(f"analysis report: {name}: {reason}", file=sys.stderr)
+        for message in (publish.publish_all(studies.names(), folder, options.results, options.full)
+                             | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
+            print(f"analysis report: {message}", file=sys.stderr)
     print(report.build(folder, options.output or FIGURES / "report.html").resolve())
 
 

@@ -121,11 +121,11 @@ def _split(rows):
 
 
 def publish_all(names, folder, results, full):
-    """Publish studies; {name: reason} of those that have no finished run."""
+    """Publish studies. Return {name: message} of those that have no finished run."""
     left = {}
     for name in names:
         try:
             publish(studies.collect(name, results, full), folder)
         except ResultError as error:
-            left[name] = error.what
+            left[name] = str(error)
     return left

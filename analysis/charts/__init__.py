@@ -24,7 +24,7 @@ def module(name):
 
 
 def publish_all(results, folder, full):
-    """Publish every chart that has measurements; {name: reason} of those that have none."""
+    """Publish every chart that has measurements. Return {name: message} of those that have none."""
     from analysis.charts import maps, table
     folder, left = Path(folder), {}
     folder.mkdir(parents=True, exist_ok=True)
@@ -34,14 +34,14 @@ def publish_all(results, folder, full):
             if len(rows := module(name).rows(settings)):
                 _publish(name, rows, folder, origin)
             else:
-                left[name] = "no scene was measured by both methods or at several sizes"
+                left[name] = f"{name}: no scene was measured by both methods or at several sizes"
     except ResultError as error:
-        left |= dict.fromkeys(ORDER[:-1], error.what)
+        left |= {name: f"{name}: {error}" for name in ORDER[:-1]}
     try:
         found, origin = maps.measured(results, full)
         _publish("maps", found, folder, origin)
     except ResultError as error:
-        left["maps"] = error.what
+        left["maps"] = f"maps: {error}"
     return left
 
 

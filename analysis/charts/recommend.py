@@ -57,7 +57,7 @@ def _line(row, rows_of_scene):
     confirmed = choice.finer(row, rows_of_scene)
     sure = f"{confirmed} finer settings agree" if confirmed > 1 else "one finer setting agrees" if confirmed else "the finest that was tried, so nothing confirms it"
     return (f"  {row.method}: {row.series}, {row.setting}: expected error {row.error:.2g}, {row.seconds:.2g} s for {row.steps:.0f} steps "
-            f"of {row.disks:.0f} disks ({sure})")
+            f"of {row.disks:.0f} disk{'' if row.disks == 1 else 's'} ({sure})")
 
 
 def by_kind(accuracy):
@@ -68,6 +68,7 @@ def by_kind(accuracy):
         first = min(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()), default="no setting reaches it")
         lines.append(f"{kind} ({own.scene.nunique()} scenes), accuracy {accuracy:g}: {first}")
         for method, (series, solved, left) in chosen.items():
+            times = dict.fromkeys(f"{seconds:.2g}" for seconds in (solved.seconds.min(), solved.seconds.max()))
             lines.append(f"  {method}: {series}, {' or '.join(solved.setting.unique())}: error up to {solved.error.max():.2g}, "
-                         f"{solved.seconds.min():.2g} to {solved.seconds.max():.2g} s" + (f"; not {', '.join(left)}" if left else ""))
+                         f"{' to '.join(times)} s" + (f"; not reached in {', '.join(left)}" if left else ""))
     return lines

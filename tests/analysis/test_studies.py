@@ -121,7 +121,7 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
 
 def test_nothing_finished_is_a_mistake(tmp_path, capsys):
     assert main(["study", "fig4", "--results", str(tmp_path), "-o", str(tmp_path / "out")]) == 2
-    assert "no run has finished (the first: not run yet)" in capsys.readouterr().err
+    assert "fig4: no run has finished (the first: not run yet); make them: make study STUDY=fig4" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
