@@ -5,9 +5,9 @@ Inside YADE (a script, a batch job, the console):
     import cd_engine
     O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
 
-`ContactDynamics` is a class registered in YADE itself (C++); its attributes, units and ranges are in `help(cd_engine.ContactDynamics)`.
-Two more serve the springs of Molecular Dynamics, right behind InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
-what their dashpots dissipate. Import this module before `O.load` of a scene that contains one of them.
+`ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are for
+the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums the
+energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three.
 """
 import sys
 
@@ -17,13 +17,13 @@ from .proposed_step import timeStep
 ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear")
 __all__ = [*ENGINES, "TESTED", "engines", "methods", "release", "timeStep"]
 
-# Versions of YADE that all tests were run with, by the Debian that packages them. What decides is the binary interface, which the compiled
-# module compares with the running YADE: any other version that passes runs, too, and says that nobody has tested it.
+# Versions of YADE that all tests were run with, and the Debian that packages them. The compiled module checks the binary interface of the running
+# YADE. Any other version that passes this check runs, too, with a message that nobody has tested it.
 TESTED = {"2023.02a": "12", "2025.2.0": "13", "2026.1.0": "testing"}
 
 
 def _plugin():
-    """The compiled module, loaded once; ImportError with the remedy where it cannot be."""
+    """Return the compiled module, loaded once. Raise ImportError, with the remedy, if it cannot be loaded."""
     name = __name__ + "._yade_plugin"
     if name in sys.modules:
         return sys.modules[name]
@@ -57,7 +57,7 @@ def _tested():
 
 
 def _report_at_exit():
-    """Say at the end of the process how many steps missed their tolerance; the engine itself warns at the first one only."""
+    """Print at the end of the process how many steps missed their tolerance; the engine itself warns only at the first one."""
     import atexit
     import yade
 
@@ -77,15 +77,15 @@ def __getattr__(name):
 
 
 def methods():
-    """Names of the contact solvers that `ContactDynamics.method` accepts."""
+    """Return the names of the contact solvers that `ContactDynamics.method` accepts."""
     return list(_plugin().methods())
 
 
 def engines(**settings):
-    """The list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
+    """Return the list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
-    settings: attributes of `ContactDynamics`. Engines that push bodies (ForceEngine, PyRunner) go in front of the last.
-    ContactDynamics finds the pairs that may touch itself. The collider is there for springs and for YADE's tools; it rests during a run.
+    settings: attributes of `ContactDynamics`. Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
+    ContactDynamics itself finds the pairs that may touch. The collider is for springs and for YADE's tools; it does nothing during a run.
     """
     _plugin()
     from yade import wrapper as w
@@ -129,22 +129,22 @@ def _check_names(settings, engine):
 
 
 def _let_colliders_begin():
-    """Have YADE list its bodies anew, which a new collider waits for.
+    """Mark YADE's list of bodies as outdated, so that a new collider reads it.
 
-    Where a body has been erased after an earlier collider ran, a new one never lists the bodies, and so never finds a pair that it has not been
-    left: InsertionSortCollider.numReinit stays 0 (YADE 2023.02a to 2026.1.0, with springs as well).
+    If a body was erased after an earlier collider had run, a new collider never reads the list and finds no new pair:
+    InsertionSortCollider.numReinit stays 0 (YADE 2023.02a to 2026.1.0, with springs as well).
     """
     from yade import O
     if O.bodies.enableRedirection:
         O.bodies.enableRedirection = False
-        O.bodies.enableRedirection = True  # setting it is what marks the list as outdated
+        O.bodies.enableRedirection = True  # setting it marks the list as outdated
 
 
 def release():
-    """Forget the contacts that Contact Dynamics made, so that springs can take the scene over.
+    """Remove the contacts that Contact Dynamics made, so that the scene can go on with springs.
 
-    Their FrictPhys has no stiffness, and YADE's Ip2 functors make none where one exists. Call it before setting the engines of the
-    springs, and give those a collider of their own, which finds the contacts anew.
+    These contacts have a FrictPhys without stiffness, which YADE's Ip2 functors would not replace. Call this function before you set the engines of the
+    springs. Give these engines a collider of their own, which finds the contacts again.
     """
     _plugin()
     _let_colliders_begin()
@@ -159,4 +159,4 @@ if "yade" in sys.modules:
     try:
         _plugin()
     except ImportError:
-        pass  # whoever asks for an engine is told why there is none; cd_engine.core serves without
+        pass  # the error comes when an engine is used; cd_engine.core works without the plug-in

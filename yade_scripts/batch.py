@@ -85,7 +85,7 @@ def main(arguments=None):
     try:
         return 1 if work_off(jobs, options.jobs) else 0
     except OSError as error:
-        print(f"batch: {error}: what has finished is kept; make room, and the same command goes on.", file=sys.stderr)
+        print(f"batch: {error}: finished runs are kept; free some space and give the same command again.", file=sys.stderr)
         return 1
 
 

@@ -1,4 +1,4 @@
-"""How much of the CD loop of Fig. 4 is the solver's accuracy."""
+"""How much of the CD loop of Fig. 4 is error of the solver?"""
 import numpy as np
 
 from analysis import loops, observables, style, summary

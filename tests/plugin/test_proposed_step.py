@@ -66,7 +66,7 @@ def test_a_wall_along_gravity_has_no_height(O):
 
 
 @pytest.mark.parametrize("disks, arguments, said", [
-    (0, {}, "no disk in the scene may move"),
+    (0, {}, "no disk in the scene can move"),
     (1, {}, r"no speed can be estimated.*speed=0\.1"),
     (1, dict(share=0), "share=0 is out of range"),
     (1, dict(share="half"), "share='half' is out of range: it must be a number above 0"),

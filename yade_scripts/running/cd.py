@@ -1,4 +1,4 @@
-"""Contact Dynamics: the engines of cd_engine, with the walls' load applied before the contacts are solved."""
+"""Sets the engines of Contact Dynamics; the load of the walls is applied before the contacts are solved."""
 from yade import O
 from yade.wrapper import FrictMat
 
