@@ -64,7 +64,7 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
     assert main(["study", "fig5"]) == 2 and main(["report"]) == 2
     said = capsys.readouterr().err.splitlines()
-    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py lists what such a file has") for line in said)
+    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare") for line in said)
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):

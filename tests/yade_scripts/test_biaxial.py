@@ -149,7 +149,7 @@ print(json.dumps(said))
 def test_finished_run_is_not_run_again(yade60):
     yade60.run(method="MD", period=0.02, records_per_cycle=2).close()
     done = yade60.script("run.py", "disks=60", "method=MD", "period=0.02", "records_per_cycle=2")
-    assert done.returncode == 0 and "is there already" in done.stdout
+    assert done.returncode == 0 and "has finished before" in done.stdout
 
 
 @pytest.mark.parametrize("arguments, message", [

@@ -84,7 +84,7 @@ def test_a_scene_that_lacks_something_is_refused(monkeypatch):
     file = scenes.module("stack")
     for name in ("KIND", "build"):
         monkeypatch.delattr(file, name)
-    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; .*scenes/__init__.py lists what such a file has"):
+    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; .*scenes/__init__.py explains what the file has to declare"):
         complete({"scene": "stack"})
 
 

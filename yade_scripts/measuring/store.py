@@ -1,7 +1,7 @@
 """Stores each measurement in a file results/<kind>/<name>.h5 (HDF5 with a checksum). Needs no YADE.
 
-A measurement is a dictionary of facts and a table `rows`. Its facts decide its name, so that a renamed file counts as no measurement. A file is written
-completely or not at all; one that cannot be read is measured again.
+A measurement is a dictionary of facts and a table `rows`. Its name follows from its facts; a renamed file is refused. A file is written
+completely or not at all. A measurement whose file cannot be read is made again.
 """
 import io
 import json

@@ -160,7 +160,7 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
 
 def _stiffen(full):
     """Raise the stiffness at constant P0 in small steps, since the overlaps of softer contacts push the grains apart. The friction is still that of
-    the preparation: contacts that slide under the final one would be at their limit when the loading begins."""
+    the preparation; with the final friction, contacts that slide here would be at their limit when the loading begins."""
     stages = math.ceil(math.log(full["stiffening"]) / math.log(LARGEST_STIFFENING))
     for stage in range(1, stages + 1):
         md.stiffen(full["stiffening"]**(1 / stages))
