@@ -50,7 +50,7 @@ def ends(run):
 
 
 def of(run):
-    """Return the Cycles of a run; None if not one is complete, as where a sample collapses in its first."""
+    """Return the Cycles of a run; None if no cycle is complete, because the sample collapsed in the first."""
     if len(at := ends(run)) < 2:
         return None
     gamma, sliding = run.values("gamma")[at], sliding_share(run)
