@@ -15,14 +15,14 @@ TITLE = "Where each method fails"
 QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds does each method work, where is the boundary in theory, and does the program warn "
             "when it is crossed?")
 ANSWER = """
-Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt(1 + beta^2) - beta), within 0.1 %, for a packing at
-dt^2 K + 2 dt C < 4 M, within 0.2 %; the default step is far below these limits. The walls' servo locks above a gain of 1.50; runs use a gain of 1 at most.
+Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt(1 + beta^2) - beta), within 0.1 %, for a packing at dt^2 K + 2 dt C <
+4 M, within 0.2 %; the default step is far below these limits. The walls' servo locks above a gain of 1.50; runs use a gain of 1 at most.
 
-Rigid contacts without restitution have no largest step. With it, disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084
-sqrt(R/g) on, and the engine warns. A heavy disk on a light one is not solved beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8
-and of 7.6e5 at 1e-6, and the engine says so. It does not warn where the error that the tolerance allows is as large as the quantity of interest:
-nearer to the angle of friction than 0.18 tolerances, and for a packing under a small load, which strains wrongly from a tolerance of
-6.7e-5 on with a step of 1 ms and from 9.6e-7 on with 10 ms. The table lists every boundary that was searched.
+Rigid contacts without restitution have no largest step. With it, disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g)
+on, and the engine warns. A heavy disk on a light one is not solved beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8 and of 7.6e5 at
+1e-6, and the engine says so. It does not warn where the error that the tolerance allows is as large as the quantity of interest: nearer to the angle
+of friction than 0.18 tolerances, and for a packing under a small load, which strains wrongly from a tolerance of 6.7e-5 on with a step of 1 ms and
+from 9.6e-7 on with 10 ms. The table lists every boundary that was searched.
 """
 GIVEN = ("1", "2", "4", "10", "1e-6", "1e-8")
 

@@ -62,11 +62,10 @@ def _draw_law(axis, law, quantity, table):
 
 
 ANSWER = """
-With the usual law the force depends on the path. At a depth h/R = 0.1 and an angle of 0.3 rad a closed path leaves 0.050 of the shear force at its far end, h/2R as
-theory says, and costs 0.0025 of the energy there. With YADE's avoidGranularRatcheting it leaves at most 2e-5 of the force, but creates 0.050 of the
-energy each time the disks go along the path. With the path-independent law it leaves 2e-14 of the force and 5e-13 of the energy:
-round-off. No contact slipped. The disks follow a prescribed motion and do not spin; the study of the three laws shows the consequences for a
-packing.
+With the usual law the force depends on the path. At a depth h/R = 0.1 and an angle of 0.3 rad a closed path leaves 0.050 of the shear force at its
+far end, h/2R as theory says, and costs 0.0025 of the energy there. With YADE's avoidGranularRatcheting it leaves at most 2e-5 of the force, but
+creates 0.050 of the energy each time the disks go along the path. With the path-independent law it leaves 2e-14 of the force and 5e-13 of the energy:
+round-off. No contact slipped. The disks follow a prescribed motion and do not spin; the study of the three laws shows the consequences for a packing.
 """
 GIVEN = ("0.1", "0.3")
 

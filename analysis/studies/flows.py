@@ -117,16 +117,15 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Of 500 disks the cheapest rigid contacts whose mean lies within 2 % of the rigid answer cost 3.5 to 4.2 times less than such springs in the
-silo, the drum and the filling. In the collapse no springs came within 2 %; the nearest, off by 2.7 % (standard error 1.4 %), cost 3.0
-times as much as rigid contacts. Only in the filling do eight seeds show 2 %: the standard error of the differences is 0.3 to 0.5 % there and 1.0 to 2.9 % in the other scenes.
-Of 5000 disks, one seed each, the ratio is 3.0 to 17.9; nothing can be said of its uncertainty, and in the drum and the collapse no
-springs came within 2 %. (In these cases the nearest springs were taken. Times are processor times; other runs used the machine's second core.) Steps of
-2 ms and a tolerance of 1e-2 are enough for 500 disks, with errors of 0.2 to 2.2 %, but disks overlap by up to 0.13 radii. 5000 disks fall further and need
-1 ms to fill a box; in the drum they pass into each other at 2 ms. Steps of 4 ms are off by 2.4 to 4.1 %. Steps of 0.5 ms to 1e-4,
-about what timeStep() proposes, cost 1.7 to 17.5 s, as much as springs and more. gapCorrection of 0.1 costs 1.3 to 2.4 times as much as
-the same without, and is no more accurate: a smaller step is a better use of the time. With 5000 disks up to 5.8 % of the steps missed a tolerance of 1e-3 within 2000
-sweeps.
+Of 500 disks the cheapest rigid contacts whose mean lies within 2 % of the rigid answer cost 3.5 to 4.2 times less than such springs in the silo, the
+drum and the filling. In the collapse no springs came within 2 %; the nearest, off by 2.7 % (standard error 1.4 %), cost 3.0 times as much as rigid
+contacts. Only in the filling do eight seeds show 2 %: the standard error of the differences is 0.3 to 0.5 % there and 1.0 to 2.9 % in the other
+scenes. Of 5000 disks, one seed each, the ratio is 3.0 to 17.9; nothing can be said of its uncertainty, and in the drum and the collapse no springs
+came within 2 %. (In these cases the nearest springs were taken. Times are processor times; other runs used the machine's second core.) Steps of 2 ms
+and a tolerance of 1e-2 are enough for 500 disks, with errors of 0.2 to 2.2 %, but disks overlap by up to 0.13 radii. 5000 disks fall further and need
+1 ms to fill a box; in the drum they pass into each other at 2 ms. Steps of 4 ms are off by 2.4 to 4.1 %. Steps of 0.5 ms to 1e-4, about what
+timeStep() proposes, cost 1.7 to 17.5 s, as much as springs and more. gapCorrection of 0.1 costs 1.3 to 2.4 times as much as the same without, and is
+no more accurate: a smaller step is a better use of the time. With 5000 disks up to 5.8 % of the steps missed a tolerance of 1e-3 within 2000 sweeps.
 """
 GIVEN = ("500", "2", "5000", "1e-2", "1", "4", "0.5", "1e-4", "0.1", "1e-3", "2000")
 

@@ -122,20 +122,20 @@ def _looks(rows):
 
 
 ANSWER = """
-Which method is cheaper depends on the reference. One cycle of Fig. 4, up to 1.2 P0, is below the static limits: rigid
-grains do not strain. Compared with them the error of springs of k_n is their whole strain, 4.4e-4 at the largest load. The error of springs of 100 k_n is
-0.012 of that, for 12.6 s with the longest of the steps, 0.4 sqrt(m/k_n); shorter steps do not reduce it. Rigid contacts with a tolerance of 1e-6 and
-steps of 5 ms have an error of 0.017 and take 0.44 s, 29 times less; with 1e-8 the error is 2.9e-5. The scene favours them: they start from
-forces with which they are at rest.
+Which method is cheaper depends on the reference. One cycle of Fig. 4, up to 1.2 P0, is below the static limits: rigid grains do not strain. Compared
+with them the error of springs of k_n is their whole strain, 4.4e-4 at the largest load. The error of springs of 100 k_n is 0.012 of that, for 12.6 s
+with the longest of the steps, 0.4 sqrt(m/k_n); shorter steps do not reduce it. Rigid contacts with a tolerance of 1e-6 and steps of 5 ms have an
+error of 0.017 and take 0.44 s, 29 times less; with 1e-8 the error is 2.9e-5. The scene favours them: they start from forces with which they are at
+rest.
 
-Now the reference is springs of k_n with a hundredth of the usual step. Springs with the longest step have an error of 1e-5 and take 1.7
-s. The error of springs of 10 k_n is 0.88, and that of rigid contacts is the whole strain, which is of the order of P0/k_n, at any tolerance.
-Rigid contacts come near only with so few sweeps that they are as stiff as springs of k_n: they then have errors of
-0.002 to 0.053 and take 0.39 to 0.50 s. They cannot come nearer.
+Now the reference is springs of k_n with a hundredth of the usual step. Springs with the longest step have an error of 1e-5 and take 1.7 s. The error
+of springs of 10 k_n is 0.88, and that of rigid contacts is the whole strain, which is of the order of P0/k_n, at any tolerance. Rigid contacts come
+near only with so few sweeps that they are as stiff as springs of k_n: they then have errors of 0.002 to 0.053 and take 0.39 to 0.50 s. They cannot
+come nearer.
 
-In the filling of a box nothing is at rest at the start. There rigid contacts with steps of 2 ms and a tolerance of 1e-2 have an error of 1.3 % (standard error
-0.3 %) and take 0.34 s; springs of 5e6 N/m have an error of 1.4 % and take 1.78 s, 5.2 times as much. All times are processor times, while other runs used the
-second core.
+In the filling of a box nothing is at rest at the start. There rigid contacts with steps of 2 ms and a tolerance of 1e-2 have an error of 1.3 %
+(standard error 0.3 %) and take 0.34 s; springs of 5e6 N/m have an error of 1.4 % and take 1.78 s, 5.2 times as much. All times are processor times,
+while other runs used the second core.
 """
 GIVEN = ("1.2", "100", "0.4", "1e-6", "5", "1e-8", "10", "2", "1e-2", "5e6")
 

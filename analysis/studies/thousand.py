@@ -58,10 +58,10 @@ def draw(runs, rows, path):
 
 ANSWER = """
 A thousand cycles cannot be predicted from tens of them. Three packings stand 1000 cycles at 0.87 to 0.95 of their static limits. Packings 2 and 3
-strain steadily at first, by 9.0e-5 and 2.0e-4 a cycle in cycles 11 to 20. Before cycle 100 this ends: over the last 500 cycles the mean is 1.5e-8
-and 5.5e-7 a cycle. Packing 1 does not end so simply. Its rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in cycles 51 to 100. Then a burst
-comes: in cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last 500 cycles the mean is
-2.2e-7. Meanwhile single cycles strain by 1.4e-6 to 2.9e-6 (medians) in either direction, which nearly cancels in the sum. After 40 cycles one cannot say
+strain steadily at first, by 9.0e-5 and 2.0e-4 a cycle in cycles 11 to 20. Before cycle 100 this ends: over the last 500 cycles the mean is 1.5e-8 and
+5.5e-7 a cycle. Packing 1 does not end so simply. Its rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in cycles 51 to 100. Then a burst comes: in
+cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last 500 cycles the mean is 2.2e-7.
+Meanwhile single cycles strain by 1.4e-6 to 2.9e-6 (medians) in either direction, which nearly cancels in the sum. After 40 cycles one cannot say
 whether a packing shakes down.
 
 Under the path-independent law, whose closed paths leave neither force nor energy, packings 1 and 2 do the same, including the burst and the end: in
