@@ -95,16 +95,6 @@ def legend(where, looks, **place):
     where.legend(handles=[plt.Line2D([], [], **look) for look in looks], **place)
 
 
-def number(value):
-    """Return a number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
-    if not math.isfinite(value) or value == 0:
-        return str(value)
-    mantissa, exponent = f"{value:.2e}".split("e")
-    if -2 <= int(exponent) < 4:
-        return f"{float(f'{mantissa}e{exponent}'):g}"
-    return rf"${mantissa}\times10^{{{int(exponent)}}}$"
-
-
 def power_of_ten(values):
     """Return the exponent that brings the largest of `values` between 1 and 10; 0 if all vanish."""
     largest = float(np.abs(values).max()) if len(values) else 0

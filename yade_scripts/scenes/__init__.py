@@ -122,9 +122,10 @@ def method(full):
 def build(full, folder):
     """Build the scene of a full row in O. Return its Scene."""
     from yade import O
+
+    import cd_engine
     from yade_scripts.parameters import ParameterError
-    from yade_scripts.running import precision
-    precision.check()
+    cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     O.reset()
     built = module(full["scene"]).build(full, folder)
     if not isinstance(built, Scene):
