@@ -47,8 +47,8 @@ def best(rows):
 def of_kind(rows, accuracy):
     """Return {method: (setting, series, rows of the scenes that it solves, scenes that it does not)} for scenes of one kind.
 
-    One setting for all: the one that solves most scenes, then the fastest by the geometric mean. Settings are the same where series and rank
-    are: time steps of CD are relative to what a scene has of its own.
+    One setting for all scenes: the one that solves most of them, and among these the fastest by the geometric mean. Two settings count as the same if
+    series and rank are the same, since time steps of CD are relative to the scene's default.
     """
     solved = rows.loc[[index for _, own in rows.groupby("scene", sort=False) for index in reliable(own, accuracy).index]]
     found = {}

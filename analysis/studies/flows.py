@@ -50,7 +50,7 @@ def summarize(runs):
     """Return one row a scene, size and setting, over the seeds.
 
     error: of the mean, relative to the rigid answer; error_deviation: standard error of that difference. seconds: processor time, median.
-    overlap: largest overlap over the mean radius. unsolved: share of the steps beyond the tolerance.
+    overlap: largest overlap over the mean radius. unsolved: share of the steps that missed the tolerance.
     """
     rows = [_row(key, group) for key, group in summary.groups(runs, _key).items()]
     for row in rows:
@@ -76,20 +76,20 @@ def _row(key, group):
 
 
 def cheapest(rows, scene, disks, method, within=WITHIN):
-    """Return the cheapest row of a method that is so near to the rigid answer, the nearest one if none is; None without any."""
+    """Return the cheapest row of a method whose error is at most `within`, or else the row with the smallest error; None if there are no rows."""
     mine = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
     good = [row for row in mine if abs(row["error"]) <= within]
     return min(good, key=lambda row: row["seconds"]) if good else min(mine, key=lambda row: abs(row["error"]), default=None)
 
 
 def measured(table):
-    """Return the published rows that were measured; those that failed stand there with their reason."""
+    """Return the published rows that were measured, without those that failed."""
     found = table[table.seconds.notna()]
     return found.assign(is_rigid_answer=found.is_rigid_answer.astype(bool))
 
 
 def gains(rows, disks):
-    """Return {scene: how many times the cheapest springs cost what the cheapest rigid contacts do}, each within 2 % of the rigid answer or the nearest."""
+    """Return {scene: cost of the cheapest springs over that of the cheapest rigid contacts}, both within 2 % of the rigid answer, or else the nearest."""
     pairs = {scene: [cheapest(rows, scene, disks, method) for method in ("MD", "CD")] for scene in QUANTITY}
     return {scene: md["seconds"] / cd["seconds"] for scene, (md, cd) in pairs.items() if md and cd}
 

@@ -33,7 +33,7 @@ ROWS = {"quick": _rows(((0.0, 0.01, 0.1, 0.3, 1.0), 1), ((0.0, 0.1), 1), 100), "
 # Largest resultant, excess over Coulomb's limit or pull, over the mean normal force, of a sample that counts. Converged samples reach
 # 1e-6; it is a twentieth of the smallest ambiguity that friction gives here (2e-3 at mu = 0.001).
 ADMISSIBLE = 1e-4
-# Contacts at which the walk's range is held against the exact one, two linear programmes each; the first seed of the smaller packings.
+# Contacts at which the walk's range is compared with the exact one, by two linear programmes each; the first seed of the smaller packings.
 PROBED = 8
 OWN, DENSE = "near the rigid limit", "dense, P0 = 6e-4 k_n"
 
