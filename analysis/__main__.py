@@ -1,6 +1,6 @@
-"""Figures and tables from result files alone, and the runs of studies.
+"""Draws figures and tables from result files, and runs studies.
 
-Every command has a --help of its own.
+Every command has its own --help.
 """
 import contextlib
 import sys
@@ -38,7 +38,7 @@ def _parser():
 
     study = command("study", _study, "figure, summary table and provenance of studies")
     study.add_argument("names", nargs="*", metavar="NAME", help="studies (default: all)")
-    study.add_argument("--run", dest="rows", action="store_true", help="first run the rows that have no result yet")
+    study.add_argument("--run", dest="rows", action="store_true", help="first make the runs that have no result yet")
     commands.add(study, "--jobs")
     table = command("table", _table, "the rows of a study as a table for yade-batch")
     table.add_argument("name", metavar="NAME")
@@ -55,13 +55,13 @@ def _parser():
     advice = command("recommend", _recommend, "the cheapest measured settings that reach an accuracy, with their expected error and cost")
     advice.add_argument("--scene", help="for this scene (default: for each kind of scene)")
     advice.add_argument("--accuracy", type=commands.positive, default=1e-3, help="relative error to be reached (default: %(default)g)")
-    for name, run, what in (("summary", _summary, "one line of numbers a run"), ("check", _check, "say which files can be used")):
+    for name, run, what in (("summary", _summary, "one line of numbers for each run"), ("check", _check, "tell which result files can be used")):
         command(name, run, what).add_argument("files", nargs="+", metavar="FILE", help="result files")
     return parser
 
 
 def _folder(options):
-    """Return where figures go unless told otherwise."""
+    """Return the default folder of the figures."""
     return FIGURES / ("full" if options.full else "quick")
 
 
@@ -74,7 +74,7 @@ def _study(options):
         return make_study.run(names, options.full, options.results, figures, options.jobs)
     left = publish.publish_all(names, figures, options.results, options.full)
     for name in names:
-        print(f"analysis study: {name}: {left[name]}" if name in left else (figures / f"{name}.png").resolve(), file=sys.stderr if name in left else sys.stdout)
+        print(f"analysis study: {left[name]}" if name in left else (figures / f"{name}.png").resolve(), file=sys.stderr if name in left else sys.stdout)
     return commands.MISTAKE if len(left) == len(names) else 0
 
 
@@ -84,24 +84,24 @@ def _table(options):
 
 
 def _charts(options):
-    """Draw all charts; those without measurements are named."""
+    """Draw all charts. Print the names of those without measurements."""
     from analysis import charts
     folder = Path(options.output or _folder(options) / charts.FOLDER)
     left = charts.publish_all(options.results, folder, options.full)
-    for name, reason in left.items():
-        print(f"analysis charts: {name}: {reason}", file=sys.stderr)
+    for message in left.values():
+        print(f"analysis charts: {message}", file=sys.stderr)
     print("\n".join(str(path.resolve()) for path in sorted(folder.glob("*.png"))))
     return commands.MISTAKE if len(left) == len(charts.ORDER) else 0
 
 
 def _report(options):
-    """Return the page, of studies and charts drawn just now or taken as they are."""
+    """Write the page: of studies and charts drawn now, or of published ones as they are."""
     from analysis import charts, publish, report, studies
     folder = Path(options.published or _folder(options))
     if not options.published:
-        for name, reason in (publish.publish_all(studies.names(), folder, options.results, options.full)
-                             | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).items():
-            print(f"analysis report: {name}: {reason}", file=sys.stderr)
+        for message in (publish.publish_all(studies.names(), folder, options.results, options.full)
+                             | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
+            print(f"analysis report: {message}", file=sys.stderr)
     print(report.build(folder, options.output or FIGURES / "report.html").resolve())
 
 
@@ -126,7 +126,7 @@ def _summary(options):
 
 
 def _numbers(run):
-    """Return the numbers of a run; what a scene does not have is left out."""
+    """Return the numbers of a run; NaN for those that its scene does not have."""
     from analysis import observables
     gamma, sigma2 = run.history["gamma"], run.history["sigma2"]
     columns = {

@@ -1,4 +1,4 @@
-"""Figures of `make bench`: error against time, cost of a sweep against size, sweeps against N."""
+"""Draws the figures of `make bench`: error against time, cost of a sweep and of a step against size, number of sweeps against size."""
 import math
 from pathlib import Path
 
@@ -24,7 +24,7 @@ COLUMNS = {"solutions": ("status", "problem", "kind", "start", "method", "disks"
 
 
 def draw(folder):
-    """Draw all that the tables in `folder` have rows for; the paths of the figures."""
+    """Draw the figures for which the tables in `folder` have rows. Return the paths of the figures."""
     folder, drawn = Path(folder), []
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
     tables = {name: _rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}

@@ -1,7 +1,7 @@
 """Strain, dissipation and contacts of a run from cycle to cycle.
 
 The accumulated permanent strain is gamma at the end of a cycle, where the load is back at P0; its change over a cycle is the strain
-rate of Fig. 3. Everything here is per cycle, counted from 1. Rates are given and no verdicts: whether a rate that falls will end is not known from
+rate of Fig. 3. Everything here is per cycle, counted from 1. Only rates are computed: whether a falling rate will reach zero cannot be known from
 the cycles that were run.
 """
 from dataclasses import dataclass
@@ -45,12 +45,12 @@ def ends(run):
         return np.arange(len(cycle))
     whole = np.round(cycle)
     near = np.abs(cycle - whole) < np.diff(cycle).max() / 4
-    # Of several samples near one whole number the first, were the last step of a cycle sampled twice.
+    # The first of several samples near one whole number, in case the last step of a cycle was sampled twice.
     return np.flatnonzero(near)[np.unique(whole[near], return_index=True)[1]]
 
 
 def of(run):
-    """Return the Cycles of a run; None if not one is complete, as where a sample collapses in its first."""
+    """Return the Cycles of a run; None if no cycle is complete, because the sample collapsed in the first."""
     if len(at := ends(run)) < 2:
         return None
     gamma, sliding = run.values("gamma")[at], sliding_share(run)

@@ -1,14 +1,14 @@
 """The static limit of a run's packing: the largest load that the contacts it starts with can carry.
 
-Forces in balance stay in balance if all are multiplied by one number, so what the contacts limit is the ratio sigma2/sigma1. It is the same whatever is held
-while sigma2 rises; the load sigma2/P0 at which a run reaches it is not.
+Forces in balance stay in balance if all are multiplied by one number, so the contacts limit the ratio sigma2/sigma1. This ratio does not depend on which
+stress is held constant while sigma2 rises; the load sigma2/P0 at which a run reaches it does.
 """
 import numpy as np
 
 from yade_scripts.results.reader import ResultError
 from yade_scripts.theory import statics
 
-_known = {}  # linear programmes of a second each; many runs start from one packing
+_known = {}  # results of linear programmes that take a second each; many runs start from one packing
 
 
 def stress_ratio(load, stress_path):

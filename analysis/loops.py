@@ -1,4 +1,4 @@
-"""One load and unload in three numbers, and the same over several packings."""
+"""Three numbers that describe one loading and unloading, for one packing and for several."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,7 @@ from analysis import observables
 
 @dataclass(frozen=True)
 class Loop:
-    """Of the first cycle, strains as gamma [1].
+    """The loop of the first cycle; strains are gamma [1].
 
     largest: |gamma| where it is largest. width: loop_width. remanent: |permanent_strain|.
     """

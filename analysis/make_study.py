@@ -9,7 +9,7 @@ from yade_scripts.running import locks
 
 
 def run(names, full, folder, figures, jobs):
-    """Run and draw; 0, or 1 if a row failed or a figure could not be drawn."""
+    """Run and draw the studies. Return 0, or 1 if a row failed or a figure could not be drawn."""
     rows = {name: [results.path_of(row, folder) for row in studies.rows(name, full)] for name in names}
     left, drawn, failed_figures = {name: set(paths) for name, paths in rows.items()}, [], []
 
@@ -34,7 +34,7 @@ def run(names, full, folder, figures, jobs):
         print(f"{', '.join(names)}: ", end="")
         failed = batch.work_off(queue, jobs, ended)
     except OSError as error:
-        print(f"study: {error}: what has finished is kept; make room, and the same command goes on.", file=sys.stderr)
+        print(f"study: {error}: finished runs are kept; free some space and give the same command again.", file=sys.stderr)
         return 1
     if drawn:
         print("Figures:\n  " + "\n  ".join(str(path.resolve()) for path in drawn) + "\nOne page of all: make report" + " FULL=1" * full)

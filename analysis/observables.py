@@ -4,6 +4,7 @@ Strains are extension positive and gamma = strain2 - strain1 (eqs. 2-4), so a sa
 along the loaded axis 2 has gamma < 0. SI units.
 """
 import numpy as np
+from scipy.integrate import trapezoid
 
 from yade_scripts.results import schema
 from yade_scripts.results.reader import ResultError
@@ -76,14 +77,9 @@ def wall_work(run):
     -sigma1 dL_x L_y - sigma2 dL_y L_x, times depth, by the trapezoidal rule.
     """
     strain1, strain2 = run.values("strain1"), run.values("strain2")
-    power1 = integral(run.values("sigma1") * (1 + strain2), strain1)
-    power2 = integral(run.values("sigma2") * (1 + strain1), strain2)
+    power1 = trapezoid(run.values("sigma1") * (1 + strain2), strain1)
+    power2 = trapezoid(run.values("sigma2") * (1 + strain1), strain2)
     return -(power1 + power2) * start_volume(run)
-
-
-def integral(y, x):
-    """Integrate y over x by the trapezoidal rule. NumPy's own was renamed in version 2 and is gone under its old name since 2.4."""
-    return np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2)
 
 
 def change(run, name, part=slice(None)):
@@ -109,11 +105,10 @@ def work_error(run):
 
 
 def balance_error(run, part=slice(None)):
-    """Return (work of the walls - stored - kinetic - dissipated) over the largest work, in the samples `part`; dissipation summed where it
-    happens.
+    """Return (work of the walls - stored - kinetic - dissipated energy) over the largest work, in the samples `part`.
 
-    CD: by the engine. MD: friction and dashpots, summed in every step; NaN where nobody sums the friction, and `dissipated_energy` is the rest of
-    this balance.
+    The dissipation is computed independently: by the engine in CD; from friction and dashpots in every step in MD. NaN if the friction was not
+    summed, since `dissipated_energy` is then computed from this balance.
     """
     if run.method == "MD" and not np.isfinite(run.history["friction_dissipation"]).all():
         return np.nan
@@ -124,7 +119,7 @@ def balance_error(run, part=slice(None)):
 
 
 def critical_load(run, threshold):
-    """Return sigma2/P0 at which |gamma| first exceeds `threshold`, between samples by interpolation; NaN if it never does."""
+    """Return sigma2/P0 at which |gamma| first exceeds `threshold`, interpolated between samples; NaN if it never does."""
     gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
     if not len(above := np.flatnonzero(gamma > threshold)):
         return np.nan
@@ -145,7 +140,7 @@ def unconverged_steps(run):
 
 
 def snapshot_at_load_maximum(run):
-    """Return the snapshot taken where the load was largest, and sigma2/P0 asked for there. What the sample carries may swing about that as it yields."""
+    """Return the snapshot at the largest load, and the prescribed sigma2/P0 there. The measured stress may oscillate about it while the sample yields."""
     time, sigma2 = run.values("time"), run.values("sigma2_goal")
     loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in _snapshots(run)]
     best = int(np.argmax(loads))
@@ -160,7 +155,7 @@ def sliding(snapshot):
 
 
 def rattlers(snapshot):
-    """Return the mask of the disks that carry no contact force worth the name."""
+    """Return the mask of the disks that carry no contact force, or a negligible one (RATTLER_SHARE)."""
     force = snapshot["force_normal"]
     loaded = force > RATTLER_SHARE * force[force > 0].mean() if (force > 0).any() else force > 0
     return ~np.isin(snapshot["body_ids"], snapshot["contact_ids"][loaded])

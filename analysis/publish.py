@@ -1,7 +1,7 @@
-"""A study's figure, summary table and provenance as files: <name>.png, <name>.csv and <name>.json.
+"""Writes a study's figure, summary table and provenance: <name>.png, <name>.csv and <name>.json.
 
-The table has a column `status`: empty in the study's own rows, the reason in those of runs that failed or are missing, which follow with the
-parameters that set them apart. Floats are written with all their digits, so that a table compares exactly.
+The rows of the study come first in the table. Runs that failed or are missing follow: the column `status` has the reason, and further columns the
+parameters in which the runs differ. Floats are written with all their digits, so that tables can be compared exactly.
 """
 import json
 import platform
@@ -20,7 +20,7 @@ STATUS = "status"
 
 
 def publish(collection, folder):
-    """Write the three files of a study into `folder`; their common stem. ResultError if no run of it has finished."""
+    """Write the three files of a study into `folder`. Return their common stem. Raise ResultError if no run has finished."""
     if not collection.runs:
         reason = collection.missing[0][2] if collection.missing else "it has no rows"
         raise ResultError(collection.name, f"no run has finished (the first: {reason})", f"make them: {command('study', collection)}")
@@ -48,7 +48,7 @@ def write_table(path, rows):
 
 
 def read_table(path):
-    """Return a table as written by write_table; ResultError where it is none."""
+    """Return a table written by write_table. Raise ResultError if the file is no table."""
     try:
         return pandas.read_csv(path, keep_default_na=True)
     except (OSError, ValueError) as error:
@@ -65,7 +65,7 @@ def write_json(path, facts):
 
 
 def read_json(path, kinds):
-    """Return the facts in a file; ResultError where it is none or one of the names {name: type} is missing or of another kind."""
+    """Return the facts in a JSON file. Raise ResultError if it cannot be read, or if a name of {name: type} is missing or has another type."""
     try:
         found = json.loads(Path(path).read_bytes())
     except (OSError, ValueError, RecursionError) as error:
@@ -76,7 +76,7 @@ def read_json(path, kinds):
 
 
 def origin(collection):
-    """Return what the figure and the table come from; plain data for JSON."""
+    """Return where the figure and the table come from, as plain data for JSON."""
     runs = collection.runs
     constant, varied = _split([run.parameters for run in runs])
     failed = [reason for _, _, reason in collection.missing if reason.startswith("failed")]
@@ -121,11 +121,11 @@ def _split(rows):
 
 
 def publish_all(names, folder, results, full):
-    """Publish studies; {name: reason} of those that have no finished run."""
+    """Publish studies. Return {name: message} of those that have no finished run."""
     left = {}
     for name in names:
         try:
             publish(studies.collect(name, results, full), folder)
         except ResultError as error:
-            left[name] = error.what
+            left[name] = str(error)
     return left

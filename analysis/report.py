@@ -1,4 +1,4 @@
-"""The report: one HTML page of the published files, images inlined; tables are linked files, nothing is loaded from elsewhere."""
+"""Writes the report: one HTML page with all figures in it; tables are linked files, and nothing is loaded from the web."""
 import base64
 import io
 import os
@@ -16,7 +16,7 @@ from yade_scripts.results.reader import ResultError
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
          "ECCOMAS 2004")
 README = Path(__file__).parents[1] / "README.md"
-# What the page needs of the JSON files.
+# Names and types that the page needs in the JSON files.
 STUDY = {"extent": str, "runs_finished": int, "packings": int, "computing_seconds": (int, float), "commits": list, "yade": list, "run_command": str,
          "energy_balance": dict}
 CHART = {"figures": dict, "commits": list, "extent": str, "measured": int, "processor": str, "run_command": str}
@@ -24,7 +24,7 @@ MOST_PIXELS, COLOURS = 1100, 48  # of an inlined picture, so that the page stays
 
 
 def build(folder, path):
-    """Write the page of what is published in `folder` to `path`. ResultError if there is nothing."""
+    """Write the page of the studies and charts in `folder` to `path`. Raise ResultError if there are none."""
     folder, path = Path(folder), Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
@@ -48,9 +48,9 @@ def build(folder, path):
 
 
 def findings():
-    """Return README's short answer: [(text, [study])] of its items, each of which ends with links to figures, and what its words mean."""
-    items, words = (" ".join(part.split()) for part in README.read_text(encoding="utf-8").split("## What was found")[1].split("\n\n")[1:3])
-    return [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words.split(" `make report")[0]
+    """Return README's section "What was found": [(text, [study])] for its items, which end with links to figures, and the definitions before them."""
+    words, items = (" ".join(part.split()) for part in README.read_text(encoding="utf-8").split("## What was found")[1].split("\n\n")[1:3])
+    return [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words
 
 
 def _study(name, folder, link):
@@ -76,7 +76,7 @@ def _chart(name, folder, link):
 
 
 def _picture(path):
-    """Return a picture as it stands in the page: no wider than a screen shows, with as many colours as a chart has."""
+    """Return a picture for the page, with fewer pixels and colours than the file."""
     try:
         with Image.open(path) as image:
             image = image.convert("RGB")
@@ -88,7 +88,7 @@ def _picture(path):
     return f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode()}"
 
 
-# Words of plain text and what stands for them on the page; longer ones first.
+# Words of the plain texts and the symbols that replace them on the page; longer ones first.
 _SYMBOLS = ((r"(\d)e(-?)0*(\d+)\b", lambda m: f"{m[1]}·10<sup>{'−' if m[2] else ''}{m[3]}</sup>"),
             (r"\bsigma([12])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"), (r"\bP0\b", "P<sub>0</sub>"),
             (r"\bV0\b", "V<sub>0</sub>"), (r"\bdSigma\b", "Δσ"), (r"\bgamma\b", "γ"), (r"\bkappa\b", "κ"), (r"\bmu\b", "μ"), (r"\balpha\b", "α"),

@@ -1,6 +1,6 @@
-"""How far contacts slip: by what the surfaces move past each other, not by how near the forces are to Coulomb's limit.
+"""Computes how far contacts slip: from the relative motion of the surfaces, not from how near the forces are to Coulomb's limit.
 
-A contact at the limit need not slip: of a packing at rest up to a third are there, and stay.
+A contact at the limit need not slip: in a packing at rest up to a third of the contacts are at the limit and do not slip.
 """
 import numpy as np
 
@@ -10,8 +10,8 @@ from yade_scripts import parameters
 def between(first, second, tangential_stiffness):
     """Return {ids: slip [m]} between two snapshots, of the contacts between disks that are loaded in both and have friction.
 
-    Signed along the normal turned by +90 degrees. It is what the surfaces move past each other less what the springs stretch; rigid contacts
-    (tangential_stiffness infinite, [N/m]) do not. First order in the motion between the snapshots.
+    The sign is along the normal turned by +90 degrees. The slip is the relative displacement of the surfaces minus the stretch of the spring, which is
+    0 for rigid contacts (infinite tangential_stiffness, [N/m]). First order in the motion between the snapshots.
     """
     disk = {body: k for k, body in enumerate(first["body_ids"].tolist())}
     places = [{tuple(ids): k for k, ids in enumerate(snapshot["contact_ids"].tolist()) if snapshot["force_normal"][k] > 0} for snapshot in (first, second)]
@@ -32,10 +32,10 @@ def between(first, second, tangential_stiffness):
 
 
 def of(run):
-    """Return (slip of a contact in the course of the run, in mean radii; contacts that share it).
+    """Return (slip of a contact during the run, in mean radii; number of contacts that share the slip).
 
-    Slips from snapshot to snapshot are added up by size, and averaged over the contacts. Shared by: (sum of s)^2 over the sum of s^2, which is 1 where
-    one contact slips alone and the number of contacts where all slip equally.
+    The absolute slips between snapshots are added up for each contact, then averaged over the contacts. The number of contacts that share the slip is
+    (sum of s)^2 over the sum of s^2: 1 if one contact slips alone, and the number of contacts if all slip equally.
     """
     full, total = run.parameters, {}
     stiffness = np.inf if run.method == "CD" else full["kt_over_kn"] * parameters.stiffness(full)

@@ -1,4 +1,4 @@
-"""One look for all figures: colours and markers that tell methods apart without colour vision."""
+"""The common style of all figures; colours and markers can be told apart without colour vision."""
 import math
 import textwrap
 from pathlib import Path
@@ -29,9 +29,9 @@ plt.rcParams.update({
 
 
 def finish(fig, path, note, origin):
-    """Put a caption of two lines under the figure, what is shown and where it comes from, and write it; makes the folder if need be.
+    """Put a caption under the figure and write the figure to `path`; create the folder if needed.
 
-    origin: the runs, or a line of text. Settings stand in the JSON file beside the figure.
+    note: what the figure shows. origin: the runs that it comes from, or a line of text. The JSON file beside the figure has the settings.
     """
     _mend_logarithms(fig)
     line = origin if isinstance(origin, str) else source(origin)
@@ -42,7 +42,7 @@ def finish(fig, path, note, origin):
     fig.text(0.5, 0.04 / fig.get_figheight(), caption, ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # At most 1600 points wide: more is bytes that no screen shows.
+    # At most 1600 pixels wide, as wide as a screen shows.
     fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line} if path.suffix == ".png" else None)
     plt.close(fig)
 
@@ -57,7 +57,7 @@ def source(runs):
 
 
 def _solved(rigid):
-    """Return the tolerances of CD runs that are solved to one, and how many of their steps missed it."""
+    """Return the tolerances of the CD runs without fixed_iterations, and how many steps missed them, in words."""
     rigid = [run for run in rigid if not run.parameters["fixed_iterations"]]
     tolerances = sorted({run.parameters["tolerance"] for run in rigid})
     if not tolerances:
@@ -68,9 +68,9 @@ def _solved(rigid):
 
 
 def _mend_logarithms(fig):
-    """Linear axes where a logarithmic one has nothing positive to show, and few ticks where it spans less than a decade.
+    """Make logarithmic axes without positive values linear, and use few ticks on those that span less than a decade.
 
-    Matplotlib finds no ticks for the one, and writes numbers over each other on the other.
+    Matplotlib finds no ticks in the first case, and writes numbers over each other in the second.
     """
     for axes in fig.axes:
         for axis, scale in ((axes.xaxis, axes.set_xscale), (axes.yaxis, axes.set_yscale)):
@@ -93,16 +93,6 @@ def points(axis, table, x, y, method, **look):
 def legend(where, looks, **place):
     """Put a legend on axes or a figure whose entries are lines of these looks: the properties of each and its label."""
     where.legend(handles=[plt.Line2D([], [], **look) for look in looks], **place)
-
-
-def number(value):
-    """Return a number for a figure: 1.23, or 1.23 x 10^-4 in mathtext."""
-    if not math.isfinite(value) or value == 0:
-        return str(value)
-    mantissa, exponent = f"{value:.2e}".split("e")
-    if -2 <= int(exponent) < 4:
-        return f"{float(f'{mantissa}e{exponent}'):g}"
-    return rf"${mantissa}\times10^{{{int(exponent)}}}$"
 
 
 def power_of_ten(values):

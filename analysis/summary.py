@@ -1,9 +1,9 @@
-"""Runs and rows in groups, for the studies."""
+"""Helpers of the studies: one row for each run, and groups of runs or rows."""
 import functools
 
 
 def each(row):
-    """Turn row(run) into a summary that has one row a run."""
+    """Decorate row(run): return a function summarize(runs) that returns one row for each run."""
     return functools.wraps(row)(lambda runs: [row(run) for run in runs])
 
 

@@ -5,24 +5,25 @@ Inside YADE (a script, a batch job, the console):
     import cd_engine
     O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
 
-`ContactDynamics` is a class registered in YADE itself (C++); its attributes, units and ranges are in `help(cd_engine.ContactDynamics)`.
-Two more serve the springs of Molecular Dynamics, right behind InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
-what their dashpots dissipate. Import this module before `O.load` of a scene that contains one of them.
+`ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are for
+the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums the
+energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three.
 """
 import sys
 
 from . import engine_methods, run_hooks
 from .proposed_step import timeStep
 
-__all__ = ["ContactDynamics", "DashpotWork", "PathIndependentShear", "TESTED", "engines", "methods", "release", "timeStep"]
+ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear")
+__all__ = [*ENGINES, "TESTED", "engines", "methods", "release", "timeStep"]
 
-# Versions of YADE that all tests were run with, by the Debian that packages them. What decides is the binary interface, which the compiled
-# module compares with the running YADE: any other version that passes runs, too, and says that nobody has tested it.
+# Versions of YADE that all tests were run with, and the Debian that packages them. The compiled module checks the binary interface of the running
+# YADE. Any other version that passes this check runs, too, with a message that nobody has tested it.
 TESTED = {"2023.02a": "12", "2025.2.0": "13", "2026.1.0": "testing"}
 
 
 def _plugin():
-    """The compiled module, loaded once; ImportError with the remedy where it cannot be."""
+    """Return the compiled module, loaded once. Raise ImportError, with the remedy, if it cannot be loaded."""
     name = __name__ + "._yade_plugin"
     if name in sys.modules:
         return sys.modules[name]
@@ -48,6 +49,7 @@ def _plugin():
     from yade import wrapper
     engine_methods.install(wrapper.ContactDynamics)
     _report_at_exit()
+    _refuse_unknown_names()
     run_hooks.install(module)
     return module
 
@@ -57,7 +59,7 @@ def _tested():
 
 
 def _report_at_exit():
-    """Say at the end of the process how many steps missed their tolerance; the engine itself warns at the first one only."""
+    """Print at the end of the process how many steps missed their tolerance; the engine itself warns only at the first one."""
     import atexit
     import yade
 
@@ -69,7 +71,7 @@ def _report_at_exit():
 
 
 def __getattr__(name):
-    if name in ("ContactDynamics", "DashpotWork", "PathIndependentShear"):
+    if name in ENGINES:
         _plugin()
         from yade import wrapper
         return getattr(wrapper, name)
@@ -77,19 +79,18 @@ def __getattr__(name):
 
 
 def methods():
-    """Names of the contact solvers that `ContactDynamics.method` accepts."""
+    """Return the names of the contact solvers that `ContactDynamics.method` accepts."""
     return list(_plugin().methods())
 
 
 def engines(**settings):
-    """The list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
+    """Return the list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
-    settings: attributes of `ContactDynamics`. Engines that push bodies (ForceEngine, PyRunner) go in front of the last.
-    ContactDynamics finds the pairs that may touch itself. The collider is there for springs and for YADE's tools; it rests during a run.
+    settings: attributes of `ContactDynamics`. Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
+    ContactDynamics itself finds the pairs that may touch. The collider is for springs and for YADE's tools; it does nothing during a run.
     """
     _plugin()
     from yade import wrapper as w
-    _check_names(settings, w.ContactDynamics)
     _let_colliders_begin()
     return [
         w.ForceResetter(),
@@ -99,8 +100,25 @@ def engines(**settings):
     ]
 
 
+def _refuse_unknown_names():
+    """Have the engines' constructors suggest names that are near an unknown one; YADE says only that there is no such attribute."""
+    from yade import wrapper
+
+    def check_in(engine):
+        made = engine.__init__
+
+        def __init__(self, *arguments, **settings):
+            _check_names(settings, engine)
+            made(self, *arguments, **settings)
+
+        engine.__init__ = __init__
+
+    for name in ENGINES:
+        check_in(getattr(wrapper, name))
+
+
 def _check_names(settings, engine):
-    """AttributeError with the names that are near, where an engine has no attribute of a name; YADE says only that there is none."""
+    """Raise AttributeError, with the names that are near, for a name that is no attribute of an engine."""
     import difflib
     for name in settings:
         if hasattr(engine, name):
@@ -109,26 +127,26 @@ def _check_names(settings, engine):
         friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
         remedy = {"damping": "Rigid contacts have no damping; see restitution.", "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
                   "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
-        raise AttributeError(f"ContactDynamics has no attribute {name!r}. {remedy or 'help(cd_engine.ContactDynamics) lists them.'}")
+        raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")
 
 
 def _let_colliders_begin():
-    """Have YADE list its bodies anew, which a new collider waits for.
+    """Mark YADE's list of bodies as outdated, so that a new collider reads it.
 
-    Where a body has been erased after an earlier collider ran, a new one never lists the bodies, and so never finds a pair that it has not been
-    left: InsertionSortCollider.numReinit stays 0 (YADE 2023.02a to 2026.1.0, with springs as well).
+    If a body was erased after an earlier collider had run, a new collider never reads the list and finds no new pair:
+    InsertionSortCollider.numReinit stays 0 (YADE 2023.02a to 2026.1.0, with springs as well).
     """
     from yade import O
     if O.bodies.enableRedirection:
         O.bodies.enableRedirection = False
-        O.bodies.enableRedirection = True  # setting it is what marks the list as outdated
+        O.bodies.enableRedirection = True  # setting it marks the list as outdated
 
 
 def release():
-    """Forget the contacts that Contact Dynamics made, so that springs can take the scene over.
+    """Remove the contacts that Contact Dynamics made, so that the scene can go on with springs.
 
-    Their FrictPhys has no stiffness, and YADE's Ip2 functors make none where one exists. Call it before setting the engines of the
-    springs, and give those a collider of their own, which finds the contacts anew.
+    These contacts have a FrictPhys without stiffness, which YADE's Ip2 functors would not replace. Call this function before you set the engines of the
+    springs. Give these engines a collider of their own, which finds the contacts again.
     """
     _plugin()
     _let_colliders_begin()
@@ -143,4 +161,4 @@ if "yade" in sys.modules:
     try:
         _plugin()
     except ImportError:
-        pass  # whoever asks for an engine is told why there is none; cd_engine.core serves without
+        pass  # the error comes when an engine is used; cd_engine.core works without the plug-in

@@ -8,7 +8,7 @@ import pickle
 import resource
 import signal
 
-SECONDS, PER_MEGABYTE = 2, 1  # s of processor time, which a busy machine does not prolong. A sound file takes 1 ms
+SECONDS, PER_MEGABYTE = 2, 1  # s of processor time; an undamaged file takes 1 ms
 
 
 def call(function, path):

@@ -1,5 +1,6 @@
 """Proposes a time step from the bodies in the scene."""
 import math
+import numbers
 
 SHARE = 0.25
 UPRIGHT = 1e-6  # sine of the angle up to which rounding may tilt an upright face
@@ -10,32 +11,35 @@ def timeStep(gravity=None, speed=None, share=SHARE):
 
     R [m]      radius of the smallest disk that may move
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one
-    v [m/s]    fastest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h), with v0 the fastest motion present (of a boundary that
-               turns: of its farthest point) and h [m] the way down from the highest disk to the lowest body; of a Box, to the lowest
-               corner of the faces that look up, where a disk that slides down leaves it
-    share      distance that a disk may move in one step at that speed, over its radius [1]. From a hopper of 600 disks left in 0.6 s (means of
-               four seeds): 155 disks at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1
+    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (for a boundary that turns, of its
+               farthest point). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
+               upper faces, where a disk that slides down leaves it
+    share      largest distance that a disk moves in one step at that speed, over its radius [1]. An example of its effect: the disks that left a
+               hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
 
-    Reason: a rigid contact has no stiffness that would limit the step. Geometry limits it: a step uses the normals at its middle, so a disk
+    Rigid contacts have no stiffness that would limit the time step, but geometry limits it: a step uses the normals at its middle, so a disk
     must move by less than its radius in a step. sqrt(R / g) is the time in which a disk falls from rest by half its radius.
-    Forces other than gravity are not known here: give the `speed` that they cause. Call this function again when the scene has changed.
+    Only gravity is taken into account; if other forces act, give the `speed` that they cause. Call this function again when the scene has changed.
 
         O.dt = cd_engine.timeStep()
 
-    Raises ValueError if no disk may move, if no speed is known, or if an argument is out of range. At h = 0.5 m and R = 5 mm it gives 0.4 ms.
+    Raises ValueError if no disk can move, if no speed is known, or if an argument is out of range. With h = 0.5 m and R = 5 mm it returns 0.4 ms.
     """
     from yade import O
-    if not (math.isfinite(share) and share > 0):
-        raise ValueError(f"timeStep: share={share} is out of range: it must be above 0")
-    if speed is not None and not (math.isfinite(speed) and speed >= 0):
-        raise ValueError(f"timeStep: speed={speed} m/s is out of range: it must be at least 0")
+    if not (_is_finite(share) and share > 0):
+        raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
+    if speed is not None and not (_is_finite(speed) and speed >= 0):
+        raise ValueError(f"timeStep: speed={speed!r} m/s is out of range: it must be a number, at least 0")
     down = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), (0, 0, 0)) if gravity is None else gravity
-    g = math.hypot(*down)
+    try:
+        g = math.hypot(*down)
+    except TypeError:
+        g = math.nan
     if not math.isfinite(g):
-        raise ValueError(f"timeStep: gravity={tuple(down)} is not a vector of finite numbers")
+        raise ValueError(f"timeStep: gravity={down!r} is not a vector of finite numbers, such as (0, -9.81, 0)")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
     if not movable:
-        raise ValueError("timeStep: no disk in the scene may move. Append the disks first")
+        raise ValueError("timeStep: no disk in the scene can move. Append the disks first")
     radius = min(body.shape.radius for body in movable)
     if speed is None:
         fall = _fall(O.bodies, movable, [x / g for x in down]) if g else 0
@@ -44,6 +48,10 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     if not times:
         raise ValueError("timeStep: nothing moves and there is no gravity, so no speed can be estimated. Give one: timeStep(speed=0.1), in m/s")
     return share * min(times)
+
+
+def _is_finite(value):
+    return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
 def _speed(body):
@@ -60,8 +68,8 @@ def _fall(bodies, movable, down):
         centre = sum(x * d for x, d in zip(body.state.pos, down))
         if type(body.shape).__name__ != "Box":
             return centre
-        # Of each pair of opposite faces one looks up, unless both are upright. Its lowest corner is half[k] above the centre along its own
-        # direction k, and below it along the others.
+        # Of each pair of opposite faces one is the upper one, unless both are vertical. The lowest corner of the upper face lies half[k] above the
+        # centre along the normal k of the face, and below it along the other directions.
         share = [abs(d) for d in body.state.ori.conjugate() * Vector3(*down)]
         half = [extent * s for extent, s in zip(body.shape.extents, share)]
         return centre + max(sum(half) - 2 * h for h, s in zip(half, share) if s > UPRIGHT)

@@ -1,11 +1,11 @@
-"""What O.run, O.step, O.wait and O.pause do besides, once cd_engine is imported: they check the list of engines, and tell who looks at the scene."""
+"""Extends O.run, O.step, O.wait and O.pause: they check the list of engines and tell the plug-in when the scene may be read."""
 
 
 def install(plugin):
-    """Replace the four methods of YADE's O. plugin: the compiled module.
+    """Replace these four methods of YADE's O. plugin: the compiled module.
 
-    O.run(n, True) and O.wait() tell it that nobody looks at the scene before they return, and O.pause() that somebody does. ContactDynamics then
-    writes to the scene only what its other engines look at, and all of it at the end.
+    O.run(n, True) and O.wait() tell the plug-in that the caller does not read the scene before they return; O.pause() tells it that the caller may.
+    In between ContactDynamics writes to the scene only what other engines read, and everything at the end.
     """
     from yade import O
     originals = {name: getattr(type(O), name) for name in ("run", "step", "wait", "pause")}
@@ -35,7 +35,7 @@ def install(plugin):
         finally:
             plugin.wait_ends()
             error = plugin.take_error()
-        if error:  # the run had ended before YADE began to wait, and YADE says nothing then
+        if error:  # the run had ended before YADE began to wait; then YADE raises nothing
             raise RuntimeError(error)
 
     def pause(self):
@@ -49,7 +49,7 @@ def install(plugin):
 
 
 class _EngineCheck:
-    """Refuses lists of engines at which YADE ends the process, asks for what is not needed, or lets springs do nothing."""
+    """Refuses lists of engines with which YADE would crash, would ask for a NewtonIntegrator, or would use springs without stiffness."""
 
     def __init__(self, O):
         self.O = O
@@ -80,5 +80,5 @@ class _EngineCheck:
                 and all(getattr(getattr(self.O.bodies[i], "material", None), "young", 1) > 0 for i in (contact.id1, contact.id2))
 
         if any(map(is_left, self.O.interactions)):
-            raise RuntimeError("The contacts that ContactDynamics has left have no stiffness, so that springs cannot carry anything there. Call "
+            raise RuntimeError("The contacts that ContactDynamics has left have no stiffness, so springs would carry no force there. Call "
                                "cd_engine.release() before you set the engines of the springs")

@@ -3,15 +3,15 @@
     yade -n -x yade_scripts/accuracy.py accuracy=1e-3 scene=slide_to_roll [name=value ...]
 
 The first level runs the row at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8. Each further level halves both.
-The error of a level is estimated by the largest of
-    the change of what the scene measures since the level before, over its scale (for loaded walls without such numbers: of the strains); the
+The estimated error of a level is the larger of two numbers:
+    the change of the measured quantities since the level before, over their scales (of the strains, for loaded walls without such quantities); the
     scheme is of first order, so the remaining error is about as large as the last change;
-    the largest overlap that rigid disks should not have, over the mean radius.
-A level does not count if steps miss their tolerance, or if disks move by more than a radius in a step, since two coarse levels can agree although
-both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy: a single
-agreement can be luck. It is run once more to write its result file. All levels together cost about twice as much as the last.
+    the largest overlap, over the mean radius, since rigid disks should not overlap.
+A level does not count if steps miss their tolerance, or if disks move by more than a radius in a step: then two coarse levels can agree although
+both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy, since a single
+agreement can be chance. It is run once more to write its result file. All levels together cost about twice as much as the last.
 
-MD has no such estimate, since a smaller step does not show the error of the springs' stiffness. `analysis recommend` states what MD reaches.
+There is no such estimate for MD, since a smaller step does not show the error due to the springs' stiffness. `analysis recommend` shows which accuracy MD reaches.
 """
 import math
 import pathlib

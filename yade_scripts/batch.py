@@ -2,8 +2,8 @@
 
     /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2]
 
-Only the content of its result file decides whether a row is done. Rows that need the same packing prepare it once. Two calls at the same time
-share the rows between them. However a call ends, kill -9 included, its runs end with it; the same command runs the rows that have not finished.
+A row counts as finished if its result file says so. Rows that need the same packing prepare it once. Two calls at the same time
+share the rows. When a call ends, even by kill -9, its runs end with it; the same command then runs the rows that have not finished.
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 128 + n ended by signal n.
 """
 import pathlib
@@ -85,7 +85,7 @@ def main(arguments=None):
     try:
         return 1 if work_off(jobs, options.jobs) else 0
     except OSError as error:
-        print(f"batch: {error}: what has finished is kept; make room, and the same command goes on.", file=sys.stderr)
+        print(f"batch: {error}: finished runs are kept; free some space and give the same command again.", file=sys.stderr)
         return 1
 
 

@@ -1,4 +1,4 @@
-"""What all commands share: options with the same meaning everywhere, and the report of a user's mistake in one sentence instead of a traceback."""
+"""Shared by all commands: common options, and one sentence instead of a traceback for a user's mistake."""
 import argparse
 import functools
 import math
@@ -11,7 +11,7 @@ MISTAKE = 2  # exit status of a command that cannot do what it was asked for
 
 
 def parser(doc, *shared, **more):
-    """Return an argument parser whose --help shows the first paragraph and whose epilogue shows the rest of a module's text."""
+    """Return an argument parser; its --help shows the first paragraph of a module's docstring `doc`, then the options, then the rest."""
     first, _, rest = doc.partition("\n\n")
     raw = argparse.RawDescriptionHelpFormatter
     return add(argparse.ArgumentParser(description=first, epilog=rest, formatter_class=raw, **more), *shared)
@@ -27,7 +27,7 @@ def add(options, *shared):
     return options
 
 
-def add_extent(options, quick="a first version, minutes (default)", full="the real one, hours; it can be stopped and started again"):
+def add_extent(options, quick="a first version, minutes (default)", full="the full version, hours; it can be stopped and started again"):
     extent = options.add_mutually_exclusive_group()
     extent.add_argument("--quick", action="store_true", help=quick)
     extent.add_argument("--full", action="store_true", help=full)

@@ -1,6 +1,6 @@
-"""Loads a prepared packing into YADE's console and sets the engines of a row, ready for O.run(); `make console` starts it.
+"""Loads a prepared packing into YADE's console and sets the engines of a row, ready for O.run(). `make console` starts it.
 
-    yade yade_scripts/console.py [name=value ...]      method=CD unless said otherwise
+    yade yade_scripts/console.py [name=value ...]      the method is CD unless method=MD is given
 """
 import pathlib
 import sys
@@ -16,7 +16,7 @@ row = {"method": "CD"}
 
 
 def start(**changes):
-    """Start again with `changes` to the current row; other parameters, such as the method, keep their values. Return the scenes.Scene."""
+    """Start again with `changes` to the current row; other parameters keep their values, also the method. Return the scenes.Scene."""
     global row
     scene = run.start(**row | changes)
     row = row | changes
@@ -29,7 +29,7 @@ except (parameters.ParameterError, ImportError) as error:
     sys.exit(f"console: {error}")
 
 print("""
-The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.summary() tells how they went.
-scene = start(friction=0.3) starts again from another packing, start(method="MD") with springs; what was given before stays.
-run.execute(dict(method="CD", seed=2)) runs a whole row into a result file; all parameters: list(parameters.REGISTRY).
-cd_engine and plot are imported: help(cd_engine.ContactDynamics) has every setting and result.""")
+The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.summary() shows how they went.
+scene = start(friction=0.3) starts again from another packing, start(method="MD") with springs; earlier settings are kept.
+run.execute(dict(method="CD", seed=2)) makes a whole run and its result file; all parameters: print(parameters.listing()).
+cd_engine and plot are imported: help(cd_engine.ContactDynamics) shows every setting and result.""")

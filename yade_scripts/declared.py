@@ -1,4 +1,4 @@
-"""Scenes, maps of stability and studies: one file each, found by its presence in the folder of a package. Needs no YADE."""
+"""Finds scenes, maps of stability and studies: each is one file in the folder of a package. Needs no YADE."""
 import importlib
 import pathlib
 import sys
@@ -10,7 +10,7 @@ def names(package):
 
 
 def load(package, name, needed, usual):
-    """Return the file of a name, with {name: value} of `usual` for what it need not declare. Raise ParameterError if it lacks what is needed."""
+    """Return the module of this name; what it does not declare gets its value from `usual`. Raise ParameterError if a name of `needed` is missing."""
     found = importlib.import_module(f"{package}.{name}")
     for declared, value in usual.items():
         vars(found).setdefault(declared, value)
@@ -19,7 +19,7 @@ def load(package, name, needed, usual):
 
 
 def demand(package, file, declared, needed):
-    """Raise ParameterError if {name: value} that a file declares lacks something that is needed, or has None for it."""
+    """Raise ParameterError if one of the names `needed` is missing in {name: value} of a file, or None."""
     from yade_scripts.parameters import ParameterError
     if lacking := [name for name in needed if declared.get(name) is None]:
-        raise ParameterError(f"{file.__file__} lacks {', '.join(lacking)}; {sys.modules[package].__file__} lists what such a file has")
+        raise ParameterError(f"{file.__file__} lacks {', '.join(lacking)}; {sys.modules[package].__file__} explains what the file has to declare")

@@ -1,11 +1,11 @@
 """Every parameter of every run: name, default, unit, allowed values, meaning. Needs no YADE.
 
-A row (of a table, or of name=value arguments) overrides defaults; `complete` checks it and fills in the rest. SI units throughout; the sample is
+A row (a line of a table, or name=value arguments) overrides defaults; `complete` checks it and fills in the rest. All units are SI. The sample is
 `depth` deep, so a 2D stress [N/m] is a stress [Pa] times `depth`. Equations, figures and "the paper" refer to Garcia-Rojo, McNamara and
-Herrmann (ECCOMAS 2004). It does not give many of these values (see each `doc`); the values used are stored with the result.
+Herrmann (ECCOMAS 2004), which does not give many of these values (see each meaning); the values used are stored with the result.
 
-This file has the parameters of all scenes. Parameters of one scene, and its own defaults, stand in the scene's file. They are legal only in
-rows of that scene, and only there do they enter the name of the result file.
+This file has the parameters that all scenes have. The file of a scene has the scene's own parameters and defaults; these parameters are allowed only
+in rows of that scene.
 
 `/usr/bin/python3 -m yade_scripts.parameters` prints the list.
 """
@@ -18,15 +18,15 @@ from dataclasses import dataclass
 from yade_scripts import scenes
 
 class ParameterError(ValueError):
-    """A row cannot be run; the message names the parameter, its value, and what is allowed."""
+    """A row cannot be run; the message names the parameter, its value, and the allowed values."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One line of the registry.
+    """One parameter: its name, default, unit and meaning (doc). The type of the default is the type of its values.
 
-    low, high: allowed range, both included; for floats `open_low` excludes the lower end.
-    prepare: it shapes the prepared packing, so that another value means another packing.
+    low, high: allowed range, both included; `open_low` excludes the lower end.
+    prepare: whether the prepared packing depends on it.
     method: the only method that reads it, or None.
     """
     name: str
@@ -39,6 +39,9 @@ class Parameter:
     choices: tuple = ()
     prepare: bool = False
     method: str | None = None
+
+    def __post_init__(self):
+        self.check(self.default)
 
     def allowed(self):
         """Return the allowed values in words."""
@@ -95,7 +98,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("density", 2600.0, "kg/m^3",
               "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
     Parameter("kn", 2e6, "N/m",
-              "normal stiffness k_n of a contact, eq. 5; the paper's 2 MPa at 1 m of depth", **_positive(1e15), prepare=True),
+              "normal stiffness k_n of a contact, eq. 5; the paper has 2 MPa, at a depth of 1 m", **_positive(1e15), prepare=True),
     Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not given in the paper or in "
               "other work of its authors; 0.5 is a common choice. It shifts gamma, so vary it", **_positive(1), prepare=True),
     Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", **_positive(0.01), prepare=True),
@@ -171,7 +174,7 @@ def registry(scene):
 
 
 def defaults(scene):
-    """Return the row of a scene for which the user sets nothing: the scene's own defaults over the registry's."""
+    """Return the row of a scene if the user sets nothing: the general defaults, replaced by the scene's own where it has some."""
     usual, file = {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene}, scenes.module(scene)
     try:
         return usual | _checked(file.DEFAULTS, scene)
@@ -201,7 +204,7 @@ def _hint(name, legal, scene):
     if others := [other for other in scenes.names() if name in registry(other)]:
         return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
     near = difflib.get_close_matches(name, legal, n=3)
-    return f"did you mean {' or '.join(near)}?" if near else "the list: /usr/bin/python3 -m yade_scripts.parameters"
+    return f"did you mean {' or '.join(near)}?" if near else "for the list of all parameters: /usr/bin/python3 -m yade_scripts.parameters"
 
 
 def _check_together(full):
@@ -260,14 +263,14 @@ def preparation(full):
 
 
 def digest(values, length=12):
-    """Return the hexadecimal hash of a dictionary of parameters; the same in every process."""
+    """Return a hash of a dictionary of parameters, as hexadecimal digits; it is the same in every process."""
     return hashlib.sha256(json.dumps(values, sort_keys=True, allow_nan=False).encode()).hexdigest()[:length]
 
 
 def result_name(full):
     """Return the stem of the result file: scene, method, hash of what differs from the defaults among the parameters that this method reads.
 
-    A new parameter whose default keeps the old behaviour therefore leaves every name as it is. Whoever changes what a default means raises
+    A new parameter whose default keeps the old behaviour therefore leaves every name as it is. If you change what a default means, raise
     MEANING, which gives all runs new names.
     """
     usual, legal = defaults(full["scene"]), registry(full["scene"])

@@ -2,11 +2,11 @@
 
     yade -n -x yade_scripts/run.py method=CD seed=3          by name=value arguments
     yade-batch TABLE.txt yade_scripts/run.py                 as a row of a table
-    from yade_scripts import run; run.start(method="CD")     at YADE's console: set up, ready for O.run()
+    from yade_scripts import run; run.start(method="CD")     at YADE's console: sets up the scene, ready for O.run()
 
-Results go to results/<scene>-<method>-<hash of the row>.h5; a finished run is not run again. `--results=FOLDER` puts them elsewhere.
-Long runs have checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` sets one every N samples, 0 none; the result
-file records N. If another process runs the row, this one waits for it.
+Results go to results/<scene>-<method>-<hash of the row>.h5, or to another folder with `--results=FOLDER`. A finished run is not run again.
+Long runs write checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` writes one every N samples, 0 none; the result
+file records N. If another process runs the same row, this one waits for it.
 Exit status: 0 done, 1 the run failed (its file says why) or could not be written, 2 the row cannot be run.
 """
 import os
@@ -36,12 +36,12 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     results.make(folder)
     with locks.held(path, lambda: print(f"{path.stem}: another process runs this row: waiting for it", flush=True)):
         if results.finished(path):
-            print(f"{path} is there already.")
+            print(f"{path}: this run has finished before.")
             return 0
         try:
             failure = _run(path, full, folder, checkpoint_samples)
         except OSError as error:
-            print(f"{path.stem}: unfinished, its file cannot be written: {error}; make room and start it again.", file=sys.stderr)
+            print(f"{path.stem}: unfinished, its file cannot be written: {error}; free some space and start it again.", file=sys.stderr)
             return 1
     if failure is None:
         print(f"{path}: finished")
@@ -92,7 +92,7 @@ def _run(path, full, folder, checkpoint_samples):
 @commands.command("run")
 def main(arguments=None):
     parser = commands.parser(__doc__, "row", "--results")
-    parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N", help="samples between two checkpoints, 0 for none (default: by the length of the run)")
+    parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N", help="samples between two checkpoints, 0 for none (default: depends on the length of the run)")
     options = parser.parse_args(arguments)
     row = tables.batch_row(os.environ["YADE_BATCH"]) if "YADE_BATCH" in os.environ else parameters.from_arguments(options.row)
     return execute(row, options.results, options.checkpoints)

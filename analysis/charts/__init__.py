@@ -1,11 +1,11 @@
 """Charts of speed against accuracy and maps of stability, drawn from the measurements in results/ or from published tables.
 
-A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN as a study has them, and
+A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN, as in a study, and
 
-    rows(measured)            its table, from the settings measured (table.py) or, of the maps, from the folder of results
-    draw(rows, folder, line)  its figures; the names of the files with their titles. line: where the rows come from
+    rows(measured)            returns the rows of its table, from the measured settings (table.py) or, for the maps, from the folder of results
+    draw(rows, folder, line)  draws its figures and returns {file name: title}. line: where the rows come from, for the caption
 
-Accuracy is a relative error: |measured - exact| over a scale that the scene names, the largest of all that is known of it.
+Accuracy is a relative error: |measured - exact| over a scale that the scene gives, and the largest over the scene's known quantities.
 """
 import importlib
 from pathlib import Path
@@ -14,7 +14,7 @@ from analysis import publish
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
-# Of the report.
+# Order in the report.
 ORDER = ("by_kind", "profile", "cost_against_size", "work_precision", "maps")
 FOLDER = "charts"  # below the folder of the studies' figures
 
@@ -24,7 +24,7 @@ def module(name):
 
 
 def publish_all(results, folder, full):
-    """Publish every chart that has measurements; {name: reason} of those that have none."""
+    """Publish every chart that has measurements. Return {name: message} of those that have none."""
     from analysis.charts import maps, table
     folder, left = Path(folder), {}
     folder.mkdir(parents=True, exist_ok=True)
@@ -34,14 +34,14 @@ def publish_all(results, folder, full):
             if len(rows := module(name).rows(settings)):
                 _publish(name, rows, folder, origin)
             else:
-                left[name] = "no scene was measured by both methods or at several sizes"
+                left[name] = f"{name}: no scene was measured by both methods or at several sizes"
     except ResultError as error:
-        left |= dict.fromkeys(ORDER[:-1], error.what)
+        left |= {name: f"{name}: {error}" for name in ORDER[:-1]}
     try:
         found, origin = maps.measured(results, full)
         _publish("maps", found, folder, origin)
     except ResultError as error:
-        left["maps"] = error.what
+        left["maps"] = f"maps: {error}"
     return left
 
 
@@ -53,7 +53,7 @@ def _publish(name, rows, folder, origin):
 
 
 def origin_of(facts, full):
-    """Return where measurements come from, as plain data; facts: those of each measurement."""
+    """Return where measurements come from, as plain data. facts: the facts of each measurement."""
     return {"extent": "full" if full else "quick", "measured": len(facts), "commits": sorted({one["git_commit"] for one in facts}),
             "yade": sorted({one["yade_version"] for one in facts if "yade_version" in one}), "run_command": "make charts" + " FULL=1" * full} | publish.machine() | {
                 "processor": ", ".join(sorted({one["processor"] for one in facts}))}

@@ -11,10 +11,11 @@ TITLE = "What to use when: time against accuracy, by kind of scene"
 QUESTION = ("Which method reaches a given accuracy sooner, on which kind of scene? Every scene has an exact or converged answer for rigid grains; its error is the "
             "largest of all that is known of it.")
 ANSWER = """
-For what rigid grains decide, CD is the cheaper method on every kind of scene but closed paths of one contact, which only springs have. To an error of
-1e-2 both methods solve piles, impacts and sliding, CD 9.7 to 32 times faster (means over the scenes of a kind). Springs carry an error that no smaller step removes, of the order of
-P0/k_n or of the speed over the wave speed: it falls as 1/k_n while the cost rises as its root. The results of flows are known to 0.8 % (filling a
-box) to 4 % (collapse of a column), the spread between runs: no smaller error can be shown. Where the question is what springs do - elastic waves, stiffness, closed paths - use MD.
+If the exact answer is that of rigid grains, CD is the cheaper method for every kind of scene except closed paths of one contact, which concern
+springs only. To an error of 1e-2 both methods solve piles, impacts and sliding, CD 9.7 to 32 times faster (means over the scenes of a kind). Springs
+have an error that a smaller step does not reduce, of the order of P0/k_n or of the speed over the wave speed: it falls as 1/k_n while the cost rises
+as the square root of k_n. The results of flows are known to 0.8 % (filling a box) to 4 % (collapse of a column), the spread between runs: no smaller
+error can be shown. For questions about springs - elastic waves, stiffness, closed paths - use MD.
 """
 GIVEN = ("1e-2", "1", "0.8", "4")
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)

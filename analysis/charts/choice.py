@@ -1,8 +1,8 @@
-"""Which of the measured settings reach an accuracy, and which of them is the cheapest.
+"""Finds the measured settings that reach an accuracy, and the cheapest of them.
 
-A setting counts as reaching an accuracy only if it and all finer ones of its series do, since an error can pass through zero by chance. Finer
+A setting counts only if it and all finer settings of its series reach the accuracy, since an error can be small by chance. Finer
 settings that ran out of time are ignored; one that failed for another reason counts against it. The series of damping does not go from coarse to
-fine: there the neighbours have to reach the accuracy as well.
+fine: there the two neighbours have to reach the accuracy as well.
 """
 import math
 
@@ -14,7 +14,7 @@ NO_LADDER = ("MD damping",)
 
 
 def reaches(own, accuracy):
-    """Return the mask of the rows of a series, from coarse to fine, that can be relied on to be within `accuracy`."""
+    """Return the mask of the rows of a series, from coarse to fine, that reach `accuracy` in this sense."""
     within = (own.status == "") & (own.error <= accuracy)
     agrees = within | own.status.str.contains("took more than")
     if own.series.iloc[0] in NO_LADDER:
@@ -28,7 +28,7 @@ def reliable(rows, accuracy):
 
 
 def cheapest(rows, accuracy):
-    """Return the fastest of them, or None."""
+    """Return the fastest row of one scene and size that reaches the accuracy, or None."""
     found = reliable(rows, accuracy)
     return found.loc[found.seconds.idxmin()] if len(found) else None
 
@@ -39,7 +39,7 @@ def finer(row, rows):
 
 
 def best(rows):
-    """Return the row with the smallest error that can be relied on; None if none has finished."""
+    """Return the row with the smallest accuracy that it reaches in this sense; None if no setting has finished."""
     found = [row for _, own in table.by_series(rows) for index, row in own.iterrows() if reaches(own, row.error * (1 + 1e-12))[index]]
     return min(found, key=lambda row: row.error, default=None)
 
@@ -47,8 +47,8 @@ def best(rows):
 def of_kind(rows, accuracy):
     """Return {method: (setting, series, rows of the scenes that it solves, scenes that it does not)} for scenes of one kind.
 
-    One setting for all: the one that solves most scenes, then the fastest by the geometric mean. Settings are the same where series and rank
-    are: time steps of CD are relative to what a scene has of its own.
+    One setting for all scenes: the one that solves most of them, and among these the fastest by the geometric mean. Two settings count as the same if
+    series and rank are the same, since time steps of CD are relative to the scene's default.
     """
     solved = rows.loc[[index for _, own in rows.groupby("scene", sort=False) for index in reliable(own, accuracy).index]]
     found = {}

@@ -1,4 +1,4 @@
-"""Stability maps: what the probes found, as rows, boundaries and figures. Runs nothing."""
+"""Stability maps: turns the results of the probes into rows, boundaries and figures. Runs nothing."""
 import math
 from collections import namedtuple
 from pathlib import Path
@@ -12,17 +12,17 @@ from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
 from yade_scripts.results.reader import ResultError
 
 TITLE = "Where each method fails"
-QUESTION = ("Which steps, sweeps, tolerances, masses, heights and speeds does each method bear, where does theory put the boundary, and does the program say "
-            "so when it is crossed?")
+QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds does each method work, where is the boundary in theory, and does the program warn "
+            "when it is crossed?")
 ANSWER = """
-Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt(1 + beta^2) - beta), within 0.1 %, for a packing at
-dt^2 K + 2 dt C < 4 M, within 0.2 %; the default step is far below. The walls' servo locks above a gain of 1.50 and is kept at 1.
+Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt(1 + beta^2) - beta), within 0.1 %, for a packing at dt^2 K + 2 dt C <
+4 M, within 0.2 %; the default step is far below these limits. The walls' servo locks above a gain of 1.50; runs use a gain of 1 at most.
 
-Rigid contacts without restitution have no largest step. With it, disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084
-sqrt(R/g) on, and the engine warns. A heavy disk on a light one is not solved beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8
-and of 7.6e5 at 1e-6, and the engine says so. It says nothing where the error that the tolerance allows is as large as what is asked for:
-nearer to the angle of friction than 0.18 tolerances, and under a small load on a packing, which strains falsely from a tolerance of
-6.7e-5 on with a step of 1 ms and from 9.6e-7 on with 10 ms. The table lists every boundary that was searched.
+Rigid contacts without restitution have no largest step. With it, disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g)
+on, and the engine warns. A heavy disk on a light one is not solved beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8 and of 7.6e5 at
+1e-6, and the engine says so. It does not warn where the error that the tolerance allows is as large as the quantity of interest: nearer to the angle
+of friction than 0.18 tolerances, and for a packing under a small load, which strains wrongly from a tolerance of 6.7e-5 on with a step of 1 ms and
+from 9.6e-7 on with 10 ms. The table lists every boundary that was searched.
 """
 GIVEN = ("1", "2", "4", "10", "1e-6", "1e-8")
 
@@ -53,16 +53,16 @@ LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
 
 
 def descriptions():
-    """Return the maps with what they ask, by what a case is judged, and what to do."""
+    """Return the maps, with question, criterion and remedy, for the report."""
     return [maps.get(name) for name in maps.names()]
 
 
-# A map with what was probed of it: cells, cases without one, [(Search, Boundary, what the program told, theory)], facts of all.
+# A map with its results: rows of the cells, cases that were not run, [(Search, Boundary, message of the program, theory)], facts of all.
 Found = namedtuple("Found", "name map rows missing boundaries facts")
 
 
 def measured(results, full):
-    """Return (Found of every map that was probed, where they come from); ResultError if none was."""
+    """Return (Found of every map that was probed, where they come from). Raise ResultError if none was."""
     several = [found for found in (collect(name, results, full) for name in maps.names()) if len(found.rows)]
     if not several:
         raise ResultError(Path(results) / maps.FOLDER, "no case has been probed", "run `make charts`")
@@ -148,7 +148,7 @@ def _draw(found, path, line):
     _legend(fig.add_subplot(grid[0, columns]), axes)
     fig.suptitle(chart.title, fontsize=11)
     style.finish(fig, path, f"{len(found.rows)} cells, {len(found.boundaries)} searched boundaries"
-                 + (f", {len(found.missing)} not run" if found.missing else "") + ". A ring: the program says nothing.", line)
+                 + (f", {len(found.missing)} not run" if found.missing else "") + ". A ring: the program does not warn.", line)
 
 
 def _scale(axis, found):
@@ -160,18 +160,18 @@ def _scale(axis, found):
 
 
 def _cells(axis, chart, rows):
-    """Draw the markers; a ring around a failure that the program says nothing of."""
+    """Draw the markers, with a ring around each failure of which the program does not warn."""
     kinds = rows.groupby(["verdict", "reason"], sort=False)
     for (verdict, reason), own in sorted(kinds, key=lambda kind: list(MARKERS).index(kind[0][0])):
         axis.plot(own[chart.x.name], own[chart.y.name], MARKERS[verdict], color=COLOURS[reason], ls="",
                   ms=5 if verdict == STABLE else 6.5, mew=0, label=verdict + (f": {reason}" if reason else ""))
     if len(silent := rows[(rows.verdict != STABLE) & (rows.told == "")]):
         axis.plot(silent[chart.x.name], silent[chart.y.name], "o", mfc="none", mec="k", mew=0.7, ms=11, ls="",
-                  label="the program says nothing")
+                  label="the program does not warn")
 
 
 def _boundaries(axis, found, panel):
-    """Draw what was searched as full lines and what theory says as dashed ones."""
+    """Draw the searched boundaries as full lines and those of theory as dashed ones."""
     chart, drawn_theory = found.map, set()
     fixed = {chart.x.name, chart.y.name, chart.panels}
     here = [one for one in found.boundaries if panel is None or one[0].at.get(chart.panels) == panel]

@@ -1,5 +1,5 @@
-"""Performance profile (Dolan and More, Mathematical Programming 91, 201-213, 2002): the share of scenes that a way of refining solves to a given
-accuracy within a factor of the fastest."""
+"""Performance profile (Dolan and More, Mathematical Programming 91, 201-213, 2002): the share of scenes that a series of settings solves to a given
+accuracy, within a given factor of the fastest series."""
 import math
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Which method with which settings for an accuracy, its expected error and cost: from the published measurements."""
+"""Recommends a method and settings for an accuracy, with expected error and cost, from the published measurements."""
 from pathlib import Path
 
 from analysis import publish
@@ -11,7 +11,7 @@ FLOWS = Path(__file__).resolve().parents[1] / "published" / "flows.csv"
 
 
 def of_scene(scene, accuracy):
-    """Return the lines of an answer for one scene. ResultError for a scene without measurements, or an accuracy that no setting reaches."""
+    """Return the lines of an answer for one scene. Raise ResultError for a scene without measurements, or if no setting reaches the accuracy."""
     found = table.one_size(table.from_csv(table.PUBLISHED))
     own = found[found.scene == scene]
     if own.empty and scene in flows.QUANTITY:
@@ -35,7 +35,7 @@ def of_scene(scene, accuracy):
 
 
 def of_flow(scene, accuracy):
-    """Return the lines of an answer for a scene of the study of flows, whose error is that of a mean over seeds. ResultError where none reaches it."""
+    """Return the same for a scene of the study of flows, where the error is that of a mean over seeds."""
     rows = [row for row in flows.measured(publish.read_table(FLOWS)).to_dict("records") if row["scene"] == scene]
     if not any(abs(row["error"]) <= accuracy and not row["is_rigid_answer"] for row in rows):
         raise ResultError(scene, f"no measured setting reaches an accuracy of {accuracy:g}", "see analysis/published/flows.csv")
@@ -55,9 +55,9 @@ def of_flow(scene, accuracy):
 
 def _line(row, rows_of_scene):
     confirmed = choice.finer(row, rows_of_scene)
-    sure = f"{confirmed} finer settings agree" if confirmed > 1 else "one finer setting agrees" if confirmed else "the finest that was tried, so nothing confirms it"
+    sure = f"confirmed by {confirmed} finer settings" if confirmed > 1 else "confirmed by one finer setting" if confirmed else "not confirmed: no finer setting was tried"
     return (f"  {row.method}: {row.series}, {row.setting}: expected error {row.error:.2g}, {row.seconds:.2g} s for {row.steps:.0f} steps "
-            f"of {row.disks:.0f} disks ({sure})")
+            f"of {row.disks:.0f} disk{'' if row.disks == 1 else 's'} ({sure})")
 
 
 def by_kind(accuracy):
@@ -68,6 +68,7 @@ def by_kind(accuracy):
         first = min(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()), default="no setting reaches it")
         lines.append(f"{kind} ({own.scene.nunique()} scenes), accuracy {accuracy:g}: {first}")
         for method, (series, solved, left) in chosen.items():
+            times = dict.fromkeys(f"{seconds:.2g}" for seconds in (solved.seconds.min(), solved.seconds.max()))
             lines.append(f"  {method}: {series}, {' or '.join(solved.setting.unique())}: error up to {solved.error.max():.2g}, "
-                         f"{solved.seconds.min():.2g} to {solved.seconds.max():.2g} s" + (f"; not {', '.join(left)}" if left else ""))
+                         f"{' to '.join(times)} s" + (f"; not reached in {', '.join(left)}" if left else ""))
     return lines

@@ -23,7 +23,7 @@ PUBLISHED = Path(charts.__file__).resolve().parents[1] / "published" / charts.FO
 
 
 def measured(results, full):
-    """Return (the table of all scenes, where it comes from); ResultError where nothing was measured."""
+    """Return (the table of all scenes, where it comes from). Raise ResultError if nothing was measured."""
     folder = Path(results) / settings.FOLDER
     found = [(setting, facts) for scene in settings.names() for setting in settings.settings(scene, full)
              if (facts := store.get(folder, setting.name))]

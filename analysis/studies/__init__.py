@@ -1,20 +1,20 @@
-"""The studies, one file each, found by their presence in this folder. A study has
+"""The studies: each is one file in this folder. A study has
 
-    TITLE, QUESTION    heading, and what is asked, of which paper or figure
-    ROWS               {"quick": rows, "full": rows} of parameters, lists of dictionaries (yade_scripts.tables.product makes them)
-    summarize(runs)    the rows of its summary table, a list of {heading: number or text}
-    draw(runs, rows, path)     its figure
+    TITLE, QUESTION    heading, and the question, with the paper or figure that it is about
+    ROWS               {"quick": rows, "full": rows}: lists of dictionaries of parameters (yade_scripts.tables.product makes them)
+    summarize(runs)    returns the rows of the summary table, a list of {heading: number or text}
+    draw(runs, rows, path)     draws the figure and writes it to path, by style.finish
 
 and, before it is published,
 
-    ORDER              its place in the report, 100 unless given
-    ANSWER             what was found by the published run, in plain words: P0, gamma, mu and 1e-3 are typeset by the report
-    numbers(table)     {number as it stands in ANSWER or POINTS: its value, or several, by the published summary table (pandas)}
+    ORDER              its place in the report, by default 100
+    ANSWER             the findings of the published run in plain words; the report typesets P0, gamma, mu and 1e-3
+    numbers(table)     {number as written in ANSWER or POINTS: its value, or several, computed from the published summary table (pandas)}
     GIVEN              numbers of the text that are settings, not findings
     POINTS             statements of the paper: (place, quotation, where, verdict, what was measured)
 
-A test compares every number of the text with the published table. `runs` are the finished runs of ROWS in their order; a sample that
-collapsed has finished too. Rows that failed or were not run are no matter of a study: `collect` keeps them, with their reasons.
+A test compares every number of the text with the published table. `runs` are the finished runs of ROWS in their order, also those in which the sample
+collapsed. A study does not see rows that failed or were not run; `collect` returns them separately, with the reasons.
 """
 import functools
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ NOT_RUN = "not run yet"
 
 @dataclass
 class Collection:
-    """A study's runs: those that finished, and (result file, full row, reason) of the rows that failed, are unfinished or were not run."""
+    """The runs of a study. runs: those that have finished. missing: (result file, full row, reason) of all other rows."""
     name: str
     full: bool
     runs: list = field(default_factory=list)
@@ -35,13 +35,13 @@ class Collection:
 
 
 def names():
-    """Return the studies there are, in the order of the report."""
+    """Return the names of all studies, in the order of the report."""
     return sorted(declared.names(__name__), key=lambda name: (module(name).ORDER, name))
 
 
 @functools.cache
 def module(name):
-    """Return the file of a study, with what it need not declare; ParameterError for a name that is none, or if it lacks what it has to have."""
+    """Return the module of a study, with defaults for what it does not declare. Raise ParameterError if there is none, or if it lacks something."""
     if name not in declared.names(__name__):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
     return declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),

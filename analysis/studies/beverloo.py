@@ -20,9 +20,9 @@ ROWS = {"quick": product(scene="hopper", disks=500, slot=(6, 8, 10), period=3.0,
 def summarize(runs):
     """Return one row a method and width.
 
-    rate: disks that leave in sqrt(d/g), mean over the seeds; deviation: its standard error. width: of the slot, in diameters. law: the rate by the
-    straight line through rate^(2/3) of all widths of the method, which is Beverloo's law C (D/d - k)^(3/2); C, k: of this line. unsolved: share of
-    the steps of rigid contacts that missed the tolerance.
+    rate: disks that leave in a time sqrt(d/g), mean over the seeds; deviation: its standard error. width: of the slot, in diameters. law: the rate
+    by Beverloo's law C (D/d - k)^(3/2), where C and k come from a straight line fitted to rate^(2/3) at all widths of the method. unsolved: share
+    of the steps of rigid contacts that missed the tolerance.
     """
     rows = []
     for (method, slot), group in summary.groups(runs, lambda run: (run.method, run.parameters["slot"])).items():
@@ -58,14 +58,14 @@ def draw(runs, rows, path):
 
 ANSWER = """
 Yes, to a few percent; whether k is the same is left open. Through slots of 6 to 20 diameters a straight line through the rates of 2000 disks, to the
-power of two thirds, misses no rate of rigid contacts by more than 2.5 %, and none of springs by more than 0.9 %. With exponents of 1.45 and 1.6
-in place of three halves the worst misses are 3.1 and 2.8 %, so rigid contacts do not tell these from three halves. In disks per sqrt(d/g) the
-constants are C = 1.18 and k = 2.33 (standard error 0.13) for rigid contacts, 1.15 and 2.07 (0.03) for springs of 2e7 N/m. The rates of
-the two methods differ by 0.1 to 8.0 %, with standard errors of 1.4 to 6.9 %. At one of the 5 widths, 10 diameters, the difference is more
-than twice its error: springs flow 5.0 % faster, with an error of 1.5 %. The mean at 6 diameters is uncertain because one of its 4 runs by
-rigid contacts flowed a quarter slower than the others. There are 4 runs a width by rigid contacts and 2 by springs, so the errors are rough.
-The silo is 36 diameters wide: its walls and the falling surface may act on the flow through the widest slot. Steps of 1 ms to 1e-3; 1.5 to
-3.3 % of them, by width, missed it within 2000 sweeps.
+power of two thirds, misses no rate of rigid contacts by more than 2.5 %, and none of springs by more than 0.9 %. With exponents of 1.45 and 1.6 in
+place of three halves the worst misses are 3.1 and 2.8 %, so rigid contacts do not tell these from three halves. With the rate in disks per sqrt(d/g),
+the constants are C = 1.18 and k = 2.33 (standard error 0.13) for rigid contacts, 1.15 and 2.07 (0.03) for springs of 2e7 N/m. The rates of the two
+methods differ by 0.1 to 8.0 %, with standard errors of 1.4 to 6.9 %. At one of the 5 widths, 10 diameters, the difference is more than twice its
+error: springs flow 5.0 % faster, with an error of 1.5 %. The mean at 6 diameters is uncertain because one of its 4 runs by rigid contacts flowed a
+quarter slower than the others. There are 4 runs a width by rigid contacts and 2 by springs, so the errors are rough. The silo is 36 diameters wide:
+its walls and the falling surface may affect the flow through the widest slot. Rigid contacts took steps of 1 ms with a tolerance of 1e-3, which 1.5
+to 3.3 % of the steps, depending on the width, missed within 2000 sweeps.
 """
 GIVEN = ("6", "20", "2000", "1.45", "1.6", "2e7", "10", "36", "1", "1e-3")
 

@@ -1,4 +1,4 @@
-"""Too few sweeps make a row of rigid disks swing like a soft one: the textbook case of under-converged Contact Dynamics."""
+"""With too few sweeps a row of rigid disks oscillates like a soft one: the textbook case of Contact Dynamics that is not converged."""
 import numpy as np
 
 from analysis import loops, style, summary
@@ -78,7 +78,7 @@ def _draw_way(axes, runs):
         steps = np.arange(len(_way(elastic)))
         axes.plot(steps, effective_medium.chain_response(elastic.parameters, steps * effective_medium.step(elastic.parameters)), "k--", lw=0.9,
                   label="theory")
-    axes.set(xlabel="step", ylabel="way of the free end / way at rest", ylim=(-0.5, 3), title="50 disks, 40 sweeps a step")
+    axes.set(xlabel="step", ylabel="displacement of the free end / that at rest", ylim=(-0.5, 3), title="50 disks, 40 sweeps a step")
     axes.legend(ncol=2)
 
 
@@ -96,10 +96,10 @@ def _draw_theory(axes, rows):
 
 
 ANSWER = """
-Yes. With 40 sweeps a step the period is 35.7 steps where the forces of the step before are kept (theory: 35.4) and 35.5 where the
-overlaps are read; the decay takes 70 steps and 64 (theory: 64). From 5 to 160 sweeps the period is within 1.7 % of theory, with nothing
-fitted. The springs need one of the two memories: with neither the row creeps, to 156 times its way at rest; with both it overshoots, to
-20 times. Solved to the tolerance the row moves 2.0e-8 of that way: it is rigid.
+Yes. With 40 sweeps a step the period is 35.7 steps if each step starts from the forces of the step before (theory: 35.4), and 35.5 if it corrects
+overlaps instead; the decay time is 70 steps and 64 (theory: 64). From 5 to 160 sweeps the period agrees with theory within 1.7 %, with nothing
+fitted. The row is elastic only if it has exactly one of these two memories. With neither it creeps, to 156 times its final displacement in theory;
+with both it overshoots, to 20 times. If every step is solved to the tolerance, the row moves by 2.0e-8 of that displacement: it is rigid.
 """
 GIVEN = ("40", "5", "160")
 

@@ -7,8 +7,8 @@ from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "A closed path of two disks under the three tangential laws"
-QUESTION = ("Is the tangential spring's force a matter of where the disks are, or of how they came there? McNamara, García-Rojo and "
-            "Herrmann (2008) found that the usual law remembers a closed path, and took that for a source of ratcheting.")
+QUESTION = ("Does the tangential spring's force depend only on where the disks are, or also on the path that they took? McNamara, García-Rojo and "
+            "Herrmann (2008) found that the usual law depends on the path, and suggested that this causes ratcheting.")
 ORDER = 8  # in the report
 PATHS = dict(scene="two_grain_path", tangential_law=("standard", "avoid_ratcheting", "path_independent"), path_depth=(1e-4, 1e-3, 1e-2, 1e-1))
 # The last rows take four times the steps: the error of the step falls.
@@ -62,11 +62,10 @@ def _draw_law(axis, law, quantity, table):
 
 
 ANSWER = """
-The usual law remembers the path. At a depth h/R = 0.1 and an angle of 0.3 rad it leaves 0.050 of the shear force at the far end, h/2R as
-theory says, and takes 0.0025 of the energy there. YADE's avoidGranularRatcheting leaves at most 2e-5 of the force but gains 0.050 of the
-energy from nothing, each time the path is gone along. The path-independent law leaves 2e-14 of the force and 5e-13 of the energy:
-round-off. No contact slipped. The disks are led by hand and do not spin; what follows for a packing is the question of the study of the
-three laws.
+With the usual law the force depends on the path. At a depth h/R = 0.1 and an angle of 0.3 rad a closed path leaves 0.050 of the shear force at its
+far end, h/2R as theory says, and costs 0.0025 of the energy there. With YADE's avoidGranularRatcheting it leaves at most 2e-5 of the force, but
+creates 0.050 of the energy each time the disks go along the path. With the path-independent law it leaves 2e-14 of the force and 5e-13 of the energy:
+round-off. No contact slipped. The disks follow a prescribed motion and do not spin; the study of the three laws shows the consequences for a packing.
 """
 GIVEN = ("0.1", "0.3")
 

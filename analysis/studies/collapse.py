@@ -1,4 +1,4 @@
-"""How long a packing stands cycles, and how that changes when one setting changes."""
+"""How many cycles a packing stands before it collapses, and how one changed setting changes that."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -45,7 +45,7 @@ def summarize(run):
 
 
 def draw(runs, rows, path):
-    """Draw for every case the cycle in which each packing collapses, a panel a load; what still stands is drawn open at its last cycle."""
+    """Draw for every case the cycle in which each packing collapses, a panel a load; packings that still stand are drawn with open symbols at their last cycle."""
     names = list(dict.fromkeys(row["case"] for row in rows))
     loads = summary.groups(rows, lambda row: row["dSigma"])
     fig, axes = plt.subplots(1, len(loads), figsize=(3 + 4 * len(loads), 4.4), squeeze=False, sharey=True)
@@ -63,27 +63,28 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-In cycles of 0.5 s rigid contacts stand longer than springs of k_n on the same packings. With six packings their lives cannot be distinguished from
-those of springs of 10 k_n. Springs of k_n collapse on all of 6 packings under both loads. Under dSigma = 0.3 rigid contacts stand 2.02 times as many
-cycles (median; 1.42 times at least; 2 packings stand all 40 cycles), under 0.4 1.29 times (1.08 to 1.49). On the same packings stiffened they stand
-1.05 times as many cycles as springs of 10 k_n under 0.3 (0.68 to 3.08) and 1.06 times under 0.4 (0.98 to 1.39). Over both loads that is 1.46 times as
-many as springs of k_n, and 1.06 times as many as springs of 10 k_n (medians of 12 pairs from 6 packings). With six packings 1.06 cannot be
-distinguished from 1. So with stiffer springs the methods differ less. How much of that is the stiffness itself stays open, too: springs of 10 k_n
-stand 1.59 times as long as springs of k_n under 0.3, but 1.01 times under 0.4, where rigid contacts stand 0.90 times as long on the stiffened
-packings. These are no longer quite the same packings.
+In cycles of 0.5 s rigid contacts stand longer than springs of k_n on the same packings. With six packings their numbers of cycles cannot be
+distinguished from those of springs of 10 k_n. Springs of k_n collapse on all of 6 packings under both loads. Under dSigma = 0.3 rigid contacts stand
+2.02 times as many cycles (median; 1.42 times at least; 2 packings stand all 40 cycles), under 0.4 1.29 times (1.08 to 1.49). On the same packings
+stiffened they stand 1.05 times as many cycles as springs of 10 k_n under 0.3 (0.68 to 3.08) and 1.06 times under 0.4 (0.98 to 1.39). Over both loads
+that is 1.46 times as many as springs of k_n, and 1.06 times as many as springs of 10 k_n (medians of 12 pairs from 6 packings). With six packings
+1.06 cannot be distinguished from 1. So with stiffer springs the methods differ less. How much of that is due to the stiffness itself is also open:
+springs of 10 k_n stand 1.59 times as long as springs of k_n under 0.3, but 1.01 times under 0.4, where rigid contacts stand 0.90 times as long on the
+stiffened packings. These are no longer quite the same packings.
 
 Of tolerance, step, force network, tangential law and walls only the walls have an effect that is more than chance. Under 0.3 the medians are, of
 rigid contacts, 0.95 times with a tolerance of 1e-6, 1.00 with steps a fifth as long and 0.92 from another force network; of springs, 0.92 with steps
-a third as long and 0.88 with the path-independent tangential law. There a single life is a matter of chance: such a change alters it by factors of
-0.37 to 2.41. A factor of 1.5 in the median would not be seen. Under 0.4, where packings stand 2 to 4 cycles, the medians are 0.97 to 1.02 and the
-single lives change by 0.79 to 1.26. A servo for walls, whose speed is bounded, lets springs stand longer in 12 of 12 cases, 1.30 times as long
-(median), 3 of them to the end.
+a third as long and 0.88 with the path-independent tangential law. There the number of cycles of a single packing depends on chance: such a change
+alters it by factors of 0.37 to 2.41. A factor of 1.5 in the median would not be noticed. Under 0.4, where packings stand 2 to 4 cycles, the medians
+are 0.97 to 1.02 and the numbers of single packings change by 0.79 to 1.26. A servo for walls, whose speed is bounded, lets springs stand longer in 12
+of 12 cases, 1.30 times as long (median), 3 of them to the end.
 
-The number of cycles belongs to its period. With 2 s instead of 0.5 s all packings collapse within two cycles, springs after 0.60 cycles and rigid
+The number of cycles depends on the period. With 2 s instead of 0.5 s all packings collapse within two cycles, springs after 0.60 cycles and rigid
 contacts after 1.05 times as many (medians; a sample is taken every 0.025 cycles): the longer load leaves a packing above its limit more time to fall.
 
-Three runs of rigid contacts under 0.3 count as standing here although they are refused: the packing yields in every cycle, so that the stress of its
-walls is off by more than a twentieth of P0 in more than a quarter of the samples. They ran to the end of the 40 cycles without a collapse.
+Three runs of rigid contacts under 0.3 count as standing here although the check of the walls refuses them: the packing yields in every cycle, so that
+the stress of the walls is off by more than a twentieth of P0 in more than a quarter of the samples. They ran to the end of the 40 cycles without a
+collapse.
 """
 GIVEN = ("0.3", "0.4", "1", "10", "40", "1e-6", "0.5", "2", "1.5", "0.025", "4")
 POINTS = (

@@ -1,7 +1,7 @@
-"""What breaks a rigid packing under a ramp: the load, against the initial force network, the packing, and limit analysis.
+"""At which load does a rigid packing yield under a ramp? Compared with the initial force network, the packing, and limit analysis.
 
-The static theorem (yade_scripts/theory/statics.py) gives the largest sigma2 at which the contacts of a packing admit any forces: a number of
-its geometry and friction alone, from a linear programme that knows no dynamics, compared here with the load at which it moves.
+The static theorem (yade_scripts/theory/statics.py) gives the largest sigma2 at which the contacts of a packing can be in balance. It depends only on
+geometry and friction and comes from a linear programme without dynamics. Here it is compared with the load at which the packing moves.
 """
 import numpy as np
 import pandas
@@ -12,8 +12,8 @@ from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
 TITLE = "The critical load, and what it depends on"
-QUESTION = ("Is Contact Dynamics' resistance to a collapse (Fig. 5) a matter of which of the admissible force networks it starts from? "
-            "The ramp of eq. 1 from many networks of one packing, against the spread over packings and the ramp of MD.")
+QUESTION = ("Does Contact Dynamics' resistance to a collapse (Fig. 5) depend on which of the admissible force networks it starts from? "
+            "The ramp of eq. 1 is run from many networks of one packing, and compared with the differences between packings and with MD.")
 ORDER = 11  # in the report
 RAMP = dict(md_walls="force", loading="ramp", ramp_rate=0.2, period=6.0, cd_dt=5e-3, collapse_strain=0.02)
 SMALL = RAMP | dict(disks=200, records_per_cycle=300)
@@ -126,20 +126,20 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Geometry and friction set the load at which a rigid packing yields; the force network that it starts from hardly does. From 11 force
+The load at which a rigid packing yields depends on geometry and friction, and hardly on the force network that it starts from. From 11 force
 networks of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 more packings were loaded from 2 networks each. The
-networks do not stay apart: from 18 % of the mean force (median, rms) at the start they come within 5 % of the springs' own before the
-packing yields. 6 packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the
-static limit, a linear programme over the contacts that carry at the start, which knows no dynamics; |gamma| = 1e-5 gives 0.986 to 1.005
+networks approach each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), and before the packing
+yields by 5 %. 6 packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the
+static limit, which comes from a linear programme over the contacts loaded at the start; with |gamma| = 1e-5 as the sign of yield it is 0.986 to 1.005
 times, |gamma| = 1e-3 1.010 to 1.079 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the
-limit the normal forces change by 3.9 % of their mean in both from snapshot to snapshot, while the load grows by 0.03 P0 and the grain
+limit the normal forces change by 3.9 % of their mean from snapshot to snapshot with both methods, while the load grows by 0.03 P0 and the grain
 that moves most moves by 6e-7 R in CD and 4e-3 R in MD (medians).
 """
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
     (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "disagrees",
-     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. That there are many is not needed either: without "
-     "friction CD rests on packings whose forces have no freedom, or one direction of it (study isostatic). What is needed is one admissible network."),
+     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor does CD need many "
+     "networks: without friction it rests on packings whose forces are unique, or free in one direction only (study isostatic). One admissible network is enough."),
     (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
      "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most moves "
      "by 4.8e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % before the packing yields."),

@@ -165,30 +165,29 @@ def _appendix(runs, look, path):
 
 
 ANSWER = """
-Whether a packing rests or yields is decided by the largest stress ratio sigma2/sigma1 of a cycle, whichever stress is held. The paper
-gives sigma2 only: with sigma1 = P0 its dSigma is a ratio of 1 + dSigma, with the mean stress held a ratio of (1 + dSigma)/(1 - dSigma).
-Where both make a ratio of 1.5 (dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles differs by 1 to 12 % between them, on each of 5
-packings. What happens above the limit depends on the path, too: at a ratio of 1.86 with the mean stress held MD stands 0.85 to 2.37 times
-as many cycles as at 1.8 with sigma1 held, more on 4 of 5 packings. Only with the mean stress held do the paper's loads reach collapse: no
-dense packing of MD strains by more than 2.6e-4 at 0.1; at 0.2 all 5 stand 40 cycles and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5
-all collapse, after 10.70, 1.95 and 0.95 cycles (medians of 5). With sigma1 held, none of 25 runs collapses at 0.1 to 0.5, and 10 of 10 do
-at 0.8 and 1.2.
+Whether a packing rests or yields depends on the largest stress ratio sigma2/sigma1 of a cycle, whichever stress is held. The paper gives sigma2 only:
+with sigma1 = P0 its dSigma is a ratio of 1 + dSigma, with the mean stress held a ratio of (1 + dSigma)/(1 - dSigma). Where both make a ratio of 1.5
+(dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles differs by 1 to 12 % between them, on each of 5 packings. What happens above the limit
+depends on the path, too: at a ratio of 1.86 with the mean stress held MD stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1 held, more on
+4 of 5 packings. Only with the mean stress held do the paper's loads reach collapse: no dense packing of MD strains by more than 2.6e-4 at 0.1; at 0.2
+all 5 stand 40 cycles and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles (medians of 5). With sigma1
+held, none of 25 runs collapses at 0.1 to 0.5, and 10 of 10 do at 0.8 and 1.2.
 
-The ratio over the static limit of the packing orders the runs. Dense packings of MD stand at 1.06 of it and collapse from 1.12, loose ones
-collapse from 1.33, but one stands at 1.53; CD stands up to 1.57. Below the limit rigid grains rest: after 20 cycles CD has strained by
-2.0e-8 and MD by 3.3e-4 (medians of 30 pairs from 6 packings); the largest strain of CD is 3.0e-4, at 0.991 of the limit. Above it MD
-collapses in 39 and CD in 35 of 55 pairs, CD never where MD stands. Where MD collapses within 20 cycles, CD stands 1.43 times as many
-(median of 38 pairs from 10 packings; longer in 34, shorter in 1, to the end of its cycles in 3), the more the nearer the limit: 2.4 times
-between 1.1 and 1.3 of it (9 pairs), 1.24 times above 2 (10 pairs). How many cycles that are belongs to the period of 0.5 s: see the study
-of collapse. A little above the limit, up to 1.07 of it, all 6 runs of CD on dense packings stand (3 packings). In cycles 11 to 20 half of
-them strain on, by 1.1e-4 to 3.7e-4 a cycle; the others have come to rest, with 7.1e-7 a cycle at most.
+What matters is this ratio over the static limit of the packing. Dense packings of MD stand at 1.06 of it and collapse from 1.12, loose ones collapse
+from 1.33, but one stands at 1.53; CD stands up to 1.57. Below the limit rigid grains rest: after 20 cycles CD has strained by 2.0e-8 and MD by 3.3e-4
+(medians of 30 pairs from 6 packings); the largest strain of CD is 3.0e-4, at 0.991 of the limit. Above it MD collapses in 39 and CD in 35 of 55
+pairs, CD never where MD stands. Where MD collapses within 20 cycles, CD stands 1.43 times as many (median of 38 pairs from 10 packings; longer in 34,
+shorter in 1, to the end of its cycles in 3), the more the nearer the limit: 2.4 times between 1.1 and 1.3 of it (9 pairs), 1.24 times above 2 (10
+pairs). How many cycles that are belongs to the period of 0.5 s: see the study of collapse. A little above the limit, up to 1.07 of it, all 6 runs of
+CD on dense packings stand (3 packings). In cycles 11 to 20 half of them go on straining, by 1.1e-4 to 3.7e-4 a cycle; the others have come to rest,
+with 7.1e-7 a cycle at most.
 
-Below the limit MD's rate falls more often than not: over the last quarter of the cycles it is 0.71 times that of the quarter before
-(median of the 21 runs with more than 1e-6 a cycle; quartiles 0.59 and 1.16; 1 would be a constant rate; 14 fall). Whether it ends, 40 or
-80 cycles do not tell. Cycles of 0.5 s are hasty for springs of k_n: in slower ones they strain less, see the study of ratcheting.
+Below the limit MD's rate falls more often than not: over the last quarter of the cycles it is 0.71 times that of the quarter before (median of the 21
+runs with more than 1e-6 a cycle; quartiles 0.59 and 1.16; 1 would be a constant rate; 14 fall). 40 or 80 cycles do not show whether it reaches zero.
+Cycles of 0.5 s are short for springs of k_n: in slower ones they strain less, see the study of ratcheting.
 
-Three runs at 0.3 with the mean stress held yield in every cycle without a collapse. The check of the walls refuses them, since the walls
-cannot hold their stress then; they count as standing above and have no other numbers.
+Three runs at 0.3 with the mean stress held yield in every cycle without a collapse. The check of the walls refuses them, since the walls cannot hold
+their stress then; they count as standing above and have no other numbers.
 """
 GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "0.8", "1.07", "1.1", "1.2", "1.3", "1.5", "1.8", "1.86", "1", "1e-6", "2", "11", "20", "40", "80")
 POINTS = (

@@ -76,20 +76,19 @@ def _loops(axis, *several):
 
 
 ANSWER = """
-With sigma1 held, springs strain on each of 10 packings and rigid contacts rest. The largest |gamma| is 4.3e-4 (median; 3.2e-4 to 5.0e-4)
-in MD and 3.7e-8 (1.5e-8 to 4.5e-8) in CD. After the unloading MD keeps |gamma| = 1.2e-4 and has dissipated 9.9e-6 P0 V0; CD keeps 2.7e-8
-and has dissipated 7.8e-8 P0 V0. This is the order that the paper reports. What CD shows is the error of its solver at a tolerance of
-1e-8: see the study of the tolerance. A contact of MD slips by 3.1e-4 of a radius in all, and slip is spread as if 80 contacts shared it
-equally.
+With sigma1 held, springs strain on each of 10 packings and rigid contacts rest. The largest |gamma| is 4.3e-4 (median; 3.2e-4 to 5.0e-4) in MD and
+3.7e-8 (1.5e-8 to 4.5e-8) in CD. After the unloading MD keeps |gamma| = 1.2e-4 and has dissipated 9.9e-6 P0 V0; CD keeps 2.7e-8 and has dissipated
+7.8e-8 P0 V0. This is the order that the paper reports. What CD shows is the error of its solver at a tolerance of 1e-8: see the study of the
+tolerance. A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed as if 80 contacts shared it equally.
 
-With the mean stress held, the same dSigma is a higher stress ratio, sigma2/sigma1 = 1.5 instead of 1.2, which is near what the packings
-can carry: their static limits are 1.41 to 1.74, the same on both paths. CD rests on 4 of 4 packings whose limit is above 1.5 (|gamma| of
-1.7e-6 at most, at a tolerance of 1e-7). It strains on 6 of 6 whose limit is below, by 4.9e-4 to 4.6e-3. MD strains on all 10, by 1.7e-3 to 2.1e-2, and on these 6
-by 4.3 to 12.5 times as much as CD. How far a packing strains above its limit depends on how long the load stays there, and a little on
-the walls (here a servo in MD, forces in CD). CD strains less in every case.
+With the mean stress held, the same dSigma is a higher stress ratio, sigma2/sigma1 = 1.5 instead of 1.2, which is near what the packings can carry:
+their static limits are 1.41 to 1.74, the same on both paths. CD rests on 4 of 4 packings whose limit is above 1.5 (|gamma| of 1.7e-6 at most, at a
+tolerance of 1e-7). It strains on 6 of 6 whose limit is below, by 4.9e-4 to 4.6e-3. MD strains on all 10, by 1.7e-3 to 2.1e-2, and on these 6 by 4.3
+to 12.5 times as much as CD. How far a packing strains above its limit depends on how long the load stays there, and a little on the walls (here a
+servo in MD, forces in CD). CD strains less in every case.
 
-Work and what is stored, moves and was dissipated agree to 1e-7 of the work with sigma1 held and to 6e-5 with the mean stress held, where
-MD's packings rearrange. No step of CD missed its tolerance.
+The work of the walls and the sum of stored, kinetic and dissipated energy agree to 1e-7 of the work with sigma1 held and to 6e-5 with the mean stress
+held, where MD's packings rearrange. No step of CD missed its tolerance.
 """
 GIVEN = ("1e-8", "0.2", "1.2", "1.5")
 POINTS = (

@@ -50,7 +50,7 @@ def summarize(runs):
     """Return one row a scene, size and setting, over the seeds.
 
     error: of the mean, relative to the rigid answer; error_deviation: standard error of that difference. seconds: processor time, median.
-    overlap: largest overlap over the mean radius. unsolved: share of the steps beyond the tolerance.
+    overlap: largest overlap over the mean radius. unsolved: share of the steps that missed the tolerance.
     """
     rows = [_row(key, group) for key, group in summary.groups(runs, _key).items()]
     for row in rows:
@@ -76,20 +76,20 @@ def _row(key, group):
 
 
 def cheapest(rows, scene, disks, method, within=WITHIN):
-    """Return the cheapest row of a method that is so near to the rigid answer, the nearest one if none is; None without any."""
+    """Return the cheapest row of a method whose error is at most `within`, or else the row with the smallest error; None if there are no rows."""
     mine = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method) and not row["is_rigid_answer"]]
     good = [row for row in mine if abs(row["error"]) <= within]
     return min(good, key=lambda row: row["seconds"]) if good else min(mine, key=lambda row: abs(row["error"]), default=None)
 
 
 def measured(table):
-    """Return the published rows that were measured; those that failed stand there with their reason."""
+    """Return the published rows that were measured, without those that failed."""
     found = table[table.seconds.notna()]
     return found.assign(is_rigid_answer=found.is_rigid_answer.astype(bool))
 
 
 def gains(rows, disks):
-    """Return {scene: how many times the cheapest springs cost what the cheapest rigid contacts do}, each within 2 % of the rigid answer or the nearest."""
+    """Return {scene: cost of the cheapest springs over that of the cheapest rigid contacts}, both within 2 % of the rigid answer, or else the nearest."""
     pairs = {scene: [cheapest(rows, scene, disks, method) for method in ("MD", "CD")] for scene in QUANTITY}
     return {scene: md["seconds"] / cd["seconds"] for scene, (md, cd) in pairs.items() if md and cd}
 
@@ -117,16 +117,15 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Of 500 disks the cheapest rigid contacts whose mean lies within 2 % of the rigid answer cost 3.5 to 4.2 times less than such springs in the
-silo, the drum and the filling. In the collapse no springs came within 2 %; the nearest, off by 2.7 % (standard error 1.4 %), cost 3.0
-times as much as rigid contacts. Only in the filling do eight seeds show 2 %: the standard error of the differences is 0.3 to 0.5 % there and 1.0 to 2.9 % in the other scenes.
-Of 5000 disks, one seed each, the ratio is 3.0 to 17.9; nothing can be said of its uncertainty, and in the drum and the collapse no
-springs came within 2 %. (Where none do, the nearest ones count. Processor time; other runs kept the machine's second core busy.) Steps of
-2 ms and a tolerance of 1e-2 do for 500 disks, within 0.2 to 2.2 %, but disks overlap by up to 0.13 radii; 5000, which fall further, need
-1 ms to fill a box, and in the drum disks pass into each other at 2 ms. Steps of 4 ms are off by 2.4 to 4.1 %. Steps of 0.5 ms to 1e-4,
-about what timeStep() proposes, cost 1.7 to 17.5 s, as much as springs and more. gapCorrection of 0.1 costs 1.3 to 2.4 times as much as
-the same without, and is no nearer: a smaller step is better spent. Of 5000 disks up to 5.8 % of the steps to 1e-3 missed it within 2000
-sweeps.
+Of 500 disks the cheapest rigid contacts whose mean lies within 2 % of the rigid answer cost 3.5 to 4.2 times less than such springs in the silo, the
+drum and the filling. In the collapse no springs came within 2 %; the nearest, off by 2.7 % (standard error 1.4 %), cost 3.0 times as much as rigid
+contacts. Only in the filling do eight seeds show 2 %: the standard error of the differences is 0.3 to 0.5 % there and 1.0 to 2.9 % in the other
+scenes. Of 5000 disks, one seed each, the ratio is 3.0 to 17.9; nothing can be said of its uncertainty, and in the drum and the collapse no springs
+came within 2 %. (In these cases the nearest springs were taken. Times are processor times; other runs used the machine's second core.) Steps of 2 ms
+and a tolerance of 1e-2 are enough for 500 disks, with errors of 0.2 to 2.2 %, but disks overlap by up to 0.13 radii. 5000 disks fall further and need
+1 ms to fill a box; in the drum they pass into each other at 2 ms. Steps of 4 ms are off by 2.4 to 4.1 %. Steps of 0.5 ms to 1e-4, about what
+timeStep() proposes, cost 1.7 to 17.5 s, as much as springs and more. gapCorrection of 0.1 costs 1.3 to 2.4 times as much as the same without, and is
+no more accurate: a smaller step is a better use of the time. With 5000 disks up to 5.8 % of the steps missed a tolerance of 1e-3 within 2000 sweeps.
 """
 GIVEN = ("500", "2", "5000", "1e-2", "1", "4", "0.5", "1e-4", "0.1", "1e-3", "2000")
 

@@ -104,7 +104,7 @@ def _comparison(axis, snapshots, mean):
 
 def _legend(mean):
     lines = [Line2D([], [], color=style.CHAIN, linewidth=POINTS_PER_MEAN * times,
-                    label=rf"R = {times:g} $\langle R\rangle$ = {style.number(times * mean)} N") for times in (1, 4)]
+                    label=rf"R = {times:g} $\langle R\rangle$ = {times * mean:.3g} N") for times in (1, 4)]
     return lines + [
         Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", ms=4, mec="white", label=r"at the Coulomb limit, $|T| = \mu R$"),
         Patch(facecolor=style.RATTLER, edgecolor=style.GRAIN, label="rattler"),

@@ -2,7 +2,7 @@
 
 A walk over the ensemble (scene frozen_packing) gives forces F_c, two components a contact. Ambiguity of Unger, Kertesz and Wolf:
 eta = <deltaF>/<|F|>, deltaF_c the standard deviation of F_c over the walk, means over contacts. Samples count when they are admissible
-by code of its own (yade_scripts/theory/statics.py), whatever the solver said of them.
+by an independent check (yade_scripts/theory/statics.py), whatever the solver reported.
 """
 import numpy as np
 import pandas
@@ -13,8 +13,8 @@ from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
 TITLE = "Indeterminacy of the contact forces"
-QUESTION = ("How far do friction and geometry leave the forces between rigid grains at rest open, as Unger, Kertesz and Wolf measured "
-            "(PRL 94, 178001), and where in the set of admissible forces does the network lie that springs have chosen?")
+QUESTION = ("How far are the forces between rigid grains at rest undetermined by friction and geometry, as Unger, Kertesz and Wolf measured "
+            "(PRL 94, 178001), and where in the set of admissible forces are the forces that springs give?")
 ORDER = 10  # in the report
 # The protocol of Unger, Kertesz and Wolf: every mu with a packing of its own, compacted with it, stiffened to P0 = 6e-7 k_n. Then the dense
 # packings of the other studies, where mu changes the cone and hardly the contacts.
@@ -33,7 +33,7 @@ ROWS = {"quick": _rows(((0.0, 0.01, 0.1, 0.3, 1.0), 1), ((0.0, 0.1), 1), 100), "
 # Largest resultant, excess over Coulomb's limit or pull, over the mean normal force, of a sample that counts. Converged samples reach
 # 1e-6; it is a twentieth of the smallest ambiguity that friction gives here (2e-3 at mu = 0.001).
 ADMISSIBLE = 1e-4
-# Contacts at which the walk's range is held against the exact one, two linear programmes each; the first seed of the smaller packings.
+# Contacts at which the walk's range is compared with the exact one, by two linear programmes each; the first seed of the smaller packings.
 PROBED = 8
 OWN, DENSE = "near the rigid limit", "dense, P0 = 6e-4 k_n"
 
@@ -142,14 +142,14 @@ Near the rigid limit the forces that a packing admits scatter by 0.084 of the me
 packings, which differ by a factor of 1.6 to 12 at one mu, so that the maximum of the published curve near 0.1 is neither confirmed nor
 excluded), and by 7.5e-7 without friction, which is the solver's error. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold; the
 published one is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the
-forces stay undetermined in 14 to 26 directions.
+forces are undetermined in 14 to 26 directions.
 
-The springs' own network lies further from the mean of the admissible ones than these do themselves: 1.46 times as far near the rigid
+The forces of the springs lie further from the mean of the admissible ones than the samples do (rms): 1.46 times as far near the rigid
 limit, for mu of 0.01 to 1 (median; beyond it in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and
 more it lies nearer, at 0.85.
 
-The walk covers 48 to 67 % of the range that linear programmes allow for single forces, on one packing. 989 of 25600 samples were refused
-as not admissible, all of them at mu of 0.2 and more; packings with fewer than 100 samples left do not count here. Two packings could not
+On one packing the walk covers 48 to 67 % of the range of single forces that linear programmes give. 989 of 25600 samples were refused
+as not admissible, all of them at mu of 0.2 and more; packings with fewer than 100 remaining samples are left out here. Two packings could not
 be prepared or sampled.
 """
 GIVEN = ("0.3", "0.1", "0.001", "0.01", "0.2", "1", "100")

@@ -1,4 +1,4 @@
-"""What the paper leaves open: each parameter varied alone, packing by packing."""
+"""The parameters that the paper does not give: each is varied alone, packing by packing."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -7,9 +7,9 @@ from analysis import publish, style
 from yade_scripts import parameters
 from yade_scripts.tables import product
 
-TITLE = "What the paper leaves open"
+TITLE = "The parameters that the paper does not give"
 QUESTION = ("How much do k_t/k_n, damping, size distribution, preparation, wall friction and mass, period and time step - none given in the paper - "
-            "change MD's strain under cycles, compared with what the choice of the packing does?")
+            "change MD's strain under cycles, compared with the choice of the packing?")
 ORDER = 4  # in the report
 BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, cycles=10, md_dt_factor=0.3, delta_sigma=0.4, md_walls="force", wall_mass_ratio=1.0)
 # Springs with strong damping need shorter steps.
@@ -73,20 +73,20 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-At dSigma = 0.4, sigma1 held, 6 packings prepared alike strain by 1.2e-3 to 3.8e-3 in 10 cycles. Of what the paper leaves open the
-preparation changes that most: friction of 0.1 while the packing is made, as the paper has it, lets it strain 13 times as far (median; 2.4
-to 36), mostly since it lowers the static limit: this load is beyond the limits of such loose packings and below those of the dense ones
-(study fig3). Packings of other sizes are other packings: 0.24 to 5.7 times. Little damping (beta_n = 0.02) gives 0.31 to 3.7 times, much of it
-(0.4) 0.37 to 6.7 times. The stiffness of the tangential springs changes the strain by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at most a
-fifth between 0.25 and 1.0. Heavy walls (200 disk masses) strain every packing further, 1.3 times (1.1 to 1.6), a servo for walls every
-one less, 0.82 times (0.62 to 0.91).
+At dSigma = 0.4, sigma1 held, 6 packings prepared alike strain by 1.2e-3 to 3.8e-3 in 10 cycles. Of the parameters that the paper does not give, the
+preparation changes the strain most: with friction of 0.1 during the preparation, as in the paper, packings strain 13 times as far (median; 2.4 to
+36), mostly because their static limit is lower: this load is above the limits of such loose packings and below those of the dense ones (study fig3).
+Another distribution of sizes, which makes other packings, gives 0.24 to 5.7 times the strain. Weak damping (beta_n = 0.02) gives 0.31 to 3.7 times,
+strong damping (0.4) 0.37 to 6.7 times. The stiffness of the tangential springs changes the strain by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at
+most a fifth between 0.25 and 1.0. Heavy walls (200 disk masses) strain every packing further, 1.3 times (1.1 to 1.6), a servo for walls every one
+less, 0.82 times (0.62 to 0.91).
 
-The period counts at this load: with 2 s instead of 0.5 s 3 packings strain 0.56 to 0.88 times as far. So the cycles of 0.5 s are no
-quasi-static limit where packings rearrange. The time step does not count for the strain
-below the limit: a third of it changes that by 0.9 % at most. Single lives until collapse it does change (study collapse).
+The period matters at this load: with 2 s instead of 0.5 s 3 packings strain 0.56 to 0.88 times as far. So cycles of 0.5 s are not quasi-static where
+packings rearrange. The time step does not matter for the strain below the limit: a third of it changes the strain by 0.9 % at most. But it changes
+the number of cycles until a single packing collapses (study collapse).
 
-With friction at the walls (0.1) all 6 runs are refused: the stress of the walls is off its goal by 8 to 9 % of P0, probably since
-friction of one pair of walls carries a share of the load on the other.
+With friction at the walls (0.1) all 6 runs are refused: the stress of the walls is off its goal by 8 to 9 % of P0, probably because the friction at
+one pair of walls carries part of the load on the other.
 """
 GIVEN = ("8", "9", "0.4", "10", "0.1", "0.02", "0.25", "1.0", "200", "2", "0.5")
 

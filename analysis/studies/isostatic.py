@@ -1,4 +1,4 @@
-"""Rigid grains whose contact forces have no freedom: do they strain as stiff springs do?"""
+"""Do rigid grains whose contact forces are unique (isostatic packings) strain as stiff springs do?"""
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas
@@ -7,9 +7,9 @@ from analysis import limits, observables, style, summary
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
-TITLE = "The isostatic control: rigid grains with hardly a force network to choose"
-QUESTION = ("Rigid grains rest under a changed load because many force networks balance it. As P0/k_n goes to zero, a packing without friction loses "
-            "all networks but one. Do rigid grains then strain as far as springs of the same stiffness, and not so with friction?")
+TITLE = "The isostatic limit: rigid grains whose contact forces are nearly unique"
+QUESTION = ("Do rigid grains rest under a changed load because many force networks can balance it? As P0/k_n goes to zero, a packing without friction has "
+            "only one network left. Do rigid grains then strain as far as springs of the same stiffness, and do they still rest with friction?")
 ORDER = 8  # in the report
 LOADING = dict(loading="triangle", period=1.0, wall_mass_ratio=1.0)
 LOAD, SMALLER = 0.02, 0.005  # over P0; the smaller one is below the static limits of all packings
@@ -81,19 +81,18 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Rigid grains rest where their contacts can carry the load, and strain where they cannot, without friction and just beyond the limit about as
-far as springs do under the load. Without friction the packings lose their free force networks as P0/k_n falls: from 0.037 to 0.069 free directions a disk at 6e-4 to at
-most 0.0027, which is one for the whole packing, at 1e-6. Their static limit falls, too, from 1.06 to 1.14 P0 down to 1.01 to 1.04 P0. The
-load is 1.02 P0 on 5 packings at four stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of 7.9e-9 at most). In the
-8 others (4 packings at two stiffnesses) CD strains, by 6.6e-6 to 5.1e-4, which is 0.92 times the strain of MD (median; 0.67 to 0.98).
-What remains after the unloading is less alike: 0.06 times that of MD (median; 0.001 to 1.3).
+Rigid grains rest if their contacts can carry the load, and strain if they cannot. Without friction and just beyond the limit they strain under the
+load about as far as springs do. Without friction the contact forces become unique as P0/k_n falls: the set of admissible forces has 0.037 to 0.069
+dimensions a disk at 6e-4, and at most 0.0027, which is one for the whole packing, at 1e-6. The static limit falls as well, from 1.06 to 1.14 P0 down
+to 1.01 to 1.04 P0. The load is 1.02 P0 on 5 packings at four stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of 7.9e-9 at
+most). In the 8 others (4 packings at two stiffnesses) CD strains, by 6.6e-6 to 5.1e-4, which is 0.92 times the strain of MD (median; 0.67 to 0.98).
+The strain that remains after the unloading differs more: it is 0.06 times that of MD (median; 0.001 to 1.3).
 
-Freedom of the forces is not what lets rigid grains rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings,
-though their forces have no freedom or one direction of it. Nor does the number of free directions set the limit by itself: it is the
-width of the set of forces that counts, which friction, pressure and geometry make. With friction 0.81 to 0.98 free directions a disk are
-left at all pressures, the limit stays at 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9 at most), and MD's
-strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). Packings with friction were not loaded beyond their limit here: see the study of
-the ramp. No step of CD missed its tolerance of 1e-9.
+Rigid grains do not need undetermined forces to rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings, although their
+forces are unique or free in one direction only. Nor does the number of dimensions alone determine the limit: what matters is how far the forces can
+vary, which depends on friction, pressure and geometry. With friction 0.81 to 0.98 dimensions a disk are left at all pressures, the limit stays at
+1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9 at most), and MD's strain goes as P0/k_n to the power 0.99 (0.97 to 1.01).
+Packings with friction were not loaded beyond their limit here: see the study of the ramp. No step of CD missed its tolerance of 1e-9.
 """
 GIVEN = ("0.1", "1.02", "1.005", "6e-4", "1e-6", "1e-9")
 

@@ -76,19 +76,19 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Ratcheting does not come from the tangential spring. Under dSigma = 0.4 the law whose closed paths leave neither force nor energy strains
-each of 6 packings as far as the standard law does: 0.994 to 0.999 times in the first cycle, 0.995 to 1.000 times after 40 cycles, and its
-rate over the last 20 cycles is 0.93 to 1.02 times the standard one (median 1.01). YADE's avoidGranularRatcheting gives 1.000 to 1.006
-times the strain after 40 cycles. Under 0.5, at or above the limit of most of these packings, they rearrange: the strains after 40 cycles
-still agree to 0.94 to 1.05 times, but the late rates scatter, since single rearrangements make them: under the path-independent law they are
-0.39 to 1.27 times the standard ones on 5 packings, and on the sixth -0.91 times, 6.5e-5 a cycle back.
+The tangential spring does not cause ratcheting. Under dSigma = 0.4 each of 6 packings strains as far with the path-independent law, whose closed
+paths leave neither force nor energy, as with the standard law: 0.994 to 0.999 times in the first cycle, 0.995 to 1.000 times after 40 cycles, and its
+rate over the last 20 cycles is 0.93 to 1.02 times the standard one (median 1.01). YADE's avoidGranularRatcheting gives 1.000 to 1.006 times the
+strain after 40 cycles. Under 0.5, at or above the limit of most of these packings, they rearrange: the strains after 40 cycles still agree to 0.94 to
+1.05 times, but the late rates scatter, because they come from single rearrangements: under the path-independent law they are 0.39 to 1.27 times the
+standard ones on 5 packings, and on the sixth -0.91 times, 6.5e-5 a cycle back.
 
-At ten times the pressure and dSigma = 0.3 (4 packings), where the work that the standard spring makes along closed paths is larger, the
-path-independent law strains 0.98 to 1.00 times as far in the first cycle and after 30 cycles; the rates that are left, 2.0e-6 a cycle at
-most, scatter. A strain that remains under the path-independent law is no artefact of the spring. (All cycles take 0.5 s, which is hasty
-for springs of k_n, but the same for all laws.)
+At ten times the pressure and dSigma = 0.3 (4 packings), where the standard spring does more work along closed paths, packings strain 0.98 to 1.00
+times as far with the path-independent law in the first cycle and after 30 cycles; the remaining rates, 2.0e-6 a cycle at most, scatter. A strain that
+remains with the path-independent law is no artefact of the spring. (All cycles take 0.5 s, which is short for springs of k_n, but the same for all
+laws.)
 
-avoidGranularRatcheting makes energy, as two disks on a closed path show: its balance misses 4e-4 to 1.7e-3 of the work, that of the
+avoidGranularRatcheting creates energy, as two disks on a closed path show: the error of its energy balance is 4e-4 to 1.7e-3 of the work, that of the
 standard law at most 2.7e-4, that of the path-independent one 1.5e-4.
 """
 GIVEN = ("0.3", "0.4", "0.5", "20", "30", "40")

@@ -70,15 +70,14 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-The number of disks changes neither the static limit nor the load at yield by more than packings of one size differ; of the strain under
-cycles these few packings do not tell. The static limit is 1.58 P0 (median of 10 packings of 100 disks; 1.42 to
-1.79), 1.49 P0 (10 of 400; 1.41 to 1.74) and 1.58 P0 (3 of 1600; 1.55 to 1.58); the one packing of 6400 has 1.51 P0.
-Under a ramp rigid contacts pass |gamma| = 1e-3 at 0.99 to 1.08 of the limit with 100 disks, at 1.00 to 1.08 with 400,
-at 1.01 to 1.02 with 1600 and at 1.02 with 6400; springs at 0.78 to 0.87, at 0.79 to 0.91 and at 0.85 (one packing of
-1600). The strain of springs under cycles follows the load over the limit: below 0.9 of it a late cycle strains 100
-disks by 2.1e-6 (median of 5 packings), 400 by 1.1e-5 (of 3) and 1600 by 2.1e-5 (one), too few to tell whether the size or the packing
-does it. Cycles of 0.5 s are hasty for these springs: see the study of ratcheting. The 3 packings of 1600 disks lie closer together than
-those of 400, which 3 cannot prove. On two of them MD's step was refused as unstable. Springs of 6400 disks were not run.
+The number of disks changes neither the static limit nor the load at yield by more than the differences between packings of one size; for the strain
+under cycles these packings are too few. The static limit is 1.58 P0 (median of 10 packings of 100 disks; 1.42 to 1.79), 1.49 P0 (10 of 400; 1.41 to
+1.74) and 1.58 P0 (3 of 1600; 1.55 to 1.58); the one packing of 6400 has 1.51 P0. Under a ramp rigid contacts pass |gamma| = 1e-3 at 0.99 to 1.08 of
+the limit with 100 disks, at 1.00 to 1.08 with 400, at 1.01 to 1.02 with 1600 and at 1.02 with 6400; springs at 0.78 to 0.87, at 0.79 to 0.91 and at
+0.85 (one packing of 1600). The strain of springs under cycles follows the load over the limit: below 0.9 of it a late cycle strains 100 disks by
+2.1e-6 (median of 5 packings), 400 by 1.1e-5 (of 3) and 1600 by 2.1e-5 (one), too few to tell whether size or chance is the cause. Cycles of 0.5 s are
+short for these springs: see the study of ratcheting. The 3 packings of 1600 disks differ less than those of 400, but 3 are too few to prove it. On
+two of them MD's step was refused as unstable. Springs of 6400 disks were not run.
 """
 GIVEN = ("100", "400", "1600", "6400", "1e-3", "0.9", "0.5")
 

@@ -1,4 +1,4 @@
-"""MD's springs against the effective stiffness of Contact Dynamics with few sweeps: one curve?"""
+"""Compares MD's springs with Contact Dynamics of few sweeps, which has an effective stiffness."""
 import numpy as np
 
 from analysis import loops, observables, style, summary
@@ -118,12 +118,12 @@ def _draw_loops(axes, runs):
 
 
 ANSWER = """
-The size of MD's loop is stiffness. On each of 5 packings its largest |gamma| goes nearly as 1/k_n, with exponents of -0.94 to -1.01 over
-two decades, from 4.5e-4 to 5.1e-6 (means). What remains goes as k_n to the power -0.87 to -0.98. CD with so few sweeps that its contacts
-are as stiff strains 0.96 to 1.13 times as far as MD on the same packing (median 1.05) and keeps 0.89 to 1.05 times the remanent strain
-(median 0.97), if its contacts part where the springs would. If they part as rigid ones do, at once, it strains 0.65 to 0.88 times as far
-(median 0.79) and keeps only 0.01 to 0.43 times the remanent strain (median 0.12). Tangential springs as stiff as the sweeps', k_t = k_n/3
-instead of k_n/2, make MD strain 1.05 to 1.07 times as far. This was measured under one load, over one cycle.
+The stiffness of the springs determines the size of MD's loop. On each of 5 packings its largest |gamma| goes nearly as 1/k_n, with exponents of -0.94
+to -1.01 over two decades, from 4.5e-4 to 5.1e-6 (means). The remaining strain goes as k_n to the power -0.87 to -0.98. CD with so few sweeps that its
+contacts are as stiff strains 0.96 to 1.13 times as far as MD on the same packing (median 1.05) and keeps 0.89 to 1.05 times the remanent strain
+(median 0.97), if its contacts open where the springs would. If they open at once, as rigid contacts do, it strains 0.65 to 0.88 times as far (median
+0.79) and keeps only 0.01 to 0.43 times the remanent strain (median 0.12). With tangential springs as stiff as those of CD with few sweeps, k_t =
+k_n/3 instead of k_n/2, MD strains 1.05 to 1.07 times as far. This was measured under one load, over one cycle.
 """
 GIVEN = ("1", "2", "3")
 

@@ -57,17 +57,17 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-The strain of tens of cycles is not that of a thousand. Three packings stand 1000 cycles at 0.87 to 0.95 of their static limits. Packings 2 and 3
-strain steadily at first, by 9.0e-5 and 2.0e-4 a cycle in cycles 11 to 20. Before cycle 100 this ends: over the last 500 cycles the mean is 1.5e-8
-and 5.5e-7 a cycle. Packing 1 does not end so simply. Its rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in cycles 51 to 100. Then a burst
-comes: in cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last 500 cycles the mean is
-2.2e-7. Meanwhile single cycles go to and fro by 1.4e-6 to 2.9e-6 (medians), so that hardly anything is left of them in the sum. Whether a packing
-shakes down cannot be said after 40 cycles.
+A thousand cycles cannot be predicted from tens of them. Three packings stand 1000 cycles at 0.87 to 0.95 of their static limits. Packings 2 and 3
+strain steadily at first, by 9.0e-5 and 2.0e-4 a cycle in cycles 11 to 20. Before cycle 100 this ends: over the last 500 cycles the mean is 1.5e-8 and
+5.5e-7 a cycle. Packing 1 does not end so simply. Its rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in cycles 51 to 100. Then a burst comes: in
+cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last 500 cycles the mean is 2.2e-7.
+Meanwhile single cycles strain by 1.4e-6 to 2.9e-6 (medians) in either direction, which nearly cancels in the sum. After 40 cycles one cannot say
+whether a packing shakes down.
 
-Under the path-independent law, whose closed paths leave neither force nor energy, packings 1 and 2 do the same, the burst and the end included: at
-every bound of the table they have strained 0.98 to 1.00 times as far. So the tangential law makes neither.
+Under the path-independent law, whose closed paths leave neither force nor energy, packings 1 and 2 do the same, including the burst and the end: in
+every row of the table they have strained 0.98 to 1.00 times as far. So the tangential law causes neither.
 
-These are cycles of 0.5 s, which are a little hasty for springs of k_n. The energy balance misses 8.1e-5 of the work at most.
+Cycles of 0.5 s are a little short for springs of k_n. The error of the energy balance is 8.1e-5 of the work at most.
 """
 GIVEN = ("1", "2", "3", "6", "10", "11", "20", "51", "100", "201", "500", "40", "0.5", "1000")
 

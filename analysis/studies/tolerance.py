@@ -1,4 +1,4 @@
-"""How much of the CD loop of Fig. 4 is the solver's accuracy."""
+"""How much of the CD loop of Fig. 4 is error of the solver?"""
 import numpy as np
 
 from analysis import loops, observables, style, summary
@@ -46,7 +46,7 @@ def _row(effort, value, group):
     row = {"effort": effort, "value": value, "packings": len(group)} | loops.spread(group) | {"largest, packing 1": first.largest, "width, packing 1": first.width}
     if effort == MD:
         return row
-    # The samples of the history stand for all steps.
+    # The samples of the history represent all steps.
     sweeps = float(np.mean([run.values("iterations")[1:].mean() for run in group]))
     full = group[0].parameters
     if effort == BY_SWEEPS:

@@ -24,7 +24,7 @@ class Report:
     bodies: object            # for a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of the calling thread's processor time, spent in the solver
-    trace: object = None      # with trace=True: a row for each look at the error on the way: sweeps and factorizations made until then, the error
+    trace: object = None      # with trace=True: rows (sweeps and factorizations made so far, error), one for each check of the error
 
 
 def _core():
@@ -46,12 +46,12 @@ def instruction_sets():
 
 
 def use_instruction_set(name):
-    """Use this one of `instruction_sets()` in sweeps from now on. It is for comparisons: the results have the same bits with all."""
+    """Use this one of `instruction_sets()` in sweeps from now on. For comparisons of speed; the results have the same bits with all of them."""
     _core().use_instruction_set(name)
 
 
 def bytes_of_a_sweep():
-    """Return the memory used in sweeps over bodies [bytes]: for a contact, for its impulses one sweep before (with momentum), for a body."""
+    """Return the memory that sweeps over bodies read [bytes]: per contact, per contact for the impulses of the sweep before (with momentum), per body."""
     return tuple(_core().bytes_of_a_sweep())
 
 
@@ -86,22 +86,22 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     """Return a `Report` with impulses that solve `problem` to an error e (see `residual`), and the same weighted by W_nn, of at most `tolerance`.
 
     method            one of `methods()`. nsgs: plain Gauss-Seidel sweeps; accelerated: sweeps with momentum; newton: proximal-point semismooth
-                      Newton, for small problems; auto: accelerated, and newton where that stagnates (up to about 1 s more). If one of the last
-                      three makes no progress, plain sweeps are tried, too
+                      Newton, for small problems; auto: accelerated, and newton if that stagnates (up to about 1 s more). If one of the last
+                      three makes no progress, plain sweeps are tried as well
     max_iterations    sweeps and factorizations together, never exceeded; plain Gauss-Seidel may need 1e5 to reach 1e-8
-    impulses          first guess [N s]; none: zero. It is not used if it is 1e12 times larger than what would stop each closing contact alone
+    impulses          first guess [N s], by default zero. It is ignored if it is 1e12 times larger than what would stop each closing contact alone
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
-    seed              positive: every sweep in a new random order drawn from it
-    threads           that share the work of a large `BodyProblem`; the result has the same bits with any number. A `Problem` uses one thread
-    trace             also record how the error falls, of all methods tried and in their order (`Report.trace`); the error jumps where one begins, and
-                      is infinite where no contact carries anything yet
+    seed              positive: every sweep in a new random order, drawn from this seed
+    threads           number of threads for a large `BodyProblem`; the result has the same bits with any number. A `Problem` uses one thread
+    trace             also record the error of all methods tried, one after the other (`Report.trace`). It jumps where the next method begins, and is
+                      infinite while no contact carries a load
 
-    A problem that is not solved raises no exception: the report's `status` says so, and it holds the best impulses found. Input of a wrong kind or
-    out of range raises ValueError. `no_solution`: the impulses grow for ever along a self-stress against which the free velocities work, as between
-    two walls that close in on a body, or a solution would need impulses some 1e12 times larger than what would stop each closing contact alone.
-    Without friction that is a proof; with friction another motion may exist that the method has not found. `indefinite`: p^T W p is negative for some
-    impulses, which no mechanics allows. A sweep reads about 7 n blocks of W for disks in a dense packing, for a `BodyProblem` only the n contacts.
-    The arrays are copied once.
+    A problem that is not solved raises no exception: `status` in the report says so, and the report holds the best impulses found. Input of a wrong
+    kind or out of range raises ValueError. `no_solution`: the impulses grow without limit, as between two walls that close in on a body (along a
+    self-stress against which the free velocities do work), or a solution would need impulses 1e12 times larger than what would stop each closing
+    contact alone. Without friction this proves that there is no solution; with friction another motion may exist. `indefinite`: p^T W p is negative
+    for some impulses, which is impossible in mechanics. In a dense packing of disks a sweep reads about 7 n blocks of W, but for a `BodyProblem` only
+    the n contacts. The arrays are copied once.
     """
     core = _core()
     if not isinstance(method, str) or method not in core.methods():

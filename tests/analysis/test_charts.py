@@ -149,7 +149,7 @@ def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):
 
 def test_no_measurements_are_said_so(tmp_path, capsys):
     assert main(["charts", "--results", str(tmp_path), "-o", str(tmp_path / "figures")]) == 2
-    assert "holds no measured setting" in capsys.readouterr().err
+    assert "profile: " + str(tmp_path / "charts") + ": holds no measured setting; measure some: make charts" in capsys.readouterr().err
 
 
 def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):

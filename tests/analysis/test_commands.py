@@ -100,6 +100,13 @@ def test_check(md, tmp_path, capsys, change, status, word):
     assert word in capsys.readouterr().out
 
 
+def test_check_of_another_file(tmp_path, capsys):
+    other = tmp_path / "notes.txt"
+    other.write_text("no result")
+    assert main(["check", str(other)]) == 1
+    assert capsys.readouterr().out == f"{other}: is no result of this project\n"
+
+
 def test_check_refuses_a_renamed_run(md, tmp_path, capsys):
     other = md.rename(tmp_path / "other.h5")
     assert main(["check", other]) == 1

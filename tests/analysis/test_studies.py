@@ -64,7 +64,7 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
     assert main(["study", "fig5"]) == 2 and main(["report"]) == 2
     said = capsys.readouterr().err.splitlines()
-    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py lists what such a file has") for line in said)
+    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare") for line in said)
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):
@@ -121,7 +121,7 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
 
 def test_nothing_finished_is_a_mistake(tmp_path, capsys):
     assert main(["study", "fig4", "--results", str(tmp_path), "-o", str(tmp_path / "out")]) == 2
-    assert "no run has finished (the first: not run yet)" in capsys.readouterr().err
+    assert "fig4: no run has finished (the first: not run yet); make them: make study STUDY=fig4" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 

@@ -53,7 +53,7 @@ def test_another_precision_refuses_every_way_in(precision, root, tmp_path):
     assert done.returncode == 0, said
     assert "engine refused: cd_engine computes in double precision; this is YADE " in said and "Start `yade`" in said
     assert "the compiled module alone refused: " in said and "loaded" not in said
-    assert all(f"{what} status 2" in said for what in ("MD", "CD", "packing")) and said.count("of YADE in double precision") == 3, said
+    assert all(f"{what} status 2" in said for what in ("MD", "CD", "packing")) and said.count("computes in double precision") == 4, said
     assert "alive after step 1" in said
     assert "run.py\", line" not in said  # no traceback of ours
     assert not list(tmp_path.glob("results/**/*.h5")) + list(tmp_path.glob("results/**/*.gz"))

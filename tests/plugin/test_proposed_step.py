@@ -66,10 +66,13 @@ def test_a_wall_along_gravity_has_no_height(O):
 
 
 @pytest.mark.parametrize("disks, arguments, said", [
-    (0, {}, "no disk in the scene may move"),
+    (0, {}, "no disk in the scene can move"),
     (1, {}, r"no speed can be estimated.*speed=0\.1"),
     (1, dict(share=0), "share=0 is out of range"),
+    (1, dict(share="half"), "share='half' is out of range: it must be a number above 0"),
     (1, dict(speed=-1), "speed=-1 m/s is out of range"),
+    (1, dict(speed=(1, 0, 0)), "speed=.1, 0, 0. m/s is out of range: it must be a number"),
+    (1, dict(gravity=9.81), "gravity=9.81 is not a vector of finite numbers, such as .0, -9.81, 0."),
     (1, dict(gravity=(0, float("nan"), 0)), "not a vector of finite numbers"),
 ])
 def test_what_is_refused(O, disks, arguments, said):

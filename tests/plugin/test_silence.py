@@ -179,9 +179,15 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
 
 
 @pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
-def test_misspelt_names(name, said):
+@pytest.mark.parametrize("make", [cd_engine.engines, cd_engine.ContactDynamics])
+def test_misspelt_names(make, name, said):
     with pytest.raises(AttributeError, match=said):
-        cd_engine.engines(**{name: 1})
+        make(**{name: 1})
+
+
+def test_a_misspelt_name_of_the_engines_for_springs():
+    with pytest.raises(AttributeError, match="DashpotWork has no attribute 'wrok'. Did you mean work"):
+        cd_engine.DashpotWork(wrok=1)
 
 
 def test_the_default_step_of_yade(O, capfd):

@@ -75,11 +75,16 @@ def test_a_wrong_parameter_of_a_scene_is_refused_with_its_file(monkeypatch, chan
     assert str(caught.value).count("stack.py") == 1
 
 
+def test_a_default_out_of_its_own_range_is_refused():
+    with pytest.raises(ParameterError, match="speed = -1.0: must be a number in .0, 10. .m/s. .at the start"):
+        parameters.Parameter("speed", -1.0, "m/s", "at the start", low=0, high=10)
+
+
 def test_a_scene_that_lacks_something_is_refused(monkeypatch):
     file = scenes.module("stack")
     for name in ("KIND", "build"):
         monkeypatch.delattr(file, name)
-    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; .*scenes/__init__.py lists what such a file has"):
+    with pytest.raises(ParameterError, match="stack.py lacks KIND, build; .*scenes/__init__.py explains what the file has to declare"):
         complete({"scene": "stack"})
 
 

@@ -38,6 +38,11 @@ def test_known_quantity(yade60, method, scene, row, quantity, tolerance):
         assert found[()] == pytest.approx(found.attrs["exact"], abs=tolerance)
 
 
+def test_a_scene_of_rigid_contacts_warns_of_nothing(yade60):
+    done = yade60.script("run.py", "scene=incline", "method=CD")
+    assert done.returncode == 0 and "ContactDynamics:" not in done.stdout + done.stderr
+
+
 def test_incline_is_not_at_rest_everywhere(yade60):
     """The exact values themselves: a slope beyond the friction angle must give g (sin t - mu cos t), downhill."""
     with yade60.run(disks=1, scene="incline", slope=-35) as file:

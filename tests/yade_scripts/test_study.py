@@ -51,7 +51,7 @@ def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, m
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.log))
     monkeypatch.setattr(batch.Row, "start", full)
     assert batch.main([path, "--results", str(tmp_path / "results")]) == 1
-    assert "No space left on device" in (said := capsys.readouterr().err) and "goes on" in said
+    assert "No space left on device" in (said := capsys.readouterr().err) and "same command again" in said
 
 
 def test_a_row_without_result_file_is_a_failure(yade60, table, capsys, tmp_path, monkeypatch):

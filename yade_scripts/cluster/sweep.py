@@ -5,8 +5,8 @@
 The rows are submitted as an array job with one core for each task. Slurm puts a task whose node fails back into the queue. When the array has
 ended, rows without a result (time limit, memory, a node's disk) are submitted again, with twice the time limit, up to `--retries` times. A row that
 ended with a recorded failure is not submitted again, since runs are repeatable; the next call runs it once more, as batch.py does.
-Ctrl-C ends only this watching process; the same command resumes it. Repository and results must be in a folder that all nodes share.
-Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 130 the watching was ended.
+Ctrl-C ends only this process, not the tasks; the same command watches them again. Repository and results must be in a folder that all nodes share.
+Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 130 ended by Ctrl-C.
 """
 import collections
 import hashlib

@@ -1,9 +1,9 @@
-"""Measures what the charts of speed against accuracy and the maps of stability need; what was measured before is not measured again.
+"""Makes the measurements for the charts of speed against accuracy and the maps of stability. Existing measurements are not repeated.
 
     /usr/bin/python3 -m yade_scripts.measuring [--quick | --full] [--only stack md_contact] [--jobs 2]
 
-One YADE process measures a whole chart or map. A measurement that crashes it or takes too long is stored as failed, and the rest follow.
-Exit status: 0 all is measured (failures are results), 1 something could not be measured, 2 wrong arguments.
+One YADE process measures a whole chart or map. A measurement that crashes or takes too long is stored as failed, and the others go on.
+Exit status: 0 all is measured (failures are results, too), 1 something could not be measured, 2 wrong arguments.
 """
 import pathlib
 import signal

@@ -2,8 +2,8 @@
 
     /usr/bin/python3 yade_scripts/measuring/regression.py [--quick | --full] [--record NEW.json]
 
-Each stored number has a tolerance and the reason for it. --record writes what came out to a new file, for a person to compare and
-take over; nothing is ever overwritten. Exit status: 0 nothing drifted, 1 something did, 2 the run cannot be made.
+Each stored number has a tolerance and the reason for it. --record writes the new numbers to a new file, so that a person can compare and
+adopt them; no file is overwritten. Exit status: 0 no number changed by more than its tolerance, 1 some did, 2 the run cannot be made.
 """
 import json
 import pathlib
@@ -64,7 +64,7 @@ def record(stored, path):
     with open(path, "x") as file:
         json.dump(stored, file, indent=1)
         file.write("\n")
-    print(f"Written {path}; compare it with {STORED.name}, and take it over if every change is meant.")
+    print(f"Written {path}; compare it with {STORED.name}, and replace that file if every change is intended.")
 
 
 @commands.command("regression")

@@ -1,7 +1,7 @@
 """Stores each measurement in a file results/<kind>/<name>.h5 (HDF5 with a checksum). Needs no YADE.
 
-A measurement is a dictionary of facts and a table `rows`. Its facts decide its name, so that a renamed file counts as no measurement. A file is written
-completely or not at all; one that cannot be read is measured again.
+A measurement is a dictionary of facts and a table `rows`. Its name follows from its facts; a renamed file is refused. A file is written
+completely or not at all. A measurement whose file cannot be read is made again.
 """
 import io
 import json
@@ -16,7 +16,6 @@ from yade_scripts import parameters, results
 from yade_scripts.results import provenance, reader, sealed
 
 ACCURACY = "accuracy"  # the parameter of yade_scripts/accuracy.py, which is not in the registry
-AGAIN = "it is measured again"
 MARK = b"facts\0"  # the name of a dataset that only measurements have, as HDF5 writes it
 
 
@@ -65,7 +64,7 @@ def get(folder, name):
     try:
         return load(path) if path.exists() else None
     except reader.ResultError as error:
-        print(error, file=sys.stderr)
+        print(f"{error}; it is measured again", file=sys.stderr)
         return None
 
 
@@ -78,10 +77,10 @@ def load(path):
             facts = json.loads(file["facts"].asstr()[()])
         own = name_of(facts)
     except sealed.Damaged as error:
-        raise reader.ResultError(path, str(error), AGAIN) from None
+        raise reader.ResultError(path, str(error)) from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise reader.ResultError(path, f"holds no measurement of this program ({error})", AGAIN) from None
+        raise reader.ResultError(path, f"holds no measurement of this program ({error})") from None
     if own != path.stem:
-        raise reader.ResultError(path, f"holds another measurement than its name says ({own})", AGAIN)
+        raise reader.ResultError(path, f"holds another measurement than its name says ({own})")
     rows = pandas.DataFrame(columns)
     return facts | {"rows": rows.astype(object).where(rows.notna(), None).to_dict("records")}

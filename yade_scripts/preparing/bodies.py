@@ -1,4 +1,4 @@
-"""Disks: making them, finding them, counting their contacts."""
+"""Appends disks and boxes, finds disks, and counts their contacts."""
 import math
 
 from yade import O, Quaternion, utils

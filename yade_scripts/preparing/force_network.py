@@ -93,7 +93,8 @@ class Walk:
 
 
 def replace(seed, amplitude):
-    """Give the sample in O, whose engines are set for CD, another network by one step; then no engines are set. NetworkError if it fails."""
+    """Replace the contact forces of the sample in O by another admissible network, in one step of CD, whose engines must be set; then remove the engines.
+    Raise NetworkError if the solver finds none."""
     walk = Walk(seed, amplitude)
     walk.surround()
     hooks.simulate(1)

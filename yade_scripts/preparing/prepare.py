@@ -21,10 +21,11 @@ if __name__ == "__main__":
 
 from yade import O, config, utils
 
+import cd_engine
 from yade_scripts import commands, parameters, results
 from yade_scripts.results import sealed
 from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks, locks, md, precision, progress, saved_scene, walls
+from yade_scripts.running import hooks, locks, md, progress, saved_scene, walls
 
 # Part of the hash: raise it when the procedure below changes.
 RECIPE = 2
@@ -160,7 +161,7 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
 
 def _stiffen(full):
     """Raise the stiffness at constant P0 in small steps, since the overlaps of softer contacts push the grains apart. The friction is still that of
-    the preparation: contacts that slide under the final one would be at their limit when the loading begins."""
+    the preparation; with the final friction, contacts that slide here would be at their limit when the loading begins."""
     stages = math.ceil(math.log(full["stiffening"]) / math.log(LARGEST_STIFFENING))
     for stage in range(1, stages + 1):
         md.stiffen(full["stiffening"]**(1 / stages))
@@ -187,7 +188,7 @@ def _make(full):
 @commands.command("prepare")
 def main(arguments=None):
     options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
-    precision.check()
+    cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     full = parameters.complete(parameters.from_arguments(options.row))
     results.make(options.results)
     try:

@@ -1,7 +1,7 @@
-"""What a result is: its name, its fields (schema), its checksum (sealed), its reader, and how a run ended. Needs no YADE.
+"""Result files: their names, fields (schema), checksum (sealed) and reader, and how a run ended. Needs no YADE.
 
-Only its content decides what a file is, never its name: a file counts as the result of a row if it is undamaged and holds that row's parameters
-and a history. Nothing here imports code that runs or draws.
+A file counts as the result of a row if it is undamaged and holds that row's parameters and a history; its name alone does not count.
+Nothing here imports code that runs or draws.
 """
 import json
 import os
@@ -41,7 +41,7 @@ def ending(path):
 
 
 def reason_against(path, file):
-    """Return why an open file is not the result that its name says, as a status; '' if it is."""
+    """Return, as a status, why an open file is not the result that its name promises; '' if it is."""
     try:
         row = parameters.complete(json.loads(file.attrs["parameters"]))
     except (KeyError, TypeError, ValueError) as error:

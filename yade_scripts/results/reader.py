@@ -11,7 +11,7 @@ from yade_scripts.results import schema, sealed
 
 
 PARTIAL_SUFFIX = ".partial.h5"
-AGAIN = "run it again"  # which replaces the file: what is not understood here may still be of value to somebody
+AGAIN = "run it again"  # this replaces the file
 MARK = b"state_sha256\0"  # the name of an attribute that only results have, as HDF5 writes it; a text has no zero
 RESULTS = Path(__file__).resolve().parents[2] / results.FOLDER
 
@@ -25,7 +25,7 @@ class ResultError(Exception):
 
 
 class NoRunError(ResultError):
-    """A file has never been the result of a run."""
+    """The file is not, and never was, the result of a run."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""What a result file holds: every name, unit, shape and meaning, in one place.
+"""The fields of a result file: every name, unit, shape and meaning.
 
-The recorder writes by these tables and the loader checks against them. One run is one HDF5 file: root attributes say what was run,
-`/history/<name>` is one 1-D array a quantity (all of one length, unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at
+The recorder writes according to these tables and the reader checks against them. One run is one HDF5 file. Its root attributes describe the run,
+`/history/<name>` is a 1-D array for each quantity (all of the same length, unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at
 one instant. A finished run may also hold `/known/<name>`, a measured number with the attributes of KNOWN, and `/extra/<name>`, arrays that
 only its scene has, with `unit` and `doc`.
 
@@ -83,8 +83,8 @@ SNAPSHOT = _table(
 
 KNOWN = _table(
     Field("unit", "", "unit of the number and of the next two"),
-    Field("exact", "", "what it should be"),
-    Field("scale", "", "what an error is held against"),
+    Field("exact", "", "exact value"),
+    Field("scale", "", "the error is divided by this"),
     Field("source", "", "where the exact value comes from"),
     Field("deviation", "", "standard deviation of one run where `exact` is a mean over runs, else 0"),
 )
@@ -116,10 +116,10 @@ ROOT_ATTRIBUTES = _table(
     Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
 )
 
-# Of how a run was interrupted and gone on with; absent from older files.
+# How a run was interrupted and resumed; older files lack these.
 CHECKPOINT_ATTRIBUTES = _table(
-    Field("checkpoint_samples", "1", "samples between two passages through save and load; 0: none"),
-    Field("resumed", "1", "how often the run was interrupted and taken up at a checkpoint"),
+    Field("checkpoint_samples", "1", "samples between two checkpoints; 0: none"),
+    Field("resumed", "1", "how often the run was interrupted and resumed from a checkpoint"),
 )
 
 # A Coulomb test in floating point: both methods set |T| = mu R exactly where a contact slides, so any margin between rounding (1e-16) and
@@ -136,14 +136,14 @@ def is_sliding(force_normal, force_tangential, friction):
     return (limit > 0) & (np.abs(force_tangential) >= limit * (1 - SLIDING_MARGIN))
 
 
-# History fields that may be NaN: no force to relate to, or a law whose friction nobody sums. Without a loaded box, stresses and strains
-# have no meaning either.
+# History fields that may be NaN: there is no contact force to divide by, or a law does not sum its friction. Without a loaded box stresses and
+# strains are undefined, too.
 MAY_BE_UNDEFINED = {"unbalanced_force", "friction_dissipation"}
 OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma"}
 
 
 def problems(file):
-    """Return what keeps an open file from being a result file: sentences, empty if nothing does. A failed run is a valid file that says so."""
+    """Return the reasons why an open file is not a result file, as sentences; none if it is one. The file of a failed run is valid."""
     if missing := [name for name in ROOT_ATTRIBUTES if name not in file.attrs]:
         return [f"it lacks the attributes {', '.join(missing)}"]
     if file.attrs["schema_version"] != SCHEMA_VERSION:

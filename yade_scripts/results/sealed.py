@@ -14,11 +14,11 @@ MARK = b"\nsha256:"
 
 
 class Damaged(ValueError):
-    """The content of a file is not what was written. The message states what is wrong with it."""
+    """The content of a file has changed since it was written. The message states what is wrong."""
 
 
 class Foreign(Damaged):
-    """A file has never been what was asked for, so nobody should be told to make it again."""
+    """The file is not, and never was, of the expected kind, so it makes no sense to advise to make it again."""
 
 
 def write(path, content):

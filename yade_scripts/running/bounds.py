@@ -1,7 +1,7 @@
-"""Limits that no valid run exceeds; a run that does ends as failed, with the reason. Plain numbers, no YADE. For the walls' stress see wall_check.py.
+"""Limits that no valid run exceeds; a run that does ends as failed, with the reason. Needs no YADE. For the walls' stress see wall_check.py.
 
-Looked at with every sample; CD's error and overlap after every step, which the engine has at hand. A look into MD's disks at every step would
-cost a fifth of its speed, so of a NaN there the message names the two samples between which it came up: it stays.
+The limits are checked at every sample, and CD's error and overlap after every step, since the engine provides them. Checking all disks of MD at every
+step would cost a fifth of its speed. A NaN does not vanish, so it is found at the next sample, and the message names the sample before.
 """
 import math
 
@@ -13,16 +13,16 @@ from yade_scripts.results.schema import MAY_BE_UNDEFINED, OF_A_BOX
 PENETRATION = 0.5
 # Error e at which the contact forces are wrong by their own size. A fixed number of sweeps promises no error (published: 0.17).
 RESIDUAL = 1.0
-# All of energies in P0 times the disks' area times depth, what a loaded box has at stake; only there is all work known.
-# CD: work of the walls = dissipated + kinetic, an identity of the scheme, kept to 3e-11 in the published runs.
+# The next two limits are in units of P0 times the disks' area times depth. They apply to loaded boxes only, where all work is known.
+# CD: work of the walls = dissipated + kinetic energy, an identity of the scheme, true to 3e-11 in the published runs.
 BALANCE = 1e-9
-# MD: what walls give and nobody has is dissipated, and cannot be negative (published: -2e-9, round-off and an averaged wall force). How well it
-# agrees with what friction and dashpots have dissipated stands in the tables of the studies; walls that flip to and fro blur it.
+# MD: the work of the walls that is neither stored nor kinetic has been dissipated and cannot be negative (published: -2e-9, round-off and an averaged
+# wall force). The tables of the studies compare it with what friction and dashpots have dissipated.
 CREATED = 1e-3
 
 
 class OutOfBounds(RuntimeError):
-    """A quantity of the run has left its bounds: which, where, and what to do."""
+    """A quantity of the run has exceeded its limit. The message names the quantity, the place and the remedy."""
 
 
 def check_step(full, step, residual, penetration):
@@ -41,7 +41,7 @@ def _check_penetration(full, where, penetration):
 
 
 class Bounds:
-    """Looks at every sample of a run; loaded: whether it is in a box whose walls are loaded."""
+    """Checks every sample of a run. loaded: whether the sample is in a box whose walls are loaded."""
 
     def __init__(self, full, loaded):
         self.full, self.loaded = full, loaded

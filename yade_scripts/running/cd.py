@@ -1,5 +1,6 @@
-"""Contact Dynamics: the engines of cd_engine, with the walls' load applied before the contacts are solved."""
+"""Sets the engines of Contact Dynamics; the load of the walls is applied before the contacts are solved."""
 from yade import O
+from yade.wrapper import FrictMat
 
 import cd_engine
 from yade_scripts.running import bounds, hooks, walls
@@ -33,6 +34,7 @@ def set_engines(full, scene, goals=None):
     Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
     middle of the step (Moreau-Jean scheme, theta = 1/2).
     """
+    _forget_dashpots()
     settings = {attribute: full[name] for attribute, name in SETTINGS.items()}
     reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
     engine.label = "contact_dynamics"  # its name at the console
@@ -42,6 +44,14 @@ def set_engines(full, scene, goals=None):
         scene.load = walls.ForceLoad(goals, implicit=True)
         engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
     O.engines = engines + [engine, hooks.runner(scene.watch.look, iterPeriod=1, initRun=True, label=hooks.WATCHING)]
+
+
+def _forget_dashpots():
+    """Give all bodies a FrictMat of the same friction: ContactDynamics says of every other material that it leaves part of it unused."""
+    plain = {}
+    for body in O.bodies:
+        values = {name: getattr(body.material, name) for name in ("frictionAngle", "density", "label")}
+        body.material = plain.setdefault(tuple(values.values()), FrictMat(**values))
 
 
 def bind(full, scene):

@@ -1,15 +1,14 @@
-"""Checkpoints of long runs: an interrupted run goes on from the last one, and ends with the same numbers.
+"""Checkpoints of long runs: an interrupted run continues from the last one and ends with the same numbers.
 
-At a checkpoint the run itself goes through O.save and O.load, as a resumed one does, so that both continue from the same bits. Checkpoints stand
-at fixed samples, never at a time of the clock. So resumed and uninterrupted runs are equal even though YADE does not save everything:
-TriaxialStressController loses its wall stiffness and InsertionSortCollider its bounds. Kept beside YADE's file are the dissipation that the law
-functor has summed, which functions the PyRunners call, and the numbers that live in Python. Only runs longer than INTERVAL have checkpoints.
-The forces on the bodies are lost, and forces added after O.load would outlive the next ForceResetter. Every engine list computes them anew, except
-for CD's sample at the beginning of a step, which shows those of the step before; so a checkpoint stands one step behind a sample, and CD
-with a sample at every step has none.
+At a checkpoint the run itself goes through O.save and O.load, as a resumed run does, so that both continue from the same bits. Checkpoints are made
+at fixed samples, not at fixed times of the clock. So resumed and uninterrupted runs are equal although YADE does not save everything:
+TriaxialStressController loses its wall stiffness and InsertionSortCollider its bounds. Stored in addition to YADE's file are the dissipation summed by
+the law functor, the functions that the PyRunners call, and numbers kept in Python. Only runs longer than INTERVAL have checkpoints.
+YADE does not save the forces on the bodies. All engines compute them again in the next step, except for CD's sample at the beginning of a step, which
+records the forces of the step before. So a checkpoint is made one step after a sample, and CD with a sample at every step has none.
 
-`<result>.checkpoint.zip` holds the scene, the record up to then and the rest as JSON. It is written aside, brought to the disk, then
-renamed, and every part has a check sum; one that does not fit the run is left aside with a message.
+`<result>.checkpoint.zip` holds the scene, the record so far, and the other values as JSON. It is written under another name, flushed to the disk, then
+renamed. Every part has a check sum. A checkpoint that does not fit the run is ignored with a message.
 """
 import glob
 import io
@@ -34,7 +33,7 @@ SCENE, RECORD, MEMORY = "scene.yade", "record.h5", "memory.json"
 
 
 def samples_between(full, scene):
-    """Return the samples between two checkpoints of a run; 0: it has none, being short, or cannot be resumed."""
+    """Return the number of samples between two checkpoints; 0 if the run is short or cannot be resumed."""
     count = math.ceil(INTERVAL[full["method"]] / (full["disks"] * scene.every))
     return count if resumable(full, scene) and count < scene.samples else 0
 
@@ -44,16 +43,16 @@ def resumable(full, scene):
 
 
 class Checkpoints:
-    """Of one run: where they stand, how they are taken and taken up. `recorder` is made anew or from the checkpoint before the run."""
+    """The checkpoints of one run: where they are, how they are written and read."""
 
     def __init__(self, path, full, scene, every):
         self.path, self.full, self.scene, self.every = pathlib.Path(path).with_suffix(".checkpoint.zip"), full, scene, every
-        # What the checkpoint must have been made by and for.
+        # All of this must be the same in the run that wrote the checkpoint and in this one.
         self.origin = {"parameters": full, "git_commit": git_commit(), "yade_version": config.version, "state_sha256": scene.state_sha256,
                        "samples_between": every}
 
     def found(self):
-        """Return {RECORD: bytes, SCENE: bytes, MEMORY: dict} of the last checkpoint that fits this run, or None; says why one does not."""
+        """Return {RECORD: bytes, SCENE: bytes, MEMORY: dict} of the checkpoint of this run, or None. Print why one cannot be used."""
         if not self.path.exists():
             return None
         try:
@@ -71,7 +70,7 @@ class Checkpoints:
         return None
 
     def simulate(self, steps, recorder):
-        """Make steps up to number `steps` of the run, with a checkpoint after every step with a sample that one stands at."""
+        """Make steps until the run has made `steps` of them, with checkpoints on the way."""
         between = self.every * self.scene.every
         while O.iter < steps:
             goal = min(O.iter // between * between + between + 1, steps) if between else steps
@@ -82,7 +81,7 @@ class Checkpoints:
                 self.take(recorder)
 
     def take(self, recorder):
-        """Save, then go on from what was saved."""
+        """Write a checkpoint, then continue from it."""
         scene, record = saved_scene.take(), recorder.image()
         memory = {"origin": self.origin, "losses": self.scene.losses.memory() if self.scene.losses else None,
                   "kept": {name: _kept(keeper) for name, keeper in self._keepers(recorder).items()}, "scene": self.scene.kept}
@@ -95,7 +94,7 @@ class Checkpoints:
         self.resume({SCENE: scene, MEMORY: json.loads(json.dumps(memory))}, recorder)
 
     def resume(self, parts, recorder):
-        """Do O.load and what it forgets, from the parts that `found` gave or a run has just saved; in O the scene of the run has been built."""
+        """Load the parts of a checkpoint, including the values that O.load does not restore. The scene of the run must have been built in O."""
         memory = parts[MEMORY]
         saved_scene.restore(parts[SCENE])
         scenes.method(self.full).bind(self.full, self.scene)
@@ -121,7 +120,7 @@ class Checkpoints:
 
 
 def _kept(keeper):
-    """Return all numbers that an object holds; not a chosen few, so that none is forgotten when it is given one more."""
+    """Return all numbers among an object's attributes, so that later attributes are included without a list of names."""
     return {name: value for name, value in vars(keeper).items() if _is_numbers(value) and name not in getattr(keeper, "NOT_KEPT", ())}
 
 

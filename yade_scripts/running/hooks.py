@@ -8,7 +8,7 @@ import sys
 from yade import O
 from yade.wrapper import PyRunner
 
-# Labels of the engines that only record, sum energies, or measure what is known of a scene: what is left without them is the simulation alone.
+# Labels of the engines that only record, check, sum energies, or measure known quantities. The other engines make the simulation.
 SAMPLING, WATCHING, SUMMING, MEASURING = "sampling", "watching", "summing", "measuring"
 
 _functions = []
@@ -41,14 +41,14 @@ def fire(number):
 def stop():
     """End the loop from within a step, when this step is over.
 
-    O.pause() would let O.run(n, True) return while the step is still under way: what follows, O.reset() say, then waits for the step, which
-    waits for Python, for ever.
+    O.pause() would let O.run(n, True) return while the step is still running. A following O.reset() would then wait for the step, and the step
+    for Python, for ever.
     """
     O.stopAtIter = O.iter + 1
 
 
 def simulate(steps):
-    """Make `steps` steps, waited for; raises what a hook or an engine raised."""
+    """Make `steps` steps and wait for them. Raise the exception of a hook or an engine."""
     global _failure, _awaited
     _failure, _awaited = None, True
     try:

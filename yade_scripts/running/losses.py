@@ -1,11 +1,11 @@
-"""What the springs of Molecular Dynamics dissipate, summed where it happens: at every step, contact by contact."""
+"""The energy that the springs of Molecular Dynamics dissipate, summed at every step over all contacts."""
 import math
 
 from yade_scripts.running import hooks
 
 
 class Losses:
-    """Of the contacts in O: the slips, by YADE's law functor or by PathIndependentShear, which slips at other forces; the dashpots, by DashpotWork."""
+    """The dissipation of the contacts in O: friction from YADE's law functor or from PathIndependentShear, dashpots from DashpotWork."""
 
     def __init__(self, full, boxed):
         """boxed: whether the sample is in the biaxial box."""
@@ -14,7 +14,7 @@ class Losses:
         self.bind()
 
     def bind(self):
-        """Take hold of the objects in O; after O.load they are other ones."""
+        """Find the law functor in O; after O.load it is another object."""
         self._functor = hooks.engine("InteractionLoop").lawDispatcher.functors[0]
         self._functor.traceEnergy = True
 
@@ -22,7 +22,7 @@ class Losses:
         self._functor.traceEnergy = False
 
     def friction(self):
-        """Return what friction has dissipated [J]; NaN where PathIndependentShear slips at disks and the functor at walls."""
+        """Return the energy dissipated by friction [J]; NaN if disks slip by PathIndependentShear but walls by the functor."""
         if self._path_independent:
             return hooks.engine("PathIndependentShear").frictionDissipation if self._all else math.nan
         return self._functor.plasticDissipation()
@@ -31,7 +31,7 @@ class Losses:
         return hooks.engine("DashpotWork").work
 
     def memory(self):
-        """Return what O.save forgets."""
+        """Return the sum that O.save does not store."""
         return self._functor.plasticDissipation()
 
     def remember(self, memory):

@@ -21,7 +21,7 @@ from yade_scripts.running.losses import Losses
 
 
 def contact_engines(full, tangential_law="standard"):
-    """Return the list up to and including the contact forces; stiffnesses are constant, walls included. Packings are prepared by the standard law."""
+    """Return the engines up to the contact forces; all contacts, also with walls, have the same stiffness. Packings are prepared with the standard law."""
     kn, ratio = (MatchMaker(algo="val", val=value) for value in (parameters.stiffness(full), full["kt_over_kn"]))
     engines = [
         ForceResetter(),
@@ -68,7 +68,7 @@ def stiffen(factor):
 def set_engines(full, scene, goals=None):
     """Set O.engines for a scene, its walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
 
-    Samples are taken between the forces, loads included, and the motion, where positions and forces are of one time.
+    Samples are taken after the forces (with the loads) and before the motion, when positions and forces belong to the same time.
     """
     observer = hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING)
     if goals is None:
@@ -90,12 +90,12 @@ def set_engines(full, scene, goals=None):
 
 
 def bind(full, scene):
-    """Give the scene the functor and the controller that are in O; after O.load they are other objects."""
+    """Give the scene the law functor and the controller in O; after O.load they are other objects."""
     scene.losses.bind()
     if isinstance(scene.load, walls.ServoLoad):
         scene.load.controller = hooks.engine("TriaxialStressController")
 
 
 def run(scene, simulate=hooks.simulate):
-    """Run a scene to its end by simulate(steps). One step more, since the last sample is taken inside it."""
+    """Run a scene to its end by simulate(steps), with one more step, since the last sample is taken inside this step."""
     simulate(scene.every * scene.samples + 1)

@@ -1,6 +1,6 @@
-"""The longest stable time step of the springs in O, from their stiffness and dashpots (theory/spring_limits.py), and its check before a run.
+"""Computes the longest stable time step of the springs in O from their stiffness and dashpots (theory/spring_limits.py), and checks it before a run.
 
-All contacts count as sticking, which is the stiffest case. More contacts may form in the run, so stay well below the limit.
+All contacts are taken as sticking, which is the stiffest case. More contacts may form in the run, so use a step well below the limit.
 """
 import math
 

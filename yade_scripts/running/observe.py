@@ -22,8 +22,8 @@ class Contacts:
     def stored_energy(self):
         """Return the elastic energy [J] of the springs of eqs. 5 and 6.
 
-        From the overlap, since the normal force also contains the dashpot's; a parting contact whose dashpot pulls harder than its spring pushes still
-        has a spring.
+        It is computed from the overlap, since the normal force includes the dashpot. An opening contact still has spring energy when its dashpot
+        pulls harder than its spring pushes.
         """
         springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in bodies.contacts()
                             if i.geom.penetrationDepth > 0]).reshape(-1, 4)

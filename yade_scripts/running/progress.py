@@ -4,7 +4,7 @@ import sys
 from tqdm import tqdm
 
 SECONDS = 5
-TELLING = 0.02  # fraction done before which no time left is shown: the first steps do not predict it
+TELLING = 0.02  # no remaining time is shown before this fraction is done: the first steps do not predict it
 
 
 class Progress:

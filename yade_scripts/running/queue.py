@@ -57,7 +57,7 @@ class Job:
 
 
 def run(jobs, at_once, ended=lambda job: None):
-    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. However this function ends, it ends the runs."""
+    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. When this function ends, also by an exception, it ends the runs."""
     waiting, running, told = list(jobs), [], time.monotonic()
     bar = tqdm(total=len(waiting), unit="run", disable=not sys.stderr.isatty())
     try:
@@ -95,7 +95,7 @@ def run(jobs, at_once, ended=lambda job: None):
 def end_by_signals(name):
     """Turn SIGTERM, SIGHUP and SIGINT into SystemExit, so that `run` ends its runs. SIGTERM or SIGHUP stays ignored if it was (nohup)."""
     def end(number, frame):
-        os.write(2, f"\n{name}: ended; the same command goes on where it stopped.\n".encode())  # the signal may have interrupted a print
+        os.write(2, f"\n{name}: ended; give the same command again to continue.\n".encode())  # the signal may have interrupted a print
         sys.exit(128 + number)
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         if number == signal.SIGINT or signal.getsignal(number) != signal.SIG_IGN:

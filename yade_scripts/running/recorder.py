@@ -1,7 +1,7 @@
 """Writes a run's HDF5 file: names, units and meanings are those of yade_scripts/results/schema.py.
 
-The file is built in memory and written whole, aside and then renamed: libhdf5, which floods the log and crashes where a write fails, never
-meets a full disk, and what is on the disk is a readable file at every moment. A run of 400 disks takes 1 MB, one of 10^5 some 20 MB a snapshot.
+The file is built in memory, written as a whole under another name, then renamed. So the file on the disk is readable at every moment, and libhdf5, which
+crashes if a write fails, never meets a full disk. A run of 400 disks takes 1 MB; with 10^5 disks a snapshot takes about 20 MB.
 """
 import io
 import json
@@ -38,7 +38,7 @@ class Recorder:
         """record: the file's content so far, of a run that is resumed; None: a new file. checkpoint_samples: samples between checkpoints."""
         self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
         self.partial = self.path.with_suffix(".partial.h5")
-        other = {"MD": ("residual_max", "unconverged_steps"), "CD": ("friction_dissipation",)}[full["method"]]  # what only the other method has
+        other = {"MD": ("residual_max", "unconverged_steps"), "CD": ("friction_dissipation",)}[full["method"]]  # fields of the other method only
         self.names = [n for n, f in schema.HISTORY.items() if (full["method"] in f.methods or not f.methods) and n not in other]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.bounds = Bounds(full, scene.load is not None)
@@ -127,7 +127,7 @@ class Recorder:
                 "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
 
     def _md(self, row, contacts):
-        """Return MD's energies. Where nobody sums the friction, all that is dissipated is what walls and weights gave and nobody has."""
+        """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""
         stored, friction = contacts.stored_energy(), self.scene.losses.friction()
         gone = friction + self.scene.losses.dashpots()
         if math.isnan(friction):

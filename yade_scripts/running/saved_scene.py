@@ -1,6 +1,6 @@
-"""The scene in O as bytes, by YADE's own O.save and O.load in its binary form.
+"""Saves the scene in O to bytes and loads it again, by O.save and O.load in YADE's binary format.
 
-They use a file in memory, since O.save never returns if the disk is full.
+The file is in memory, since O.save never returns if the disk is full.
 """
 import os
 
@@ -17,7 +17,7 @@ def take():
 
 
 def restore(scene):
-    """Load a scene that `take` returned, with the functions that the PyRunners in O call: it has their numbers in the process that saved it."""
+    """Load a scene that `take` returned. Its PyRunners get the commands of those in O, since saved commands hold numbers of the process that saved them."""
     commands = [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
     with _memory() as file:
         file.write(scene)

@@ -1,4 +1,4 @@
-"""Builds scenes in O: disks and boxes, then the time step, the engines of the row's method and the loaded walls."""
+"""Helps to build scenes in O: Ground places disks and boxes; `small` sets time step and engines, `load_walls` those of the biaxial box."""
 import math
 import random
 
@@ -11,9 +11,9 @@ from yade_scripts.scenes import Scene, method
 
 
 class Ground:
-    """Where the disks and boxes of a row are placed, of the material `disk` with the row's friction.
+    """Places disks and boxes of the material `disk`, which has the row's friction.
 
-    radius [m], mass [kg]: of a disk of radius_mean; time [s]: that is simulated; draw: random numbers of the row's seed.
+    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean. time [s]: length of the run. draw: random.Random of the seed.
     """
 
     def __init__(self, full):
@@ -39,7 +39,7 @@ class Ground:
         return self.radius * (1 + self.full["radius_spread"] * self.draw.uniform(-1, 1))
 
     def deposit(self, width):
-        """Append all disks of the row as they come to rest between walls at x = 0 and `width` [m] on y = 0. Return their ids."""
+        """Append all disks of the row, deposited at rest between walls at x = 0 and `width` [m] on a floor at y = 0. Return their ids."""
         radii = [self.draw_radius() for _ in range(self.full["disks"])]
         places = deposit.deposit(radii, width, self.draw.random).tolist()
         return [self.disk(place, radius=radius).id for place, radius in zip(places, radii)]
@@ -64,7 +64,7 @@ def largest_step(full):
 
 
 def scene(full, **more):
-    """Set O.dt for the bodies in O. Return their Scene, which lasts for the cycles of the row; more: of its attributes."""
+    """Set O.dt for the bodies in O. Return a Scene that lasts for the cycles of the row. more: further attributes of the Scene."""
     return Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], **more)
 
 
@@ -81,7 +81,7 @@ def load_walls(full, scene, goals):
 
 
 def small(full, known, **more):
-    """Set step and engines for the bodies just placed. Return their Scene, which has no loaded walls; known, more: of its attributes."""
+    """Set time step and engines for the bodies in O. Return a Scene without loaded walls. known: list of Known. more: further attributes of the Scene."""
     built = scene(full, known=known, **more)
     method(full).set_engines(full, built)
     return built

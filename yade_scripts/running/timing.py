@@ -16,9 +16,9 @@ def measures():
 
 
 def run(scene, full, *also, without=frozenset(RECORDING)):
-    """Run a scene that stands in O; the processor time [s] from the start of its first step to the end of its last. also: further engines, in front.
+    """Run the scene in O. Return the processor time [s] from the start of its first step to the end of its last.
 
-    without: labels of runners to leave out. A loaded sample ends where it collapses, as a recorded one does.
+    also: further engines, put first. without: labels of runners to leave out. A loaded sample ends when it collapses, as in a recorded run.
     """
     steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
 
@@ -34,7 +34,7 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
                  hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
     scenes.method(full).run(scene)
     if len(moments) < 2:
-        raise RuntimeError(f"the run ended after {O.iter} of {steps} steps, so that its time is not known")
+        raise RuntimeError(f"the run ended after {O.iter} of {steps} steps, so its time is unknown")
     return moments[-1] - moments[0]
 
 

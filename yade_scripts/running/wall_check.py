@@ -1,8 +1,8 @@
-"""Checks sample by sample whether the walls carry the stress that the loading asks for. Plain numbers, no YADE."""
+"""Checks at every sample whether the walls carry the prescribed stress. Needs no YADE."""
 from yade_scripts import parameters
 
-# Stress error in P0 that counts as off, and samples in a row that may be off. A working servo is off by 1e-4 to 4e-4 (rms, t0 = 4 to 1 s), a locked
-# one by 0.4 to 1; walls with mass lag during a collapse. If that lasts longer than a few samples, the loading is not the one asked for.
+# Largest accepted stress error in P0, and number of samples in a row that may exceed it. A working servo has errors of 1e-4 to 4e-4 (rms, t0 = 4 to
+# 1 s), a locked one of 0.4 to 1; walls with mass lag during a collapse. If the error lasts for more than a few samples, the loading is wrong.
 TOLERANCE, SAMPLES = 0.05, 5
 # Checked at the end of a run: samples in a row that may be off, and share of all samples; in a short run the load maximum may be one of three.
 LAST_SAMPLES, SHARE = 2, 0.25
@@ -11,13 +11,13 @@ COLLAPSE_STEP = 2e-3
 # Once a packing has strained by this share of collapse_strain, walls that are pushed by forces may be off their goal: such walls cannot lock, and a
 # packing that has yielded so far swings back, stops and yields again.
 GIVEN_WAY = 0.1
-# Stress above its goal, in P0. A yielding packing carries less than its goal (the excess stayed below 1 in collapses of 100 disks by both
-# methods); walls that fly to and fro exceed it by 20 and more if a flight is longer than COLLAPSE_STEP.
+# Largest accepted stress above its goal, in P0. A yielding packing carries less than its goal (the excess stayed below 1 in collapses of 100 disks with
+# both methods); walls that bounce to and fro exceed it by 20 and more if a flight is longer than COLLAPSE_STEP.
 EXCESS = 5
 
 
 class StressError(RuntimeError):
-    """The walls do not carry the stress that the loading asks for, although the sample does not yield."""
+    """The walls do not carry the prescribed stress, although the sample does not yield."""
 
 
 class Collapse(Exception):
@@ -27,10 +27,10 @@ class Collapse(Exception):
 class LoadCheck:
     """Checks every sample of the history of a run of `samples` intervals.
 
-    A collapse is |gamma| beyond collapse_strain. A stress off its goal is no collapse, since a yielding packing may stop and carry its load again.
-    The walls do not work if the stress is off while gamma stays within its former range, or if the stress is far above its goal. Walls that are pushed
-    by forces on a packing that has already yielded may be off while the packing accelerates and stops; but what they are off by then has to vanish in
-    the mean, since it is the change of their momentum.
+    The sample has collapsed if |gamma| exceeds collapse_strain. A wrong stress alone is no collapse, since a yielding packing may stop and carry its load
+    again. The walls do not work if the stress is wrong while gamma stays within its former range, or if the stress is far above its goal. Walls pushed
+    by forces may have a wrong stress while a packing that has yielded accelerates and stops. But the mean of this error has to vanish,
+    since it is the change of the walls' momentum.
     """
 
     def __init__(self, full, samples):

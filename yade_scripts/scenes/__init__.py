@@ -1,19 +1,19 @@
-"""What can be simulated: one scene a file, by MD and by CD where both make sense. Needs no YADE until a scene is built.
+"""The scenes: one file each, simulated by MD and by CD if both make sense. Needs no YADE until a scene is built.
 
 A scene's file declares
     TITLE       what is simulated
-    KIND        what it is like, in words that several scenes share: charts compare scenes of one kind
-    HORIZON     one sentence: over which time the errors of its known quantities mean something
-    LEFT_OUT    what the model leaves out, and why that is safe; of a method that it does not have, why
-    DEFAULTS    the general parameters' defaults that it changes, {} for none
-    build(full, folder)     -> Scene; fills YADE's O (bodies, engines, dt) from a full row of parameters; `folder` holds the results and,
-                            in states/, the prepared packings
-and where there is need
-    METHODS     ("MD",) or ("CD",), where only one of them can run it
-    PARAMETERS  the parameters that only it has
-    CHART       Chart: what the charts of speed against accuracy try on it; not where nothing exact is known
-    check(full)             where values have to fit each other: ParameterError where they do not
-and imports what needs YADE inside `build`, so that lists of parameters and charts can read the rest.
+    KIND        kind of scene, in words that several scenes share: charts compare scenes of one kind
+    HORIZON     one sentence: up to which time the errors of its known quantities mean something
+    LEFT_OUT    what the model leaves out, and why that is acceptable; if it runs by one method only, why
+    DEFAULTS    {name: value} for the general parameters whose defaults it changes
+    build(full, folder)     -> Scene; puts bodies, engines and time step into YADE's O. full: {name: value} of all parameters. folder: of the
+                            results; its subfolder states/ has the prepared packings
+and may declare
+    METHODS     ("MD",) or ("CD",), if only one of them can run it
+    PARAMETERS  the parameters that only this scene has, a tuple of parameters.Parameter
+    CHART       Chart: what the charts of speed against accuracy vary; only if an exact value is known
+    check(full)             raises ParameterError if values of parameters do not fit together
+It imports modules that need YADE inside `build`, so that the rest can be read without YADE.
 """
 import importlib
 from dataclasses import dataclass, field
@@ -24,11 +24,11 @@ from yade_scripts import declared
 
 @dataclass
 class Known:
-    """A quantity whose value is known: `measure()` after the last step against `exact`, both in `unit`.
+    """A quantity whose exact value is known. `measure()` is called after the last step; its result is compared with `exact`, both in `unit`.
 
-    scale: the size [unit] its error is held against, |exact| unless given, 1 where that is 0. source: where the knowledge comes from,
-    a formula, a paper, or 'converged: ' with settings and values. deviation: standard deviation of one run [unit], where `exact` is a mean
-    over runs that differ by chance: an error is not counted as less. The error of a scene is the largest of its quantities'.
+    scale: the error is divided by this [unit]; by default |exact|, or 1 if that is 0. source: where the exact value comes from: a formula,
+    a paper, or 'converged: ' with settings and values. deviation: standard deviation of one run [unit] if `exact` is a mean over runs that differ
+    by chance; the error then counts as at least this. The error of a scene is the largest error of its quantities.
     """
     name: str
     unit: str
@@ -49,10 +49,10 @@ class Known:
 class Chart:
     """What the charts of speed against accuracy do differently in a scene.
 
-    base: parameters that the chart changes. patience: times as long as others a run may take. prepared: it starts from a packing that is
-    prepared with the row's own springs, which takes long to make stiffer. physics: parameters that are no settings, since the exact answer
-    depends on them. rolling: disks roll under load, so that the tangential law may matter. exact: {known: value} where the chart holds
-    all laws against one value. sizes: numbers of disks for the cost against the size.
+    base: parameters that the chart changes. patience: factor on the time that a run may take. prepared: the scene starts from a packing that is
+    prepared with the springs of the row; this takes long for stiff springs. physics: parameters that are not varied, since the exact answer
+    depends on them. rolling: disks roll under load, so the tangential law may matter. exact: {known: value}, if the chart compares
+    all laws with one value. sizes: numbers of disks for the chart of cost against size.
     """
     base: dict = field(default_factory=dict)
     patience: float = 1
@@ -65,14 +65,14 @@ class Chart:
 
 @dataclass
 class Scene:
-    """A scene that stands in O, ready to run.
+    """A scene that has been built in O and is ready to run.
 
-    every: steps between samples, samples: intervals between them; the scene is over after every * samples steps (MD makes one more).
-    load: walls.Load, or None where no wall is loaded. losses: losses.Losses, in MD. watch: cd.Watch,
-    in CD. snapshots: numbers of the samples at which the whole sample is kept.
-    extra: arrays that only this scene has, {name: (unit, meaning, array)}; instead of the array a function that gives it after the last
-    step. observer: called at every sample. kept: the lists, by name, in which functions of the scene itself keep what they have seen, for
-    checkpoints; None: the scene cannot be resumed, as where its functions hold on to objects of YADE, or forces are permanent.
+    every: steps between two samples. samples: number of these intervals; the scene ends after every * samples steps (MD makes one more).
+    load: walls.Load, or None if no wall is loaded. losses: losses.Losses, in MD. watch: cd.Watch, in CD. snapshots: numbers of the samples
+    at which all disks and contacts are stored. known: list of Known.
+    extra: quantities of this scene only, {name: (unit, meaning, array)}; a function instead of the array is called after the last
+    step. observer: called at every sample. kept: {name: list} of the lists in which the scene's functions collect values; checkpoints store them.
+    None if the scene cannot be resumed, because its functions hold objects of YADE or it has permanent forces.
     """
     every: int
     samples: int
@@ -91,9 +91,9 @@ class Scene:
 
 
 def converged(full, found, same, unit, measure):
-    """Return what is known of a scene's mean over many runs, as a list of Known: empty for other sizes, other grains and grains that bounce.
+    """Return a list of Known for quantities whose exact value is a mean over many runs; empty if the row differs from those runs.
 
-    found: {disks: ({name: (mean, standard deviation of one run)}, how it was found)}. same: {parameter: the value it was found with}.
+    found: {disks: ({name: (mean, standard deviation of one run)}, how it was found)}. same: {parameter: value of those runs}.
     measure(name): the quantity of the run in O, in `unit`.
     """
     from yade_scripts import parameters
@@ -111,7 +111,7 @@ def names():
 
 
 def module(name):
-    """Return the file of a scene, with what it need not declare. Raise ParameterError if it lacks what it has to."""
+    """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
     return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"), {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None})
 
 
@@ -122,9 +122,10 @@ def method(full):
 def build(full, folder):
     """Build the scene of a full row in O. Return its Scene."""
     from yade import O
+
+    import cd_engine
     from yade_scripts.parameters import ParameterError
-    from yade_scripts.running import precision
-    precision.check()
+    cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     O.reset()
     built = module(full["scene"]).build(full, folder)
     if not isinstance(built, Scene):

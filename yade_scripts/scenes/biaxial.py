@@ -6,14 +6,15 @@ HORIZON = "Nothing is known exactly; runs of different methods are compared samp
 LEFT_OUT = "the third dimension, gravity and the elasticity of the walls, as in the paper"
 DEFAULTS = {}
 
-# Of a ramp, which has no load maximum to look at before it ends, and of a single cycle: enough to follow single contacts.
+# Number of snapshots of a ramp, which has no load maximum before it ends, and of a single cycle: enough to follow single contacts.
 SNAPSHOTS = 40
 
 
 def build(full, folder, goals=None):
-    """Load the prepared packing (made if it is missing) and set up the row's method on it, with the forces it was prepared with or others.
+    """Load the prepared packing (made if it is missing) and set the engines of the row's method, with the contact forces of the preparation or, with
+    network_seed, others.
 
-    goals: t -> (sigma1, sigma2) [Pa], where it is not the row's `loading` that is asked for.
+    goals: function t -> (sigma1, sigma2) [Pa], if the load is not the row's `loading`.
     """
     from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare

@@ -15,14 +15,14 @@ from yade_scripts.scenes import Known
 TITLE = "Row of disks under few sweeps a step, an elastic rod"
 KIND = "too few sweeps"
 METHODS = ("CD",)
-HORIZON = "From half a period to a few decay times of the swing, beyond which nothing swings."
+HORIZON = "From half a period to a few decay times of the oscillation; then the row is at rest."
 LEFT_OUT = "motion across the row; the scene is about the sweeps of CD, of which springs make none"
 # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
                 records_per_cycle=200)
 
 SOURCE = "damped elastic rod of effective_medium.py (Unger et al. 2002), a theory of long waves, good to a few per cent"
-STRAIN = 1e-5  # of the row at rest under the force: so small that the linear theory holds
+STRAIN = 1e-5  # of the row at rest under the force, small enough for the linear theory
 
 
 def build(full, folder):
@@ -41,8 +41,8 @@ def build(full, folder):
 
     state, start, way = last.state, last.state.pos[0], [0.0]
     scene = stage.small(full, _known(full, way), extra={
-        "end_displacement": ("m", "way of the last disk after every step, the first at time 0", lambda: np.array(way)),
-        "end_at_rest": ("m", "where the force holds it in the end, if the row is elastic", -STRAIN * 2 * radius * full["disks"])})
+        "end_displacement": ("m", "displacement of the last disk after every step, the first at time 0", lambda: np.array(way)),
+        "end_at_rest": ("m", "its displacement at rest under the force, if the row is elastic", -STRAIN * 2 * radius * full["disks"])})
     O.engines = O.engines + [hooks.runner(lambda: way.append(state.pos[0] - start), iterPeriod=1, initRun=True)]
     return scene
 

@@ -10,8 +10,8 @@ from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Small elastic load step on a packing"
 KIND = "dense packings under load"
-HORIZON = "The end of the step, MD if it takes many times the slowest swing of sample and walls."
-LEFT_OUT = "slip, and contacts that open or close, of which a step of a thousandth of P0 makes few; changes of geometry, of the order P0/k_n"
+HORIZON = "The end of the step; for MD only if it takes many periods of the slowest oscillation of sample and walls."
+LEFT_OUT = "slip, and contacts that open or close, which are few in a step of a thousandth of P0; changes of geometry, of the order P0/k_n"
 DEFAULTS = dict(method="CD", disks=60, delta_sigma=1e-3, md_walls="force", period=0.5, records_per_cycle=10)
 CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 960))
 
@@ -31,5 +31,5 @@ def build(full, folder):
     scene.known = [
         Known("gamma", "1", springs if full["method"] == "MD" else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
               source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; both against the former"),
-        Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"], source="the load asked for, against its step")]
+        Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"], source="the prescribed load; scale: its step")]
     return scene

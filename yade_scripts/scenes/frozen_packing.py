@@ -12,8 +12,8 @@ from yade_scripts.scenes import Scene
 TITLE = "Walk over the force networks of a packing at rest"
 KIND = "dense packings under load"
 METHODS = ("CD",)
-HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly but the balance that every network has to keep."
-LEFT_OUT = "motion; and springs, whose forces follow from where the grains are, so that there is nothing to walk over"
+HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly except the balance of forces."
+LEFT_OUT = "motion; and springs, whose forces are determined by the positions of the grains"
 DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200)
 
 

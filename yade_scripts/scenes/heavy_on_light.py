@@ -10,7 +10,7 @@ from yade_scripts.scenes import Chart, Known
 TITLE = "Heavy disk on a light one"
 KIND = "piles at rest"
 HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after a few 2M/(beta sqrt(m k_n)) from touching without force."
-LEFT_OUT = "motion sideways and rotation, which are blocked: the column is unstable, and its fall is another question than its forces"
+LEFT_OUT = "motion sideways and rotation, which are blocked, since the column is unstable"
 DEFAULTS = dict(method="CD", disks=2, radius_spread=0.0, friction=0.0, beta_n=0.5, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10,
                 tolerance=1e-12, max_iterations=1000000)
 PARAMETERS = (Parameter("mass_ratio", 100.0, "1", "mass of the upper disk over that of the lower", low=1e-8, high=1e8),)

@@ -1,4 +1,4 @@
-"""A pyramid of equal disks on a row of fixed ones: its contact forces are not determined, but their sums over a row are.
+"""A pyramid of equal disks on a row of fixed ones: its contact forces are not unique, but their sums over a row are.
 
 `rows` disks lie at the bottom and one at the top, each in the gap between two; neighbours in a row touch. With friction there are more unknown
 forces than equations. Every admissible set of forces carries, across each row, the weight above it without horizontal resultant, and its
@@ -11,7 +11,7 @@ from yade_scripts.scenes import Chart, Known
 TITLE = "Pyramid of disks"
 KIND = "piles at rest"
 HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after its normal springs have come to rest from touching without force."
-LEFT_OUT = "the single forces, which rigid contacts leave open within bounds: any admissible set of them is right"
+LEFT_OUT = "the single forces, which are not unique for rigid contacts: any admissible set of them is right"
 DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, cd_dt=1e-3, records_per_cycle=10,
                 tolerance=1e-12, max_iterations=1000000)
 PARAMETERS = (Parameter("rows", 5, "1", "of the pyramid that are free, and disks in the lowest of them", low=1, high=100),)

@@ -2,8 +2,8 @@
 
 McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008). The centres are d apart, the line between them has the angle theta.
 Four legs of equal time: d shrinks by h = path_depth radius_mean; theta grows by A = path_angle; d and theta go back the same way.
-The disks are then where they were, and a spring whose force depends on positions alone is where it was. What YADE's laws leave
-instead, with the stiffness k_t and R1 + R2 = 2R (n steps a leg, t the normal turned by +90 degrees):
+The disks are then back at their places, and a spring whose force depends on positions alone has no force left. The table shows what YADE's laws
+leave, with the stiffness k_t and R1 + R2 = 2R (n steps a leg, t the normal turned by +90 degrees):
 
     law                stretch d xi     force on the second disk     left of the force      work that the path takes
     standard           d dtheta         -k_t xi t                    k_t h A                k_t (h A)^2/2, what the spring holds then
@@ -23,11 +23,11 @@ TITLE = "Closed path of two disks"
 KIND = "closed paths"
 METHODS = ("MD",)
 HORIZON = "Whole paths, any number of them while nothing slips."
-LEFT_OUT = "inertia and spins, since the disks are led; CD, since the scene is about springs and rigid contacts keep nothing of the way"
+LEFT_OUT = "inertia and spins, since the motion of the disks is prescribed; CD, since rigid contacts store no force along a path"
 DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
 CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
-SOURCE = "McNamara et al. 2008 and the step's first-order rotation, in the scene's own words"
+SOURCE = "McNamara et al. 2008, and the error of YADE's first-order rotation; see the file of the scene"
 
 HOLD = 1.5  # Coulomb limit at the smallest overlap, over the largest force of the spring
 MOST = 0.5  # largest overlap over the smaller radius: at deeper ones disks of unequal size have no line of contact

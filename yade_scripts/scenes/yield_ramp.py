@@ -11,8 +11,8 @@ from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Yield under a ramp"
 KIND = "dense packings under load"
-HORIZON = ("Until the packing gives way: what it carries afterwards belongs to new contacts. Springs of P0/k_n = 6e-4 strain past yield_strain "
-           "before they yield, so that MD's error is elastic strain unless k_n is far larger.")
+HORIZON = ("Until the packing yields; later it has new contacts. Springs of P0/k_n = 6e-4 reach yield_strain elastically "
+           "before they yield, so MD has a large error unless k_n is far larger.")
 LEFT_OUT = "the motion after yield, and its delay by the inertia of the walls"
 DEFAULTS = dict(method="CD", disks=60, loading="ramp", ramp_rate=0.4, period=3.0, records_per_cycle=600, cd_dt=5e-3, md_walls="force",
                 collapse_strain=1e-3)

@@ -11,7 +11,7 @@ from yade_scripts.scenes import Chart, Known
 TITLE = "Bouncing to rest"
 KIND = "impacts"
 HORIZON = "Until the disk rests and from then on for any time."
-LEFT_OUT = "rotation: the impacts are central. Bounces below 1e-6 of the first impact's speed are not told from rest, 1e-6 of the time"
+LEFT_OUT = "rotation: the impacts are central. Bounces below 1e-6 of the first impact's speed count as rest, which changes the time by 1e-6"
 # This beta_n gives springs the restitution 0.5.
 DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), gravity=9.81, period=0.4, cd_dt=1e-4,
                 records_per_cycle=10, tolerance=1e-13)

@@ -1,6 +1,6 @@
 """Stiffness, damping and motion of the elastic medium that rigid contacts form under too few Gauss-Seidel sweeps a step. Needs no YADE.
 
-N_I sweeps spread a force by diffusion, D = q d^2 a sweep, over a length below that of the sample. For motion that varies slowly over this length
+In N_I sweeps a force spreads by diffusion (D = q d^2 a sweep), over a length that is shorter than the sample. For motion that varies slowly over this length
 they change the impulse of a contact in a step by only -q m N_I u_n (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002); Unger and
 Kertesz, cond-mat/0211696). With two kinds of settings this acts as a spring kappa = q m N_I/dt^2 with a dashpot q m N_I/dt:
 

@@ -1,8 +1,8 @@
 """Runs Siconos's 2D solvers on the same W, q and mu: fc2d_nsgs for packings, fc2d_lexicolemke as an oracle for a few contacts.
 
-fc2d_nsgs (Gauss-Seidel) takes W in sparse blocks, the fastest storage here. It keeps no state between calls: stopped every few sweeps, it goes on
-from the same impulses and gives the same bits. Only its sweeps are timed, without its own stopping test (another measure than e); our code
-computes the error e between them. So the time is the least that Siconos can need to reach an error e.
+fc2d_nsgs (Gauss-Seidel) gets W in sparse blocks, its fastest storage here. It keeps no state between calls, so it can be stopped every few sweeps and
+continues with the same bits. Only its sweeps are timed, without its own stopping test (which uses another measure than e); our code
+computes the error e in between. So this is the shortest time in which Siconos can reach an error e.
 """
 import importlib
 import tempfile
@@ -80,7 +80,7 @@ class Peer:
             made += count
 
     def lemke(self):
-        """Return (impulses, status) of the pivoting solver; status 0 is its claim of success."""
+        """Return (impulses, status) of the pivoting solver; status 0 means that it reports success."""
         n = self.numerics
         dense = n.FrictionContactProblem(2, self.contacts, self.matrix.W.toarray(), self.matrix.q, self.matrix.mu)
         options = n.SolverOptions(n.SICONOS_FRICTION_2D_LEMKE)

@@ -1,9 +1,9 @@
 """Measures the cost of one sweep per contact, by size, kind of sweep and instruction set, beside Siconos's and the bound set by memory.
 
 Sizes: packings of 400 and 4000 disks, and 10 and 200 copies of the larger one (tiled); 200 copies have 1.5 million contacts, which fit no cache.
-The processor time of a sweep is the difference between many and few sweeps of one solution, in which all else drops out. The bound is the bytes
-that a sweep has to read and write over the bandwidth of a += b on long arrays, measured between the sweeps. That moves 24 bytes a number: no
-cache line is read only to be overwritten.
+The processor time of a sweep is the difference between many and few sweeps of one solution, in which everything else cancels. The bound is the number of
+bytes that a sweep has to read and write, over the bandwidth of a += b on long arrays, measured between the sweeps. a += b moves 24 bytes a number,
+since no cache line is read only to be overwritten.
 """
 import statistics
 import time

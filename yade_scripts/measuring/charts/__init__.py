@@ -55,7 +55,7 @@ class Setting:
         return store.name_of({"row": self.row})
 
     def slower_than(self, other):
-        """Tell whether it must take longer than another setting, judged by the order of their series alone."""
+        """Tell whether it takes longer than another setting for sure: it comes later in the same series."""
         return self.series == other.series and self.size == other.size and self.rank > other.rank and self.series.costlier
 
 

@@ -1,4 +1,4 @@
-"""Maps of where the methods fail: the outcomes of a probe over two parameters, and the boundaries between them. Needs no YADE.
+"""Maps of stability: the outcomes of a test (probe) over two parameters, and the boundaries between them. Needs no YADE.
 
 A map is a file of this folder with
 
@@ -22,7 +22,7 @@ __all__ = ["product"]  # for the maps
 FOLDER = "maps"
 CASE_SECONDS = 180  # of processor time that a case may take
 
-# What a probe can find of a case, from best to worst.
+# Possible results of a probe, from best to worst.
 STABLE, INACCURATE, UNSTABLE, NOT_SOLVED = VERDICTS = ("stable", "inaccurate", "unstable", "not solved")
 TOLERANCES = {"default of runs": 1e-8, "of the engine": 1e-6}  # marks on an axis of tolerances
 SWEEPS = {False: ("accelerated",), True: ("accelerated", "nsgs")}  # methods that the quick and the full maps compare
@@ -49,7 +49,7 @@ REASONS = {
 class Outcome:
     """The result of a probe for one case.
 
-    told: the program's own message that something is wrong, '' if there is none. A failure without a message looks like a success.
+    told: the program's message that something is wrong, '' if there is none. A failure without a message looks like a success to the user.
     measures: {name: number}, with the names that the map declares.
     """
     verdict: str
@@ -104,8 +104,8 @@ class Map:
     """One map. grid(full), searches(full): the quick or the full lists of cases and of lines across the boundary.
 
     group: heading of the report under which it stands, order: its place there. title, question: its heading and what it answers.
-    criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user has
-    to do. x, y: axes. The rest need not be given. panels: the parameter with a panel for each value. measures: {name: (unit, meaning)}.
+    criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user can
+    do. x, y: axes. The others are optional. panels: the parameter with a panel for each value. measures: {name: (unit, meaning)}.
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """
