@@ -55,16 +55,19 @@ struct Access {
 constexpr Access setting { Access::set }, result { Access::read }, internal { Access::remember };
 constexpr Access within(double low, double high) { return { Access::set, low, high }; }
 
-// A type as YADE's inspector names it.
-template <class T> inline const char* const typeName = nullptr;
-template <> inline const char* const typeName<double> = "Real";
-template <> inline const char* const typeName<int> = "int";
-template <> inline const char* const typeName<long> = "long";
-template <> inline const char* const typeName<bool> = "bool";
-template <> inline const char* const typeName<std::string> = "string";
-template <> inline const char* const typeName<Vector3r> = "Vector3r";
-template <> inline const char* const typeName<std::vector<int>> = "vector<int>";
-template <> inline const char* const typeName<std::vector<double>> = "vector<Real>";
+// A type as YADE's inspector names it, and as a message does.
+struct TypeName {
+	const char *yade, *words;
+};
+template <class T> inline constexpr TypeName typeName {};
+template <> inline constexpr TypeName typeName<double> { "Real", "a number" };
+template <> inline constexpr TypeName typeName<int> { "int", "a whole number" };
+template <> inline constexpr TypeName typeName<long> { "long", "a whole number" };
+template <> inline constexpr TypeName typeName<bool> { "bool", "True or False" };
+template <> inline constexpr TypeName typeName<std::string> { "string", "a text" };
+template <> inline constexpr TypeName typeName<Vector3r> { "Vector3r", "three numbers" };
+template <> inline constexpr TypeName typeName<std::vector<int>> { "vector<int>", "a list of whole numbers" };
+template <> inline constexpr TypeName typeName<std::vector<double>> { "vector<Real>", "a list of numbers" };
 
 // An engine E : RegisteredEngine<E> has
 //   name            of the class in YADE
@@ -143,7 +146,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			using T = std::decay_t<decltype(self().*member)>;
 			const py::extract<T> extracted(value);
 			if (!extracted.check())
-				raise(PyExc_TypeError, full + " must be of type " + typeName<T> + ", not " + Py_TYPE(value.ptr())->tp_name);
+				raise(PyExc_TypeError, full + " must be " + typeName<T>.words + ", not of type " + Py_TYPE(value.ptr())->tp_name);
 			const T checked = extracted();
 			check(name, full, checked, access);
 			const std::lock_guard<std::mutex> lock(attributesLock);
@@ -201,7 +204,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	{
 		const std::string value = py::extract<std::string>(py::str(py::object(initial))), words = access.words();
 		return text + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + value + "` :yattrtype:`"
-		    + typeName<T> + "` :yattrflags:`" + (access.kind == Access::read ? "2" : "0") + "` ";
+		    + typeName<T>.yade + "` :yattrflags:`" + (access.kind == Access::read ? "2" : "0") + "` ";
 	}
 
 	// Documentation of the class: what it is, then the names of its settings and of its results. help() itself lists them alphabetically.
