@@ -3,9 +3,8 @@
     yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
 
 Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact Dynamics comes
-first: SETTLING steps to a tenth of the tolerance and SETTLING to the tolerance, not counted; then RUNS runs of steps/RUNS each. Springs follow:
-SETTLING steps, not counted, and the same runs. Times are processor time, medians
-over the runs; nothing is recorded in them. Each run begins with a search by YADE's collider and ends with writing all contacts to the scene;
+first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS runs of steps/RUNS each.
+Springs follow: SETTLING steps, not counted, and the same runs. Times are processor time, medians over the runs; nothing is recorded in them. Each run begins with a search by YADE's collider and ends with writing all contacts to the scene;
 both count. The last line printed is the row in JSON.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
 Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
@@ -32,7 +31,8 @@ RADIUS, MASS, FRICTION, GRAVITY = 0.01, 1000 * math.pi * 0.01**2, 0.5, 9.81  # [
 STEP = 1e-3        # of Contact Dynamics [s]
 YOUNG = 1e7        # of the springs [Pa]
 RUNS = 5           # over which the median is taken
-SETTLING = 20
+SETTLING = 20      # steps
+SETTLED = 1e-6     # tolerance to which a packing settles first, at most
 
 
 def build(rows, columns, order):
@@ -69,7 +69,7 @@ def main(wish):
     empty = resident()
     build(wish["rows"], wish["columns"], wish["order"])
     loaded = resident()
-    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=0.1 * wish["tolerance"], reduce=False)
+    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * wish["tolerance"]), reduce=False)
     engine, O.dt = O.engines[-1], STEP
     O.run(SETTLING, True)
     engine.tolerance = wish["tolerance"]
