@@ -64,7 +64,7 @@ def test_keyword_constructor_sets_attributes(cd):
     (dict(method="magic"), ValueError, "nsgs"),
     (dict(gravity=(0, 0, -9.81)), ValueError, "plane"),
     (dict(gravity=(0, float("inf"), 0)), ValueError, "finite"),
-    (dict(maxIterations="many"), TypeError, "int"),
+    (dict(maxIterations="many"), TypeError, "must be a whole number, not of type str"),
     (dict(residual=1.0), AttributeError, "cannot be set"),
     (dict(tolerence=1e-3), AttributeError, "tolerence"),
 ])

@@ -77,7 +77,7 @@ def test_a_map_that_lacks_something_is_refused(monkeypatch):
     file = maps.module("servo")
     monkeypatch.setattr(file, "MAP", maps.Map(title="Too little", question="What else?", x=maps.Axis("x", "x")))
     maps.module.cache_clear()
-    with pytest.raises(ParameterError, match="servo.py lacks group, criterion, remedy, y, grid, searches; .*maps/__init__.py lists"):
+    with pytest.raises(ParameterError, match="servo.py lacks group, criterion, remedy, y, grid, searches; .*maps/__init__.py explains"):
         maps.names()
     monkeypatch.delattr(file, "probe")
     with pytest.raises(ParameterError, match="servo.py lacks probe; "):
