@@ -40,8 +40,8 @@ def build(full, folder):
             for angle in (2 * math.pi * k / sides for k in range(sides))]
     largest = radius * (1 + full["radius_spread"])
     pitch = 2.05 * largest
-    places = [(pitch * i, pitch * j) for j in range(-full["disks"], full["disks"]) for i in range(-full["disks"], full["disks"])
-              if abs(j) * pitch < inner and abs(i) * pitch < inner and math.hypot(i, j) * pitch < inner - 1.1 * largest]
+    most = int(inner / pitch) + 1
+    places = [(pitch * i, pitch * j) for j in range(-most, most) for i in range(-most, most) if math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
         raise parameters.ParameterError(f"disks = {full['disks']}: so many disks, in loose rows, do not fit into a drum of their size; take more disks, or radius_spread below 0.3")
     ids = [ground.disk(place, radius=ground.draw_radius()).id for place in places[:full["disks"]]]  # from the lowest row upwards
