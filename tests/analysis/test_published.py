@@ -144,16 +144,25 @@ def test_a_row_run_anew_gives_the_published_numbers(law, root, tmp_path):
             assert float(old[name]) == pytest.approx(value, abs=TOLERANCE), f"{name}\n{done.stderr}"
 
 
+def stored_at(root, commit):
+    """The stored hashes of the scenes as they were at a commit."""
+    told = subprocess.run(["git", "show", f"{commit}:tests/yade_scripts/digests.json"], cwd=root, check=True, capture_output=True).stdout
+    return json.loads(told)["all"]
+
+
 def test_no_study_is_older_than_the_bits_of_its_scenes(root):
-    """Since its commit the stored hashes of its scenes have not changed. All studies of flows come from one commit, and all others from one."""
-    hashes = "tests/yade_scripts/digests.json"
-    today, commits = json.loads((root / hashes).read_bytes())["all"], {}
+    """Since its commit the stored hashes of its scenes have not changed, and all studies but those of flows come from one commit.
+
+    Springs take hours: those of a flow may be older than its rigid contacts, as their hashes have not changed since either.
+    """
+    today, commits = json.loads((root / "tests" / "yade_scripts" / "digests.json").read_bytes())["all"], set()
     for name in PUBLISHED:
-        commit, = said(name)["commits"]
-        told = subprocess.run(["git", "show", f"{commit}:{hashes}"], cwd=root, check=True, capture_output=True).stdout
-        then = json.loads(told)["all"]
+        found = said(name)["commits"]
+        then = [stored_at(root, commit) for commit in found]
         rows = [parameters.complete(row) for row in studies.rows(name, True)]
-        ran = {f"{row['scene']} {row['method']}" for row in rows}
-        assert {key for key in ran if then[key] != today[key]} == set(), name
-        commits.setdefault(scenes.module(rows[0]["scene"]).KIND == "flow", set()).add(commit)
-    assert {flows: len(of) for flows, of in commits.items()} == {True: 1, False: 1}
+        for scene, method in {(row["scene"], row["method"]) for row in rows}:
+            key, enough = f"{scene} {method}", any if method == "CD" else all
+            assert enough(hashes[key] == today[key] for hashes in then), f"{name}: {key}"
+        if scenes.module(rows[0]["scene"]).KIND != "flow":
+            commits.update(found)
+    assert len(commits) == 1
