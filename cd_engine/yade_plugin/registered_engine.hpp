@@ -116,8 +116,14 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			throw SceneError(std::string(E::name) + ": the scene was saved by another version of this engine, whose attributes were: "
 			    + saved + "\nLoad it with that version, set O.engines = [] and save it again; or build the scene anew.");
 		E::attributes([&](const char* name, auto member, const Access&, const char*) { archive& make_nvp(name, self().*member); });
-		if (Archive::is_loading::value)
-			self().checkLoaded();
+		if (!Archive::is_loading::value)
+			return;
+		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
+			const std::string wrong = access.kind == Access::set ? fault(self().*member, access) : "";
+			if (!wrong.empty())
+				throw SceneError(std::string(E::name) + ": the file is damaged: " + name + wrong + ". Correct it there or load another one");
+		});
+		self().checkLoaded();
 	}
 
 	// Python may read attributes while a run continues in the background, so every read or write of one holds this lock. A thread that holds it
@@ -144,7 +150,10 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			if (access.kind == Access::read)
 				raise(PyExc_AttributeError, full + " is a result and cannot be set");
 			using T = std::decay_t<decltype(self().*member)>;
-			const py::extract<T> extracted(value);
+			// NumPy's numbers are no numbers to Boost.Python.
+			const bool ofNumpy = std::is_arithmetic_v<T> && PyObject_HasAttrString(value.ptr(), "item");
+			const py::object plain = ofNumpy ? value.attr("item")() : value;
+			const py::extract<T> extracted(plain);
 			if (!extracted.check())
 				raise(PyExc_TypeError, full + " must be " + typeName<T>.words + ", not of type " + Py_TYPE(value.ptr())->tp_name);
 			const T checked = extracted();
@@ -155,22 +164,29 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return found;
 	}
 
-	// Refuses a value that the attribute cannot have.
-	template <class T> static void check(const char* name, const std::string& full, const T& value, const Access& access)
+	// What is wrong with a value of an attribute; empty: nothing.
+	template <class T> static std::string fault(const T& value, const Access& access)
 	{
 		if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>) {
 			const std::string words = access.words();
 			if (!access.allows(value))
-				raise(PyExc_ValueError,
-				    full + "=" + text(value) + " is out of range: it must be " + (words.empty() ? "a number" : words));
-		} else if constexpr (std::is_same_v<T, std::string>) {
-			E::checkText(name, value);
+				return "=" + text(value) + " is out of range: it must be " + (words.empty() ? "a number" : words);
 		} else if constexpr (std::is_same_v<T, Vector3r>) {
 			if (!value.allFinite())
-				raise(PyExc_ValueError, full + " is not a vector of finite numbers");
+				return " is not a vector of finite numbers";
 			if (value[2] != 0)
-				raise(PyExc_ValueError, full + " has a component out of the plane; its z must be 0");
+				return " has a component out of the plane; its z must be 0";
 		}
+		return "";
+	}
+
+	// Refuses a value that the attribute cannot have.
+	template <class T> static void check(const char* name, const std::string& full, const T& value, const Access& access)
+	{
+		if (const std::string wrong = fault(value, access); !wrong.empty())
+			raise(PyExc_ValueError, full + wrong);
+		if constexpr (std::is_same_v<T, std::string>)
+			E::checkText(name, value);
 	}
 
 	// E(name=value, ...): keyword attributes as with every engine of YADE's.

@@ -49,6 +49,15 @@ def test_overlaps_that_cannot_be_are_refused(O, tmp_path, name):
         load(O, tmp_path, text)
 
 
+@pytest.mark.parametrize("name, value", [("tolerance", "nan"), ("searchMargin", "-3"), ("restitution", "7"), ("maxIterations", "0")])
+def test_settings_that_cannot_be_are_refused(O, tmp_path, name, value):
+    """With a tolerance that is no number the disks of such a scene fell through their floor."""
+    text, found = re.subn(f"<{name}>[^<]*</{name}>", f"<{name}>{value}</{name}>", saved(O, tmp_path))
+    assert found == 1
+    with pytest.raises(RuntimeError, match=f"ContactDynamics: the file is damaged: {name}=.*out of range"):
+        load(O, tmp_path, text)
+
+
 def test_ids_of_bodies_that_are_not_there_mean_nothing(O, tmp_path):
     load(O, tmp_path, with_list(saved(O, tmp_path), "referenceIds", [0, 1, 1000, 2000]))
     O.run(5, True)

@@ -3,6 +3,7 @@ import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from . import plane
@@ -71,6 +72,12 @@ def test_keyword_constructor_sets_attributes(cd):
 def test_bad_keyword_is_refused_with_its_name(cd, keywords, error, words):
     with pytest.raises(error, match=words):
         cd(**keywords)
+
+
+def test_numbers_of_numpy_are_numbers(cd):
+    engine = cd(maxIterations=np.int64(50), tolerance=np.float64(1e-3), reduce=np.bool_(False))
+    engine.seed = np.int32(2)
+    assert (engine.maxIterations, engine.tolerance, engine.reduce, engine.seed) == (50, 1e-3, False, 2)
 
 
 def test_bad_assignment_is_refused_and_keeps_the_old_value(cd):
