@@ -46,7 +46,7 @@ namespace {
 		}
 
 		void restart() { t = 1; }
-		bool drifts() const { return drifting; }
+		bool mayPause() const { return !drifting; } // only momentum brings a drift to its end soon
 
 	    private:
 		static constexpr int window = 20; // sweeps over which the changes must decrease
@@ -98,7 +98,7 @@ namespace {
 		DelassusSweep& sweep;
 		void operator()() { sweep.ahead(); }
 		void restart() { }
-		bool drifts() const { return true; } // its groups restart one by one
+		bool mayPause() const { return false; } // its groups restart one by one
 	};
 
 	// Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps need 250.

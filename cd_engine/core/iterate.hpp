@@ -11,13 +11,13 @@
 
 namespace cd {
 
-// A method: operator() makes a sweep of it. restart: it forgets its momentum. drifts: its sweeps go straight on towards a change that only momentum
-// brings soon. This one has no momentum.
+// A method: operator() makes a sweep of it. mayPause: whether plain sweeps may take the place of some; restart: some have, and it forgets its
+// momentum. This one has none.
 template <class S> struct PlainSweeps {
 	S& sweep;
 	void operator()() { sweep(); }
 	void restart() { }
-	bool drifts() const { return true; }
+	bool mayPause() const { return false; }
 };
 
 // S: Sweep or DelassusSweep, for the two forms that a problem can have.
@@ -66,7 +66,7 @@ template <class S> class Iteration {
 			if (report.iterations >= until)
 				return false;
 			const int more = std::min({ most - report.iterations, inVain - report.iterations, untilNext() });
-			const int plain = smooths && !improve.drifts() ? std::min(smoothing, more) : 0;
+			const int plain = smooths && improve.mayPause() ? std::min(smoothing, more) : 0;
 			for (int i = plain; i < more; i++)
 				improve();
 			if (plain > 0)
