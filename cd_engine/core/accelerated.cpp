@@ -101,9 +101,9 @@ namespace {
 		bool mayPause() const { return false; } // its groups restart one by one
 	};
 
-	// Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps need 250.
-	// Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to four times as
-	// many, then the other catches up to a new comparison. Where momentum leads, its path is the same to the last bit.
+	// Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps
+	// need 250. Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to
+	// four times as many, then the other catches up to a new comparison. Where momentum leads, its path is the same to the last bit.
 	SolverReport besidePlain(DelassusSystem& system, const SolverSettings& settings)
 	{
 		constexpr int share = 4, firstTrial = 100;
@@ -126,9 +126,8 @@ namespace {
 		second.begin();
 		const auto toFirst = [&](int until) { return first.advance(improve, until, all - second.iterations()); };
 		const auto toSecond = [&](int until) { return second.advance(plain, until, all - first.iterations()); };
-		const auto later = [&](const Iteration<DelassusSweep>& other) {
-			return other.iterations() > all / share ? all : share * other.iterations();
-		};
+		const auto later
+		    = [&](const Iteration<DelassusSweep>& other) { return other.iterations() > all / share ? all : share * other.iterations(); };
 		const auto end = [&](bool usesPlain) {
 			SolverReport report = usesPlain ? second.conclude() : first.conclude();
 			report.iterations = first.iterations() + second.iterations();
@@ -159,9 +158,6 @@ SolverReport accelerated(ContactSystem& system, const SolverSettings& settings)
 	return iterate<Sweep>(system, settings, [](Sweep& sweep) { return Momentum(sweep); });
 }
 
-SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
-{
-	return besidePlain(system, settings);
-}
+SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return besidePlain(system, settings); }
 
 } // namespace cd

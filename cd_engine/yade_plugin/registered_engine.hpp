@@ -121,7 +121,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
 			const std::string wrong = access.kind == Access::set ? fault(self().*member, access) : "";
 			if (!wrong.empty())
-				throw SceneError(std::string(E::name) + ": the file is damaged: " + name + wrong + ". Correct it there or load another one");
+				throw SceneError(
+				    std::string(E::name) + ": the file is damaged: " + name + wrong + ". Correct it there or load another one");
 		});
 		self().checkLoaded();
 	}
@@ -219,8 +220,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	template <class T> static std::string attributeText(const T& initial, const Access& access, const char* text)
 	{
 		const std::string value = py::extract<std::string>(py::str(py::object(initial))), words = access.words();
-		return text + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + value + "` :yattrtype:`"
-		    + typeName<T>.yade + "` :yattrflags:`" + (access.kind == Access::read ? "2" : "0") + "` ";
+		return text + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + value + "` :yattrtype:`" + typeName<T>.yade
+		    + "` :yattrflags:`" + (access.kind == Access::read ? "2" : "0") + "` ";
 	}
 
 	// Documentation of the class: what it is, then the names of its settings and of its results. help() itself lists them alphabetically.

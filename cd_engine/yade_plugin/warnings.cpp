@@ -115,8 +115,9 @@ void ContactDynamics::watchPenetration(double before) const
 		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
 		      "of their masses less) or take a smaller O.dt";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
-		  << maxPenetration << " m, " << maxPenetration / smallest << " of the smallest radius, more than when Contact Dynamics took the scene over. "
-		  << remedy << ". deepestPenetration tells how far it goes.\n";
+		  << maxPenetration << " m, " << maxPenetration / smallest
+		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy
+		  << ". deepestPenetration tells how far it goes.\n";
 }
 
 } // namespace cd_engine
