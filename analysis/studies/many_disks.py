@@ -4,25 +4,24 @@ import math
 import numpy as np
 import pandas
 
-from analysis import style, summary
+from analysis import publish, style, summary
+from analysis.studies.flows import COARSE, FINE, QUANTITY, SOFT, STIFF, measured
 from yade_scripts import parameters
+from yade_scripts.results import reader
 from yade_scripts.tables import product
 
 TITLE = "Four flows of 50 000 disks"
-QUESTION = ("Flows gain more from rigid contacts the more disks there are. What do a filling, a silo, a drum and a collapse of 50 000 disks cost by "
-            "either method, and does what holds for 5000 disks hold for them?")
+QUESTION = ("What do a filling, a silo, a drum and a collapse of 50 000 disks cost by either method, and does what holds for 5000 disks hold for "
+            "them?")
 ORDER = 22  # in the report
 
-QUANTITY = {"filling": "height", "hopper": "rate", "drum": "slope", "collapse": "front"}
 WORDS = {"filling": "filling of a box", "hopper": "a silo runs empty", "drum": "a drum turns", "collapse": "a column collapses"}
 # Sizes and times grow with the number of disks so that it stays the same flow as in the study of flows.
 FILLING = dict(scene="filling", seed=1)
 SILO, DRUM = dict(scene="hopper", seed=1, slot=100.0), dict(scene="drum", seed=1)
 COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
-FINE, COARSE = dict(method="CD", cd_dt=1e-3, tolerance=1e-3), dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
 # Speeds and depths grow, too: a disk goes as far in 1 ms as one of 5000 disks in 1.8 ms.
 MEDIUM = dict(method="CD", cd_dt=1e-3, tolerance=1e-2)
-SOFT, STIFF = (dict(method="MD", md_dt_factor=0.3, kn=kn) for kn in (2e6, 2e7))
 MANY, FEWER = 50000, 5000
 # Springs of 2e7 N/m take more than 1000 s for a second. So they get a window from the start; longer runs of rigid contacts have a sample at its end.
 WINDOW = 0.2  # s
@@ -174,16 +173,26 @@ machine busy. Springs of 2e7 N/m are softer for a depth of 50 000 disks than for
 """
 GIVEN = ("5000", "1e-2", "50", "000", "1", "1e-3", "2e7", "2", "500", "0.32", "0.34", "2000", "2e6")
 
-# Rates of 500 and 5000 disks by rigid contacts, through slots of 10 and 31.6 diameters in silos of the same shape (study of flows).
-SMALLER_RATES = {10.0: 75.75, 31.6228: 1080.5}
+PUBLISHED = reader.RESULTS.parent / "analysis" / "published"
 
 
 def law(width):
-    """Return the rate through a slot of `width` diameters by Beverloo's law in the plane, with the constants of SMALLER_RATES."""
-    (first, low), (second, high) = SMALLER_RATES.items()
-    # In disks per sqrt(D/g) the rate is C sqrt(D) (D - k)^(3/2), so that (rate^2/D)^(1/3) is a straight line.
-    low, high = ((rate**2 / slot)**(1 / 3) for slot, rate in SMALLER_RATES.items())
+    """Return the rate through a slot of `width` diameters by Beverloo's law in the plane, in disks per sqrt(D/g).
+
+    Its constants are those of the rigid answers for 500 and 5000 disks in the published table of the study of flows.
+    """
+    table = measured(publish.read_table(PUBLISHED / "flows.csv"))
+    rigid = table[(table.scene == "hopper") & table.is_rigid_answer].set_index("disks").value
+    rates = {10 * math.sqrt(disks / 500): rigid[disks] for disks in (500, 5000)}
+    # The rate is C sqrt(D) (D - k)^(3/2), so that (rate^2/D)^(1/3) is a straight line.
+    (first, low), (second, high) = ((slot, (rate**2 / slot)**(1 / 3)) for slot, rate in rates.items())
     return math.sqrt(width) * (low + (high - low) / (second - first) * (width - first))**1.5
+
+
+def narrow_law(width):
+    """Return the same rate with the constants of rigid contacts in the published table of Beverloo's law, from narrower slots."""
+    rigid = publish.read_table(PUBLISHED / "beverloo.csv").set_index("method").loc["CD"].iloc[0]
+    return rigid.C * (width - rigid.k)**1.5 * math.sqrt(width)
 
 
 def pick(table, scene, settings, disks=MANY, **more):
@@ -195,25 +204,24 @@ def pick(table, scene, settings, disks=MANY, **more):
 
 
 def numbers(table):
-    measured = table[table.seconds.notna()]
-    window = measured[measured.window_seconds.notna() & (measured.period == WINDOW)]
+    done = table[table.seconds.notna()]
+    window = done[done.window_seconds.notna() & (done.period == WINDOW)]
     scenes = ("hopper", "drum", "collapse")
     fine, stiff = ({scene: pick(window, scene, settings) for scene in scenes} for settings in (FINE, STIFF))
     gains = [stiff[scene].window_seconds / fine[scene].window_seconds for scene in scenes]
     works = [100 * abs(stiff[scene].window_work / fine[scene].window_work - 1) for scene in scenes]
     late = [stiff[scene].window_last / fine[scene].window_last for scene in scenes]
-    silo, column = pick(measured, "hopper", COARSE), pick(window, "collapse", MEDIUM)
+    silo, column = pick(done, "hopper", COARSE), pick(window, "collapse", MEDIUM)
     falling, falling_fine = stiff["hopper"], fine["hopper"]
-    narrow = 1.12836 * (100 - 2.10865)**1.5 * 10  # C and k of rigid contacts in the study of Beverloo's law, in disks per sqrt(D/g)
-    turned, turned_fine = pick(measured, "drum", MEDIUM, FEWER), pick(measured, "drum", FINE, FEWER)
-    cd, md = pick(measured, "filling", FINE), pick(measured, "filling", SOFT)
+    turned, turned_fine = pick(done, "drum", MEDIUM, FEWER), pick(done, "drum", FINE, FEWER)
+    cd, md = pick(done, "filling", FINE), pick(done, "filling", SOFT)
     more = md.seconds / cd.seconds
     missed = [100 * fine[scene].unsolved for scene in scenes]
     apart = 100 * abs(stiff["collapse"].value - fine["collapse"].value)
     return {"3.2": [min(gains), 10**0.5], "7.1": max(gains), "0.2": [WINDOW, apart], "0.1": [min(works), 100 * cd.mean_overlap / 2],
             "3.1": max(works), "1.7": min(late), "5.5": max(late), "13.0": silo.window_seconds, "297": falling.seconds,
             "23": falling.seconds / silo.window_seconds, "10.0": 100 * (silo.window_work / falling_fine.window_work - 1), "12042": silo.value,
-            "1.2": 100 * (silo.value / law(100.0) - 1), "10.2": 100 * (silo.value / narrow - 1), "1.6": silo.period, "73": 100 * silo.passed,
+            "1.2": 100 * (silo.value / law(100.0) - 1), "10.2": 100 * (silo.value / narrow_law(100.0) - 1), "1.6": silo.period, "73": 100 * silo.passed,
             "293": silo.seconds, "8.1": falling.seconds / WINDOW * silo.period / silo.seconds, "517": stiff["drum"].seconds / WINDOW,
             "1577": stiff["collapse"].seconds / WINDOW, "19.3": turned.value, "23.3": turned_fine.value, "0.81": turned_fine.seconds / turned.seconds,
             "22": column.seconds, "44": fine["collapse"].seconds, "11.2": 100 * (column.window_work / fine["collapse"].window_work - 1),

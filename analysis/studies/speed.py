@@ -100,7 +100,8 @@ def draw(runs, rows, path):
         ordered = np.array(sorted((row["seconds"], abs(row[name])) for row in own if row["method"] == "MD")).reshape(-1, 2)
         axis.step(ordered[:, 0], np.minimum.accumulate(ordered[:, 1]), where="post", color="#888888", lw=0.8)
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
-    axes[0, -1].legend(*zip(*((drawn[series], look["label"]) for series, look in looks.items() if series in drawn)), loc="center left", bbox_to_anchor=(1.0, 0.5))
+    shown = [series for series in looks if series in drawn]
+    axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left", bbox_to_anchor=(1.0, 0.5))
     style.finish(fig, path, "A point a setting: springs by stiffness (colour) and step, rigid contacts by step and tolerance. Bars: standard "
                  "error over the fillings.", runs)
 

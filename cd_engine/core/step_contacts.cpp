@@ -1,7 +1,7 @@
 // Selects the pairs that are contacts in a step, and sets up their equations.
 #include "group_kernel.hpp"
 #include "load_pairs.hpp"
-#include "time_step.hpp"
+#include "step_geometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -118,34 +118,6 @@ void TimeStep::stopAtFaces(const World& world, double dt)
 	} while (shifts.size() > stopped && stopped <= world.bodies.size());
 }
 
-// The change of a pair's gap within the step by the rotation of its boundary.
-inline double TimeStep::turning(const Pair& pair, const World& world, const Touch& touch, double gap, double dt) const
-{
-	const Shape& shape = world.shapes[pair.a];
-	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
-	const Place &a = places[pair.a], &b = places[pair.b];
-	if (a.radius > 0 || shape.kind != ShapeKind::box || va[2] == 0)
-		return 0;
-	const double distance = touch.nx * (b.x - a.x) + touch.ny * (b.y - a.y);
-	return gapByTurning(shape, a, b, touch, distance - std::max(gap, 0.), va, vb, dt);
-}
-
-// An upper bound for the relative speed of two bodies, at any point of their outlines [m/s].
-inline double TimeStep::relativeSpeed(const Pair& pair, const World& world, const double* a, const double* b) const
-{
-	const Shape& shape = world.shapes[pair.a];
-	const double turns = places[pair.a].radius == 0 && shape.kind == ShapeKind::box ? std::abs(a[2]) * std::hypot(shape.ex, shape.ey) : 0;
-	const double x = b[0] - a[0], y = b[1] - a[1];
-	return std::sqrt(x * x + y * y) + turns;
-}
-
-// Radius of the smaller disk of a pair; a boundary has none [m].
-inline double TimeStep::smallerRadius(const Pair& pair) const
-{
-	const double a = places[pair.a].radius, b = places[pair.b].radius;
-	return a > 0 ? std::min(a, b) : b;
-}
-
 // Whether a pair is a contact. This depends only on its gap and its two bodies' velocities, so a fast body makes no contacts elsewhere.
 inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap, double dt) const
 {
@@ -157,12 +129,6 @@ inline bool TimeStep::mayClose(const Pair& pair, const World& world, double gap,
 	const double before = relativeSpeed(pair, world, world.bodies[pair.a].v, world.bodies[pair.b].v);
 	const double free = relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
 	return beyond <= soon * dt * std::max(before, free) + pushed * radius;
-}
-
-// The shapes are those before the step, so this is for the step itself.
-inline Touch TimeStep::locate(const Pair& pair, const World& world) const
-{
-	return locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]);
 }
 
 void TimeStep::lookBack(const World& world, double dt)
@@ -445,62 +411,6 @@ void TimeStep::prepare(World& world, const StepSettings& settings)
 			freeVelocity.insert(freeVelocity.end(), b.v, b.v + 3);
 	shifts.clear();
 	findContacts(world, settings, begun);
-}
-
-// Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.
-bool TimeStep::within(size_t index, const World& world, double dt) const
-{
-	const Pair& pair = world.pairs[index];
-	const double gap = gapOf(world, index);
-	if (gap > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
-		return false;
-	return gap <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
-}
-
-// Whether the solution lets a pair that was left out cross its gap within the step.
-bool TimeStep::crosses(size_t index, const World& world, double dt) const
-{
-	const Pair& pair = world.pairs[index];
-	if (!within(index, world, dt)) // most pairs are too slow
-		return false;
-	const Place& a = places[pair.a];
-	const Touch touch = locate(pair, world);
-	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
-	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
-	const double gap = gapOf(world, index);
-	return gap + turning(pair, world, touch, gap, dt) + dt * un < 0;
-}
-
-bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
-{
-	return narrowest <= 2 * quick * settings.dt * fastest
-	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
-}
-
-// If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.
-// Returns whether there were such pairs.
-bool TimeStep::addViolated(World& world, const StepSettings& settings)
-{
-	if (!anyViolated(world, settings))
-		return false;
-	system.contacts.make();
-	system.contactSet++;
-	appended = true;
-	for (const int32_t i : world.awake)
-		if (!solved[i] && within(i, world, settings.dt)) {
-			resizeRows(rows + 1, settings);
-			rowPair.back() = i;
-			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
-			solved[i] = 1;
-			deepest = std::max(deepest, -gapOf(world, i));
-			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
-			ContactRow& c = system.contacts[rows - 1];
-			double un, ut;
-			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
-			c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
-			c.pt = 0;
-		}
-	return true;
 }
 
 } // namespace cd

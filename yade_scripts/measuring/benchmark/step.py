@@ -2,10 +2,11 @@
 
     yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
 
-Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact Dynamics comes
-first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS runs of steps/RUNS each.
-Springs follow: SETTLING steps, not counted, and the same runs. Times are processor time, medians over the runs; nothing is recorded in them. Each run begins with a search by YADE's collider and ends with writing all contacts to the scene;
-both count. The last line printed is the row in JSON.
+Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact
+Dynamics comes first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS
+runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and the same runs. Times are processor time, medians over the runs;
+nothing is recorded in them. Each run begins with a search by YADE's collider and ends with writing all contacts to the scene; both count.
+The last line printed is the row in JSON.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
 Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
 """

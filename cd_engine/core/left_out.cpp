@@ -1,0 +1,64 @@
+// Pairs that a step has left out of its contacts and whose gap its solution closes: they join, and the step is solved again.
+#include "step_geometry.hpp"
+
+namespace cd {
+
+using namespace contact_limits;
+
+// Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.
+bool TimeStep::within(size_t index, const World& world, double dt) const
+{
+	const Pair& pair = world.pairs[index];
+	const double gap = gapOf(world, index);
+	if (gap > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
+		return false;
+	return gap <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
+}
+
+// Whether the solution lets a pair that was left out cross its gap within the step.
+bool TimeStep::crosses(size_t index, const World& world, double dt) const
+{
+	const Pair& pair = world.pairs[index];
+	if (!within(index, world, dt)) // most pairs are too slow
+		return false;
+	const Place& a = places[pair.a];
+	const Touch touch = locate(pair, world);
+	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
+	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
+	const double gap = gapOf(world, index);
+	return gap + turning(pair, world, touch, gap, dt) + dt * un < 0;
+}
+
+bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
+{
+	return narrowest <= 2 * quick * settings.dt * fastest
+	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
+}
+
+// If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.
+// Returns whether there were such pairs.
+bool TimeStep::addViolated(World& world, const StepSettings& settings)
+{
+	if (!anyViolated(world, settings))
+		return false;
+	system.contacts.make();
+	system.contactSet++;
+	appended = true;
+	for (const int32_t i : world.awake)
+		if (!solved[i] && within(i, world, settings.dt)) {
+			resizeRows(rows + 1, settings);
+			rowPair.back() = i;
+			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
+			solved[i] = 1;
+			deepest = std::max(deepest, -gapOf(world, i));
+			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
+			ContactRow& c = system.contacts[rows - 1];
+			double un, ut;
+			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
+			c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
+			c.pt = 0;
+		}
+	return true;
+}
+
+} // namespace cd
