@@ -136,9 +136,8 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 
 bool ContactDynamics::somebodyLooks() const
 {
-	const long iteration = scene_iter(scene);
-	const bool ends = scene_stopAtIter(scene) == iteration + 1;
-	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || others.looks(iteration);
+	const bool ends = scene_stopAtIter(scene) == scene_iter(scene) + 1;
+	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || others.looks(scene);
 }
 
 void ContactDynamics::advance()
@@ -240,6 +239,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;
 	deepestPenetration = std::max(deepestPenetration, maxPenetration);
+	largestResidual = std::max(largestResidual, residual);
 	dissipatedEnergy += report.dissipated;
 	steps++;
 	totalIterations += iterations;

@@ -58,6 +58,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 
 	// Over all steps.
 	double deepestPenetration = 0;
+	double largestResidual = 0;
 
 	// The step of the next trial of rest, and the loads in the step before it. Saved, because a trial stops what it finds at rest.
 	std::vector<int> loadsBeforeTrial;

@@ -109,6 +109,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("deepestPenetration", &C::deepestPenetration, result,
 	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: bodies pass into each "
 	    "other where forces are far too small, even if *converged* says that the error e is.");
+	visit("largestResidual", &C::largestResidual, result, "Largest *residual* of all steps [1].");
 	visit("handoverOverlap", &C::handoverOverlap, result, "Largest overlap taken as reference at the hand-over [m].");
 	visit("dissipatedEnergy", &C::dissipatedEnergy, result,
 	    "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "

@@ -43,7 +43,7 @@ template <class T> struct Member : AnyMember {
 
 // Hidden from other libraries, so that an access looks up no symbol.
 #pragma GCC visibility push(hidden)
-inline Member<double> scene_dt { "Scene", "dt" };
+inline Member<double> scene_dt { "Scene", "dt" }, scene_time { "Scene", "time" };
 inline Member<long> scene_iter { "Scene", "iter" }, scene_stopAtIter { "Scene", "stopAtIter" };
 inline Member<bool> scene_isPeriodic { "Scene", "isPeriodic" }, scene_trackEnergy { "Scene", "trackEnergy" }, scene_doSort { "Scene", "doSort" };
 inline Member<yade::ForceContainer> scene_forces { "Scene", "forces", 32 };
@@ -87,9 +87,10 @@ inline Member<Vector3r> phys_normalViscous { "FrictViscoPhys", "normalViscous" }
 
 inline Member<int> collider_avoidSelfInteractionMask { "Collider", "avoidSelfInteractionMask" };
 inline Member<bool> collider_doSort { "InsertionSortCollider", "doSort" };
-inline Member<double> periodic_virtPeriod { "PeriodicEngine", "virtPeriod" }, periodic_realPeriod { "PeriodicEngine", "realPeriod" };
-inline Member<long> periodic_iterPeriod { "PeriodicEngine", "iterPeriod" }, periodic_nDone { "PeriodicEngine", "nDone" };
-inline Member<long> periodic_iterLast { "PeriodicEngine", "iterLast" };
+inline Member<double> periodic_virtPeriod { "PeriodicEngine", "virtPeriod" }, periodic_virtLast { "PeriodicEngine", "virtLast" };
+inline Member<double> periodic_realPeriod { "PeriodicEngine", "realPeriod" };
+inline Member<long> periodic_iterPeriod { "PeriodicEngine", "iterPeriod" }, periodic_iterLast { "PeriodicEngine", "iterLast" };
+inline Member<long> periodic_nDo { "PeriodicEngine", "nDo" }, periodic_nDone { "PeriodicEngine", "nDone" };
 #pragma GCC visibility pop
 
 // The interactions of a scene, real ones and others.

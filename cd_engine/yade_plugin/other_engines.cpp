@@ -36,15 +36,18 @@ namespace {
 		return "";
 	}
 
-	// Whether an engine runs, or may run, in the step `iteration`.
-	bool isDue(yade::Engine* engine, long iteration)
+	// Whether an engine runs, or may run, in the step `iteration`, which begins at `time`. As in YADE's PeriodicEngine::isActivated.
+	bool isDue(yade::Engine* engine, long iteration, double time)
 	{
 		if (!isPeriodic(engine))
 			return true;
-		const long period = periodic_iterPeriod(engine), last = periodic_iterLast(engine);
-		// Before its first call the period has not begun to count, so the engine counts as due.
-		return periodic_virtPeriod(engine) > 0 || periodic_realPeriod(engine) > 0 || periodic_nDone(engine) == 0
-		    || (period > 0 && iteration - last >= period) || iteration < last;
+		const long done = periodic_nDone(engine), most = periodic_nDo(engine), period = periodic_iterPeriod(engine);
+		const double span = periodic_virtPeriod(engine);
+		if (done == 0 || iteration < periodic_iterLast(engine)) // before its first call the period has not begun to count
+			return true;
+		return (most < 0 || done < most)
+		    && (periodic_realPeriod(engine) > 0 || (span > 0 && time - periodic_virtLast(engine) >= span)
+			|| (period > 0 && iteration - periodic_iterLast(engine) >= period));
 	}
 
 } // namespace
@@ -116,8 +119,10 @@ void OtherEngines::wakeUnsorted()
 
 int32_t OtherEngines::maskApart() const { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
 
-bool OtherEngines::looks(long iteration) const
+bool OtherEngines::looks(yade::Scene* scene) const
 {
+	const long iteration = scene_iter(scene);
+	const double time = scene_time(scene);
 	if (changedAt == iteration)
 		return true;
 	for (const Other& other : others) {
@@ -125,7 +130,7 @@ bool OtherEngines::looks(long iteration) const
 			continue;
 		// A periodic engine that has run before may have set itself dead in that step.
 		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;
-		if (hasRun || (!other.dead && isDue(other.engine, other.before ? iteration + 1 : iteration)))
+		if (hasRun || (!other.dead && (other.before ? isDue(other.engine, iteration + 1, time + scene_dt(scene)) : isDue(other.engine, iteration, time))))
 			return true;
 	}
 	return false;

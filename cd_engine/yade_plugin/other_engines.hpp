@@ -21,7 +21,7 @@ class OtherEngines {
 	void check(const yade::Engine* self, yade::Scene*);
 	// Whether one of them runs between this step of `self` and the next one, or has run before `self` in this step; what that one has added to
 	// O.forces ends with this step.
-	bool looks(long iteration) const;
+	bool looks(yade::Scene*) const;
 
 	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void restCollider(yade::Scene*);

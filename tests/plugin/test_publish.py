@@ -1,6 +1,7 @@
 """publish='due' writes to the scene only what somebody reads, and this equals publish='always' to the last bit."""
 import builtins
 import hashlib
+import threading
 import time
 
 import numpy as np
@@ -73,7 +74,8 @@ def test_at_the_end_of_every_run(O):
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
-@pytest.mark.parametrize("period", [dict(iterPeriod=1), dict(iterPeriod=7), dict(iterPeriod=7, initRun=True), dict(virtPeriod=0.013), dict(iterPeriod=5, nDo=4)])
+@pytest.mark.parametrize("period", [dict(iterPeriod=1), dict(iterPeriod=7), dict(iterPeriod=7, initRun=True), dict(virtPeriod=0.013), dict(virtPeriod=0.001),
+                                    dict(virtPeriod=0.0125, initRun=True), dict(iterPeriod=5, nDo=4), dict(iterPeriod=30, virtPeriod=0.02)])
 def test_before_an_engine_that_looks(O, call, place, period):
     """Recorders see every step's state when their period is over, wherever they stand."""
     def run(engine):
@@ -169,8 +171,6 @@ def test_a_step_that_ends_in_no_number_leaves_the_forces_of_the_one_before(O):
 
 def test_paused_by_another_thread_than_the_one_that_waits(O):
     """The other thread sees the last step, and what it sets is kept."""
-    import threading
-
     def build(O):
         plane.disk((0, 0), 0.01, velocity=(1, 0))
 
@@ -191,6 +191,29 @@ def test_paused_by_another_thread_than_the_one_that_waits(O):
         O.bodies[0].state.vel = (0, 7, 0)
         waiter.join()
         assert tuple(O.bodies[0].state.vel) == (0, 7, 0)
+
+
+@pytest.mark.parametrize("period", [dict(virtPeriod=1e6), dict(iterPeriod=10**9), dict(iterPeriod=1, nDo=3)])
+def test_between_two_looks_the_scene_stays_as_it_was(O, call, period):
+    """Else every step would cost what writing costs. Another thread reads a falling disk while the run goes on."""
+    plane.disk((0, 0), 0.01, velocity=(1, 0))
+    O.engines = [*cd_engine.engines(), call(lambda: None, **period)]
+    O.dt = 1e-6
+    O.run(10, True)
+    found = set()
+
+    def read():
+        start = O.iter
+        while O.iter < start + 100:
+            found.add(O.bodies[0].state.pos[0])
+        O.stopAtIter = O.iter + 10
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    O.run(10**9, True)
+    reader.join()
+    assert len(found) == 1
+    assert O.bodies[0].state.pos[0] == pytest.approx(1e-6 * O.iter, rel=1e-9)
 
 
 def test_an_engine_without_a_period_is_always_due(O):

@@ -62,7 +62,7 @@ HISTORY = _table(
     Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", methods=()),
     Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots. MD; NaN where contacts with walls "
           "slip under another law than those between disks", methods=()),
-    Field("residual_max", "1", "largest error e since the sample before", methods=()),
+    Field("residual_max", "1", "largest error e of all steps so far", methods=()),
     Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=()),
 )
 

@@ -1,7 +1,7 @@
 """Limits that no valid run exceeds; a run that does ends as failed, with the reason. Needs no YADE. For the walls' stress see wall_check.py.
 
-The limits are checked at every sample, and CD's error and overlap after every step, since the engine provides them. Checking all disks of MD at every
-step would cost a fifth of its speed. A NaN does not vanish, so it is found at the next sample, and the message names the sample before.
+The limits are checked at every sample. CD's engine keeps the largest error and overlap of all steps. Checking all disks of MD at every step would
+cost a fifth of its speed. A NaN does not vanish, so it is found at the next sample, and the message names the sample before.
 """
 import math
 
@@ -25,21 +25,6 @@ class OutOfBounds(RuntimeError):
     """A quantity of the run has exceeded its limit. The message names the quantity, the place and the remedy."""
 
 
-def check_step(full, step, residual, penetration):
-    """Check after a step of CD its error e and largest overlap [m]."""
-    limit = math.inf if full["fixed_iterations"] else RESIDUAL
-    if not residual <= limit or residual == math.inf:
-        raise OutOfBounds(f"step {step}: the error e of the contact problem is {residual:.3g}, its forces are no solution (bound {limit:g}); "
-                          "lower cd_dt, raise max_iterations, or take another method_cd")
-    _check_penetration(full, f"step {step}", penetration)
-
-
-def _check_penetration(full, where, penetration):
-    if not penetration <= PENETRATION * full["radius_mean"]:
-        raise OutOfBounds(f"{where}: an overlap of {penetration / full['radius_mean']:.3g} mean radii (bound {PENETRATION}): bodies pass into each "
-                          "other; lower cd_dt or tolerance (CD), or pressure_ratio, speed or md_dt_factor (MD)")
-
-
 class Bounds:
     """Checks every sample of a run. loaded: whether the sample is in a box whose walls are loaded."""
 
@@ -50,15 +35,20 @@ class Bounds:
         area = full["disks"] * math.pi * full["radius_mean"]**2
         self.scale = parameters.pressure(full) * area * full["depth"]
 
-    def look(self, row, step):
-        """Raise OutOfBounds where the run has to end; row: all that a sample measures."""
+    def look(self, row, step, deepest):
+        """Raise OutOfBounds where the run has to end; row: all that a sample measures; deepest: largest overlap so far [m], in MD of this sample."""
         where = f"step {step}, t = {row['time']:.6g} s"
         undefined = MAY_BE_UNDEFINED | (set() if self.loaded else OF_A_BOX)
         for name, value in row.items():
             if name not in undefined and not math.isfinite(value):
                 raise OutOfBounds(f"{where}: {name} is {value}, since a step after {self.seen}; lower md_dt_factor (MD) or cd_dt (CD)")
+        if not deepest <= PENETRATION * self.full["radius_mean"]:
+            raise OutOfBounds(f"{where}: an overlap of {deepest / self.full['radius_mean']:.3g} mean radii (bound {PENETRATION}) since a step after "
+                              f"{self.seen}: bodies pass into each other; lower cd_dt or tolerance (CD), or pressure_ratio, speed or md_dt_factor (MD)")
+        if self.full["method"] == "CD" and not self.full["fixed_iterations"] and row["residual_max"] > RESIDUAL:
+            raise OutOfBounds(f"{where}: the error e of a contact problem since a step after {self.seen} is {row['residual_max']:.3g}, its forces are "
+                              f"no solution (bound {RESIDUAL:g}); lower cd_dt, raise max_iterations, or take another method_cd")
         self.seen = step
-        _check_penetration(self.full, where, row["max_penetration"])
         if self.loaded:
             self._energies(row, where)
 

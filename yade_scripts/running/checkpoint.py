@@ -22,9 +22,8 @@ import zlib
 
 from yade import O, config
 
-from yade_scripts import scenes
 from yade_scripts.results import sealed
-from yade_scripts.running import hooks, saved_scene
+from yade_scripts.running import hooks, md, saved_scene
 from yade_scripts.results.provenance import git_commit
 
 # Disks times steps: about ten minutes on one core for MD, two to forty for CD, whose sweeps a step vary. Every published run is shorter and so has none.
@@ -97,8 +96,8 @@ class Checkpoints:
         """Load the parts of a checkpoint, including the values that O.load does not restore. The scene of the run must have been built in O."""
         memory = parts[MEMORY]
         saved_scene.restore(parts[SCENE])
-        scenes.method(self.full).bind(self.full, self.scene)
         if self.scene.losses:
+            md.bind(self.full, self.scene)
             self.scene.losses.remember(memory["losses"])
         for name, keeper in self._keepers(recorder).items():
             for attribute, value in memory["kept"][name].items():
@@ -108,7 +107,7 @@ class Checkpoints:
 
     def _keepers(self, recorder):
         """Return the objects in Python that change as the run goes on."""
-        found = {"load": self.scene.load, "watch": self.scene.watch, "recorder": recorder, "load_check": recorder.load_check, "bounds": recorder.bounds}
+        found = {"load": self.scene.load, "recorder": recorder, "load_check": recorder.load_check, "bounds": recorder.bounds}
         return {name: keeper for name, keeper in found.items() if keeper is not None}
 
     def remove(self):

@@ -9,7 +9,7 @@ from yade import O
 from yade.wrapper import PyRunner
 
 # Labels of the engines that only record, check, sum energies, or measure known quantities. The other engines make the simulation.
-SAMPLING, WATCHING, SUMMING, MEASURING = "sampling", "watching", "summing", "measuring"
+SAMPLING, SUMMING, MEASURING = "sampling", "summing", "measuring"
 
 _functions = []
 _failure = None

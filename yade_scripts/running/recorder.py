@@ -16,7 +16,7 @@ from yade import O, config, utils
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.results import reader, schema, sealed
-from yade_scripts.running import md_step, observe, walls
+from yade_scripts.running import hooks, md_step, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
 from yade_scripts.running.sums import total
@@ -96,7 +96,7 @@ class Recorder:
             self._write(self.partial)
             self.written = time.monotonic()
         self.progress((self.count - 1) / self.scene.samples)
-        self.bounds.look(row, O.iter)
+        self.bounds.look(row, O.iter, row["max_penetration"] if self.full["method"] == "MD" else hooks.engine("ContactDynamics").deepestPenetration)
         try:
             if self.scene.load is not None:
                 self.load_check.look(row)
@@ -140,9 +140,9 @@ class Recorder:
                 "max_penetration": max(contacts.overlap, default=0.0)}
 
     def _cd(self, row):
-        engine = self.scene.watch.engine
+        engine = hooks.engine("ContactDynamics")
         return {"stored_energy": 0.0, "dissipated_energy": engine.dissipatedEnergy, "max_penetration": engine.maxPenetration,
-                "iterations": engine.iterations, "residual": engine.residual, "residual_max": self.scene.watch.take(),
+                "iterations": engine.iterations, "residual": engine.residual, "residual_max": engine.largestResidual,
                 "unconverged_steps": engine.unconvergedSteps}
 
     def _snapshot(self, row):

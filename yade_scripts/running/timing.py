@@ -7,7 +7,7 @@ from yade_scripts import scenes
 from yade_scripts.running import hooks, walls
 
 
-RECORDING = {hooks.SAMPLING, hooks.WATCHING, hooks.SUMMING}
+RECORDING = {hooks.SAMPLING, hooks.SUMMING}
 
 
 def measures():

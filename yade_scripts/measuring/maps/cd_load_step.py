@@ -36,7 +36,7 @@ def probe(case):
     scene = scenes.Scene(every=STEPS, samples=1)
     cd.set_engines(full, scene, lambda t: (p0, (1 + RISE) * p0))
     hooks.simulate(STEPS)
-    engine = scene.watch.engine
+    engine = hooks.engine("ContactDynamics")
     strain = [now / length - 1 for now, length in zip(walls.sides(), before)]
     measures = {"gamma": strain[1] - strain[0], "unconverged": engine.unconvergedSteps / STEPS, "sweeps": engine.totalIterations / STEPS}
     told = rigid.told(engine, min(body.shape.radius for body in bodies.disks()))
