@@ -3,6 +3,7 @@
 #include "closing_in.hpp"
 #include "problem_form.hpp"
 #include "residual.hpp"
+#include "rigid_motion.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
@@ -44,7 +45,8 @@ namespace {
 
 	template <class Form> class Judgement {
 	    public:
-		Verdict operator()(const Form& judged, double guess, double tolerance, int mostProducts)
+		// mayPress: whether boundaries may press bodies.
+		Verdict operator()(const Form& judged, double guess, double tolerance, int mostProducts, bool mayPress)
 		{
 			productsLeft = mostProducts;
 			form = &judged;
@@ -64,7 +66,7 @@ namespace {
 			v.growth = growthOf(*form);
 			const bool more = std::sqrt(square) > 10 * guess,
 				   grown = more && v.growth > mostOfEqual && v.growth > std::min(mostGrowth, mostOfEqual * form->massRatio());
-			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed(v.growth));
+			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (mayPress && v.growth > least && looksPressed(v.growth));
 			if (!doubted && !(more && v.growth > Form::ofProof))
 				return v;
 			// In files with six digits, rounding gives a positive semidefinite W negative energies smaller than this.
@@ -296,9 +298,10 @@ namespace {
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
 	const Borrowed<BodyForm> form(system.memory);
-	Verdict v = (*Borrowed<Judgement<BodyForm>>(system.memory))(form->of(system, freeVelocity), guess, tolerance, mostProducts);
+	const bool mayPress = !movesAsOne(system, freeVelocity, closingAllowed * tolerance);
+	Verdict v = (*Borrowed<Judgement<BodyForm>>(system.memory))(form->of(system, freeVelocity), guess, tolerance, mostProducts, mayPress);
 	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
-	if (open && v.growth > mayHide) {
+	if (open && mayPress && v.growth > mayHide) {
 		const int contacts = static_cast<int>(system.contacts.size());
 		const int most = contacts > few ? mostProducts : std::max(mostProducts, 32 * contacts);
 		const int contact = closingIn(system, freeVelocity, tolerance, mostOfEqual, most);
@@ -310,7 +313,7 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
 {
 	const Borrowed<MatrixForm> form(system.memory);
-	return (*Borrowed<Judgement<MatrixForm>>(system.memory))(form->of(system), guess, tolerance, mostProducts);
+	return (*Borrowed<Judgement<MatrixForm>>(system.memory))(form->of(system), guess, tolerance, mostProducts, true);
 }
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity)

@@ -140,17 +140,26 @@ bool ContactDynamics::somebodyLooks() const
 	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || others.looks(scene);
 }
 
+// Writes to the scene what other engines read before the next step.
+void ContactDynamics::show()
+{
+	const std::vector<int>& driven = others.drivenBodies();
+	if (somebodyLooks() || !link.areBoundaries(driven))
+		link.publish(scene, step);
+	else
+		link.publishMotion(driven);
+}
+
 void ContactDynamics::advance()
 {
-	if (idle && link.ahead() && !looksAtOrder()) {
+	if (idle && link.ahead() && !looksAtOrder() && others.drivenBodies().empty()) {
 		{
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
 		}
 		if (scene_trackEnergy(scene))
 			track(energyOf(link.world, gravity).kinetic, 0, 0);
-		if (somebodyLooks())
-			link.publish(scene, step);
+		show();
 		return;
 	}
 	others.check(this, scene);
@@ -192,8 +201,7 @@ void ContactDynamics::advance()
 		const Energy now = energyOf(link.world, gravity);
 		track(now.kinetic, now.weight - height, made.dissipated);
 	}
-	if (somebodyLooks())
-		link.publish(scene, step);
+	show();
 	const double before = deepestPenetration;
 	report(made, settings);
 	if (!converged && fixedIterations == 0)

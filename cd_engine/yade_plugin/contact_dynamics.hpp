@@ -95,6 +95,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
     private:
 	cd::StepSettings settings(yade::Scene*) const;
 	bool somebodyLooks() const;
+	void show();
 	void takeOver();
 	void advance();
 	void report(const cd::StepReport&, const cd::StepSettings&);

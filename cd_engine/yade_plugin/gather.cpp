@@ -252,7 +252,11 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	if (read) {
 		gravity = g;
 		gatherBodies(scene);
-	}
+	} else
+		for (const int id : driven) {
+			checkMotion(id);
+			readVelocity(id, world.bodies[id]);
+		}
 	bool reordered;
 	{
 		const std::lock_guard<std::mutex> lock(memory.lock);

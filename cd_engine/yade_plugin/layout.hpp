@@ -85,6 +85,7 @@ inline Member<double> phys_tangensOfFrictionAngle { "FrictPhys", "tangensOfFrict
 inline Member<Vector3r> phys_normalForce { "NormPhys", "normalForce" }, phys_shearForce { "NormShearPhys", "shearForce" };
 inline Member<Vector3r> phys_normalViscous { "FrictViscoPhys", "normalViscous" };
 
+inline Member<std::vector<int>> partial_ids { "PartialEngine", "ids" };
 inline Member<int> collider_avoidSelfInteractionMask { "Collider", "avoidSelfInteractionMask" };
 inline Member<bool> collider_doSort { "InsertionSortCollider", "doSort" };
 inline Member<double> periodic_virtPeriod { "PeriodicEngine", "virtPeriod" }, periodic_virtLast { "PeriodicEngine", "virtLast" };

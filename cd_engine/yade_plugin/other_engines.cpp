@@ -36,6 +36,12 @@ namespace {
 		return "";
 	}
 
+	// Whether an engine only sets velocities, by the positions of its bodies.
+	bool onlyDrives(const std::string& name)
+	{
+		return name == "RotationEngine" || name == "TranslationEngine" || name == "HarmonicMotionEngine" || name == "HarmonicRotationEngine";
+	}
+
 	// Whether an engine runs, or may run, in the step `iteration`, which begins at `time`. As in YADE's PeriodicEngine::isActivated.
 	bool isDue(yade::Engine* engine, long iteration, double time)
 	{
@@ -73,7 +79,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene)
 	Shared<yade::Engine> found;
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
-		Other other { engine.get(), engine->dead, engine.get() == self, false, before };
+		Other other { engine.get(), engine->dead, engine.get() == self, false, before, onlyDrives(name) };
 		if (other.self)
 			before = false;
 		else if (isA(name, "Collider") && !found) {
@@ -126,7 +132,7 @@ bool OtherEngines::looks(yade::Scene* scene) const
 	if (changedAt == iteration)
 		return true;
 	for (const Other& other : others) {
-		if (other.self || other.ours)
+		if (other.self || other.ours || other.drives)
 			continue;
 		// A periodic engine that has run before may have set itself dead in that step.
 		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;
@@ -134,6 +140,17 @@ bool OtherEngines::looks(yade::Scene* scene) const
 			return true;
 	}
 	return false;
+}
+
+const std::vector<int>& OtherEngines::drivenBodies()
+{
+	driven.clear();
+	for (const Other& other : others)
+		if (other.drives && !other.dead) {
+			const std::vector<int>& ids = partial_ids(other.engine);
+			driven.insert(driven.end(), ids.begin(), ids.end());
+		}
+	return driven;
 }
 
 } // namespace cd_engine

@@ -21,7 +21,10 @@ class OtherEngines {
 	void check(const yade::Engine* self, yade::Scene*);
 	// Whether one of them runs between this step of `self` and the next one, or has run before `self` in this step; what that one has added to
 	// O.forces ends with this step.
+	// Engines that only set velocities of bodies do not count; `drivenBodies` has them.
 	bool looks(yade::Scene*) const;
+	// The bodies whose velocities other engines set in every step, by the bodies' positions alone.
+	const std::vector<int>& drivenBodies();
 
 	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void restCollider(yade::Scene*);
@@ -39,10 +42,12 @@ class OtherEngines {
 		bool dead;
 		bool self, ours; // ours: changes only what every step makes anew, or acts only on request
 		bool before; // it stands before `self`
+		bool drives; // only sets velocities of bodies
 	};
 	bool changed(const std::vector<Shared<yade::Engine>>&) const;
 
 	std::vector<Other> others; // all engines, at the last check
+	std::vector<int> driven;
 	long changedAt = -1; // iteration of the last check that found a changed list
 	Shared<yade::Engine> collider;
 	bool resting = false; // whether the collider is switched off

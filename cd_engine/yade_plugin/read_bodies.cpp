@@ -89,16 +89,21 @@ void SceneLink::checkMotion(int id)
 		refuseBody(id, "moves out of the plane", "Set its z velocity and its x and y angular velocities to 0");
 }
 
+void SceneLink::readVelocity(int id, cd::Body& body) const
+{
+	const Vector3r& velocity = state_vel(bodies[id].state);
+	body.v[0] = velocity[0];
+	body.v[1] = velocity[1];
+	body.v[2] = state_angVel(bodies[id].state)[2];
+}
+
 void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
 {
 	void* const state = bodies[id].state;
 	const Vector3r& position = state_pos(state);
-	const Vector3r& velocity = state_vel(state);
 	body.x = position[0];
 	body.y = position[1];
-	body.v[0] = velocity[0];
-	body.v[1] = velocity[1];
-	body.v[2] = state_angVel(state)[2];
+	readVelocity(id, body);
 
 	const unsigned blocked = state_blockedDOFs(state);
 	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);

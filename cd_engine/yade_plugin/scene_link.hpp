@@ -82,7 +82,10 @@ class SceneLink {
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
 	void publish(yade::Scene*, const cd::TimeStep&);
-	// The same without O.forces, if the scene is out of date. For a step that is given up.
+	// Writes positions and velocities of boundaries whose velocities others will set, and reads these before the next step.
+	void publishMotion(const std::vector<int>& ids);
+	bool areBoundaries(const std::vector<int>& ids) const;
+	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
 	void catchUp(yade::Scene*, cd::TimeStep&);
 	// Tells how fast bodies are and which is lost.
 	const cd::PairSearch& pairSearch() const { return search; }
@@ -109,6 +112,7 @@ class SceneLink {
 	static int kindOf(const void* shape);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&);
 	void checkMotion(int id);
+	void readVelocity(int id, cd::Body&) const;
 	void readShape(int id, cd::Body&);
 	void readDisk(int id, cd::Body&);
 	void readBox(int id, cd::Shape&);
@@ -152,6 +156,7 @@ class SceneLink {
 	bool placesBoundaries = false;
 	std::vector<Forces> forces; // of world.pairs, as last read or published
 	bool behind = false; // whether the scene is out of date
+	std::vector<int> driven; // boundaries whose velocities in the scene are up to date nevertheless
 	bool numbers = true; // whether the motion after the last step is finite
 	double heldStep = 0; // length of the last step held [s]
 	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new objects costs more than all else

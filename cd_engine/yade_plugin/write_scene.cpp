@@ -191,6 +191,19 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 	if (interactionsOf(scene) != listed)
 		listed = interactionsOf(scene);
 	behind = false;
+	driven.clear();
+}
+
+bool SceneLink::areBoundaries(const std::vector<int>& ids) const
+{
+	return std::all_of(ids.begin(), ids.end(),
+	    [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists && bodies[id].boundary; });
+}
+
+void SceneLink::publishMotion(const std::vector<int>& ids)
+{
+	for (const int id : driven = ids)
+		writeMotion(id);
 }
 
 void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)

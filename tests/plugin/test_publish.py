@@ -197,7 +197,8 @@ def test_paused_by_another_thread_than_the_one_that_waits(O):
 def test_between_two_looks_the_scene_stays_as_it_was(O, call, period):
     """Else every step would cost what writing costs. Another thread reads a falling disk while the run goes on."""
     plane.disk((0, 0), 0.01, velocity=(1, 0))
-    O.engines = [*cd_engine.engines(), call(lambda: None, **period)]
+    plane.box((0, -1), (0.05, 0.002))
+    O.engines = [wrapper.TranslationEngine(ids=[1], translationAxis=(0, 1, 0), velocity=1e-3), *cd_engine.engines(), call(lambda: None, **period)]
     O.dt = 1e-6
     O.run(10, True)
     found = set()
@@ -223,6 +224,47 @@ def test_an_engine_without_a_period_is_always_due(O):
         return seen(O)
 
     both(O, run)
+
+
+@pytest.mark.parametrize("place", [0, 2, 3])
+@pytest.mark.parametrize("disk", [False, True])
+def test_engines_that_drive_bodies(O, call, place, disk):
+    """Their velocities are read in every step, also where nothing else of the scene is; a look on the way changes nothing."""
+    def run(engine):
+        last = len(O.bodies) - 1  # the paddle
+        O.bodies[5].state.blockedDOFs = "xyzXYZ" if disk else "zXY"
+        drive = [wrapper.RotationEngine(ids=[last], angularVelocity=4, rotationAxis=(0, 0, 1), rotateAroundZero=True, zeroPoint=(0.15, 0, 0)),
+                 wrapper.HarmonicMotionEngine(ids=[5 if disk else 0], A=(0, 2e-3, 0), f=(0, 9, 0))]
+        O.engines = [*O.engines[:place], *drive, *O.engines[place:], call(lambda: found.append(seen(O)), iterPeriod=40)]
+        found = []
+        O.run(90, True)
+        drive[0].angularVelocity = 0
+        O.run(110, True)
+        return found + [seen(O)]
+
+    both(O, run)
+
+
+def test_a_driver_wakes_what_rests(O):
+    """A floor that begins to move after hundreds of steps at rest, in the course of a run."""
+    def build(O):
+        mat = plane.material()
+        plane.floor(mat)
+        for k in range(3):
+            plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)
+
+    def run(engine):
+        O.engines = [*O.engines, wrapper.HarmonicMotionEngine(ids=[0], A=(0, 0.01, 0), f=(0, 0.5, 0), fi=(0, 1.5707963, 0))]
+        O.run(5, True)
+        O.engines[-1].A = (0, 0, 0)
+        O.run(300, True)
+        asleep = engine.sleeping + engine.resting
+        O.engines[-1].A = (0, 0.05, 0)
+        O.run(50, True)
+        return asleep, O.bodies[1].state.pos[1], seen(O)
+
+    asleep, height, _ = both(O, run, build=build)
+    assert asleep > 0 and height < 0.008
 
 
 def test_saved_by_an_engine_of_the_run_and_gone_on(O, call, tmp_path):
