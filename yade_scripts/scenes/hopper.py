@@ -53,10 +53,12 @@ def build(full, folder):
         ground.box((x, 0), (radius, height))
     ground.box((span / 2, -height - radius), (span / 2 + 2 * radius, radius))
     ids, times, passed = ground.deposit(span), [], []
+    above = list(ids)  # disks that have not passed yet
 
     def look():
+        above[:] = [disk for disk in above if O.bodies[disk].state.pos[1] >= 0]
         times.append(O.time)
-        passed.append(sum(O.bodies[disk].state.pos[1] < 0 for disk in ids) / len(ids))
+        passed.append(1 - len(above) / len(ids))
 
     def rate():
         if not passed or passed[-1] < LAST:
@@ -65,7 +67,7 @@ def build(full, folder):
         return (LAST - FIRST) * len(ids) / (last - first) * math.sqrt(slot / full["gravity"])
 
     scene = stage.small(full, converged(full, CONVERGED, SAME, "disks/sqrt(D/g)", lambda name: rate()),
-                        kept={"times": times, "passed": passed},
+                        kept={"times": times, "passed": passed, "above": above},
                         extra={"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)})
     O.engines = O.engines + [hooks.runner(look, virtPeriod=EVERY, initRun=True, label=hooks.MEASURING)]
     return scene
