@@ -203,16 +203,20 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return py::object(arguments[0]).attr("__init__")(engine);
 	}
 
+	// Refuses a misspelt name with the right one. YADE would say only that there is no such attribute.
+	static void checkName(const py::object& type, const std::string& name)
+	{
+		py::import("cd_engine.engine_methods").attr("check_name")(type, name);
+	}
+
+	static py::object pythonClass() { return py::import("yade.wrapper").attr(E::name); }
+
 	// engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
 	static void setAttribute(const py::object& python, const std::string& name, const py::object& value)
 	{
-		const py::object type = python.attr("__class__"), own = py::import("yade.wrapper").attr(E::name);
-		// A class derived in Python may have attributes of its own.
-		if (type.ptr() == own.ptr() && PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
-			const py::object near = py::import("difflib").attr("get_close_matches")(name, py::import("builtins").attr("dir")(type), 1);
-			const std::string hint = py::len(near) ? "; did you mean " + std::string(py::extract<std::string>(near[0])) + "?" : "";
-			raise(PyExc_AttributeError, std::string(E::name) + " has no attribute '" + name + "'" + hint);
-		}
+		const py::object type = pythonClass();
+		if (python.attr("__class__") == type) // a class derived in Python may have attributes of its own
+			checkName(type, name);
 		py::import("builtins").attr("object").attr("__setattr__")(python, name, value);
 	}
 
@@ -240,8 +244,10 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 // Not in the class, where they would be inline: a file that does not define the attributes has them from another (extern template).
 template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, const py::object& value)
 {
-	if (!setOwn(key, value))
-		GlobalEngine::pySetAttr(key, value);
+	if (setOwn(key, value))
+		return;
+	checkName(pythonClass(), key);
+	GlobalEngine::pySetAttr(key, value);
 }
 
 template <class E> py::dict RegisteredEngine<E>::pyDict() const
