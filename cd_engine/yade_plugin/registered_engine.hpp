@@ -20,6 +20,7 @@
 #include <boost/serialization/vector.hpp>
 
 #include <cmath>
+#include <iomanip>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -49,7 +50,7 @@ struct Access {
 	{
 		if (!std::isfinite(low))
 			return "";
-		return (openLow ? "above " : "at least ") + text(low) + (high < 1e9 ? " and at most " + text(high) : "");
+		return text(openLow ? "above " : "at least ", low, std::setprecision(10), " and at most ", high); // ten digits for the largest int
 	}
 };
 constexpr Access setting { Access::set }, result { Access::read }, internal { Access::remember };
@@ -157,6 +158,9 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			const py::extract<T> extracted(plain);
 			if (!extracted.check())
 				raise(PyExc_TypeError, full + " must be " + typeName<T>.words + ", not of type " + Py_TYPE(value.ptr())->tp_name);
+			if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>)
+				if (plain < access.low || plain > access.high) // T itself may be too narrow for it
+					raise(PyExc_ValueError, full + outOfRange(py::extract<std::string>(py::str(plain)), access));
 			const T checked = extracted();
 			check(name, full, checked, access);
 			const std::lock_guard<std::mutex> lock(attributesLock);
@@ -165,13 +169,18 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return found;
 	}
 
+	static std::string outOfRange(const std::string& value, const Access& access)
+	{
+		const std::string words = access.words();
+		return "=" + value + " is out of range: it must be " + (words.empty() ? "a number" : words);
+	}
+
 	// What is wrong with a value of an attribute; empty: nothing.
 	template <class T> static std::string fault(const T& value, const Access& access)
 	{
 		if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>) {
-			const std::string words = access.words();
 			if (!access.allows(value))
-				return "=" + text(value) + " is out of range: it must be " + (words.empty() ? "a number" : words);
+				return outOfRange(text(value), access);
 		} else if constexpr (std::is_same_v<T, Vector3r>) {
 			if (!value.allFinite())
 				return " is not a vector of finite numbers";
