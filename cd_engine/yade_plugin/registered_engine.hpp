@@ -75,7 +75,7 @@ template <> inline constexpr TypeName typeName<std::vector<double>> { "vector<Re
 //   documentation   of the class
 //   attributes(v)   calls v(name, member, Access, documentation) for every attribute, in the order in which a user reads them. Keyword
 //                   arguments, .dict(), saving, properties and documentation are all made from this list
-//   checkText(attribute, value)   only if it has attributes of type string that can be set
+//   wordFault(attribute, value)   only if it has attributes of type string that can be set: what is wrong with the value, as fault() says it
 //   checkLoaded()   only if there is something to refuse: throws SceneError if a file has left invalid values in the attributes
 // and after its definition CD_ENGINE_REGISTER(E).
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
@@ -83,7 +83,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	std::string getClassName() const override { return E::name; }
 	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
 	int getBaseClassNumber() const override { return 1; }
-	static void checkText(const char*, const std::string&) { }
+	static std::string wordFault(const char*, const std::string&) { return ""; }
 	void checkLoaded() const { }
 
 	void pySetAttr(const std::string& key, const py::object& value) override;
@@ -120,7 +120,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		if (!Archive::is_loading::value)
 			return;
 		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
-			const std::string wrong = access.kind == Access::set ? fault(self().*member, access) : "";
+			const std::string wrong = access.kind == Access::set ? fault(name, self().*member, access) : "";
 			if (!wrong.empty())
 				throw SceneError(
 				    std::string(E::name) + ": the file is damaged: " + name + wrong + ". Correct it there or load another one");
@@ -162,7 +162,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 				if (plain < access.low || plain > access.high) // T itself may be too narrow for it
 					raise(PyExc_ValueError, full + outOfRange(py::extract<std::string>(py::str(plain)), access));
 			const T checked = extracted();
-			check(name, full, checked, access);
+			if (const std::string wrong = fault(name, checked, access); !wrong.empty())
+				raise(PyExc_ValueError, full + wrong);
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			self().*member = checked;
 		});
@@ -175,8 +176,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return "=" + value + " is out of range: it must be " + (words.empty() ? "a number" : words);
 	}
 
-	// What is wrong with a value of an attribute; empty: nothing.
-	template <class T> static std::string fault(const T& value, const Access& access)
+	// What is wrong with a value of an attribute, in words that follow its name; empty: nothing.
+	template <class T> static std::string fault(const char* name, const T& value, const Access& access)
 	{
 		if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>) {
 			if (!access.allows(value))
@@ -186,17 +187,9 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 				return " is not a vector of finite numbers";
 			if (value[2] != 0)
 				return " has a component out of the plane; its z must be 0";
-		}
+		} else if constexpr (std::is_same_v<T, std::string>)
+			return E::wordFault(name, value);
 		return "";
-	}
-
-	// Refuses a value that the attribute cannot have.
-	template <class T> static void check(const char* name, const std::string& full, const T& value, const Access& access)
-	{
-		if (const std::string wrong = fault(value, access); !wrong.empty())
-			raise(PyExc_ValueError, full + wrong);
-		if constexpr (std::is_same_v<T, std::string>)
-			E::checkText(name, value);
 	}
 
 	// E(name=value, ...): keyword attributes as with every engine of YADE's.
