@@ -1,6 +1,8 @@
 """What the engines do in Python: functions of ContactDynamics, installed once its class is there, and the refusal of misspelt names."""
 import difflib
+import sys
 import threading
+import traceback
 
 from .summary import text
 
@@ -33,9 +35,11 @@ def exportProblem(self, path, bodies=False):
 
 def _runs_besides():
     """Return whether a run in the background changes the scene meanwhile. Code that an engine of the run calls (PyRunner) blocks the run, so it is
-    safe: it runs in a thread of YADE's own, which Python's threading module knows only as a dummy."""
+    safe: it runs in a thread of YADE's own. Python's threading module knows this thread only as a dummy, and Python code begins there with a
+    command; in a thread made by _thread it begins with a function."""
     from yade import O
-    return O.running and not isinstance(threading.current_thread(), threading._DummyThread)
+    *_, (first, _) = traceback.walk_stack(sys._getframe())
+    return O.running and not (isinstance(threading.current_thread(), threading._DummyThread) and first.f_code.co_name == "<module>")
 
 
 def check_name(engine, name):

@@ -49,9 +49,10 @@ def test_overlaps_that_cannot_be_are_refused(O, tmp_path, name):
         load(O, tmp_path, text)
 
 
-@pytest.mark.parametrize("name, value, words", [("tolerance", "nan", "out of range"), ("searchMargin", "-3", "out of range"), ("restitution", "7", "out of range"),
-                                                ("maxIterations", "0", "out of range"), ("method", "magic", "is not known; there is 'nsgs'"),
-                                                ("publish", "never", "is not known; there is 'due', 'always'")])
+@pytest.mark.parametrize("name, value, words", [
+    ("tolerance", "nan", "out of range"), ("searchMargin", "-3", "out of range"), ("restitution", "7", "out of range"),
+    ("maxIterations", "0", "out of range"), ("method", "magic", "is not known; there is 'nsgs'"), ("publish", "never", "is not known; there is 'due', 'always'"),
+])
 def test_settings_that_cannot_be_are_refused(O, tmp_path, name, value, words):
     """With a tolerance that is no number the disks of such a scene fell through their floor."""
     text, found = re.subn(f"<{name}>[^<]*</{name}>", f"<{name}>{value}</{name}>", saved(O, tmp_path))
