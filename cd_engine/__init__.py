@@ -49,7 +49,6 @@ def _plugin():
     from yade import wrapper
     engine_methods.install(wrapper.ContactDynamics)
     _report_at_exit()
-    _refuse_unknown_names()
     run_hooks.install(module)
     return module
 
@@ -98,36 +97,6 @@ def engines(**settings):
         w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
         w.ContactDynamics(**settings),
     ]
-
-
-def _refuse_unknown_names():
-    """Have the engines' constructors suggest names that are near an unknown one; YADE says only that there is no such attribute."""
-    from yade import wrapper
-
-    def check_in(engine):
-        made = engine.__init__
-
-        def __init__(self, *arguments, **settings):
-            _check_names(settings, engine)
-            made(self, *arguments, **settings)
-
-        engine.__init__ = __init__
-
-    for name in ENGINES:
-        check_in(getattr(wrapper, name))
-
-
-def _check_names(settings, engine):
-    """Raise AttributeError, with the names that are near, for a name that is no attribute of an engine."""
-    import difflib
-    for name in settings:
-        if hasattr(engine, name):
-            continue
-        near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])
-        friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
-        remedy = {"damping": "Rigid contacts have no damping; see restitution.", "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
-                  "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
-        raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")
 
 
 def _let_colliders_begin():

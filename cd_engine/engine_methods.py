@@ -1,5 +1,8 @@
-"""Functions of ContactDynamics that are written in Python; installed once its class is there."""
+"""What the engines do in Python: functions of ContactDynamics, installed once its class is there, and the refusal of misspelt names."""
+import difflib
+import sys
 import threading
+import traceback
 
 from .summary import text
 
@@ -32,6 +35,19 @@ def exportProblem(self, path, bodies=False):
 
 def _runs_besides():
     """Return whether a run in the background changes the scene meanwhile. Code that an engine of the run calls (PyRunner) blocks the run, so it is
-    safe: it runs in a thread of YADE's own, which Python's threading module knows only as a dummy."""
+    safe: it runs in a thread of YADE's own. Python's threading module knows this thread only as a dummy, and Python code begins there with a
+    command; in a thread made by _thread it begins with a function."""
     from yade import O
-    return O.running and not isinstance(threading.current_thread(), threading._DummyThread)
+    *_, (first, _) = traceback.walk_stack(sys._getframe())
+    return O.running and not (isinstance(threading.current_thread(), threading._DummyThread) and first.f_code.co_name == "<module>")
+
+
+def check_name(engine, name):
+    """Raise AttributeError, with the names that are near, for a name that is no attribute of this class of engines. The plug-in calls it."""
+    if hasattr(engine, name):
+        return
+    near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])
+    friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
+    remedy = {"damping": "Rigid contacts have no damping; see restitution.", "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
+              "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
+    raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")

@@ -30,6 +30,7 @@ void Sleepers::wakeAll(World& world)
 	of.clear();
 	list.clear();
 	pushed.clear();
+	powerless.clear();
 	world.awake.resize(world.pairs.size());
 	std::iota(world.awake.begin(), world.awake.end(), 0);
 }
@@ -69,7 +70,8 @@ bool Sleepers::wake(const ContactRows& contacts, World& world)
 		return false;
 	for (const ContactRow& c : contacts)
 		for (const int32_t body : { c.a, c.b })
-			disturb(body, "a body that is awake came near", body == c.a ? c.b : c.a);
+			if (c.wnn > 0) // else nothing passes through it
+				disturb(body, "a body that is awake came near", body == c.a ? c.b : c.a);
 	return wakeDisturbed(world);
 }
 
@@ -80,7 +82,7 @@ void Sleepers::disturb(int32_t body, const char* what, int32_t with)
 }
 
 // Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step must look at: all
-// but those of two bodies that rest, of which one sleeps.
+// but those of two bodies that rest, of which one sleeps. Contacts that cannot push are listed also there.
 bool Sleepers::wakeDisturbed(World& world)
 {
 	const auto wakes = [](const SleepingIsland& island) { return island.disturbed.what != nullptr; };
@@ -102,6 +104,11 @@ bool Sleepers::wakeDisturbed(World& world)
 	for (std::size_t i = 0; i < world.pairs.size(); i++)
 		if (const int32_t a = of[world.pairs[i].a], b = of[world.pairs[i].b]; a == awake || b == awake || (a < 0 && b < 0))
 			world.awake.push_back(static_cast<int32_t>(i));
+	if (!powerless.empty()) {
+		world.awake.insert(world.awake.end(), powerless.begin(), powerless.end());
+		std::sort(world.awake.begin(), world.awake.end());
+		world.awake.erase(std::unique(world.awake.begin(), world.awake.end()), world.awake.end());
+	}
 	return any;
 }
 

@@ -6,6 +6,9 @@
 // comes to touch it. Then the island is looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on
 // their order are made over the islands in the order of their names, whether a step looked at them or not.
 //
+// A contact along whose normal neither body can move carries nothing. Whatever happens at it concerns no island, so it belongs to none:
+// it wakes nothing, and every step looks at it.
+//
 // The truth is one array, the island of every body, with a copy of the bodies as they were. What else is stored here follows from it, or
 // was found in the step that put an island to sleep.
 #pragma once
@@ -63,6 +66,8 @@ class Sleepers {
 	}
 	void push(const Push& push) { pushed.push_back(push); }
 	const std::vector<Push>& pushes(); // in the order of the islands' names, then of the contacts
+	// The pairs of sleeping bodies that are contacts in this step but cannot push.
+	std::vector<int32_t> powerless;
 
 	// Something about this body has changed, or about the body `with` that it touches. If it sleeps, the next look wakes its island.
 	// Not thread-safe.

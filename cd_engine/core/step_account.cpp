@@ -215,10 +215,14 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	report.dissipated = all.dissipated;
 	if (sleepers.none())
 		return pushAll();
+	sleepers.powerless.clear();
 	for (size_t i = 0; i < shares.size(); i++) {
 		const Share& of = shares[i];
 		const ContactRow& c = system.contacts[i];
-		if (SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b)) {
+		SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b);
+		if (asleep && !(c.wnn > 0))
+			sleepers.powerless.push_back(rowPair[i]);
+		else if (asleep) {
 			report.contacts--;
 			asleep->contacts++;
 			asleep->deepest = std::max(asleep->deepest, -gapOf(world, rowPair[i]));

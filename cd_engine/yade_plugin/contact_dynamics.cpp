@@ -120,15 +120,12 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
-	const std::string name = read(&ContactDynamics::method);
-	s.solve = cd::findSolver(name);
+	s.solve = cd::findSolver(read(&ContactDynamics::method));
 	s.solver = { tolerance, maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	s.solver.guessSolved = converged || steps == 0;
 	s.solver.guessPressed = pressed;
-	if (!s.solve)
-		throw SceneError("ContactDynamics: there is no method '" + name + "'. See cd_engine.methods()");
 	if (gravity[2] != 0)
 		throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
 	return s;

@@ -82,8 +82,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double bodyOrderLength = 0;
 
 	template <class Visitor> static void attributes(Visitor&& visit); // see RegisteredEngine
-	// Throws std::invalid_argument (Python's ValueError) where the attribute cannot have this value.
-	static void checkText(const char* attribute, const std::string& value);
+	static std::string wordFault(const char* attribute, const std::string& value);
 	void checkLoaded() const;
 
 	void action() override;

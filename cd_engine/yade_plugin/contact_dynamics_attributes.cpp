@@ -1,6 +1,8 @@
 // The attributes of the engine and its registration.
 #include "contact_dynamics.hpp"
 
+#include <algorithm>
+
 namespace cd_engine {
 
 const char* const ContactDynamics::documentation
@@ -147,16 +149,15 @@ void ContactDynamics::checkLoaded() const
 	}
 }
 
-void ContactDynamics::checkText(const char* attribute, const std::string& value)
+std::string ContactDynamics::wordFault(const char* attribute, const std::string& value)
 {
-	if (std::string(attribute) == "publish" && value != "always" && value != "due")
-		throw std::invalid_argument("ContactDynamics.publish='" + value + "' is not known; there is 'always' and 'due'");
-	if (std::string(attribute) != "method" || cd::findSolver(value))
-		return;
-	std::string known;
-	for (const std::string& m : cd::solverNames())
-		known += (known.empty() ? "'" : ", '") + m + "'";
-	throw std::invalid_argument("ContactDynamics.method='" + value + "' is not known; there is " + known);
+	const std::vector<std::string> known = std::string(attribute) == "method" ? cd::solverNames() : std::vector<std::string> { "due", "always" };
+	if (std::find(known.begin(), known.end(), value) != known.end())
+		return "";
+	std::string words;
+	for (const std::string& word : known)
+		words += (words.empty() ? "'" : ", '") + word + "'";
+	return "='" + value + "' is not known; there is " + words;
 }
 
 template class RegisteredEngine<ContactDynamics>;

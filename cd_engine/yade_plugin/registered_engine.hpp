@@ -20,6 +20,7 @@
 #include <boost/serialization/vector.hpp>
 
 #include <cmath>
+#include <iomanip>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -49,7 +50,7 @@ struct Access {
 	{
 		if (!std::isfinite(low))
 			return "";
-		return (openLow ? "above " : "at least ") + text(low) + (high < 1e9 ? " and at most " + text(high) : "");
+		return text(openLow ? "above " : "at least ", low, std::setprecision(10), " and at most ", high); // ten digits for the largest int
 	}
 };
 constexpr Access setting { Access::set }, result { Access::read }, internal { Access::remember };
@@ -74,7 +75,7 @@ template <> inline constexpr TypeName typeName<std::vector<double>> { "vector<Re
 //   documentation   of the class
 //   attributes(v)   calls v(name, member, Access, documentation) for every attribute, in the order in which a user reads them. Keyword
 //                   arguments, .dict(), saving, properties and documentation are all made from this list
-//   checkText(attribute, value)   only if it has attributes of type string that can be set
+//   wordFault(attribute, value)   only if it has attributes of type string that can be set: what is wrong with the value, as fault() says it
 //   checkLoaded()   only if there is something to refuse: throws SceneError if a file has left invalid values in the attributes
 // and after its definition CD_ENGINE_REGISTER(E).
 template <class E> class RegisteredEngine : public yade::GlobalEngine {
@@ -82,7 +83,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	std::string getClassName() const override { return E::name; }
 	std::string getBaseClassName(unsigned i = 0) const override { return i == 0 ? "GlobalEngine" : ""; }
 	int getBaseClassNumber() const override { return 1; }
-	static void checkText(const char*, const std::string&) { }
+	static std::string wordFault(const char*, const std::string&) { return ""; }
 	void checkLoaded() const { }
 
 	void pySetAttr(const std::string& key, const py::object& value) override;
@@ -119,7 +120,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		if (!Archive::is_loading::value)
 			return;
 		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
-			const std::string wrong = access.kind == Access::set ? fault(self().*member, access) : "";
+			const std::string wrong = access.kind == Access::set ? fault(name, self().*member, access) : "";
 			if (!wrong.empty())
 				throw SceneError(
 				    std::string(E::name) + ": the file is damaged: " + name + wrong + ". Correct it there or load another one");
@@ -157,37 +158,38 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			const py::extract<T> extracted(plain);
 			if (!extracted.check())
 				raise(PyExc_TypeError, full + " must be " + typeName<T>.words + ", not of type " + Py_TYPE(value.ptr())->tp_name);
+			if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>)
+				if (plain < access.low || plain > access.high) // T itself may be too narrow for it
+					raise(PyExc_ValueError, full + outOfRange(py::extract<std::string>(py::str(plain)), access));
 			const T checked = extracted();
-			check(name, full, checked, access);
+			if (const std::string wrong = fault(name, checked, access); !wrong.empty())
+				raise(PyExc_ValueError, full + wrong);
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			self().*member = checked;
 		});
 		return found;
 	}
 
-	// What is wrong with a value of an attribute; empty: nothing.
-	template <class T> static std::string fault(const T& value, const Access& access)
+	static std::string outOfRange(const std::string& value, const Access& access)
+	{
+		const std::string words = access.words();
+		return "=" + value + " is out of range: it must be " + (words.empty() ? "a number" : words);
+	}
+
+	// What is wrong with a value of an attribute, in words that follow its name; empty: nothing.
+	template <class T> static std::string fault(const char* name, const T& value, const Access& access)
 	{
 		if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>) {
-			const std::string words = access.words();
 			if (!access.allows(value))
-				return "=" + text(value) + " is out of range: it must be " + (words.empty() ? "a number" : words);
+				return outOfRange(text(value), access);
 		} else if constexpr (std::is_same_v<T, Vector3r>) {
 			if (!value.allFinite())
 				return " is not a vector of finite numbers";
 			if (value[2] != 0)
 				return " has a component out of the plane; its z must be 0";
-		}
+		} else if constexpr (std::is_same_v<T, std::string>)
+			return E::wordFault(name, value);
 		return "";
-	}
-
-	// Refuses a value that the attribute cannot have.
-	template <class T> static void check(const char* name, const std::string& full, const T& value, const Access& access)
-	{
-		if (const std::string wrong = fault(value, access); !wrong.empty())
-			raise(PyExc_ValueError, full + wrong);
-		if constexpr (std::is_same_v<T, std::string>)
-			E::checkText(name, value);
 	}
 
 	// E(name=value, ...): keyword attributes as with every engine of YADE's.
@@ -203,16 +205,20 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return py::object(arguments[0]).attr("__init__")(engine);
 	}
 
+	// Refuses a misspelt name with the right one. YADE would say only that there is no such attribute.
+	static void checkName(const py::object& type, const std::string& name)
+	{
+		py::import("cd_engine.engine_methods").attr("check_name")(type, name);
+	}
+
+	static py::object pythonClass() { return py::import("yade.wrapper").attr(E::name); }
+
 	// engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
 	static void setAttribute(const py::object& python, const std::string& name, const py::object& value)
 	{
-		const py::object type = python.attr("__class__"), own = py::import("yade.wrapper").attr(E::name);
-		// A class derived in Python may have attributes of its own.
-		if (type.ptr() == own.ptr() && PyObject_HasAttrString(type.ptr(), name.c_str()) == 0) {
-			const py::object near = py::import("difflib").attr("get_close_matches")(name, py::import("builtins").attr("dir")(type), 1);
-			const std::string hint = py::len(near) ? "; did you mean " + std::string(py::extract<std::string>(near[0])) + "?" : "";
-			raise(PyExc_AttributeError, std::string(E::name) + " has no attribute '" + name + "'" + hint);
-		}
+		const py::object type = pythonClass();
+		if (python.attr("__class__") == type) // a class derived in Python may have attributes of its own
+			checkName(type, name);
 		py::import("builtins").attr("object").attr("__setattr__")(python, name, value);
 	}
 
@@ -240,8 +246,10 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 // Not in the class, where they would be inline: a file that does not define the attributes has them from another (extern template).
 template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, const py::object& value)
 {
-	if (!setOwn(key, value))
-		GlobalEngine::pySetAttr(key, value);
+	if (setOwn(key, value))
+		return;
+	checkName(pythonClass(), key);
+	GlobalEngine::pySetAttr(key, value);
 }
 
 template <class E> py::dict RegisteredEngine<E>::pyDict() const

@@ -213,6 +213,31 @@ TEST_CASE("a body beside a sleeping one, that nothing holds any more, falls")
 	CHECK(run.world.bodies[beside].v[1] == doctest::Approx(-20 * h * gravity));
 }
 
+TEST_CASE("a contact that cannot push wakes nothing, and is counted whatever its bodies do")
+{
+	// A disk that moves along the side of the press, which can move up and down only. The disk stops and goes on.
+	Scene scene(2);
+	Body& flyer = scene.world.bodies[scene.flyer];
+	std::fill_n(flyer.inverseMass, 3, 0.);
+	flyer.x = scene.world.bodies[scene.press].x + 2 * radius;
+	flyer.y = scene.world.bodies[scene.press].y;
+	Run all(scene.world, true), some(scene.world, false);
+	std::size_t woken = 0;
+	for (int i = 0; i < 200; i++) {
+		CAPTURE(i);
+		for (Run* run : { &all, &some }) {
+			run->world.bodies[scene.flyer].v[1] = i >= 50 && i / 25 % 2 ? 1e-2 : 0;
+			run->go();
+		}
+		REQUIRE(all.seen() == some.seen());
+		woken += some.step.sleepers.woken().what != nullptr;
+		some.step.sleepers.forgetWoken();
+	}
+	CHECK(some.report.effort.sleeping == 2);
+	CHECK(some.report.contacts == 2 * 3 + 4); // the fixed disk touches a disk and the floor, the press a disk and the flyer
+	CHECK(woken == 0);
+}
+
 TEST_CASE("nothing shows of what is not looked at, whatever happens")
 {
 	std::size_t looked = 0, slept = 0, steps = 0;

@@ -1,5 +1,7 @@
 """What Python may do while a run continues in the background."""
+import _thread
 import builtins
+import threading
 import time
 
 import pytest
@@ -21,7 +23,27 @@ def columns(O):
     return plane.run(2, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-10)
 
 
-def test_no_problem_is_exported_beside_a_run(O, tmp_path):
+def in_a_thread(start, call):
+    """Call it in a thread of its own, which `start` starts. Raise here what it raises there."""
+    errors, ended = [], threading.Event()
+
+    def thread():
+        try:
+            call()
+        except Exception as error:
+            errors.append(error)
+        ended.set()
+
+    start(thread)
+    assert ended.wait(60)
+    for error in errors:
+        raise error
+
+
+@pytest.mark.parametrize("calling", [lambda call: call(), lambda call: in_a_thread(lambda function: threading.Thread(target=function).start(), call),
+                                     lambda call: in_a_thread(lambda function: _thread.start_new_thread(function, ()), call)],
+                         ids=["main", "threading", "_thread"])
+def test_no_problem_is_exported_beside_a_run(O, tmp_path, calling):
     """The export would read the scene while it changes."""
     cd = columns(O)
     O.run(10**9)
@@ -29,7 +51,7 @@ def test_no_problem_is_exported_beside_a_run(O, tmp_path):
         before = cd.steps
         for _ in range(20):
             with pytest.raises(RuntimeError, match=r"run goes on.*O\.pause\(\)"):
-                cd.exportProblem(str(tmp_path / "a"))
+                calling(lambda: cd.exportProblem(str(tmp_path / "a")))
         deadline = time.monotonic() + 60
         while cd.steps == before and time.monotonic() < deadline:
             time.sleep(0.01)

@@ -49,12 +49,15 @@ def test_overlaps_that_cannot_be_are_refused(O, tmp_path, name):
         load(O, tmp_path, text)
 
 
-@pytest.mark.parametrize("name, value", [("tolerance", "nan"), ("searchMargin", "-3"), ("restitution", "7"), ("maxIterations", "0")])
-def test_settings_that_cannot_be_are_refused(O, tmp_path, name, value):
+@pytest.mark.parametrize("name, value, words", [
+    ("tolerance", "nan", "out of range"), ("searchMargin", "-3", "out of range"), ("restitution", "7", "out of range"),
+    ("maxIterations", "0", "out of range"), ("method", "magic", "is not known; there is 'nsgs'"), ("publish", "never", "is not known; there is 'due', 'always'"),
+])
+def test_settings_that_cannot_be_are_refused(O, tmp_path, name, value, words):
     """With a tolerance that is no number the disks of such a scene fell through their floor."""
     text, found = re.subn(f"<{name}>[^<]*</{name}>", f"<{name}>{value}</{name}>", saved(O, tmp_path))
     assert found == 1
-    with pytest.raises(RuntimeError, match=f"ContactDynamics: the file is damaged: {name}=.*out of range"):
+    with pytest.raises(RuntimeError, match=f"ContactDynamics: the file is damaged: {name}=.*{words}.*Correct it there"):
         load(O, tmp_path, text)
 
 
