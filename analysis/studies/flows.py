@@ -29,8 +29,7 @@ SOFT, MIDDLE, STIFF = (SPRINGS | {"kn": kn} for kn in (2e6, 5e6, 2e7))
 def _flow(scene, disks, settings, seeds):
     """Return rows of a scene whose times and slot grow with its size, so that it stays the same flow."""
     size = disks / SMALL
-    # Few records: in a run of half a second, 30 of them would be a third.
-    more = {"records_per_cycle": 10} | {"slot": 10 * math.sqrt(size)} if scene == "hopper" else {}
+    more = {"slot": 10 * math.sqrt(size)} if scene == "hopper" else {}
     more |= {"column_aspect": 2.0, "radius_spread": 0.2} if scene == "collapse" else {}
     return [row for setting in settings
             for row in product(**dict(scene=scene, disks=disks, period=round(PERIOD[scene] * size**0.25, 3), seed=seeds) | more | setting)]

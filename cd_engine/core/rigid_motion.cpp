@@ -6,20 +6,6 @@
 #include <cmath>
 
 namespace cd {
-namespace {
-
-	struct RelativeVelocity {
-		double un, ut;
-		RelativeVelocity(const ContactRow& c, const std::vector<double>& v)
-		{
-			const double *a = &v[3 * c.a], *b = &v[3 * c.b], dx = b[0] - a[0], dy = b[1] - a[1];
-			un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2] + c.bias;
-			ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-		}
-	};
-
-} // namespace
-
 bool rigidMotion(const ContactSystem& system, const std::vector<double>& free, std::vector<double>& motion)
 {
 	if (system.places.empty())
@@ -65,23 +51,6 @@ bool rigidMotion(const ContactSystem& system, const std::vector<double>& free, s
 				motion[3 * i + k] = rigid[k];
 	}
 	return true;
-}
-
-bool movesAsOne(const ContactSystem& system, const std::vector<double>& free, double tolerance)
-{
-	const Borrowed<std::vector<double>, ContactRow> kept(system.memory);
-	if (!rigidMotion(system, free, *kept))
-		return false;
-	double amiss = 0, closing = 0;
-	for (const ContactRow& c : system.contacts) {
-		if (!(c.wnn > 0))
-			continue;
-		const RelativeVelocity moved(c, *kept), u(c, free);
-		const double lacking = std::max(c.mu * std::abs(moved.ut) - moved.un, 0.), closes = std::min(u.un, 0.);
-		amiss += lacking * lacking / c.wnn;
-		closing += closes * closes / c.wnn;
-	}
-	return amiss <= tolerance * tolerance * closing;
 }
 
 } // namespace cd

@@ -11,9 +11,4 @@ namespace cd {
 // freeVelocity: as in residual.hpp. Returns false where no boundary is in contact or the places of the bodies are not known.
 bool rigidMotion(const ContactSystem& system, const std::vector<double>& freeVelocity, std::vector<double>& motion);
 
-// Whether all bodies could move with the boundaries: in their rigid motion u_n >= mu |u_t| at every contact, to within `tolerance` of the closing of
-// the free velocities. Where such velocities exist the problem has a solution (Acary et al. 2011, Z. Angew. Math. Mech. 91, 155, section 3), so
-// nothing is pressed. They are zero in the frame of a drum that turns.
-bool movesAsOne(const ContactSystem& system, const std::vector<double>& freeVelocity, double tolerance);
-
 } // namespace cd

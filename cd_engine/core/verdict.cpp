@@ -3,7 +3,6 @@
 #include "closing_in.hpp"
 #include "problem_form.hpp"
 #include "residual.hpp"
-#include "rigid_motion.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
@@ -45,8 +44,7 @@ namespace {
 
 	template <class Form> class Judgement {
 	    public:
-		// mayPress: whether boundaries may press bodies.
-		Verdict operator()(const Form& judged, double guess, double tolerance, int mostProducts, bool mayPress)
+		Verdict operator()(const Form& judged, double guess, double tolerance, int mostProducts)
 		{
 			productsLeft = mostProducts;
 			form = &judged;
@@ -66,7 +64,7 @@ namespace {
 			v.growth = growthOf(*form);
 			const bool more = std::sqrt(square) > 10 * guess,
 				   grown = more && v.growth > mostOfEqual && v.growth > std::min(mostGrowth, mostOfEqual * form->massRatio());
-			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (mayPress && v.growth > least && looksPressed(v.growth));
+			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed(v.growth));
 			if (!doubted && !(more && v.growth > Form::ofProof))
 				return v;
 			// In files with six digits, rounding gives a positive semidefinite W negative energies smaller than this.
@@ -298,10 +296,9 @@ namespace {
 Verdict judge(const ContactSystem& system, const std::vector<double>& freeVelocity, double guess, double tolerance, int mostProducts)
 {
 	const Borrowed<BodyForm> form(system.memory);
-	const bool mayPress = !movesAsOne(system, freeVelocity, closingAllowed * tolerance);
-	Verdict v = (*Borrowed<Judgement<BodyForm>>(system.memory))(form->of(system, freeVelocity), guess, tolerance, mostProducts, mayPress);
+	Verdict v = (*Borrowed<Judgement<BodyForm>>(system.memory))(form->of(system, freeVelocity), guess, tolerance, mostProducts);
 	const bool open = v.finding == Finding::nothing || v.finding == Finding::doubtful || v.finding == Finding::beyond;
-	if (open && mayPress && v.growth > mayHide) {
+	if (open && v.growth > mayHide) {
 		const int contacts = static_cast<int>(system.contacts.size());
 		const int most = contacts > few ? mostProducts : std::max(mostProducts, 32 * contacts);
 		const int contact = closingIn(system, freeVelocity, tolerance, mostOfEqual, most);
@@ -313,7 +310,7 @@ Verdict judge(const ContactSystem& system, const std::vector<double>& freeVeloci
 Verdict judge(const DelassusSystem& system, double guess, double tolerance, int mostProducts)
 {
 	const Borrowed<MatrixForm> form(system.memory);
-	return (*Borrowed<Judgement<MatrixForm>>(system.memory))(form->of(system), guess, tolerance, mostProducts, true);
+	return (*Borrowed<Judgement<MatrixForm>>(system.memory))(form->of(system), guess, tolerance, mostProducts);
 }
 
 double growth(const ContactSystem& system, const std::vector<double>& freeVelocity)

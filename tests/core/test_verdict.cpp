@@ -2,7 +2,6 @@
 #include "allocations.hpp"
 #include "lattice.hpp"
 #include "residual.hpp"
-#include "rigid_motion.hpp"
 #include "verdict.hpp"
 #include "workspace.hpp"
 
@@ -87,44 +86,6 @@ TEST_CASE("walls that move without squeezing, and heavy loads on light disks, ar
 		DelassusSystem pile = assembleDelassus(tests::lattice(4, 0.3, 1e4, true));
 		CHECK(findDelassusSolver("auto")(pile, tests::to(1e-6)).status == Status::converged);
 	}
-}
-
-TEST_CASE("boundaries that move as one rigid body press nothing; those that close in, turn or slide against each other may")
-{
-	constexpr int disks = 4;
-	ContactSystem s = squeezed(disks, 0.5);
-	const std::size_t last = s.bodies.size() - 1;
-	for (std::size_t i = 0; i <= last; i++)
-		s.places.push_back({ 2. * static_cast<double>(i), 0.7 });
-	const auto asOne = [&](double tolerance) { return movesAsOne(s, velocities(s), tolerance); };
-	CHECK_FALSE(asOne(0.03)); // the walls close in
-	const auto drive = [&](std::size_t i, double turns, double x, double y) {
-		const double arm[2] = { s.places[i][0] - 3, s.places[i][1] + 2 }; // about a point beside the row
-		s.bodies[i].v[0] = x - turns * arm[1];
-		s.bodies[i].v[1] = y + turns * arm[0];
-		s.bodies[i].v[2] = turns;
-	};
-	for (const double turns : { 0., 3. }) {
-		for (const std::size_t i : { std::size_t { 0 }, last })
-			drive(i, turns, 0.4, -0.2);
-		for (std::size_t i = 1; i < last; i++)
-			s.bodies[i].v[0] = 0.1 * static_cast<double>(i % 2); // some contacts close freely
-		s.contacts[0].at = 1; // assembleBlocks leaves the arm only where the wall turns
-		s.contacts[disks].bt = -1;
-		s.assembleBlocks();
-		CHECK(asOne(1e-12)); // round-off of velocities of 10 m/s
-		s.contacts[2].bias = -1e-3; // a contact that has to open
-		CHECK_FALSE(asOne(1e-5));
-		CHECK(asOne(0.1));
-		s.contacts[2].bias = 0;
-		s.bodies[last].v[0] -= 1e-2; // one wall comes closer
-		CHECK_FALSE(asOne(1e-5));
-		s.bodies[last].v[0] += 1e-2;
-		s.bodies[last].v[1] += 1; // one wall slides along: friction may wedge
-		CHECK_FALSE(asOne(1e-5));
-	}
-	s.places.clear();
-	CHECK_FALSE(asOne(1)); // where the places are not known, nothing is
 }
 
 TEST_CASE("a self-stress that was there and has nothing to carry is no sign against a solution")
