@@ -127,7 +127,7 @@ processor times; other runs used the machine's second core.) Steps of 2 ms and a
 %, but disks overlap by up to 0.12 radii. 5000 disks fall further: with such steps their filling is off by 5.8 % and their drum by 20 %. Steps of 4 ms
 are off by 1.5 to 3.6 %, and disks overlap by up to 0.34 radii. Steps of 0.5 ms to 1e-4, about what timeStep() proposes, cost 0.7 to 7.1 s, 0.6 to 1.7
 times as much as springs within 2 % or the nearest. gapCorrection of 0.1 costs 1.6 to 3.0 times as much as the same without, and is no more accurate:
-a smaller step is a better use of the time. With 5000 disks up to 0.81 % of the steps missed a tolerance of 1e-3 within 2000 sweeps.
+a smaller step is a better use of the time. Rigid contacts have become cheaper since these runs, which wrote the scene in every step. With 5000 disks up to 0.81 % of the steps missed a tolerance of 1e-3 within 2000 sweeps.
 """
 GIVEN = ("500", "12", "2", "5000", "3", "1e-2", "1", "4", "0.5", "1e-4", "0.1", "1e-3", "2000")
 

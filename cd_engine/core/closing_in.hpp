@@ -13,12 +13,9 @@
 
 namespace cd {
 
-// In a step that counts as solved, contacts together may close by this many tolerances. (The tests allow ten at a single contact.)
-constexpr double closingAllowed = 3;
-
 // Returns the row of the contact that must close most, if mostProducts products with J and J^T suffice to prove that there is no solution; else -1.
 // freeVelocity: as in residual.hpp. The search begins at the velocities in system.bodies or at the rigid motion nearest to that of the boundaries. If
-// contacts close there by less than closingAllowed tolerances of the free and prescribed closing, it ends at once. Velocities beyond `bound` times the
+// contacts close there by less than three tolerances of the free and prescribed closing, it ends at once. Velocities beyond `bound` times the
 // prescribed ones, both weighted by the masses, do not count as a solution. Memory is kept from one problem of a thread to the next.
 int closingIn(const ContactSystem& system, const std::vector<double>& freeVelocity, double tolerance, double bound, int mostProducts);
 

@@ -3,6 +3,7 @@
 #include "waiting.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the OpenMP library that YADE's own loops use; null if YADE was built without it
 
@@ -244,7 +245,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	slidingContacts = report.slidingContacts;
 	maxPenetration = report.maxPenetration;
 	deepestPenetration = std::max(deepestPenetration, maxPenetration);
-	largestResidual = std::max(largestResidual, residual);
+	largestResidual = residual <= largestResidual || std::isnan(largestResidual) ? largestResidual : residual; // a NaN stays
 	dissipatedEnergy += report.dissipated;
 	steps++;
 	totalIterations += iterations;

@@ -252,11 +252,11 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	if (read) {
 		gravity = g;
 		gatherBodies(scene);
-	} else
-		for (const int id : driven) {
-			checkMotion(id);
+	} else {
+		for (const int id : driven) // all of them, since a refusal writes them back
 			readVelocity(id, world.bodies[id]);
-		}
+		std::for_each(driven.begin(), driven.end(), [this](int id) { checkMotion(id); });
+	}
 	bool reordered;
 	{
 		const std::lock_guard<std::mutex> lock(memory.lock);

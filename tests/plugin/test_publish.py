@@ -245,6 +245,18 @@ def test_engines_that_drive_bodies(O, call, place, disk):
     both(O, run)
 
 
+def test_a_refused_driver_leaves_its_velocities(O):
+    """It drives the floor out of the plane; what it has set stands in the scene."""
+    def run(engine):
+        O.engines = [*O.engines, wrapper.HarmonicMotionEngine(ids=[0], A=(1e-3, 1e-3, 1e-3), f=(3, 9, 9), fi=(0, 0, 0))]
+        with pytest.raises(RuntimeError, match="#0 moves out of the plane"):
+            O.run(90, True)
+        return O.iter, [(*b.state.pos, *b.state.vel) for b in O.bodies]
+
+    _, bodies = both(O, run)
+    assert bodies[0][3] != 0
+
+
 def test_a_driver_wakes_what_rests(O):
     """A floor that begins to move after hundreds of steps at rest, in the course of a run."""
     def build(O):
