@@ -58,7 +58,7 @@ def test_measurements_are_kept_to_the_bit_and_damaged_ones_measured_again(tmp_pa
     assert store.get(tmp_path, name) is None and "measured again" in capsys.readouterr().err
 
 
-def test_a_renamed_measurement_is_none(tmp_path, capsys):
+def test_a_renamed_measurement_is_none(tmp_path, capsys, monkeypatch):
     """Neither a chart, nor a map, nor the benchmark takes it for another one."""
     settings = [one for one in charts.settings("incline", False) if one.series.name in ("MD step", "CD step")]
     md, cd = settings[0], settings[-1]
@@ -72,8 +72,9 @@ def test_a_renamed_measurement_is_none(tmp_path, capsys):
     name = store.name_of({"map": work.name, "case": other})
     shutil.copy(next((tmp_path / "maps").glob("*.h5")), tmp_path / "maps" / f"{name}.h5")
     assert work.find(one) and work.find(other) is None
-    piece, another = (pieces.Piece("sweeps", name, {"rounds": 3}, lambda say: [{"a": 1}]) for name in "ab")
-    piece.measure(tmp_path, print)
+    monkeypatch.setitem(pieces.MEASURE, "sweeps", lambda folder, rounds: [{"a": 1}])
+    piece, another = (pieces.Piece("sweeps", {"rounds": rounds}) for rounds in (3, 4))
+    piece.measure(tmp_path)
     shutil.copy(next((tmp_path / "pieces").glob("*.h5")), tmp_path / "pieces" / f"{store.name_of(another.facts())}.h5")
     assert piece.stored(tmp_path) == [{"a": 1}] and another.stored(tmp_path) is None
 

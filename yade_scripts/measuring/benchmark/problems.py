@@ -50,7 +50,10 @@ def state(folder, disks, seed, mu):
 
 
 def in_yade(script, wish):
-    """Run a script of this folder in YADE with `wish` as its argument. Return the JSON of the last line it prints; raise PreparationError if it fails."""
+    """Run a script of this folder in YADE with `wish` as its argument. Return the JSON of the last line that it prints.
+
+    Raise PreparationError if it fails.
+    """
     with tempfile.TemporaryDirectory() as folder:
         job = queue.Job(f"measuring/benchmark/{script}", [json.dumps(wish)], pathlib.Path(folder) / "log")
         queue.run([job], 1)
@@ -59,6 +62,13 @@ def in_yade(script, wish):
             return json.loads(said)
         except ValueError:
             raise PreparationError(f"{script} {json.dumps(wish)} ended with status {job.process.returncode}: {job.said()[-600:]}") from None
+
+
+def case(folder, kind, **settings):
+    """Return the Case of a kind: what the function of that name below makes of the settings."""
+    if kind in ("packing", "masses"):
+        settings["folder"] = folder
+    return {"packing": packing, "masses": masses, "crystal": crystal, "file": from_file}[kind](**settings)
 
 
 def packing(folder, disks, seed, mu, start="cold"):
@@ -108,8 +118,11 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
     return Case(f"{name} {rows} x {rows} mu {mu:g}", name, mu, rows * rows, 0, "cold", problem)
 
 
-def from_file(path):
-    """Return the Case of a problem in a file that `core.read_problem` reads. ValueError states what is wrong with the file."""
+def from_file(path, sha256=""):
+    """Return the Case of a problem in a file that `core.read_problem` reads. ValueError states what is wrong with the file.
+
+    sha256: makes the settings of a changed file others; not looked at here.
+    """
     problem = core.read_problem(path)
     return Case(pathlib.Path(path).stem, "file", float("nan"), 0, 0, "cold", problem)
 
