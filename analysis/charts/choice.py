@@ -7,6 +7,7 @@ fine: there the two neighbours have to reach the accuracy as well.
 import math
 
 import numpy as np
+import pandas
 
 from analysis.charts import table
 
@@ -33,8 +34,13 @@ def cheapest(rows, accuracy):
     return found.loc[found.seconds.idxmin()] if len(found) else None
 
 
+def fields(row, *names):
+    """Return {name: value} of a row, None for each where there is no row."""
+    return {name: None if row is None else row[name] for name in names}
+
+
 def finer(row, rows):
-    """Return how many finer settings of its series confirm a row."""
+    """Return how many finer settings of its series have finished."""
     return ((rows.series == row.series) & (rows["rank"] > row["rank"]) & (rows.status == "")).sum()
 
 
@@ -50,11 +56,10 @@ def of_kind(rows, accuracy):
     One setting for all scenes: the one that solves most of them, and among these the fastest by the geometric mean. Two settings count as the same if
     series and rank are the same, since time steps of CD are relative to the scene's default.
     """
-    solved = rows.loc[[index for _, own in rows.groupby("scene", sort=False) for index in reliable(own, accuracy).index]]
+    solved = pandas.concat([reliable(own, accuracy) for _, own in rows.groupby("scene", sort=False)])
     found = {}
-    for (method, series, _), own in solved.groupby(["method", "series", "rank"], sort=False):
-        place = (-len(own), math.prod(own.seconds)**(1 / len(own)))
-        if method not in found or place < found[method][0]:
-            found[method] = (place, series, own)
-    return {method: (series, own, [scene for scene in rows.scene.unique() if scene not in set(own.scene)])
-            for method, (_, series, own) in found.items()}
+    for method, of_method in solved.groupby("method", sort=False):
+        settings = [own for _, own in of_method.groupby(["series", "rank"], sort=False)]
+        own = min(settings, key=lambda own: (-len(own), math.prod(own.seconds)**(1 / len(own))))
+        found[method] = own.series.iloc[0], own, [scene for scene in rows.scene.unique() if scene not in set(own.scene)]
+    return found

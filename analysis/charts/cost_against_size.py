@@ -32,7 +32,7 @@ def rows(measured):
             best, finished = choice.cheapest(members, LEVEL), members[members.status == ""]
             why = f"smallest error {finished.error.min():.2g}" if len(finished) else members.status.iloc[0]
             found.append({"status": why if best is None else "", "scene": scene, "series": series, "accuracy": LEVEL, "disks": size}
-                         | {name: None if best is None else best[name] for name in ("setting", "error", "seconds", "steps", "sweeps")})
+                         | choice.fields(best, "setting", "error", "seconds", "steps", "sweeps"))
     return pandas.DataFrame(found)
 
 

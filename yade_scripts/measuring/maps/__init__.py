@@ -105,7 +105,7 @@ class Map:
 
     group: heading of the report under which it stands, order: its place there. title, question: its heading and what it answers.
     criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user can
-    do. x, y: axes. The others are optional. panels: the parameter with a panel for each value. measures: {name: (unit, meaning)}.
+    do. x, y: axes. The others are optional. panels: the parameter with a panel for each value. measures: {name: meaning}, without units.
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """
@@ -161,8 +161,7 @@ def whole(values):
 
 @dataclass(frozen=True)
 class Boundary:
-    """The result of a search: the last good and the first bad value, the reason of the bad side; note: why there is no boundary, '' if there is
-    one."""
+    """The result of a search: the last good and the first bad value, the reason of the bad side; note: why there is no boundary, else ''."""
     good: float
     bad: float
     reason: str
@@ -186,10 +185,9 @@ def bisect(search, probe):
     if last.verdict in search.accepted:
         return Boundary(good, bad, "", f"none up to {bad:g}")
     reason = last.reason
-    whole = isinstance(search.good, int)
-    while max(good, bad) / min(good, bad) > search.precision and not (whole and abs(good - bad) <= 1):
+    while max(good, bad) / min(good, bad) > search.precision:
         middle = search.case(math.sqrt(good * bad))[search.along]
-        if middle in (good, bad):
+        if middle in (good, bad):  # rounded: there is no value between the two
             break
         outcome = probe(search.case(middle))
         if outcome.verdict in search.accepted:

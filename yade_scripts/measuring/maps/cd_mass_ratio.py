@@ -15,8 +15,8 @@ MAP = Map(
            "continues with Newton's method, which solves two disks up to a ratio of 1e9 at a tolerance of 1e-6. A heavy body below a light "
            "one is no problem.",
     x=Axis("tolerance", "tolerance"), y=Axis("mass_ratio", "mass above / mass below"), panels="method",
-    measures={"force_error": ("1", "largest error of the two contact forces, relative to its own exact value"),
-              "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
+    measures={"force_error": "largest error of the two contact forces, relative to its own exact value",
+              "penetration": "largest overlap over the radius", "unconverged": "share of the steps that missed the tolerance"},
     grid=lambda full: product(method=SWEEPS[full], tolerance=TRIED[full], mass_ratio=logarithmic(1e-8, 1e8, 17 if full else 9)),
     searches=lambda full: lines("mass_ratio", 1.0, 1e8, 1.05 if full else 1.3, method=SWEEPS[full], tolerance=TRIED[full]),
     marks=TOLERANCES)

@@ -27,7 +27,7 @@ MAP = Map(
            "in it. Springs stop a disk if v sqrt(m/k_n) is below R; for an "
            "overlap below a tenth of R, k_n must exceed 100 m v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
-    measures={"through": ("1", "share of the four that got through"), "penetration": ("1", "largest overlap over the radius")},
+    measures={"through": "share of the four that got through", "penetration": "largest overlap over the radius"},
     grid=lambda full: product(kind=KINDS, thickness=THICKNESSES[full], speed=logarithmic(0.01, 100, 13 if full else 5)),
     searches=lambda full: lines("speed", 0.01, 1000.0, 1.02 if full else 1.1, (STABLE, INACCURATE), kind=KINDS,
                                 thickness=THICKNESSES[full]),
