@@ -12,14 +12,16 @@ from yade_scripts.results.reader import ResultError
 
 REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
-LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"), "auto": ("#CC79A7", "D")}
+LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"),
+        "auto": ("#CC79A7", "D")}
 TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00", "^")}
 PANELS = 6
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 TEXTS = "status", "problem", "kind", "start", "method", "order"
 COLUMNS = {"solutions": ("status", "problem", "kind", "start", "method", "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
-           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated", "bandwidth_gb_per_s"),
+           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated",
+                      "bandwidth_gb_per_s"),
            "step": ("order", "disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs", "over_springs")}
 
 
@@ -28,15 +30,17 @@ def draw(folder):
     folder, drawn = Path(folder), []
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
     tables = {name: _rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}
-    for figure, name in ((error_against_time, "solutions"), (sweep_cost, "sweeps"), (sweeps_against_size, "solutions"),
-                         (step_cost, "step")):
+    for figure, name, note in ((error_against_time, "solutions", "; the error is found by code that shares nothing with the solvers"),
+                               (sweep_cost, "sweeps", ""), (sweeps_against_size, "solutions", ""), (step_cost, "step", "")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
         if len(tables[name]) and (fig := figure(tables[name], of_table)):
-            busy, checked = of_table["processes_running_before"], "; the error is found by code that shares nothing with the solvers"
+            for axis in fig.axes:
+                axis.grid(True, which="major", linewidth=0.3)
             drawn.append(folder / f"{figure.__name__}.png")
-            style.finish(fig, drawn[-1], "Processor time of one core" + checked * (figure is error_against_time) + ".",
-                         f"commit {provenance.short(of_table['commit'])}, {of_table['processor']}"
-                         + (f"; {busy:.1f} other processes were running" if busy > 0.5 else ""))
+            source = f"commit {provenance.short(of_table['commit'])}, {of_table['processor']}"
+            if (busy := of_table["processes_running_before"]) > 0.5:
+                source += f"; {busy:.1f} other processes were running"
+            style.finish(fig, drawn[-1], f"Processor time of one core{note}.", source)
     return drawn
 
 
@@ -80,7 +84,6 @@ def error_against_time(rows, origin):
             axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, mfc="none", ls="none", ms=7)
         axis.set_title(f"{problem}\n{of_problem.contacts.iloc[0]:.0f} contacts", fontsize=9)
         axis.set_xlabel("processor time [s]")
-        axis.grid(True, which="major", linewidth=0.3)
     plt.setp(axes[:, 0], ylabel="error $e$")
     for axis in axes.flat[len(problems):]:
         axis.axis("off")
@@ -102,12 +105,11 @@ def sweep_cost(rows, origin):
     beside = rows.reindex(columns=["contacts", "siconos_ns"]).dropna()
     axis.loglog(beside.contacts, beside.siconos_ns, marker="X", color="#000000", label="Siconos fc2d_nsgs")
     largest = rows.iloc[-1]
-    for kind, style_of_line in (("plain", ":"), ("accelerated", "--")):
-        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=style_of_line, color="#777777",
+    for kind, dashes in (("plain", ":"), ("accelerated", "--")):
+        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=dashes, color="#777777",
                     label=f"memory's bound, {kind} ({largest[f'bytes_{kind}']:.0f} bytes, {largest.bandwidth_gb_per_s:.0f} GB/s)")
     axis.set(xlabel="contacts", ylabel="ns per contact and sweep",
              title="One sweep; below the bound: what fits a cache is not read from memory")
-    axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
     return fig
 
@@ -120,10 +122,10 @@ def step_cost(rows, origin):
         axis.loglog(ours.disks, ours.ns_a_contact, marker=style.MARKER["CD"], color=style.COLOUR["CD"], label=f"Contact Dynamics to {tolerance:.0e}",
                     **{} if tolerance == built.tolerance.max() else dict(linestyle="--", mfc="none"))
     springs = built[built.tolerance == built.tolerance.iloc[0]]
-    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker=style.MARKER["MD"], color=style.COLOUR["MD"], label="YADE's springs")
+    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker=style.MARKER["MD"], color=style.COLOUR["MD"],
+                label="YADE's springs")
     axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"),
              title="A whole step of a packing at rest, one thread")
-    axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
     return fig
 
@@ -146,7 +148,6 @@ def sweeps_against_size(rows, origin):
                 axis.errorbar(middle.index, middle, [middle - sizes.min(), sizes.max() - middle], color=colour, marker=marker,
                               markerfacecolor=face, linestyle=line, linewidth=1, elinewidth=0.6, capsize=2)
         axis.set(xscale="log", yscale="log", title=rf"$\mu$ = {mu:g}", xlabel="disks")
-        axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
     entries = [dict(color=colour, marker=marker, ls="none", label=f"to 1e{round(math.log10(target))}")
                for target, (colour, marker) in TARGET_LOOK.items()]

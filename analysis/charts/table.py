@@ -14,7 +14,7 @@ from yade_scripts import scenes
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
 from yade_scripts.results.reader import ResultError
-from yade_scripts.results.schema import STATUS_FINISHED, relative_error
+from yade_scripts.results.schema import STATUS_FINISHED
 
 COLUMNS = ["status", "scene", "kind", "size", "method", "series", "rank", "setting", "arguments", "error", "seconds", "fastest", "slowest",
            "steps", "sweeps", "unconverged_steps", "disks", "worst"]
@@ -36,7 +36,7 @@ def measured(results, full):
 def _row(setting, found):
     scene, finished = setting.row["scene"], found["status"] == STATUS_FINISHED
     seconds = found["seconds"] if finished else []
-    errors = {one["name"]: relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in found["rows"] if one["measured"] is not None}
+    errors = settings.errors(found["rows"])
     return {"status": "" if finished else found["status"], "name": setting.name, "scene": scene, "kind": scenes.module(scene).KIND, "size": setting.size,
             "method": setting.row["method"], "series": setting.series.name, "rank": setting.rank,
             "setting": f"{setting.series.parameter}={setting.row[setting.series.parameter]:g}",

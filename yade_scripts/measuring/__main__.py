@@ -40,7 +40,9 @@ class Measurements(queue.Job):
             self.trouble = f"its worker ended with {code}; the end of {self.log}:\n{self.said()}"
             return False
         late = code in (-signal.SIGPROF, -signal.SIGALRM)
-        reason = f"took more than {self.work.limit:g} s" if late else f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
+        reason = f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
+        if late:
+            reason = f"took more than {self.work.limit:g} s"
         self.work.failed(self.at.read_text(encoding="utf-8"), reason, late, store.origin())
         self.at.unlink()
         return True

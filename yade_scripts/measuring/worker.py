@@ -26,14 +26,16 @@ def main(arguments=None):
     work = runner.KINDS[options.kind].Work(options.name, options.full, pathlib.Path(options.results))
     under_way = runner.under_way(options.kind, options.name, options.results)
 
-    def begun(name, seconds):
-        under_way.write_text(name, encoding="utf-8")
+    def limit(seconds):
         signal.setitimer(signal.ITIMER_PROF, seconds)
         signal.alarm(int(20 * seconds))
 
+    def begun(name, seconds):
+        under_way.write_text(name, encoding="utf-8")
+        limit(seconds)
+
     work.measure(begun)
-    signal.setitimer(signal.ITIMER_PROF, 0)
-    signal.alarm(0)
+    limit(0)
     under_way.unlink(missing_ok=True)
     return 0
 

@@ -5,8 +5,6 @@ A series varies one parameter and keeps the scene's own defaults for the others.
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from yade_scripts import parameters, scenes
 from yade_scripts.measuring import store
 from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative_error
@@ -38,8 +36,8 @@ class Series:
         """Return the rows for a scene, each {parameter: value} with its method."""
         own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
         values = self.values[::-1][::2][::-1] if quick else self.values
-        return [{"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed | {self.parameter: value * own if self.relative else value}
-                for value in values]
+        common = {"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed
+        return [common | {self.parameter: value * own if self.relative else value} for value in values]
 
 
 @dataclass(frozen=True)
@@ -97,11 +95,14 @@ def settings(scene, full):
         for size in sizes for one in series(scene) if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
 
 
+def errors(known):
+    """Return {name: relative error} of what was measured, from the rows of a measurement."""
+    return {one["name"]: relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in known if one["measured"] is not None}
+
+
 def error(known):
-    """Return the largest relative error |measured - exact|/scale of a measurement's rows; NaN where one was not measured."""
-    errors = [math.nan if one["measured"] is None else relative_error(one["measured"], one["exact"], one["scale"], one["deviation"])
-              for one in known]
-    return float(np.max(errors)) if errors else math.nan
+    """Return the largest relative error of a measurement's rows; NaN if one was not measured."""
+    return max(errors(known).values()) if known and all(one["measured"] is not None for one in known) else math.nan
 
 
 def status(known):

@@ -66,6 +66,6 @@ def run(row, asked, folder, limit, known, allow):
 
 
 def values(known, scene):
-    measured = float(known.measure())
-    return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
-            "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}
+    measured, exact = float(known.measure()), charts.chart_of(scene).exact.get(known.name, known.exact)
+    return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(exact), "unit": known.unit,
+            "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}
