@@ -23,10 +23,10 @@ def of_scene(scene, accuracy):
     for method, rows in own.groupby("method", sort=False):
         if (row := choice.cheapest(rows, accuracy)) is not None:
             reached.append(row)
-        elif (row := choice.best(rows)) is not None:
-            lines.append(f"  {method}: not reached; its best is {row.error:.2g} in {row.seconds:.2g} s ({row.setting})")
         else:
-            lines.append(f"  {method}: not reached; its best is nothing: all failed")
+            row = choice.best(rows)
+            best = "nothing: all failed" if row is None else f"{row.error:.2g} in {row.seconds:.2g} s ({row.setting})"
+            lines.append(f"  {method}: not reached; its best is {best}")
     if not reached:
         row = choice.best(own)
         raise ResultError(scene, f"no measured setting reaches an accuracy of {accuracy:g}", "all settings failed" if row is None else

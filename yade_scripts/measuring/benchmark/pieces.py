@@ -15,7 +15,7 @@ BOTH = ("cold", "warm")
 
 
 def _engine(folder, disks, mu, **wish):
-    return [problems.in_yade("engine.py", wish | {"stem": str(problems.state(folder, disks, 1, mu))})]
+    return [problems.in_yade("engine.py", wish | {"stem": problems.state(folder, disks, 1, mu)})]
 
 
 # What measures the rows of each table, as function(folder of the problems, **settings).
