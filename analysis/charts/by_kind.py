@@ -8,8 +8,8 @@ from analysis.charts import choice, table
 from analysis.style import plt
 
 TITLE = "What to use when: time against accuracy, by kind of scene"
-QUESTION = ("Which method reaches a given accuracy sooner, on which kind of scene? Every scene has an exact or converged answer for rigid grains; its "
-            "error is the largest of all that is known of it.")
+QUESTION = ("Which method reaches a given accuracy sooner, on which kind of scene? Every scene has an exact or converged answer for rigid grains; "
+            "its error is the largest of all that is known of it.")
 ANSWER = """
 If the exact answer is that of rigid grains, CD is the cheaper method for every kind of scene except closed paths of one contact, which concern
 springs only. To an error of 1e-2 both methods solve piles, impacts and sliding, CD 9.7 to 32 times faster (means over the scenes of a kind). Springs

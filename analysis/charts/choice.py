@@ -45,7 +45,7 @@ def finer(row, rows):
 
 
 def best(rows):
-    """Return the row with the smallest accuracy that it reaches in this sense; None if no setting has finished."""
+    """Return the row that reaches its own error in this sense and has the smallest; None if no setting has finished."""
     found = [row for _, own in table.by_series(rows) for index, row in own.iterrows() if reaches(own, row.error * (1 + 1e-12))[index]]
     return min(found, key=lambda row: row.error, default=None)
 

@@ -39,8 +39,8 @@ def rows(measured):
             for level in table.LEVELS:
                 for series, settings in several:
                     best = choice.cheapest(settings, level)
-                    found.append({"status": "does not reach the accuracy" if best is None else "", "scene": scene, "accuracy": level, "series": series}
-                                 | choice.fields(best, "setting", "seconds"))
+                    status = "does not reach the accuracy" if best is None else ""
+                    found.append({"status": status, "scene": scene, "accuracy": level, "series": series} | choice.fields(best, "setting", "seconds"))
     found = pandas.DataFrame(found)
     return found.assign(factor=found.seconds / found.groupby(["scene", "accuracy"]).seconds.transform("min")) if len(found) else found
 

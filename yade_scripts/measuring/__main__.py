@@ -64,10 +64,10 @@ def main(arguments=None):
     jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]
     jobs.sort(key=lambda job: -job.work.limit)  # the longest first
     queue.run(jobs, options.jobs)
-    troubles = {job.work.name: job.trouble for job in jobs if job.trouble}
-    for name, trouble in troubles.items():
-        print(f"measuring: {name}: {trouble}", file=sys.stderr)
-    return 1 if troubles else 0
+    troubled = [job for job in jobs if job.trouble]
+    for job in troubled:
+        print(f"measuring: {job.work.name}: {job.trouble}", file=sys.stderr)
+    return 1 if troubled else 0
 
 
 if __name__ == "__main__":

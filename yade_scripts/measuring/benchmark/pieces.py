@@ -43,19 +43,19 @@ class Piece:
 
     def stored(self, folder):
         """Return its rows if they were measured with this build, else None."""
-        found = store.get(pathlib.Path(folder) / "pieces", store.name_of(self.facts()))
+        found = store.get(folder / "pieces", store.name_of(self.facts()))
         return found and found["rows"]
 
     def measure(self, folder):
-        rows = MEASURE[self.table](pathlib.Path(folder) / "problems", **self.settings)
-        store.add(pathlib.Path(folder) / "pieces", self.facts() | store.origin(), rows)
+        rows = MEASURE[self.table](folder / "problems", **self.settings)
+        store.add(folder / "pieces", self.facts() | store.origin(), rows)
         return rows
 
 
 def build():
     """Return the SHA-256 of the compiled solvers and of the plug-in."""
-    engine = problems.ROOT / "cd_engine"
-    return hashlib.sha256(b"".join(path.read_bytes() for path in (engine / "core" / "_core.so", engine / "_yade_plugin.so"))).hexdigest()
+    compiled = (problems.ROOT / "cd_engine" / name for name in ("core/_core.so", "_yade_plugin.so"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in compiled)).hexdigest()
 
 
 def _pieces(table, *rows):

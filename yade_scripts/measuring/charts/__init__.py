@@ -88,16 +88,17 @@ def series(scene):
 
 def settings(scene, full):
     """Return all settings of a scene in the order in which they are run: the coarse ones of all series first, then those at several sizes."""
-    found = [Setting(one, rank, row) for one in series(scene) for rank, row in enumerate(one.rows(scene, not full))]
-    sizes = chart_of(scene).sizes[:None if full else -1]
+    several, sizes = series(scene), chart_of(scene).sizes[:None if full else -1]
+    found = [Setting(one, rank, row) for one in several for rank, row in enumerate(one.rows(scene, not full))]
     return sorted(found, key=lambda setting: setting.rank) + [
         Setting(one, rank, row | {"disks": size}, size)
-        for size in sizes for one in series(scene) if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
+        for size in sizes for one in several if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
 
 
 def errors(known):
     """Return {name: relative error} of what was measured, from the rows of a measurement."""
-    return {one["name"]: relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in known if one["measured"] is not None}
+    return {one["name"]: relative_error(*(one[name] for name in ("measured", "exact", "scale", "deviation")))
+            for one in known if one["measured"] is not None}
 
 
 def error(known):
@@ -124,12 +125,13 @@ class Work:
 
     def left(self):
         """Return the settings without a measurement, or with one that ran out of a shorter time limit; of those with one name only the first."""
-        first = {setting.name: setting for setting in reversed(self.settings)}
-        done = {name for name in first if self._done(store.get(self.folder, name))}
-        return [setting for setting in self.settings if setting.name not in done and setting is first[setting.name]]
+        first = {}
+        for setting in self.settings:
+            first.setdefault(setting.name, setting)
+        return [setting for name, setting in first.items() if not self._done(store.get(self.folder, name))]
 
     def _done(self, found):
-        return found is not None and (found["status"] == STATUS_FINISHED or not found.get("out_of_time") or found["limit"] >= self.limit)
+        return found is not None and (not found.get("out_of_time") or found["limit"] >= self.limit)
 
     def failed(self, name, reason, late, origin):
         """Store as failed the setting that ended its process and, if it was too slow (`late`), the settings that would take even longer."""

@@ -222,7 +222,7 @@ class Work:
         def probe(case):
             if (known := self.find(case)) is not None:
                 return outcome(known)
-            begun(json.dumps(case), CASE_SECONDS)
+            begun(json.dumps(case), self.limit)
             started = time.perf_counter()
             O.reset()
             try:
