@@ -1,19 +1,10 @@
 """Measures the whole engine in YADE on a prepared packing: the cost of a step and of its bare solution, the memory, and the share of solved steps.
 
-    yade -n -x yade_scripts/measuring/benchmark/engine.py \
-        '{"stem": "results/benchmark/problems/packing2-4000-1-0.1", "tolerance": 1e-4, "steps": 20, "most_sweeps": 10000}'
-
-packing.py left the packing after nine steps under rising load; every step here loads wall y+ by 0.2 % of P more. The last line printed is
-the result in JSON. Memory per disk is what loading the scene adds to the process; memory per solved contact is what engine, collider and
-interactions add afterwards.
+packing.py left the packing after nine steps under rising load; every step here loads wall y+ by 0.2 % of P more. Memory per disk is what loading the
+scene adds to the process; memory per solved contact is what engine, collider and interactions add afterwards.
 """
-import json
 import pathlib
 import resource
-import sys
-
-if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[3]))
 
 import numpy as np
 from yade import O, timing
@@ -30,6 +21,7 @@ def resident():
 
 
 def main(stem, tolerance, steps, most_sweeps):
+    """Return the row of a packing, whose files begin with `stem`."""
     cd_engine.methods()  # the plug-in must be known before a scene with its engine is loaded
     empty = resident()
     O.load(f"{stem}.yade.gz")
@@ -48,13 +40,9 @@ def main(stem, tolerance, steps, most_sweeps):
         made.append((1e-9 * sum(e.execTime for e in O.engines), engine.solveTime - before, engine.iterations, engine.converged))
     total, solver, sweeps, solved = np.transpose(made)
     disks = len(bodies.disks())
-    print(json.dumps({
+    return {
         "status": "measured", "packing": pathlib.Path(stem).name, "disks": disks, "contacts": engine.contacts, "tolerance": tolerance, "steps": steps,
         "most_sweeps": most_sweeps, "steps_solved": int(solved.sum()), "median_sweeps": np.median(sweeps), "largest_sweeps": int(sweeps.max()),
         "seconds_a_step": np.median(total), "seconds_of_the_solver": np.median(solver), "step_over_solver": np.median(total / solver),
         "outside_ns_per_contact": np.median(total - solver) * 1e9 / engine.contacts,
-        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": (resident() - loaded) / engine.contacts}))
-
-
-if __name__ == "__main__":
-    main(**json.loads(sys.argv[1]))
+        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": (resident() - loaded) / engine.contacts}

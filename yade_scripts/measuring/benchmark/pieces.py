@@ -14,8 +14,8 @@ from yade_scripts.tables import product
 BOTH = ("cold", "warm")
 
 
-def _engine(folder, disks, mu, **wish):
-    return [problems.in_yade("engine.py", wish | {"stem": problems.state(folder, disks, 1, mu)})]
+def _engine(folder, disks, mu, **settings):
+    return [problems.in_yade("engine", settings | {"stem": problems.state(folder, disks, 1, mu)})]
 
 
 # What measures the rows of each table, as function(folder of the problems, **settings).
@@ -24,7 +24,7 @@ MEASURE = {
     "oracle": lambda folder, **crystal: solutions.oracle(problems.crystal(**crystal)),
     "sweeps": sweeps.measure,
     "engine": _engine,
-    "step": lambda folder, **wish: [problems.in_yade("step.py", wish)],
+    "step": lambda folder, **settings: [problems.in_yade("step", settings)],
 }
 
 

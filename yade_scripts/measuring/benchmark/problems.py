@@ -39,20 +39,19 @@ def state(folder, disks, seed, mu):
     pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
     with locks.held(pathlib.Path(folder) / f"packing-{disks}-{seed}"):
         if not pathlib.Path(f"{stem}-{mu:g}.json").exists():
-            in_yade("packing.py", {"disks": disks, "seed": seed, "friction": FRICTION, "stem": stem})
+            in_yade("packing", {"disks": disks, "seed": seed, "friction": FRICTION, "stem": stem})
     return f"{stem}-{mu:g}"
 
 
-def in_yade(script, wish):
-    """Run a script of this folder in YADE with `wish` as its argument. Return the JSON of the last line that it prints; RuntimeError if it fails."""
+def in_yade(module, settings):
+    """Return what main(**settings) of a module of this folder returns in YADE. Raise RuntimeError if it fails."""
     with tempfile.TemporaryDirectory() as folder:
-        job = queue.Job(f"measuring/benchmark/{script}", [json.dumps(wish)], pathlib.Path(folder) / "log")
+        job = queue.Job("measuring/benchmark/in_yade.py", [module, json.dumps(settings)], pathlib.Path(folder) / module)
         queue.run([job], 1)
-        said = job.said(1)
         try:
-            return json.loads(said)
+            return json.loads(job.said(1))
         except ValueError:
-            raise RuntimeError(f"{script} {json.dumps(wish)} ended with status {job.process.returncode}: {job.said()[-600:]}") from None
+            raise RuntimeError(f"{module} {json.dumps(settings)} ended with status {job.process.returncode}: {job.said()[-600:]}") from None
 
 
 def case(folder, kind, **settings):
