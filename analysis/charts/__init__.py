@@ -2,9 +2,10 @@
 
 A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN, as in a study, and
 
-    rows(measured)            returns the rows of its table, from the measured settings (table.py) or, for the maps, from the folder of results
+    rows(measured)            returns the rows of its table, from the measured settings (table.py) or maps (maps.py)
     draw(rows, folder, line)  draws its figures and returns {file name: title}. line: where the rows come from, for the caption
 
+The module `maps` draws the measured maps themselves, since its table has their boundaries only.
 Accuracy is a relative error: |measured - exact| over a scale that the scene gives, and the largest over the scene's known quantities.
 """
 import importlib
@@ -38,8 +39,8 @@ def publish_all(results, folder, full):
         for name in names:
             chart = module(name)
             if len(rows := chart.rows(measured)):
-                figures = chart.draw(rows, folder, line)
-                publish.write_table(folder / f"{name}.csv", chart.boundaries(rows) if name == "maps" else rows)
+                figures = chart.draw(measured if name == "maps" else rows, folder, line)
+                publish.write_table(folder / f"{name}.csv", rows)
                 publish.write_json(folder / f"{name}.json", {"chart": name, "figures": figures} | origin)
             else:
                 left[name] = f"{name}: no scene was measured by both methods or at several sizes"

@@ -71,12 +71,13 @@ def measured(results, full):
     return several, charts.origin_of([one for found in several for one in found.facts], full)
 
 
-def rows(measured):
-    return measured
-
-
 def collect(name, results, full):
-    chart, work, facts, missing = maps.get(name), maps.Work(name, full, results), [], []
+    chart, work = maps.get(name), maps.Work(name, full, results)
+    stored = [(case, work.find(case)) for case in chart.grid(full)]
+    missing = [case for case, kept in stored if kept is None]
+    facts = [kept for _, kept in stored if kept is not None]
+    cells = [case | {name: kept[name] for name in ("verdict", "reason", "told")} | {name: kept["measures"].get(name, math.nan) for name in chart.measures}
+             for case, kept in stored if kept is not None]
 
     def outcome(case):
         if (kept := work.find(case)) is None:
@@ -84,30 +85,20 @@ def collect(name, results, full):
         facts.append(kept)
         return maps.outcome(kept)
 
-    def cell(case):
-        found = outcome(case)
-        return case | {"verdict": found.verdict, "reason": found.reason, "told": found.told} | {
-            name: found.measures.get(name, math.nan) for name in chart.measures}
-
-    def line(search):
-        boundary = maps.bisect(search, outcome)
-        bad = outcome(search.case(boundary.bad))
+    lines = []
+    for search in chart.searches(full):
+        try:
+            boundary = maps.bisect(search, outcome)
+            bad = outcome(search.case(boundary.bad))
+        except LookupError:
+            missing.append(search.at | {search.along: "searched"})
+            continue
         theory = chart.theory(search.at) if chart.theory else bad.measures.get("theory", math.nan)
-        return Line(search, boundary, bad.told, theory if chart.theory_along == search.along else math.nan)
-
-    def complete(function, several, absent):
-        for one in several:
-            try:
-                yield function(one)
-            except LookupError:
-                missing.append(absent(one))
-
-    cells = pandas.DataFrame(complete(cell, chart.grid(full), dict))
-    lines = list(complete(line, chart.searches(full), lambda search: search.at | {search.along: "searched"}))
-    return Found(name, chart, cells, missing, lines, facts)
+        lines.append(Line(search, boundary, bad.told, theory if chart.theory_along == search.along else math.nan))
+    return Found(name, chart, pandas.DataFrame(cells), missing, lines, facts)
 
 
-def boundaries(several):
+def rows(several):
     """Return the table of boundaries: one row a search."""
     words = lambda case: " ".join(f"{name}={value}" for name, value in case.items())
     table = []

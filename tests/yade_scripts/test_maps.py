@@ -155,7 +155,7 @@ def test_boundaries_are_found_again_from_what_is_kept(tmp_path):
     fill(tmp_path)
     found = drawn.collect("md_contact", tmp_path, False)
     assert not found.missing
-    rows = drawn.boundaries([found])
+    rows = drawn.rows([found])
     assert {row["from"] for row in rows} == {"instability", "first failure"}
     for row in rows:
         assert row["boundary"] == pytest.approx(row["theory"] * (1 if row["from"] == "instability" else 0.5), rel=0.03)
@@ -166,6 +166,6 @@ def test_figures_and_tables_name_what_was_not_run(tmp_path):
     fill(tmp_path, leave_out=3)
     several, origin = drawn.measured(tmp_path, False)
     assert list(drawn.draw(several, tmp_path, "a line")) == ["map_md_contact.png"] and (tmp_path / "map_md_contact.png").stat().st_size > 10000
-    assert origin["commits"] == ["c" * 40] and sum(row["status"] == "not run yet" for row in drawn.boundaries(several)) == 3
+    assert origin["commits"] == ["c" * 40] and sum(row["status"] == "not run yet" for row in drawn.rows(several)) == 3
     with pytest.raises(ResultError, match="make charts"):
         drawn.measured(tmp_path / "elsewhere", False)

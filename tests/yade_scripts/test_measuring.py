@@ -150,7 +150,7 @@ import sys
 sys.path.insert(0, {str(runner.queue.SCRIPTS.parent)!r})
 from yade_scripts.measuring import charts, worker
 charts.LIMIT = {{False: 0.02, True: 0.02}}
-worker.main(["charts", "heavy_on_light", "--results", "slow"])
+worker.main("charts", "heavy_on_light", False, "slow")
 """)
     job = runner.queue.Job(path, [], yade60.folder / "slow.log")
     import os

@@ -5,6 +5,7 @@
 One YADE process measures a whole chart or map. A measurement that crashes or takes too long is stored as failed, and the others go on.
 Exit status: 0 all is measured (failures are results, too), 1 something could not be measured, 2 wrong arguments.
 """
+import json
 import pathlib
 import signal
 import sys
@@ -26,7 +27,8 @@ class Measurements(queue.Job):
     """The worker process of one chart or map. It is started again after a measurement that ended it."""
 
     def __init__(self, kind, name, full, folder):
-        super().__init__("measuring/worker.py", [kind, name, f"--results={folder}"] + ["--full"] * full, pathlib.Path(folder) / kind / f"{name}.log")
+        settings = {"kind": kind, "name": name, "full": full, "folder": str(folder)}
+        super().__init__("measuring/in_yade.py", ["worker", json.dumps(settings)], pathlib.Path(folder) / kind / f"{name}.log")
         self.work, self.at = KINDS[kind].Work(name, full, pathlib.Path(folder)), under_way(kind, name, folder)
         self.at.unlink(missing_ok=True)
         self.failures, self.trouble = 0, ""

@@ -46,7 +46,7 @@ def state(folder, disks, seed, mu):
 def in_yade(module, settings):
     """Return what main(**settings) of a module of this folder returns in YADE. Raise RuntimeError if it fails."""
     with tempfile.TemporaryDirectory() as folder:
-        job = queue.Job("measuring/benchmark/in_yade.py", [module, json.dumps(settings)], pathlib.Path(folder) / module)
+        job = queue.Job("measuring/in_yade.py", [f"benchmark.{module}", json.dumps(settings)], pathlib.Path(folder) / module)
         queue.run([job], 1)
         try:
             return json.loads(job.said(1))
