@@ -1,4 +1,5 @@
 """Makes each contact problem of the benchmark once, and keeps it under results/benchmark/problems."""
+import functools
 import json
 import math
 import pathlib
@@ -56,9 +57,8 @@ def in_yade(module, settings):
 
 def case(folder, kind, **settings):
     """Return the Case of a kind: what the function of that name below makes of the settings."""
-    if kind in ("packing", "masses"):
-        return (packing if kind == "packing" else masses)(folder, **settings)
-    return (crystal if kind == "crystal" else from_file)(**settings)
+    kinds = {"packing": functools.partial(packing, folder), "masses": functools.partial(masses, folder), "crystal": crystal, "file": from_file}
+    return kinds[kind](**settings)
 
 
 def packing(folder, disks, seed, mu, start="cold"):

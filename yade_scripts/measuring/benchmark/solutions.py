@@ -12,7 +12,6 @@ from yade_scripts.measuring.benchmark import siconos, sweeps
 
 TARGETS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
 SOLVED = "solved"
-STOPPED = "not within"  # followed by the seconds
 PEER = "siconos nsgs"
 MOST_SWEEPS = 200000
 NEWTON_DISKS = 1000  # number of disks above which Newton's method alone is not tried: its factorizations take too long
@@ -72,7 +71,7 @@ def _of_peer(histories, target):
     if met := [point for history in histories if (point := siconos.reached(history, target))]:
         return [Run(*point._replace(sweeps=round(point.sweeps)), SOLVED) for point in met]
     last = histories[0][-1]
-    return [Run(*last, f"{STOPPED} {last.seconds:.3g} s" if np.isfinite(last.residual) else "not finite")]
+    return [Run(*last, f"not within {last.seconds:.3g} s" if np.isfinite(last.residual) else "not finite")]
 
 
 def oracle(case):

@@ -126,11 +126,6 @@ class Map:
     marks: dict = field(default_factory=dict)
     order: int = 100
 
-    @property
-    def parameters(self):
-        """Names of the parameters of a case, in the order of the grid."""
-        return tuple(self.grid(False)[0])
-
 
 def names():
     """Return the names of all maps in the order of the report."""
