@@ -65,7 +65,7 @@ def chosen(rows):
 
 
 def error_against_time(rows, origin):
-    """Return a panel a problem, a line a method: time to get there, and the error found there. Failures stand at the right edge, open."""
+    """Draw a panel for each problem and a line for each method: the error reached against the time. Failures stand at the right edge, open."""
     problems = chosen(rows)
     rows = rows[rows.problem.isin(problems) & ((rows.status != SOLVED) | (rows.sweeps > 0))]
     names = rows.method.unique()

@@ -12,10 +12,10 @@ QUESTION = ("Which method reaches a given accuracy sooner, on which kind of scen
             "its error is the largest of all that is known of it.")
 ANSWER = """
 If the exact answer is that of rigid grains, CD is the cheaper method for every kind of scene except closed paths of one contact, which concern
-springs only. To an error of 1e-2 both methods solve piles, impacts and sliding, CD 9.7 to 32 times faster (means over the scenes of a kind). Springs
-have an error that a smaller step does not reduce, of the order of P0/k_n or of the speed over the wave speed: it falls as 1/k_n while the cost rises
-as the square root of k_n. The results of flows are known to 0.8 % (filling a box) to 4 % (collapse of a column), the spread between runs: no smaller
-error can be shown. For questions about springs - elastic waves, stiffness, closed paths - use MD.
+springs only. Within an error of 1e-2 both methods solve piles, impacts and sliding; CD is 9.7 to 32 times faster (means over the scenes of a
+kind). Springs have an error that a smaller step does not reduce, of the order of P0/k_n or of the speed over the wave speed: it falls as 1/k_n while
+the cost rises as the square root of k_n. The results of flows are known to 0.8 % (filling a box) to 4 % (collapse of a column), which is the spread
+between runs; a smaller error cannot be shown. For questions about springs (elastic waves, stiffness, closed paths) use MD.
 """
 GIVEN = ("1e-2", "1", "0.8", "4")
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
@@ -28,7 +28,7 @@ def numbers(table):
 
 
 def rows(measured):
-    """Return one row a kind, method and accuracy: the geometric mean over the scenes solved of the time of the cheapest setting; none if none is."""
+    """Return one row for each kind, method and accuracy: how many scenes it solves, and the geometric mean of their cheapest settings' times [s]."""
     found = []
     for (kind, method), own in table.one_size(measured).groupby(["kind", "method"], sort=False):
         scenes = own.groupby("scene", sort=False)

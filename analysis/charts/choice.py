@@ -15,7 +15,7 @@ NO_LADDER = ("MD damping",)
 
 
 def reaches(own, accuracy):
-    """Return the mask of the rows of a series, from coarse to fine, that reach `accuracy` in this sense."""
+    """Return the mask of the rows of a series, from coarse to fine, that reach `accuracy` by this rule."""
     within = (own.status == "") & (own.error <= accuracy)
     agrees = within | own.status.str.contains("took more than")
     if own.series.iloc[0] in NO_LADDER:
@@ -45,16 +45,16 @@ def finer(row, rows):
 
 
 def best(rows):
-    """Return the row that reaches its own error in this sense and has the smallest; None if no setting has finished."""
+    """Return the row with the smallest error among those that reach their own error by this rule; None if there are none."""
     found = [row for _, own in table.by_series(rows) for index, row in own.iterrows() if reaches(own, row.error * (1 + 1e-12))[index]]
     return min(found, key=lambda row: row.error, default=None)
 
 
 def of_kind(rows, accuracy):
-    """Return {method: (setting, series, rows of the scenes that it solves, scenes that it does not)} for scenes of one kind.
+    """Return {method: (series, rows of the scenes that its best setting solves, scenes that it does not solve)} for scenes of one kind.
 
-    One setting for all scenes: the one that solves most of them, and among these the fastest by the geometric mean. Two settings count as the same if
-    series and rank are the same, since time steps of CD are relative to the scene's default.
+    The best setting solves most scenes and, among those that solve as many, is the fastest by the geometric mean. Two settings count as the same
+    if series and rank are the same, since time steps of CD are relative to the scene's default.
     """
     solved = pandas.concat([reliable(own, accuracy) for _, own in rows.groupby("scene", sort=False)])
     found = {}

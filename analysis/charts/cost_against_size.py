@@ -25,7 +25,7 @@ def numbers(table):
 
 
 def rows(measured):
-    """Return one row a scene, series and size: the cheapest setting that reaches LEVEL."""
+    """Return one row for each scene, series and size: the cheapest setting that reaches LEVEL."""
     found = []
     for (scene, size), own in measured[measured["size"] > 0].groupby(["scene", "size"]):
         for series, members in table.by_series(own):

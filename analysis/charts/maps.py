@@ -76,8 +76,8 @@ def collect(name, results, full):
     stored = [(case, work.find(case)) for case in chart.grid(full)]
     missing = [case for case, kept in stored if kept is None]
     facts = [kept for _, kept in stored if kept is not None]
-    cells = [case | {name: kept[name] for name in ("verdict", "reason", "told")} | {name: kept["measures"].get(name, math.nan) for name in chart.measures}
-             for case, kept in stored if kept is not None]
+    cells = [case | {name: kept[name] for name in ("verdict", "reason", "told")}
+             | {name: kept["measures"].get(name, math.nan) for name in chart.measures} for case, kept in stored if kept is not None]
 
     def outcome(case):
         if (kept := work.find(case)) is None:
@@ -99,7 +99,7 @@ def collect(name, results, full):
 
 
 def rows(several):
-    """Return the table of boundaries: one row a search."""
+    """Return the table of boundaries, one row for each search."""
     words = lambda case: " ".join(f"{name}={value}" for name, value in case.items())
     table = []
     for found in several:
@@ -112,7 +112,7 @@ def rows(several):
 
 
 def draw(several, folder, line):
-    """Return a figure and a table of cells a map."""
+    """Draw a figure and write a table of the cells for each map. Return {file name: title} of the figures."""
     for found in several:
         publish.write_table(folder / f"map_{found.name}.csv", found.rows)
         _draw(found, folder / f"map_{found.name}.png", line)

@@ -1,4 +1,4 @@
-"""Error against time of computing, one chart a scene: a series a line, a setting a point."""
+"""Error against time of computing: a chart for each scene, with a line for each series and a point for each setting."""
 import numpy as np
 import pandas
 
@@ -8,10 +8,10 @@ from analysis.style import plt
 from yade_scripts import scenes
 
 TITLE = "Speed against accuracy, scene by scene"
-QUESTION = ("How long has each method to compute for a given accuracy? The time is that of the steps alone: start-up, building the scene, and output "
-            "are left out.")
+QUESTION = ("How long does each method compute to reach a given accuracy? Only the time of the steps counts, not that of start-up, building the "
+            "scene and output.")
 ANSWER = """
-The table has every setting of every scene with its error and time; failures are rows of it. One figure a scene lies beside it.
+The table has every setting of every scene with its error and time; failures are rows of it. Beside it lies a figure for each scene.
 """
 GIVEN = ()
 FLOOR = 1e-16  # where an error of zero is drawn

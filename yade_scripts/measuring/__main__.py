@@ -18,18 +18,19 @@ KINDS = {"charts": charts, "maps": maps}
 MOST_FAILURES = 100  # of one chart or map; more failures do not come from single measurements
 
 
-def under_way(kind, name, folder):
+def under_way(work):
     """Return the path of the file that names the measurement under way in the worker."""
-    return pathlib.Path(folder) / kind / f"{name}.under-way"
+    return work.folder / f"{work.name}.under-way"
 
 
 class Measurements(queue.Job):
     """The worker process of one chart or map. It is started again after a measurement that ended it."""
 
     def __init__(self, kind, name, full, folder):
+        self.work = KINDS[kind].Work(name, full, pathlib.Path(folder))
         settings = {"kind": kind, "name": name, "full": full, "folder": str(folder)}
-        super().__init__("measuring/in_yade.py", ["worker", json.dumps(settings)], pathlib.Path(folder) / kind / f"{name}.log")
-        self.work, self.at = KINDS[kind].Work(name, full, pathlib.Path(folder)), under_way(kind, name, folder)
+        super().__init__("measuring/in_yade.py", ["worker", json.dumps(settings)], self.work.folder / f"{name}.log")
+        self.at = under_way(self.work)
         self.at.unlink(missing_ok=True)
         self.failures, self.trouble = 0, ""
 

@@ -11,7 +11,8 @@ from yade_scripts.measuring import __main__ as runner
 
 def main(kind, name, full, folder):
     """Measure what is missing of the chart or map `name` in the folder of results."""
-    under_way = runner.under_way(kind, name, folder)
+    work = runner.KINDS[kind].Work(name, full, pathlib.Path(folder))
+    under_way = runner.under_way(work)
 
     def limit(seconds):
         signal.setitimer(signal.ITIMER_PROF, seconds)
@@ -21,6 +22,6 @@ def main(kind, name, full, folder):
         under_way.write_text(name, encoding="utf-8")
         limit(seconds)
 
-    runner.KINDS[kind].Work(name, full, pathlib.Path(folder)).measure(begun)
+    work.measure(begun)
     limit(0)
     under_way.unlink(missing_ok=True)

@@ -14,6 +14,8 @@ from collections import namedtuple
 from dataclasses import dataclass, field, fields
 from typing import Callable
 
+import numpy as np
+
 from yade_scripts import declared
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
@@ -146,7 +148,7 @@ def get(name):
 
 def logarithmic(low, high, count):
     """Return `count` numbers from low to high, evenly spaced in the logarithm and rounded to three digits."""
-    return [float(f"{low * (high / low)**(k / (count - 1)):.3g}") for k in range(count)]
+    return [float(f"{value:.3g}") for value in np.geomspace(low, high, count)]
 
 
 def whole(values):
