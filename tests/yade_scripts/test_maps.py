@@ -8,6 +8,7 @@ import pytest
 from analysis.charts import maps as drawn
 from yade_scripts.measuring import maps
 from yade_scripts.parameters import ParameterError
+from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 from yade_scripts.theory import spring_limits
 from yade_scripts.measuring.maps import INACCURATE, Outcome, STABLE, Search, UNSTABLE
@@ -139,7 +140,7 @@ def fill(folder, told="", leave_out=0):
             limit = spring_limits.contact_limit(case["beta_n"], case["kt_over_kn"])
             outcome = (Outcome(UNSTABLE, "energy growth", told) if case["omega_dt"] > limit
                        else Outcome(INACCURATE, "wrong motion") if case["omega_dt"] > limit / 2 else Outcome(STABLE))
-            work.enter(case, outcome, 0.5, {"git_commit": "c" * 40, "processor": "made up", "yade_version": "2023.02a"})
+            work.enter(case, outcome, 0.5)
             return outcome
         return maps.outcome(known)
 
@@ -167,6 +168,6 @@ def test_figures_and_tables_name_what_was_not_run(tmp_path):
     fill(tmp_path, leave_out=3)
     several, origin = drawn.measured(tmp_path, False)
     assert list(drawn.draw(several, tmp_path, "a line")) == ["map_md_contact.png"] and (tmp_path / "map_md_contact.png").stat().st_size > 10000
-    assert origin["commits"] == ["c" * 40] and sum(row["status"] == "not run yet" for row in drawn.rows(several)) == 3
+    assert origin["commits"] == [provenance.git_commit()] and sum(row["status"] == "not run yet" for row in drawn.rows(several)) == 3
     with pytest.raises(ResultError, match="make charts"):
         drawn.measured(tmp_path / "elsewhere", False)

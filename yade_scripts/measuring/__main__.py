@@ -11,7 +11,7 @@ import signal
 import sys
 
 from yade_scripts import commands, parameters, results
-from yade_scripts.measuring import charts, maps, store
+from yade_scripts.measuring import charts, maps
 from yade_scripts.running import queue
 
 KINDS = {"charts": charts, "maps": maps}
@@ -46,7 +46,7 @@ class Measurements(queue.Job):
         reason = f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
         if late:
             reason = f"took more than {self.work.limit:g} s"
-        self.work.failed(self.at.read_text(encoding="utf-8"), reason, late, store.origin())
+        self.work.failed(self.at.read_text(encoding="utf-8"), reason, late)
         self.at.unlink()
         return True
 

@@ -44,11 +44,11 @@ def name_of(facts):
 
 
 def add(folder, facts, rows=()):
-    """Write a measurement; it replaces an older one of its name."""
+    """Write a measurement with its origin; it replaces an older one of its name."""
     results.make(folder)
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
-        file["facts"] = json.dumps(facts)
+        file["facts"] = json.dumps(origin() | facts)
         for column, values in pandas.DataFrame(rows).items():
             if values.map(type).eq(str).any():
                 file.create_dataset(f"rows/{column}", data=values.fillna("").to_numpy(), dtype=h5py.string_dtype())

@@ -48,7 +48,7 @@ class Piece:
 
     def measure(self, folder):
         rows = MEASURE[self.table](folder / "problems", **self.settings)
-        store.add(folder / "pieces", self.facts() | store.origin(), rows)
+        store.add(folder / "pieces", self.facts(), rows)
         return rows
 
 

@@ -133,19 +133,18 @@ class Work:
     def _done(self, found):
         return found is not None and (not found.get("out_of_time") or found["limit"] >= self.limit)
 
-    def failed(self, name, reason, late, origin):
+    def failed(self, name, reason, late):
         """Store as failed the setting that ended its process and, if it was too slow (`late`), the settings that would take even longer."""
         culprits = [setting for setting in self.settings if setting.name == name]
-        self._enter(culprits[0], reason, late, origin)
+        self._enter(culprits[0], reason, late)
         left = {setting.name for setting in self.left()} if late else ()
         for setting in self.settings:
             if setting.name in left and any(setting.slower_than(culprit) for culprit in culprits):
-                self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
+                self._enter(setting, f"not tried: a coarser setting {reason}", True)
 
-    def _enter(self, setting, reason, late, origin):
-        store.add(self.folder, {
-            "scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
-            "status": STATUS_FAILED + reason, "seconds": []} | origin)
+    def _enter(self, setting, reason, late):
+        store.add(self.folder, {"scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
+                                "status": STATUS_FAILED + reason, "seconds": []})
 
     def measure(self, begun):
         """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""

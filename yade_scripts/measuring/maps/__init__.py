@@ -204,13 +204,13 @@ class Work:
         """Return the stored facts of a case, or None."""
         return store.get(self.folder, store.name_of({"map": self.name, "case": case}))
 
-    def enter(self, case, outcome, seconds, origin):
+    def enter(self, case, outcome, seconds):
         measures = {name: float(value) for name, value in outcome.measures.items()}
-        store.add(self.folder, {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
+        store.add(self.folder, {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures})
 
-    def failed(self, name, reason, late, origin):
+    def failed(self, name, reason, late):
         """Store a case that ended its process as not solved. name: the case as JSON."""
-        self.enter(json.loads(name), Outcome(NOT_SOLVED, "timed out" if late else "crashed", reason), 0, origin)
+        self.enter(json.loads(name), Outcome(NOT_SOLVED, "timed out" if late else "crashed", reason), 0)
 
     def measure(self, begun):
         """In YADE: probe the cases of the grid, then those of the searches. Before each case call begun(case as JSON, seconds)."""
@@ -226,7 +226,7 @@ class Work:
                 found = module(self.name).probe(case)
             except RuntimeError as error:  # engines and checks raise it; any other exception is a mistake in the probe
                 found = Outcome(NOT_SOLVED, "refused", " ".join(str(error).split()))
-            self.enter(case, found, round(time.perf_counter() - started, 3), store.origin())
+            self.enter(case, found, round(time.perf_counter() - started, 3))
             print(f"{self.name}: {json.dumps(case)}: {found.verdict} {found.reason}", flush=True)
             return found
 
