@@ -69,8 +69,6 @@ def error_against_time(rows, origin):
     problems = chosen(rows)
     rows = rows[rows.problem.isin(problems) & ((rows.status != SOLVED) | (rows.sweeps > 0))]
     names = rows.method.unique()
-    # One colour for methods that are not in the list.
-    look = LOOK | {name: ("#E69F00", marker) for name, marker in zip((name for name in names if name not in LOOK), "v^<>ph*")}
     wide = min(3, len(problems))
     high = -(-len(problems) // wide)
     fig, axes = plt.subplots(high, wide, figsize=(3.6 * wide + 0.4, 3.1 * high + 0.8), squeeze=False)
@@ -78,7 +76,7 @@ def error_against_time(rows, origin):
         of_problem = rows[rows.problem == problem]
         edge = 3 * (of_problem.seconds.fillna(0).max() or 1)
         for method in names:
-            (colour, marker), own = look[method], of_problem[of_problem.method == method]
+            (colour, marker), own = LOOK[method], of_problem[of_problem.method == method]
             met, missed = own[own.status == SOLVED], own[own.status != SOLVED][:1]
             axis.loglog(met.seconds, met.residual, marker=marker, color=colour, markersize=5)
             axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, mfc="none", ls="none", ms=7)
@@ -87,7 +85,7 @@ def error_against_time(rows, origin):
     plt.setp(axes[:, 0], ylabel="error $e$")
     for axis in axes.flat[len(problems):]:
         axis.axis("off")
-    entries = [dict(color=look[name][0], marker=look[name][1], label=name) for name in names]
+    entries = [dict(color=LOOK[name][0], marker=LOOK[name][1], label=name) for name in names]
     entries.append(dict(color="#777777", marker="o", mfc="none", ls="none", label="given up at this error"))
     fig.suptitle(" ")  # keeps room for the legend
     style.legend(fig, entries, loc="upper center", ncol=len(entries))

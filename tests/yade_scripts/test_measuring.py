@@ -12,7 +12,6 @@ from yade_scripts.measuring import charts, maps, store
 from yade_scripts.measuring.benchmark import pieces
 
 
-
 @pytest.mark.parametrize("scene", charts.names())
 def test_settings_are_legal_rows_from_coarse_to_fine(scene):
     full, quick = charts.settings(scene, True), charts.settings(scene, False)
