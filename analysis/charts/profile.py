@@ -23,7 +23,7 @@ SHOWN = {BEST["MD"]: (style.COLOUR["MD"], "-", 2.4), "MD step": ("#56B4E9", "-",
 
 
 def numbers(table):
-    solved = table[table.seconds.notna()].astype({"factor": float}).set_index(["series", "accuracy", "scene"]).factor
+    solved = table[table.seconds.notna()].astype({"factor": float}).set_index(["series", "accuracy", "scene"]).factor.sort_index()
     md, cd = ({level: solved[best, level] for level in (1e-2, 1e-4, 1e-6)} for best in BEST.values())
     ratio = {level: (md[level] / cd[level]).dropna() for level in md}
     return {"17": len(md[1e-2]), "18": len(cd[1e-2]), "21": table.scene.nunique(), "9": len(md[1e-4]), "14": len(cd[1e-4]),
@@ -42,8 +42,10 @@ def rows(measured):
                     best = choice.cheapest(settings, level)
                     status = "does not reach the accuracy" if best is None else ""
                     found.append({"status": status, "scene": scene, "accuracy": level, "series": series} | choice.fields(best, "setting", "seconds"))
-    found = pandas.DataFrame(found)
-    return found.assign(factor=found.seconds / found.groupby(["scene", "accuracy"]).seconds.transform("min")) if len(found) else found
+    if not found:
+        return []
+    found = pandas.DataFrame(found).astype({"seconds": float})
+    return found.assign(factor=found.seconds / found.groupby(["scene", "accuracy"]).seconds.transform("min"))
 
 
 def share(found, series, level):
