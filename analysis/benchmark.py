@@ -12,14 +12,16 @@ from yade_scripts.results.reader import ResultError
 
 REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
-LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"), "auto": ("#CC79A7", "D")}
+LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"),
+        "auto": ("#CC79A7", "D")}
 TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00", "^")}
 PANELS = 6
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 TEXTS = "status", "problem", "kind", "start", "method", "order"
 COLUMNS = {"solutions": ("status", "problem", "kind", "start", "method", "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
-           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated", "bandwidth_gb_per_s"),
+           "sweeps": ("contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated",
+                      "bandwidth_gb_per_s"),
            "step": ("order", "disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs", "over_springs")}
 
 
@@ -28,15 +30,17 @@ def draw(folder):
     folder, drawn = Path(folder), []
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
     tables = {name: _rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}
-    for figure, name in ((error_against_time, "solutions"), (sweep_cost, "sweeps"), (sweeps_against_size, "solutions"),
-                         (step_cost, "step")):
+    for figure, name, note in ((error_against_time, "solutions", "; the error is found by code that shares nothing with the solvers"),
+                               (sweep_cost, "sweeps", ""), (sweeps_against_size, "solutions", ""), (step_cost, "step", "")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
         if len(tables[name]) and (fig := figure(tables[name], of_table)):
-            busy, checked = of_table["processes_running_before"], "; the error is found by code that shares nothing with the solvers"
+            for axis in fig.axes:
+                axis.grid(True, which="major", linewidth=0.3)
             drawn.append(folder / f"{figure.__name__}.png")
-            style.finish(fig, drawn[-1], "Processor time of one core" + checked * (figure is error_against_time) + ".",
-                         f"commit {provenance.short(of_table['commit'])}, {of_table['processor']}"
-                         + (f"; {busy:.1f} other processes were running" if busy > 0.5 else ""))
+            source = f"commit {provenance.short(of_table['commit'])}, {of_table['processor']}"
+            if (busy := of_table["processes_running_before"]) > 0.5:
+                source += f"; {busy:.1f} other processes were running"
+            style.finish(fig, drawn[-1], f"Processor time of one core{note}.", source)
     return drawn
 
 
@@ -61,12 +65,10 @@ def chosen(rows):
 
 
 def error_against_time(rows, origin):
-    """Return a panel a problem, a line a method: time to get there, and the error found there. Failures stand at the right edge, open."""
+    """Draw a panel for each problem and a line for each method: the error reached against the time. Failures stand at the right edge, open."""
     problems = chosen(rows)
     rows = rows[rows.problem.isin(problems) & ((rows.status != SOLVED) | (rows.sweeps > 0))]
     names = rows.method.unique()
-    # One colour for methods that are not in the list.
-    look = LOOK | {name: ("#E69F00", marker) for name, marker in zip((name for name in names if name not in LOOK), "v^<>ph*")}
     wide = min(3, len(problems))
     high = -(-len(problems) // wide)
     fig, axes = plt.subplots(high, wide, figsize=(3.6 * wide + 0.4, 3.1 * high + 0.8), squeeze=False)
@@ -74,17 +76,16 @@ def error_against_time(rows, origin):
         of_problem = rows[rows.problem == problem]
         edge = 3 * (of_problem.seconds.fillna(0).max() or 1)
         for method in names:
-            (colour, marker), own = look[method], of_problem[of_problem.method == method]
+            (colour, marker), own = LOOK[method], of_problem[of_problem.method == method]
             met, missed = own[own.status == SOLVED], own[own.status != SOLVED][:1]
             axis.loglog(met.seconds, met.residual, marker=marker, color=colour, markersize=5)
             axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, mfc="none", ls="none", ms=7)
         axis.set_title(f"{problem}\n{of_problem.contacts.iloc[0]:.0f} contacts", fontsize=9)
         axis.set_xlabel("processor time [s]")
-        axis.grid(True, which="major", linewidth=0.3)
     plt.setp(axes[:, 0], ylabel="error $e$")
     for axis in axes.flat[len(problems):]:
         axis.axis("off")
-    entries = [dict(color=look[name][0], marker=look[name][1], label=name) for name in names]
+    entries = [dict(color=LOOK[name][0], marker=LOOK[name][1], label=name) for name in names]
     entries.append(dict(color="#777777", marker="o", mfc="none", ls="none", label="given up at this error"))
     fig.suptitle(" ")  # keeps room for the legend
     style.legend(fig, entries, loc="upper center", ncol=len(entries))
@@ -102,12 +103,11 @@ def sweep_cost(rows, origin):
     beside = rows.reindex(columns=["contacts", "siconos_ns"]).dropna()
     axis.loglog(beside.contacts, beside.siconos_ns, marker="X", color="#000000", label="Siconos fc2d_nsgs")
     largest = rows.iloc[-1]
-    for kind, style_of_line in (("plain", ":"), ("accelerated", "--")):
-        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=style_of_line, color="#777777",
+    for kind, dashes in (("plain", ":"), ("accelerated", "--")):
+        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=dashes, color="#777777",
                     label=f"memory's bound, {kind} ({largest[f'bytes_{kind}']:.0f} bytes, {largest.bandwidth_gb_per_s:.0f} GB/s)")
     axis.set(xlabel="contacts", ylabel="ns per contact and sweep",
              title="One sweep; below the bound: what fits a cache is not read from memory")
-    axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
     return fig
 
@@ -120,10 +120,10 @@ def step_cost(rows, origin):
         axis.loglog(ours.disks, ours.ns_a_contact, marker=style.MARKER["CD"], color=style.COLOUR["CD"], label=f"Contact Dynamics to {tolerance:.0e}",
                     **{} if tolerance == built.tolerance.max() else dict(linestyle="--", mfc="none"))
     springs = built[built.tolerance == built.tolerance.iloc[0]]
-    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker=style.MARKER["MD"], color=style.COLOUR["MD"], label="YADE's springs")
+    axis.loglog(springs.disks, 1e9 * springs.seconds_of_springs / springs.contacts, marker=style.MARKER["MD"], color=style.COLOUR["MD"],
+                label="YADE's springs")
     axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"),
              title="A whole step of a packing at rest, one thread")
-    axis.grid(True, which="major", linewidth=0.3)
     axis.legend(fontsize=7)
     return fig
 
@@ -146,7 +146,6 @@ def sweeps_against_size(rows, origin):
                 axis.errorbar(middle.index, middle, [middle - sizes.min(), sizes.max() - middle], color=colour, marker=marker,
                               markerfacecolor=face, linestyle=line, linewidth=1, elinewidth=0.6, capsize=2)
         axis.set(xscale="log", yscale="log", title=rf"$\mu$ = {mu:g}", xlabel="disks")
-        axis.grid(True, which="major", linewidth=0.3)
     axes[0, 0].set_ylabel("sweeps")
     entries = [dict(color=colour, marker=marker, ls="none", label=f"to 1e{round(math.log10(target))}")
                for target, (colour, marker) in TARGET_LOOK.items()]

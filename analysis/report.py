@@ -35,14 +35,14 @@ def build(folder, path):
                                      trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "duration": _duration, "symbols": symbols}
     there = {study["name"] for study in found}
-    points = sorted(((place, quote, where, verdict, text, name) for name in studies.names() for place, quote, where, verdict, text in studies.module(name).POINTS))
-    commits = sorted({commit for study in found for commit in study["commits"]})
     short_answer, words = findings()
     page = environment.get_template("report.html").render(
-        paper=PAPER, findings=short_answer, words=words, there=there, studies=found, absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
+        paper=PAPER, findings=short_answer, words=words, there=there, studies=found,
+        absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
-        points=points, sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
-        commits=commits, published=all(study["extent"] == "full" for study in found))
+        points=sorted((*point, name) for name in studies.names() for point in studies.module(name).POINTS),
+        sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
+        commits=sorted({commit for study in found for commit in study["commits"]}), published=all(study["extent"] == "full" for study in found))
     path.write_text(page, encoding="utf-8")
     return path
 
@@ -60,10 +60,9 @@ def _study(name, folder, link):
         raise ResultError(folder / f"{name}.json", "holds values of another kind", "make it again")
     table = publish.read_table(folder / f"{name}.csv")
     failures = table[publish.STATUS].dropna().value_counts().to_dict() if publish.STATUS in table else {}
-    more = sorted(folder.glob(f"{name}-*.png"))
-    return facts | {"name": name, "title": study.TITLE, "question": study.QUESTION, "answer": study.ANSWER.split("\n\n"), "failures": failures, "rows": len(table),
-                    "picture": _picture(folder / f"{name}.png"), "table": link(folder / f"{name}.csv"), "origin": link(folder / f"{name}.json"),
-                    "more": [(link(file), file.stem) for file in more], "large": link(folder / f"{name}.png")}
+    more = [(link(file), file.stem) for file in sorted(folder.glob(f"{name}-*.png"))]
+    return facts | _head(name, study, folder, link) | {"failures": failures, "rows": len(table), "more": more, "large": link(folder / f"{name}.png"),
+                                                       "picture": _picture(folder / f"{name}.png")}
 
 
 def _chart(name, folder, link):
@@ -71,8 +70,13 @@ def _chart(name, folder, link):
     chart, facts = charts.module(name), publish.read_json(folder / f"{name}.json", CHART)
     pictures = [(link(folder / file), title) for file, title in facts["figures"].items()]
     single = _picture(folder / next(iter(facts["figures"]))) if len(pictures) == 1 else None
-    return facts | {"name": name, "title": chart.TITLE, "question": chart.QUESTION, "answer": chart.ANSWER.split("\n\n"), "picture": single, "maps": getattr(chart, "descriptions", list)(),
-                    "pictures": pictures, "table": link(folder / f"{name}.csv"), "origin": link(folder / f"{name}.json")}
+    return facts | _head(name, chart, folder, link) | {"picture": single, "pictures": pictures, "maps": getattr(chart, "descriptions", list)()}
+
+
+def _head(name, module, folder, link):
+    """Return what the page shows of a study as of a chart."""
+    return {"name": name, "title": module.TITLE, "question": module.QUESTION, "answer": module.ANSWER.split("\n\n"),
+            "table": link(folder / f"{name}.csv"), "origin": link(folder / f"{name}.json")}
 
 
 def _picture(path):
@@ -90,9 +94,9 @@ def _picture(path):
 
 # Words of the plain texts and the symbols that replace them on the page; longer ones first.
 _SYMBOLS = ((r"(\d)e(-?)0*(\d+)\b", lambda m: f"{m[1]}·10<sup>{'−' if m[2] else ''}{m[3]}</sup>"),
-            (r"\bsigma([12])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"), (r"\bP0\b", "P<sub>0</sub>"),
-            (r"\bV0\b", "V<sub>0</sub>"), (r"\bdSigma\b", "Δσ"), (r"\bgamma\b", "γ"), (r"\bkappa\b", "κ"), (r"\bmu\b", "μ"), (r"\balpha\b", "α"),
-            (r"\bomega\b", "ω"), (r"\bbeta\b", "β"))
+            (r"\bsigma([12])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"),
+            (r"\b([PV])0\b", r"\1<sub>0</sub>"), (r"\bdSigma\b", "Δσ"), (r"\bgamma\b", "γ"), (r"\bkappa\b", "κ"), (r"\bmu\b", "μ"),
+            (r"\balpha\b", "α"), (r"\bomega\b", "ω"), (r"\bbeta\b", "β"))
 
 
 def symbols(text):

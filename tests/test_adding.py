@@ -75,7 +75,7 @@ def searches(full):
 
 
 MAP = Map(group="Where numbers fail", title="Too large", question="When is x too large?", criterion="x above 3.", remedy="Take less.",
-          x=Axis("x", "x"), y=Axis("y", "y"), panels="", measures={"x": ("1", "itself")}, grid=grid, searches=searches)
+          x=Axis("x", "x"), y=Axis("y", "y"), measures={"x": "itself"}, grid=grid, searches=searches)
 
 
 def probe(case):

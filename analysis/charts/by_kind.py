@@ -8,14 +8,14 @@ from analysis.charts import choice, table
 from analysis.style import plt
 
 TITLE = "What to use when: time against accuracy, by kind of scene"
-QUESTION = ("Which method reaches a given accuracy sooner, on which kind of scene? Every scene has an exact or converged answer for rigid grains; its error is the "
-            "largest of all that is known of it.")
+QUESTION = ("Which method reaches a given accuracy sooner, on which kind of scene? Every scene has an exact or converged answer for rigid grains; "
+            "its error is the largest of all that is known of it.")
 ANSWER = """
 If the exact answer is that of rigid grains, CD is the cheaper method for every kind of scene except closed paths of one contact, which concern
-springs only. To an error of 1e-2 both methods solve piles, impacts and sliding, CD 9.7 to 32 times faster (means over the scenes of a kind). Springs
-have an error that a smaller step does not reduce, of the order of P0/k_n or of the speed over the wave speed: it falls as 1/k_n while the cost rises
-as the square root of k_n. The results of flows are known to 0.8 % (filling a box) to 4 % (collapse of a column), the spread between runs: no smaller
-error can be shown. For questions about springs - elastic waves, stiffness, closed paths - use MD.
+springs only. Within an error of 1e-2 both methods solve piles, impacts and sliding; CD is 9.7 to 32 times faster (means over the scenes of a
+kind). Springs have an error that a smaller step does not reduce, of the order of P0/k_n or of the speed over the wave speed: it falls as 1/k_n while
+the cost rises as the square root of k_n. The results of flows are known to 0.8 % (filling a box) to 4 % (collapse of a column), which is the spread
+between runs; a smaller error cannot be shown. For questions about springs (elastic waves, stiffness, closed paths) use MD.
 """
 GIVEN = ("1e-2", "1", "0.8", "4")
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
@@ -28,21 +28,20 @@ def numbers(table):
 
 
 def rows(measured):
-    """Return one row a kind, method and accuracy: the geometric mean over the kind's scenes of the time of the cheapest setting; none where a scene has none."""
-    found, own = [], table.one_size(measured)
-    for kind, of_kind in own.groupby("kind", sort=False):
-        for method, of_method in of_kind.groupby("method", sort=False):
-            scenes = of_method.groupby("scene", sort=False)
-            for level in LEVELS:
-                best = [choice.cheapest(several, level) for _, several in scenes]
-                solved = [row.seconds for row in best if row is not None]
-                found.append({"kind": kind, "method": method, "accuracy": level, "scenes": len(scenes), "solved": len(solved),
-                              "seconds": math.exp(sum(map(math.log, solved)) / len(solved)) if solved else None})
+    """Return one row for each kind, method and accuracy: how many scenes it solves, and the geometric mean of their cheapest settings' times [s]."""
+    found = []
+    for (kind, method), own in table.one_size(measured).groupby(["kind", "method"], sort=False):
+        scenes = own.groupby("scene", sort=False)
+        for level in LEVELS:
+            best = [choice.cheapest(several, level) for _, several in scenes]
+            solved = [row.seconds for row in best if row is not None]
+            found.append({"kind": kind, "method": method, "accuracy": level, "scenes": len(scenes), "solved": len(solved),
+                          "seconds": math.exp(sum(map(math.log, solved)) / len(solved)) if solved else None})
     return pandas.DataFrame(found)
 
 
 def draw(rows, folder, line):
-    """Return a panel a kind; hollow where some of its scenes are not solved."""
+    """Draw a panel for each kind; hollow where some of its scenes are not solved."""
     kinds = rows.groupby("kind", sort=False)
     fig, panels = plt.subplots(2, math.ceil(len(kinds) / 2), figsize=(8.4, 5.6), sharex=True, sharey=True, squeeze=False)
     for axes, (kind, of_kind) in zip(panels.flat, kinds):
@@ -63,5 +62,6 @@ def draw(rows, folder, line):
     plt.setp(panels[:, 0], ylabel="time of computing [s]")
     panels[0, 0].invert_xaxis()
     panels[0, 0].legend()
-    style.finish(fig, folder / "by_kind.png", "Cheapest setting that reaches the error; mean over the scenes of a kind. Hollow: over those it solves.", line)
+    style.finish(fig, folder / "by_kind.png",
+                 "Cheapest setting that reaches the error; mean over the scenes of a kind. Hollow: over those it solves.", line)
     return {"by_kind.png": TITLE}

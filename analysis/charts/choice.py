@@ -7,6 +7,7 @@ fine: there the two neighbours have to reach the accuracy as well.
 import math
 
 import numpy as np
+import pandas
 
 from analysis.charts import table
 
@@ -14,7 +15,7 @@ NO_LADDER = ("MD damping",)
 
 
 def reaches(own, accuracy):
-    """Return the mask of the rows of a series, from coarse to fine, that reach `accuracy` in this sense."""
+    """Return the mask of the rows of a series, from coarse to fine, that reach `accuracy` by this rule."""
     within = (own.status == "") & (own.error <= accuracy)
     agrees = within | own.status.str.contains("took more than")
     if own.series.iloc[0] in NO_LADDER:
@@ -33,28 +34,32 @@ def cheapest(rows, accuracy):
     return found.loc[found.seconds.idxmin()] if len(found) else None
 
 
+def fields(row, *names):
+    """Return {name: value} of a row, None for each where there is no row."""
+    return {name: None if row is None else row[name] for name in names}
+
+
 def finer(row, rows):
-    """Return how many finer settings of its series confirm a row."""
+    """Return how many finer settings of its series have finished."""
     return ((rows.series == row.series) & (rows["rank"] > row["rank"]) & (rows.status == "")).sum()
 
 
 def best(rows):
-    """Return the row with the smallest accuracy that it reaches in this sense; None if no setting has finished."""
+    """Return the row with the smallest error among those that reach their own error by this rule; None if there are none."""
     found = [row for _, own in table.by_series(rows) for index, row in own.iterrows() if reaches(own, row.error * (1 + 1e-12))[index]]
     return min(found, key=lambda row: row.error, default=None)
 
 
 def of_kind(rows, accuracy):
-    """Return {method: (setting, series, rows of the scenes that it solves, scenes that it does not)} for scenes of one kind.
+    """Return {method: (series, rows of the scenes that its best setting solves, scenes that it does not solve)} for scenes of one kind.
 
-    One setting for all scenes: the one that solves most of them, and among these the fastest by the geometric mean. Two settings count as the same if
-    series and rank are the same, since time steps of CD are relative to the scene's default.
+    The best setting solves most scenes and, among those that solve as many, is the fastest by the geometric mean. Two settings count as the same
+    if series and rank are the same, since time steps of CD are relative to the scene's default.
     """
-    solved = rows.loc[[index for _, own in rows.groupby("scene", sort=False) for index in reliable(own, accuracy).index]]
+    solved = pandas.concat([reliable(own, accuracy) for _, own in rows.groupby("scene", sort=False)])
     found = {}
-    for (method, series, _), own in solved.groupby(["method", "series", "rank"], sort=False):
-        place = (-len(own), math.prod(own.seconds)**(1 / len(own)))
-        if method not in found or place < found[method][0]:
-            found[method] = (place, series, own)
-    return {method: (series, own, [scene for scene in rows.scene.unique() if scene not in set(own.scene)])
-            for method, (_, series, own) in found.items()}
+    for method, of_method in solved.groupby("method", sort=False):
+        settings = [own for _, own in of_method.groupby(["series", "rank"], sort=False)]
+        own = min(settings, key=lambda own: (-len(own), math.prod(own.seconds)**(1 / len(own))))
+        found[method] = own.series.iloc[0], own, [scene for scene in rows.scene.unique() if scene not in set(own.scene)]
+    return found

@@ -25,14 +25,14 @@ def numbers(table):
 
 
 def rows(measured):
-    """Return one row a scene, series and size: the cheapest setting that reaches LEVEL."""
+    """Return one row for each scene, series and size: the cheapest setting that reaches LEVEL."""
     found = []
     for (scene, size), own in measured[measured["size"] > 0].groupby(["scene", "size"]):
         for series, members in table.by_series(own):
             best, finished = choice.cheapest(members, LEVEL), members[members.status == ""]
             why = f"smallest error {finished.error.min():.2g}" if len(finished) else members.status.iloc[0]
             found.append({"status": why if best is None else "", "scene": scene, "series": series, "accuracy": LEVEL, "disks": size}
-                         | {name: None if best is None else best[name] for name in ("setting", "error", "seconds", "steps", "sweeps")})
+                         | choice.fields(best, "setting", "error", "seconds", "steps", "sweeps"))
     return pandas.DataFrame(found)
 
 

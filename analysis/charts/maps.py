@@ -12,8 +12,8 @@ from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
 from yade_scripts.results.reader import ResultError
 
 TITLE = "Where each method fails"
-QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds does each method work, where is the boundary in theory, and does the program warn "
-            "when it is crossed?")
+QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds does each method work, where is the boundary in theory, and does the "
+            "program warn when it is crossed?")
 ANSWER = """
 Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt(1 + beta^2) - beta), within 0.1 %, for a packing at dt^2 K + 2 dt C <
 4 M, within 0.2 %; the default step is far below these limits. The walls' servo locks above a gain of 1.50; runs use a gain of 1 at most.
@@ -43,9 +43,9 @@ def numbers(table):
 
 MARKERS = {STABLE: ".", INACCURATE: "^", UNSTABLE: "X", NOT_SOLVED: "s"}
 # Okabe and Ito's palette and three more that differ from it in lightness.
-COLOURS = {"": "#9A9A9A", "energy growth": "#D55E00", "penetration": "#CC79A7", "wrong motion": "#56B4E9", "false motion": "#E69F00", "false rest": "#6A3D9A",
-           "wrong forces": "#0072B2", "tunnelled": "#8B0000", "locked walls": "#D55E00", "load missed": "#009E73", "non-convergence": "#555555",
-           "refused": "#B8A200", "crashed": "#000000", "timed out": "#000000"}
+COLOURS = {"": "#9A9A9A", "energy growth": "#D55E00", "penetration": "#CC79A7", "wrong motion": "#56B4E9", "false motion": "#E69F00",
+           "false rest": "#6A3D9A", "wrong forces": "#0072B2", "tunnelled": "#8B0000", "locked walls": "#D55E00", "load missed": "#009E73",
+           "non-convergence": "#555555", "refused": "#B8A200", "crashed": "#000000", "timed out": "#000000"}
 SYMBOLS = {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$"}
 HEIGHT = 4.7  # in, of one line of panels
 MOST_COLUMNS = 3
@@ -57,8 +57,10 @@ def descriptions():
     return [maps.get(name) for name in maps.names()]
 
 
-# A map with its results: rows of the cells, cases that were not run, [(Search, Boundary, message of the program, theory)], facts of all.
-Found = namedtuple("Found", "name map rows missing boundaries facts")
+# A map with its results: table of the cells, cases that were not run, the Lines searched, facts of all.
+Found = namedtuple("Found", "name map rows missing lines facts")
+# A maps.Search, the maps.Boundary found, what the program said beyond it, and the boundary by theory, NaN where there is none.
+Line = namedtuple("Line", "search boundary told theory")
 
 
 def measured(results, full):
@@ -70,53 +72,47 @@ def measured(results, full):
 
 
 def collect(name, results, full):
-    chart, work, facts, rows, missing, boundaries = maps.get(name), maps.Work(name, full, results), [], [], [], []
+    chart, work = maps.get(name), maps.Work(name, full, results)
+    stored = [(case, work.find(case)) for case in chart.grid(full)]
+    missing = [case for case, kept in stored if kept is None]
+    facts = [kept for _, kept in stored if kept is not None]
+    cells = [case | {name: kept[name] for name in ("verdict", "reason", "told")}
+             | {name: kept["measures"].get(name, math.nan) for name in chart.measures} for case, kept in stored if kept is not None]
 
     def outcome(case):
-        kept = work.find(case)
-        if kept is None:
-            raise LookupError(f"{case} was not probed")
+        if (kept := work.find(case)) is None:
+            raise LookupError(case)
         facts.append(kept)
         return maps.outcome(kept)
 
-    def theory(line, bad):
-        if chart.theory_along != line.along:
-            return math.nan
-        return chart.theory(line.at) if chart.theory else bad.measures.get("theory", math.nan)
-
-    for case in chart.grid(full):
+    lines = []
+    for search in chart.searches(full):
         try:
-            found = outcome(case)
-            rows.append(case | {"verdict": found.verdict, "reason": found.reason, "told": found.told}
-                        | {name: found.measures.get(name, math.nan) for name in chart.measures})
+            boundary = maps.bisect(search, outcome)
+            bad = outcome(search.case(boundary.bad))
         except LookupError:
-            missing.append(case)
-    for line in chart.searches(full):
-        try:
-            boundary = maps.bisect(line, outcome)
-            bad = outcome(line.case(boundary.bad))
-        except LookupError:
-            missing.append(line.at | {line.along: "searched"})
-        else:
-            boundaries.append((line, boundary, bad.told, theory(line, bad)))
-    return Found(name, chart, pandas.DataFrame(rows), missing, boundaries, facts)
+            missing.append(search.at | {search.along: "searched"})
+            continue
+        theory = chart.theory(search.at) if chart.theory else bad.measures.get("theory", math.nan)
+        lines.append(Line(search, boundary, bad.told, theory if chart.theory_along == search.along else math.nan))
+    return Found(name, chart, pandas.DataFrame(cells), missing, lines, facts)
 
 
-def boundaries(several):
-    """Return the table of boundaries: one row a search."""
-    rows = []
+def rows(several):
+    """Return the table of boundaries, one row for each search."""
+    words = lambda case: " ".join(f"{name}={value}" for name, value in case.items())
+    table = []
     for found in several:
-        for line, boundary, told, theory in found.boundaries:
-            rows.append({publish.STATUS: "", "map": found.name, "at": " ".join(f"{name}={value}" for name, value in line.at.items()), "along": line.along,
-                         "from": "instability" if len(line.accepted) > 1 else "first failure", "boundary": boundary.note or boundary.value,
-                         "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory,
-                         "told": told if boundary.reason else ""})
-        rows += [{publish.STATUS: "not run yet", "map": found.name, "at": " ".join(f"{name}={value}" for name, value in case.items())} for case in found.missing]
-    return rows
+        table += [{publish.STATUS: "", "map": found.name, "at": words(search.at), "along": search.along,
+                   "from": "instability" if len(search.accepted) > 1 else "first failure", "boundary": boundary.note or boundary.value,
+                   "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory, "told": told if boundary.reason else ""}
+                  for search, boundary, told, theory in found.lines]
+        table += [{publish.STATUS: "not run yet", "map": found.name, "at": words(case)} for case in found.missing]
+    return table
 
 
 def draw(several, folder, line):
-    """Return a figure and a table of cells a map."""
+    """Draw a figure and write a table of the cells for each map. Return {file name: title} of the figures."""
     for found in several:
         publish.write_table(folder / f"map_{found.name}.csv", found.rows)
         _draw(found, folder / f"map_{found.name}.png", line)
@@ -128,35 +124,29 @@ def _draw(found, path, line):
     panels = list(found.rows[chart.panels].unique()) if chart.panels else [None]
     columns = min(len(panels), MOST_COLUMNS)
     lines = -(-len(panels) // columns)
-    width, height = 3.0 + 3.3 * columns, HEIGHT + 3.3 * (lines - 1)
-    fig = plt.figure(figsize=(width, height))
+    fig = plt.figure(figsize=(3.0 + 3.3 * columns, HEIGHT + 3.3 * (lines - 1)))
     grid = fig.add_gridspec(lines, columns + 1, width_ratios=[3.3] * columns + [1.9])
     first = fig.add_subplot(grid[0, 0])
     axes = [first] + [fig.add_subplot(grid[divmod(number, columns)], sharex=first, sharey=first) for number in range(1, len(panels))]
     for axis, panel in zip(axes, panels):
         _cells(axis, chart, found.rows if panel is None else found.rows[found.rows[chart.panels] == panel])
-        _boundaries(axis, found, panel)
+        _boundaries(axis, chart, [line for line in found.lines if panel is None or line.search.at.get(chart.panels) == panel])
         for words, value in chart.marks.items():
             axis.axvline(value, color="k", lw=0.6, ls=":")
             axis.text(value, 1.0, f" {words}", transform=axis.get_xaxis_transform(), fontsize=6, rotation=90, va="top", ha="right",
                       bbox={"boxstyle": "square,pad=0", "fc": "w", "ec": "none", "alpha": 0.7})
-        axis.set(xlabel=chart.x.label, title="" if panel is None else f"{SYMBOLS.get(chart.panels, chart.panels)} = "
-                 + (panel if isinstance(panel, str) else f"{panel:g}"))
-        _scale(axis, found)
+        axis.set_xlabel(chart.x.label)
+        if panel is not None:
+            axis.set_title(f"{SYMBOLS.get(chart.panels, chart.panels)} = " + (panel if isinstance(panel, str) else f"{panel:g}"))
+        for name, scale in ((chart.x.name, axis.set_xscale), (chart.y.name, axis.set_yscale)):
+            if found.rows[name].min() > 0 and found.rows[name].max() > 10 * found.rows[name].min():
+                scale("log")
         axis.tick_params(labelleft=len(axes) == 1 or axis in axes[::columns])
     plt.setp(axes[::columns], ylabel=chart.y.label)
     _legend(fig.add_subplot(grid[0, columns]), axes)
     fig.suptitle(chart.title, fontsize=11)
-    style.finish(fig, path, f"{len(found.rows)} cells, {len(found.boundaries)} searched boundaries"
-                 + (f", {len(found.missing)} not run" if found.missing else "") + ". A ring: the program does not warn.", line)
-
-
-def _scale(axis, found):
-    """Use a logarithmic axis where the values are positive and span more than a decade."""
-    for name, scale in ((found.map.x.name, axis.set_xscale), (found.map.y.name, axis.set_yscale)):
-        values = found.rows[name]
-        if values.min() > 0 and values.max() > 10 * values.min():
-            scale("log")
+    missing = f", {len(found.missing)} not run" if found.missing else ""
+    style.finish(fig, path, f"{len(found.rows)} cells, {len(found.lines)} searched boundaries{missing}. A ring: the program does not warn.", line)
 
 
 def _cells(axis, chart, rows):
@@ -170,42 +160,35 @@ def _cells(axis, chart, rows):
                   label="the program does not warn")
 
 
-def _boundaries(axis, found, panel):
+def _boundaries(axis, chart, lines):
     """Draw the searched boundaries as full lines and those of theory as dashed ones."""
-    chart, drawn_theory = found.map, set()
-    fixed = {chart.x.name, chart.y.name, chart.panels}
-    here = [one for one in found.boundaries if panel is None or one[0].at.get(chart.panels) == panel]
-    kind = lambda line: (line.accepted, line.along, tuple(value for name, value in line.at.items() if name not in fixed))
-    groups = summary.groups(here, lambda one: kind(one[0]), ordered=False)
-    first = next((key[2] for key in groups), ())
-    for number, ((accepted, along, other), several) in enumerate(groups.items()):
+    axes = chart.x.name, chart.y.name, chart.panels
+
+    def kind(line):
+        return line.search.accepted, line.search.along, tuple(value for name, value in line.search.at.items() if name not in axes)
+
+    def draw(points, along, **look):
+        """Draw points (value along, value across) in the order of the latter."""
+        values, across = zip(*sorted(points, key=lambda point: point[1]))
+        axis.plot(*((values, across) if along == chart.x.name else (across, values)), **look)
+
+    groups, drawn_theory = summary.groups(lines, kind, ordered=False), set()
+    for number, ((accepted, along, other), own) in enumerate(groups.items()):
         across = chart.y.name if along == chart.x.name else chart.x.name
-        points = [(boundary.value, line.at[across]) for line, boundary, *_ in several if not boundary.note]
         words = "instability, searched" if INACCURATE in accepted else "first failure, searched"
-        words += "" if other == first else f" ({', '.join(map(str, other))})"
-        if points:
-            axis.plot(*_ordered(points, along == chart.x.name), color="k", lw=1.1, ls=LINES[number % len(LINES)], marker="+x1234"[number % 6], ms=6, label=words)
-        expected = [(theory, line.at[across]) for line, *_, theory in several if math.isfinite(theory)]
+        words += "" if other == next(iter(groups))[2] else f" ({', '.join(map(str, other))})"
+        if points := [(line.boundary.value, line.search.at[across]) for line in own if not line.boundary.note]:
+            draw(points, along, color="k", lw=1.1, ls=LINES[number % len(LINES)], marker="+x1234"[number % 6], ms=6, label=words)
+        expected = [(line.theory, line.search.at[across]) for line in own if math.isfinite(line.theory)]
         if expected and along not in drawn_theory:
             drawn_theory.add(along)
-            axis.plot(*_ordered(expected, along == chart.x.name), color="#009E73", lw=3, alpha=0.5, ls="--",
-                      marker="_" if len(expected) == 1 else "", ms=14, label=f"theory: {chart.theory_label}")
-
-
-def _ordered(points, along_x):
-    """Return (x, y) of points (value, place across), in the order of their places."""
-    values, across = zip(*sorted(points, key=lambda point: point[1]))
-    return (values, across) if along_x else (across, values)
+            draw(expected, along, color="#009E73", lw=3, alpha=0.5, ls="--", marker="_" if len(expected) == 1 else "", ms=14,
+                 label=f"theory: {chart.theory_label}")
 
 
 def _legend(aside, axes):
-    """Put one legend of all panels, each entry once, beside them."""
-    handles = {}
-    for axis in axes:
-        for handle, label in zip(*axis.get_legend_handles_labels()):
-            handles.setdefault(label, handle)
-    # Cells by verdict first, then the lines.
-    places = {label: next((k for k, verdict in enumerate(MARKERS) if label.split(":")[0] == verdict), len(MARKERS)) for label in handles}
-    handles = {label: handles[label] for label in sorted(handles, key=places.get)}
+    """Put one legend of all panels beside them: cells by verdict first, then the lines."""
+    handles, verdicts = charts.entries(axes), [*MARKERS]
+    labels = sorted(handles, key=lambda label: verdicts.index(verdict) if (verdict := label.split(":")[0]) in verdicts else len(verdicts))
     aside.axis("off")
-    aside.legend(handles.values(), handles.keys(), loc="upper left", borderaxespad=0, fontsize=7.5)
+    aside.legend([handles[label] for label in labels], labels, loc="upper left", borderaxespad=0, fontsize=7.5)

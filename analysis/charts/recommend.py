@@ -19,19 +19,22 @@ def of_scene(scene, accuracy):
     if own.empty:
         raise ResultError(scene, "no setting of this scene was measured",
                           f"there are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
-    best = {method: choice.cheapest(rows, accuracy) for method, rows in own.groupby("method", sort=False)}
-    ordered = sorted((row for row in best.values() if row is not None), key=lambda row: row.seconds)
-    if not ordered:
+    lines, reached = [], []
+    for method, rows in own.groupby("method", sort=False):
+        if (row := choice.cheapest(rows, accuracy)) is not None:
+            reached.append(row)
+        else:
+            row = choice.best(rows)
+            best = "nothing: all failed" if row is None else f"{row.error:.2g} in {row.seconds:.2g} s ({row.setting})"
+            lines.append(f"  {method}: not reached; its best is {best}")
+    if not reached:
         row = choice.best(own)
         raise ResultError(scene, f"no measured setting reaches an accuracy of {accuracy:g}", "all settings failed" if row is None else
                           f"the best is {row.error:.2g}, by {row.arguments} in {row.seconds:.2g} s")
-    lines = [f"{scene}, accuracy {accuracy:g}: {ordered[0].method}"] + [_line(row, own) for row in ordered]
-    for method in (method for method, row in best.items() if row is None):
-        row = choice.best(own[own.method == method])
-        lines.append(f"  {method}: not reached; its best is "
-                     + ("nothing: all failed" if row is None else f"{row.error:.2g} in {row.seconds:.2g} s ({row.setting})"))
-    script = "accuracy.py" if f"{store.ACCURACY}=" in ordered[0].arguments else "run.py"
-    return lines + [f"Run it: yade -n -x yade_scripts/{script} {ordered[0].arguments}"]
+    first, *_ = reached = sorted(reached, key=lambda row: row.seconds)
+    script = "accuracy.py" if f"{store.ACCURACY}=" in first.arguments else "run.py"
+    return [f"{scene}, accuracy {accuracy:g}: {first.method}", *(_line(row, own) for row in reached), *lines,
+            f"Run it: yade -n -x yade_scripts/{script} {first.arguments}"]
 
 
 def of_flow(scene, accuracy):
@@ -42,9 +45,10 @@ def of_flow(scene, accuracy):
     lines = []
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
-        best = sorted((row for method in ("CD", "MD") if (row := flows.cheapest(own, scene, disks, method, accuracy)) and abs(row["error"]) <= accuracy),
-                      key=lambda row: row["seconds"])
-        lines += [f"{scene}, {flows.QUANTITY[scene]} of {disks:.0f} disks to {accuracy:g}: {best[0]['method'] if best else 'no setting that was tried reaches it'}"]
+        cheapest = [flows.cheapest(own, scene, disks, method, accuracy) for method in ("CD", "MD")]
+        best = sorted((row for row in cheapest if row and abs(row["error"]) <= accuracy), key=lambda row: row["seconds"])
+        first = best[0]["method"] if best else "no setting that was tried reaches it"
+        lines.append(f"{scene}, {flows.QUANTITY[scene]} of {disks:.0f} disks to {accuracy:g}: {first}")
         for row in best:
             set_by = f"cd_dt={row['step']:g} tolerance={row['setting']:g} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
                 else f"kn={row['setting']:g} md_dt_factor={row['step']:g}"
@@ -55,7 +59,8 @@ def of_flow(scene, accuracy):
 
 def _line(row, rows_of_scene):
     confirmed = choice.finer(row, rows_of_scene)
-    sure = f"confirmed by {confirmed} finer settings" if confirmed > 1 else "confirmed by one finer setting" if confirmed else "not confirmed: no finer setting was tried"
+    sure = f"confirmed by {'one' if confirmed == 1 else confirmed} finer setting{'s' * (confirmed > 1)}" if confirmed \
+        else "not confirmed: no finer setting was tried"
     return (f"  {row.method}: {row.series}, {row.setting}: expected error {row.error:.2g}, {row.seconds:.2g} s for {row.steps:.0f} steps "
             f"of {row.disks:.0f} disk{'' if row.disks == 1 else 's'} ({sure})")
 

@@ -14,7 +14,7 @@ from yade_scripts import scenes
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
 from yade_scripts.results.reader import ResultError
-from yade_scripts.results.schema import STATUS_FINISHED, relative_error
+from yade_scripts.results.schema import STATUS_FINISHED
 
 COLUMNS = ["status", "scene", "kind", "size", "method", "series", "rank", "setting", "arguments", "error", "seconds", "fastest", "slowest",
            "steps", "sweeps", "unconverged_steps", "disks", "worst"]
@@ -34,13 +34,12 @@ def measured(results, full):
 
 
 def _row(setting, found):
-    scene, finished = setting.row["scene"], found["status"] == STATUS_FINISHED
-    seconds = found["seconds"] if finished else []
-    errors = {one["name"]: relative_error(one["measured"], one["exact"], one["scale"], one["deviation"]) for one in found["rows"] if one["measured"] is not None}
-    return {"status": "" if finished else found["status"], "name": setting.name, "scene": scene, "kind": scenes.module(scene).KIND, "size": setting.size,
-            "method": setting.row["method"], "series": setting.series.name, "rank": setting.rank,
-            "setting": f"{setting.series.parameter}={setting.row[setting.series.parameter]:g}",
-            "arguments": " ".join(f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in setting.row.items()),
+    row, series, finished = setting.row, setting.series, found["status"] == STATUS_FINISHED
+    seconds, errors = found["seconds"] if finished else [], settings.errors(found["rows"])
+    return {"status": "" if finished else found["status"], "name": setting.name, "scene": row["scene"], "kind": scenes.module(row["scene"]).KIND,
+            "size": setting.size, "method": row["method"], "series": series.name, "rank": setting.rank,
+            "setting": f"{series.parameter}={row[series.parameter]:g}",
+            "arguments": " ".join(f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in row.items()),
             "error": found.get("error"), "worst": max(errors, key=errors.get, default=""), "seconds": statistics.median(seconds) if seconds else None,
             "fastest": min(seconds, default=None), "slowest": max(seconds, default=None)} | {
                 name: found.get(name) for name in ("steps", "sweeps", "unconverged_steps", "disks")}

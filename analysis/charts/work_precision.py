@@ -1,4 +1,4 @@
-"""Error against time of computing, one chart a scene: a series a line, a setting a point."""
+"""Error against time of computing: a chart for each scene, with a line for each series and a point for each setting."""
 import numpy as np
 import pandas
 
@@ -8,17 +8,18 @@ from analysis.style import plt
 from yade_scripts import scenes
 
 TITLE = "Speed against accuracy, scene by scene"
-QUESTION = ("How long has each method to compute for a given accuracy? The time is that of the steps alone: start-up, building the scene, and output are "
-            "left out.")
+QUESTION = ("How long does each method compute to reach a given accuracy? Only the time of the steps counts, not that of start-up, building the "
+            "scene and output.")
 ANSWER = """
-The table has every setting of every scene with its error and time; failures are rows of it. One figure a scene lies beside it.
+The table has every setting of every scene with its error and time; failures are rows of it. Beside it lies a figure for each scene.
 """
 GIVEN = ()
 FLOOR = 1e-16  # where an error of zero is drawn
 # Okabe and Ito's palette and black, told apart by marker and line as well: MD full lines, CD dashed.
 LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiffness, fine step": ("#009E73", "D"), "MD damping": ("#1A1A1A", "*"),
-        "MD law avoid_ratcheting": ("#009E73", "<"), "MD law path_independent": ("#1A1A1A", ">"), "CD step": ("#E69F00", "^"), "CD accelerated": ("#D55E00", "v"),
-        "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#000000", "X"), "CD newton": ("#7F3FBF", "d"), "CD auto": ("#B8A100", "H")}
+        "MD law avoid_ratcheting": ("#009E73", "<"), "MD law path_independent": ("#1A1A1A", ">"), "CD step": ("#E69F00", "^"),
+        "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#000000", "X"),
+        "CD newton": ("#7F3FBF", "d"), "CD auto": ("#B8A100", "H")}
 
 
 def numbers(table):
@@ -30,10 +31,12 @@ def rows(measured):
 
 
 def draw(rows, folder, line):
-    of_scenes = dict(list(table.one_size(rows).groupby("scene", sort=False)))
-    for scene, own in of_scenes.items():
-        _draw(own, scenes.module(scene), folder / f"work_precision-{scene}.png", line)
-    return {f"work_precision-{scene}.png": scenes.module(scene).TITLE for scene in of_scenes}
+    titles = {}
+    for name, own in table.one_size(rows).groupby("scene", sort=False):
+        scene, file = scenes.module(name), f"work_precision-{name}.png"
+        _draw(own, scene, folder / file, line)
+        titles[file] = scene.TITLE
+    return titles
 
 
 def _draw(rows, scene, path, line):

@@ -85,12 +85,12 @@ def test_siconos_goes_on_where_it_stopped():
 
 
 def test_time_to_a_target_is_interpolated():
-    points = [(0, 0.0, np.inf, np.inf), (4, 1.0, 1e-1, 1.0), (8, 3.0, 1e-3, 1e-2)]
+    points = [siconos.Point(*point) for point in ((0, 0.0, np.inf, np.inf), (4, 1.0, 1e-1, 1.0), (8, 3.0, 1e-3, 1e-2))]
     assert siconos.reached(points, 1e-2) == pytest.approx((6, 2.0, 1e-3, 1e-2))
     assert siconos.reached(points, 1e-1)[:2] == (4, 1.0) and siconos.reached(points, 1e-4) is None
     # At least one sweep if one is needed, none if the first guess suffices.
-    assert siconos.reached([(0, 0.0, 2e-3, 1), (4, 4.0, 1e-9, 1)], 1.999999e-3)[:2] == pytest.approx((1, 1.0))
-    assert siconos.reached([(0, 0.0, 2e-3, 1)], 1e-2)[:2] == (0, 0.0)
+    few = [siconos.Point(0, 0.0, 2e-3, 1), siconos.Point(4, 4.0, 1e-9, 1)]
+    assert siconos.reached(few, 1.999999e-3)[:2] == pytest.approx((1, 1.0)) and siconos.reached(few, 1e-2)[:2] == (0, 0.0)
 
 
 @PEERS

@@ -8,6 +8,7 @@ import pytest
 from analysis.charts import maps as drawn
 from yade_scripts.measuring import maps
 from yade_scripts.parameters import ParameterError
+from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 from yade_scripts.theory import spring_limits
 from yade_scripts.measuring.maps import INACCURATE, Outcome, STABLE, Search, UNSTABLE
@@ -63,13 +64,14 @@ def test_an_outcome_needs_a_reason_that_there_is():
 def test_every_map_asks_for_cases_of_its_own_parameters(name):
     """The quick map has fewer cases than the full one, and no case twice."""
     chart = maps.get(name)
+    own = tuple(chart.grid(False)[0])
     for full in (False, True):
         cells = chart.grid(full)
-        assert all(tuple(case) == chart.parameters for case in cells) and len({tuple(case.values()) for case in cells}) == len(cells)
+        assert all(tuple(case) == own for case in cells) and len({tuple(case.values()) for case in cells}) == len(cells)
         for line in chart.searches(full):
-            assert set(line.case(line.good)) == set(chart.parameters)
+            assert set(line.case(line.good)) == set(own)
     assert len(chart.grid(False)) < len(chart.grid(True))
-    assert {chart.x.name, chart.y.name} <= set(chart.parameters) and (not chart.panels or chart.panels in chart.parameters)
+    assert {chart.x.name, chart.y.name} <= set(own) and (not chart.panels or chart.panels in own)
 
 
 def test_a_map_that_lacks_something_is_refused(monkeypatch):
@@ -138,7 +140,7 @@ def fill(folder, told="", leave_out=0):
             limit = spring_limits.contact_limit(case["beta_n"], case["kt_over_kn"])
             outcome = (Outcome(UNSTABLE, "energy growth", told) if case["omega_dt"] > limit
                        else Outcome(INACCURATE, "wrong motion") if case["omega_dt"] > limit / 2 else Outcome(STABLE))
-            work.enter(case, outcome, 0.5, {"git_commit": "c" * 40, "processor": "made up", "yade_version": "2023.02a"})
+            work.enter(case, outcome, 0.5)
             return outcome
         return maps.outcome(known)
 
@@ -155,7 +157,7 @@ def test_boundaries_are_found_again_from_what_is_kept(tmp_path):
     fill(tmp_path)
     found = drawn.collect("md_contact", tmp_path, False)
     assert not found.missing
-    rows = drawn.boundaries([found])
+    rows = drawn.rows([found])
     assert {row["from"] for row in rows} == {"instability", "first failure"}
     for row in rows:
         assert row["boundary"] == pytest.approx(row["theory"] * (1 if row["from"] == "instability" else 0.5), rel=0.03)
@@ -166,6 +168,6 @@ def test_figures_and_tables_name_what_was_not_run(tmp_path):
     fill(tmp_path, leave_out=3)
     several, origin = drawn.measured(tmp_path, False)
     assert list(drawn.draw(several, tmp_path, "a line")) == ["map_md_contact.png"] and (tmp_path / "map_md_contact.png").stat().st_size > 10000
-    assert origin["commits"] == ["c" * 40] and sum(row["status"] == "not run yet" for row in drawn.boundaries(several)) == 3
+    assert origin["commits"] == [provenance.git_commit()] and sum(row["status"] == "not run yet" for row in drawn.rows(several)) == 3
     with pytest.raises(ResultError, match="make charts"):
         drawn.measured(tmp_path / "elsewhere", False)

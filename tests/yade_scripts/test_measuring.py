@@ -11,8 +11,6 @@ from yade_scripts.measuring import __main__ as runner
 from yade_scripts.measuring import charts, maps, store
 from yade_scripts.measuring.benchmark import pieces
 
-ORIGIN = {"git_commit": "abc", "processor": "made up"}
-
 
 @pytest.mark.parametrize("scene", charts.names())
 def test_settings_are_legal_rows_from_coarse_to_fine(scene):
@@ -52,13 +50,13 @@ def test_measurements_are_kept_to_the_bit_and_damaged_ones_measured_again(tmp_pa
     facts = {"map": "x", "case": {"a": 2.5}, "nested": {"a": [1, 2.5]}}
     name = store.name_of(facts)
     store.add(tmp_path, facts, rows)
-    assert store.get(tmp_path, name) == facts | {"rows": rows}
+    assert store.get(tmp_path, name) == store.origin() | facts | {"rows": rows}
     assert store.get(tmp_path, "y") is None
     (tmp_path / f"{name}.h5").write_bytes((tmp_path / f"{name}.h5").read_bytes()[:-100])
     assert store.get(tmp_path, name) is None and "measured again" in capsys.readouterr().err
 
 
-def test_a_renamed_measurement_is_none(tmp_path, capsys):
+def test_a_renamed_measurement_is_none(tmp_path, capsys, monkeypatch):
     """Neither a chart, nor a map, nor the benchmark takes it for another one."""
     settings = [one for one in charts.settings("incline", False) if one.series.name in ("MD step", "CD step")]
     md, cd = settings[0], settings[-1]
@@ -68,12 +66,13 @@ def test_a_renamed_measurement_is_none(tmp_path, capsys):
     assert cd.name in left and md.name not in left and store.get(tmp_path / "charts", cd.name) is None
     assert f"{cd.name}.h5: holds another measurement than its name says ({md.name}); it is measured again" in capsys.readouterr().err
     work, (one, other) = maps.Work("tunnelling", False, tmp_path), maps.get("tunnelling").grid(False)[:2]
-    work.enter(one, maps.Outcome("stable"), 1, {})
+    work.enter(one, maps.Outcome("stable"), 1)
     name = store.name_of({"map": work.name, "case": other})
     shutil.copy(next((tmp_path / "maps").glob("*.h5")), tmp_path / "maps" / f"{name}.h5")
     assert work.find(one) and work.find(other) is None
-    piece, another = (pieces.Piece("sweeps", name, {"rounds": 3}, lambda say: [{"a": 1}]) for name in "ab")
-    piece.measure(tmp_path, print)
+    monkeypatch.setitem(pieces.MEASURE, "sweeps", lambda folder, rounds: [{"a": 1}])
+    piece, another = (pieces.Piece("sweeps", {"rounds": rounds}) for rounds in (3, 4))
+    piece.measure(tmp_path)
     shutil.copy(next((tmp_path / "pieces").glob("*.h5")), tmp_path / "pieces" / f"{store.name_of(another.facts())}.h5")
     assert piece.stored(tmp_path) == [{"a": 1}] and another.stored(tmp_path) is None
 
@@ -135,7 +134,7 @@ bad, _ = measure.measure({"scene": "biaxial", "method": "CD"}, "results", 60, la
 print(json.dumps([good, known, bad]))
 """)
     good, known, bad = found
-    assert good["status"] == "finished" and len(good["seconds"]) >= 3 and good["git_commit"]
+    assert good["status"] == "finished" and len(good["seconds"]) >= 3
     with yade60.run(disks=400, scene="incline", method="MD", slope=16.0) as file:
         assert known[0]["measured"] == file["known/acceleration"][()]
     assert bad["status"] == "failed: the scene has no quantity with a known value with these parameters"
@@ -149,7 +148,7 @@ import sys
 sys.path.insert(0, {str(runner.queue.SCRIPTS.parent)!r})
 from yade_scripts.measuring import charts, worker
 charts.LIMIT = {{False: 0.02, True: 0.02}}
-worker.main(["charts", "heavy_on_light", "--results", "slow"])
+worker.main("charts", "heavy_on_light", False, "slow")
 """)
     job = runner.queue.Job(path, [], yade60.folder / "slow.log")
     import os

@@ -5,29 +5,32 @@
 One YADE process measures a whole chart or map. A measurement that crashes or takes too long is stored as failed, and the others go on.
 Exit status: 0 all is measured (failures are results, too), 1 something could not be measured, 2 wrong arguments.
 """
+import json
 import pathlib
 import signal
 import sys
 
 from yade_scripts import commands, parameters, results
-from yade_scripts.measuring import charts, maps, store
+from yade_scripts.measuring import charts, maps
 from yade_scripts.running import queue
 
 KINDS = {"charts": charts, "maps": maps}
 MOST_FAILURES = 100  # of one chart or map; more failures do not come from single measurements
 
 
-def under_way(kind, name, folder):
+def under_way(work):
     """Return the path of the file that names the measurement under way in the worker."""
-    return pathlib.Path(folder) / kind / f"{name}.under-way"
+    return work.folder / f"{work.name}.under-way"
 
 
 class Measurements(queue.Job):
     """The worker process of one chart or map. It is started again after a measurement that ended it."""
 
     def __init__(self, kind, name, full, folder):
-        super().__init__("measuring/worker.py", [kind, name, f"--results={folder}"] + ["--full"] * full, pathlib.Path(folder) / kind / f"{name}.log")
-        self.work, self.at = KINDS[kind].Work(name, full, pathlib.Path(folder)), under_way(kind, name, folder)
+        self.work = KINDS[kind].Work(name, full, pathlib.Path(folder))
+        settings = {"kind": kind, "name": name, "full": full, "folder": str(folder)}
+        super().__init__("measuring/in_yade.py", ["worker", json.dumps(settings)], self.work.folder / f"{name}.log")
+        self.at = under_way(self.work)
         self.at.unlink(missing_ok=True)
         self.failures, self.trouble = 0, ""
 
@@ -40,8 +43,10 @@ class Measurements(queue.Job):
             self.trouble = f"its worker ended with {code}; the end of {self.log}:\n{self.said()}"
             return False
         late = code in (-signal.SIGPROF, -signal.SIGALRM)
-        reason = f"took more than {self.work.limit:g} s" if late else f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
-        self.work.failed(self.at.read_text(encoding="utf-8"), reason, late, store.origin())
+        reason = f"YADE ended by {signal.Signals(-code).name}" if code < 0 else f"YADE ended with {code}"
+        if late:
+            reason = f"took more than {self.work.limit:g} s"
+        self.work.failed(self.at.read_text(encoding="utf-8"), reason, late)
         self.at.unlink()
         return True
 
@@ -62,10 +67,10 @@ def main(arguments=None):
     jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]
     jobs.sort(key=lambda job: -job.work.limit)  # the longest first
     queue.run(jobs, options.jobs)
-    troubles = {job.work.name: job.trouble for job in jobs if job.trouble}
-    for name, trouble in troubles.items():
-        print(f"measuring: {name}: {trouble}", file=sys.stderr)
-    return 1 if troubles else 0
+    troubled = [job for job in jobs if job.trouble]
+    for job in troubled:
+        print(f"measuring: {job.work.name}: {job.trouble}", file=sys.stderr)
+    return 1 if troubled else 0
 
 
 if __name__ == "__main__":

@@ -30,16 +30,14 @@ def value(path, quantity):
 def run_cases(cases, folder):
     """Run the cases. Return {name: (result file, None) or (None, reason of failure)}."""
     jobs = {case["name"]: batch.Row(case["row"], folder) for case in cases}
-    results.make(folder)
     queue.run(list({job.path: job for job in jobs.values()}.values()), 2)
-    return {name: (job.path, None) if results.finished(job.path) else (None, results.status(job.path) or job.said(1)) for name, job in jobs.items()}
+    return {name: (job.path, None) if results.finished(job.path) else (None, job.outcome()) for name, job in jobs.items()}
 
 
 def compare(cases, folder):
     """Run the cases and print a line for each number. Return how many drifted. Store each new value in its number under `now`."""
-    drifted = 0
+    drifted, ran = 0, run_cases(cases, folder)
     print(f"{'case':18} {'quantity':34} {'stored':>22} {'now':>22} {'difference':>11} {'tolerance':>10}")
-    ran = run_cases(cases, folder)
     for case in cases:
         path, failure = ran[case["name"]]
         if failure:
@@ -52,7 +50,7 @@ def compare(cases, folder):
             drift = not abs(difference) <= number["tolerance"]
             drifted += drift
             print(f"{case['name']:18} {number['quantity']:34} {number['value']:22.15g} {number['now']:22.15g} {difference:11.2e} "
-                  f"{number['tolerance']:10.1e}{'   <-- DRIFTED; tolerance: ' + number['reason'] if drift else ''}", flush=True)
+                  f"{number['tolerance']:10.1e}{'   <-- DRIFTED; tolerance: ' + number['reason'] if drift else ''}")
     return drifted
 
 
@@ -62,8 +60,7 @@ def record(stored, path):
         now = number.pop("now", number["value"])
         number["value"] = number["value"] if number["exact"] else now
     with open(path, "x") as file:
-        json.dump(stored, file, indent=1)
-        file.write("\n")
+        file.write(json.dumps(stored, indent=1) + "\n")
     print(f"Written {path}; compare it with {STORED.name}, and replace that file if every change is intended.")
 
 

@@ -40,19 +40,14 @@ def told(contact_dynamics, smallest=RADIUS):
     return ", ".join(said)
 
 
-def stand(disks, steps, **settings):
-    """Let a column of `disks` equal disks stand on the floor for `steps` steps. Return (engine, measures)."""
-    column = ground(0.5)
-    ids = [column.floor(1000 * RADIUS)] + [column.disk((0, (2 * k + 1) * RADIUS)).id for k in range(disks)]
+def column(masses, steps, **settings):
+    """Return the Outcome of `steps` steps of equally large disks on the floor, one above the other; masses: from below, over MASS."""
+    place = ground(0.5)
+    ids = [place.floor(1000 * RADIUS)] + [place.disk((0, (2 * k + 1) * RADIUS), mass=mass * MASS).id for k, mass in enumerate(masses)]
     found = engine(COLUMN_STEP, **settings)
     O.run(steps, True)
-    error = max(abs(bodies.normal_force(*pair) / ((disks - k) * (GRAVITY * MASS)) - 1) for k, pair in enumerate(zip(ids, ids[1:])))
-    return found, {"force_error": error, "penetration": found.deepestPenetration / RADIUS, "unconverged": found.unconvergedSteps / steps,
-                   "residual": found.residual}
-
-
-def judge(contact_dynamics, measures):
-    """Return the Outcome that follows from the measures of disks one above the other."""
-    return judged(measures, told(contact_dynamics), (NOT_SOLVED, "non-convergence", measures["unconverged"]),
-                  (UNSTABLE, "penetration", measures["penetration"] > DEEP),
-                  (INACCURATE, "wrong forces", measures["force_error"] > FORCE_ERROR))
+    error = max(abs(bodies.normal_force(*pair) / (sum(masses[k:]) * (GRAVITY * MASS)) - 1) for k, pair in enumerate(zip(ids, ids[1:])))
+    measures = {"force_error": error, "penetration": found.deepestPenetration / RADIUS, "unconverged": found.unconvergedSteps / steps,
+                "residual": found.residual}
+    return judged(measures, told(found), (NOT_SOLVED, "non-convergence", found.unconvergedSteps),
+                  (UNSTABLE, "penetration", measures["penetration"] > DEEP), (INACCURATE, "wrong forces", error > FORCE_ERROR))

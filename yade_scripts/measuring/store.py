@@ -9,7 +9,6 @@ import pathlib
 import sys
 
 import h5py
-import numpy as np
 import pandas
 
 from yade_scripts import parameters, results
@@ -45,16 +44,16 @@ def name_of(facts):
 
 
 def add(folder, facts, rows=()):
-    """Write a measurement; it replaces an older one of its name."""
+    """Write a measurement with its origin; it replaces an older one of its name."""
     results.make(folder)
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
-        file["facts"] = json.dumps(facts)
-        for column in dict.fromkeys(key for row in rows for key in row):
-            values = [row.get(column) for row in rows]
-            texts = any(isinstance(value, str) for value in values)
-            kind = h5py.string_dtype() if texts else int if all(isinstance(value, int) for value in values) else float
-            file.create_dataset(f"rows/{column}", dtype=kind, data=[("" if texts else np.nan) if value is None else value for value in values])
+        file["facts"] = json.dumps(origin() | facts)
+        for column, values in pandas.DataFrame(rows).items():
+            if values.map(type).eq(str).any():
+                file.create_dataset(f"rows/{column}", data=values.fillna("").to_numpy(), dtype=h5py.string_dtype())
+            else:
+                file[f"rows/{column}"] = pandas.to_numeric(values)  # None becomes NaN
     sealed.write(pathlib.Path(folder) / f"{name_of(facts)}.h5", content.getvalue())
 
 
@@ -69,7 +68,10 @@ def get(folder, name):
 
 
 def load(path):
-    """Return a measurement: its facts, with its table as a list of dictionaries under 'rows', None for NaN. Raise ResultError if it cannot be used."""
+    """Return the facts of a measurement, and under 'rows' its table as a list of dictionaries, with None for NaN.
+
+    Raise ResultError if it cannot be used.
+    """
     path = pathlib.Path(path)
     try:
         with sealed.open_checked(path, MARK) as file:

@@ -14,9 +14,9 @@ import os
 import pathlib
 import platform
 import sys
-import time
 
 import pandas
+from tqdm import tqdm
 
 from yade_scripts import commands, parameters, results
 from yade_scripts.measuring import store
@@ -31,7 +31,7 @@ def main(arguments=None):
     commands.add_extent(parser, "a first version, a minute", "the real one, hours; it can be stopped and started again (default)")
     commands.add(parser, "--results")
     parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
-    parser.add_argument("--table", choices=pieces.TABLES, help="measure this table only and leave the others as they are")
+    parser.add_argument("--table", choices=pieces.MEASURE, help="measure this table only and leave the others as they are")
     options = parser.parse_args(arguments)
     for path in options.files:
         try:
@@ -45,7 +45,7 @@ def main(arguments=None):
     busy = os.getloadavg()[0]
     if busy > 0.5:
         print(f"benchmark: {busy:.1f} processes are running already; the times will not mean much", file=sys.stderr)
-    todo = (pieces.quick if options.quick else pieces.full)(folder / "problems", options.files)
+    todo = (pieces.quick if options.quick else pieces.full)(options.files)
     tables, failed = run([piece for piece in todo if options.table in (None, piece.table)], folder, options.again)
     write(tables, folder, busy, options.table)
     return 1 if failed else 0
@@ -53,27 +53,20 @@ def main(arguments=None):
 
 def run(todo, folder, again=False):
     """Measure the pieces in `todo`. Return ({table: rows}, number of pieces that failed). A piece that fails becomes a row with the reason."""
-    tables, failed, begin = {}, 0, time.monotonic()
-    for number, piece in enumerate(todo, 1):
+    tables, failures = {}, []
+    bar = tqdm(todo, unit="piece", disable=not sys.stderr.isatty())
+    for number, piece in enumerate(bar, 1):
         rows = None if again else piece.stored(folder)
         if rows is None:
-            print(f"[{number}/{len(todo)}, {time.monotonic() - begin:.0f} s] {piece.name}", flush=True)
+            bar.write(f"[{number}/{len(todo)}] {piece.name}")
             try:
-                rows = piece.measure(folder, _say)
+                rows = piece.measure(folder)
             except (RuntimeError, OSError, ValueError) as error:
-                print(f"benchmark: {piece.name}: {error}", file=sys.stderr, flush=True)
-                failed += 1
-                tables.setdefault("failures", []).append({"piece": piece.name, "status": f"failed: {error}"})
+                bar.write(f"benchmark: {piece.name}: {error}", file=sys.stderr)
+                failures.append({"piece": piece.name, "status": f"failed: {error}"})
                 rows = []
-            _say("")
         tables.setdefault(piece.table, []).extend(rows)
-    return tables, failed
-
-
-def _say(what):
-    """Show on the last line of the terminal what is being measured."""
-    if sys.stderr.isatty():
-        print(f"\r\033[K{what}", end="", file=sys.stderr, flush=True)
+    return tables | ({"failures": failures} if failures else {}), len(failures)
 
 
 def write(tables, folder, busy, only=None):

@@ -1,27 +1,18 @@
 """Measures the whole engine in YADE on a prepared packing: the cost of a step and of its bare solution, the memory, and the share of solved steps.
 
-    yade -n -x yade_scripts/measuring/benchmark/engine.py '{"stem": "results/benchmark/problems/packing1-4000-1-0.1", "tolerance": 1e-4, "steps": 20,
-                                                  "most_sweeps": 10000}'
-
-packing.py left the packing after nine steps under rising load; every step here loads wall y+ by 0.2 % of P more. The last line printed is
-the result in JSON. Memory per disk is what loading the scene adds to the process; memory per solved contact is what engine, collider and
-interactions add afterwards.
+packing.py left the packing after nine steps under rising load; every step here loads wall y+ by 0.2 % of P more. Memory per disk is what loading the
+scene adds to the process; memory per solved contact is what engine, collider and interactions add afterwards.
 """
-import json
 import pathlib
 import resource
-import statistics
-import sys
 
-if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[3]))
-
+import numpy as np
 from yade import O, timing
 
 import cd_engine
 from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks
 from yade_scripts.measuring.benchmark import packing
+from yade_scripts.running import hooks
 
 
 def resident():
@@ -29,36 +20,29 @@ def resident():
     return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
-def main(wish):
+def main(stem, tolerance, steps, most_sweeps):
+    """Return the row of a packing, whose files begin with `stem`."""
     cd_engine.methods()  # the plug-in must be known before a scene with its engine is loaded
     empty = resident()
-    O.load(f"{wish['stem']}.yade.gz")
+    O.load(f"{stem}.yade.gz")
     # Forces are not part of a saved scene.
     packing.load(1 + packing.STEPS * packing.MORE)
     loaded = resident()
-    O.engines = cd_engine.engines(tolerance=wish["tolerance"], maxIterations=wish["most_sweeps"])
-    engine, total, solve, sweeps, missed = O.engines[-1], [], [], [], 0
+    O.engines = cd_engine.engines(tolerance=tolerance, maxIterations=most_sweeps)
+    engine, made = O.engines[-1], []
     hooks.simulate(1)  # not timed: the hand-over from springs and the collider's first run
-    for step in range(1, wish["steps"] + 1):
+    for step in range(1, steps + 1):
         packing.load(1 + (packing.STEPS + step) * packing.MORE)
         timing.reset()
         O.timingEnabled = True
         before = engine.solveTime
         hooks.simulate(1)
-        total.append(sum(e.execTime for e in O.engines) * 1e-9)
-        solve.append(engine.solveTime - before)
-        sweeps.append(engine.iterations)
-        missed += not engine.converged
+        made.append((1e-9 * sum(e.execTime for e in O.engines), engine.solveTime - before, engine.iterations, engine.converged))
+    total, solver, sweeps, solved = np.transpose(made)
     disks = len(bodies.disks())
-    whole, bare = statistics.median(total), statistics.median(solve)
-    print(json.dumps({
-        "status": "measured", "packing": pathlib.Path(wish["stem"]).name, "disks": disks, "contacts": engine.contacts, "tolerance": wish["tolerance"],
-        "steps": wish["steps"], "most_sweeps": wish["most_sweeps"], "steps_solved": wish["steps"] - missed,
-        "median_sweeps": statistics.median(sweeps), "largest_sweeps": max(sweeps),
-        "seconds_a_step": whole, "seconds_of_the_solver": bare, "step_over_solver": statistics.median(t / s for t, s in zip(total, solve)),
-        "outside_ns_per_contact": statistics.median(t - s for t, s in zip(total, solve)) * 1e9 / engine.contacts,
-        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": (resident() - loaded) / engine.contacts}))
-
-
-if __name__ == "__main__":
-    main(json.loads(sys.argv[1]))
+    return {
+        "status": "measured", "packing": pathlib.Path(stem).name, "disks": disks, "contacts": engine.contacts, "tolerance": tolerance, "steps": steps,
+        "most_sweeps": most_sweeps, "steps_solved": int(solved.sum()), "median_sweeps": np.median(sweeps), "largest_sweeps": int(sweeps.max()),
+        "seconds_a_step": np.median(total), "seconds_of_the_solver": np.median(solver), "step_over_solver": np.median(total / solver),
+        "outside_ns_per_contact": np.median(total - solver) * 1e9 / engine.contacts,
+        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": (resident() - loaded) / engine.contacts}

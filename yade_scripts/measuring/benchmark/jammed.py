@@ -16,10 +16,6 @@ KEPT = 0.98           # share of the speed that a step keeps; a smaller share gi
 SKIN = 0.25           # distance beyond contact up to which pairs are listed, over the mean radius
 
 
-class JammingError(RuntimeError):
-    """The quench did not reach equilibrium."""
-
-
 class SoftDisks:
     """Soft disks in a box: their places in units of its sides (L_x, L_y) [m], and the forces on disks and box. The unit of force is P = 1 N/m."""
 
@@ -39,8 +35,7 @@ class SoftDisks:
         skin = SKIN * self.radii.mean()
         if self.listed is None or np.max(np.sum((x - self.listed)**2, axis=1)) > (skin / 2)**2:
             self.listed = x
-            pairs = cKDTree(x).query_pairs(2 * self.radii.max() + skin, output_type="ndarray")
-            i, j = pairs.T
+            i, j = cKDTree(x).query_pairs(2 * self.radii.max() + skin, output_type="ndarray").T
             near = np.sum((x[i] - x[j])**2, axis=1) < (self.radii[i] + self.radii[j] + skin)**2
             self.i, self.j = np.ascontiguousarray(i[near]), np.ascontiguousarray(j[near])
             self.reach = self.radii[self.i] + self.radii[self.j]
@@ -86,7 +81,7 @@ def jammed(radii, seed):
         velocity = KEPT * velocity + dt * force
         disks.places += dt * velocity[:-1] / disks.sides
         disks.sides = disks.sides * np.exp(dt * velocity[-1] / length)
-    raise JammingError(f"no equilibrium of {n} disks (seed {seed}) within {MOST} steps: the error is {error:.1e}, {BALANCED:g} is asked for")
+    raise RuntimeError(f"no equilibrium of {n} disks (seed {seed}) within {MOST} steps: the error is {error:.1e}, {BALANCED:g} is asked for")
 
 
 def hilbert(places, bits=12):

@@ -1,7 +1,5 @@
 """Makes a dense packing of disks at rest under the load of its walls, and contact problems of its next step.
 
-    yade -n -x yade_scripts/measuring/benchmark/packing.py '{"disks": 4000, "seed": 1, "friction": [0.1, 0.5], "stem": "results/packing"}'
-
 Radii are uniform in 0.30 .. 0.65 m, the density is 1 kg/m^2. Two walls are fixed; P = 1 N/m loads the other two, each of the mass of 2 sqrt(N)
 disks. Springs without friction jam the disks (jammed.py). Contact Dynamics takes them over with their overlaps of 6e-4 m and brings them to rest in
 steps of h = 0.01 sqrt(m/P), solved to SETTLED, with friction on disks and walls. Then each step loads wall y+ by 0.2 % of P more. The problem is
@@ -10,10 +8,6 @@ the tenth of these steps; its first guess is the solution of the ninth.
 import json
 import math
 import pathlib
-import sys
-
-if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[3]))
 
 import numpy as np
 from yade import O
@@ -77,11 +71,11 @@ def come_to_rest(unit):
 
     load()
     O.dt = 0.01 * unit
-    O.engines = cd_engine.engines(tolerance=SETTLED, maxIterations=MOST_SWEEPS) \
-        + [hooks.runner(slow, iterPeriod=5), hooks.runner(watch, iterPeriod=5)]
+    engines = cd_engine.engines(tolerance=SETTLED, maxIterations=MOST_SWEEPS)
+    O.engines = engines + [hooks.runner(slow, iterPeriod=5), hooks.runner(watch, iterPeriod=5)]
     hooks.simulate(MOST_STEPS)
-    O.engines = O.engines[:3]
-    engine = O.engines[2]
+    O.engines = engines
+    engine = engines[-1]
     return {"steps": engine.steps, "solid_fraction": bodies.solid_fraction(), "contacts_per_disk": bodies.contacts_per_disk(),
             "loaded_contacts": engine.loadedContacts, "sliding_contacts": engine.slidingContacts, "residual": engine.residual,
             "largest_displacement": largest_displacement(), "unconverged_steps": engine.unconvergedSteps}
@@ -92,25 +86,21 @@ def load_on():
     for step in range(1, STEPS + 1):
         load(1 + step * MORE)
         hooks.simulate(1)
-    engine = O.engines[2]
+    engine = O.engines[-1]
     return {"loaded_steps": STEPS, "loaded_residual": engine.residual, "loaded_sliding_contacts": engine.slidingContacts,
             "loaded_unconverged_steps": engine.unconvergedSteps}
 
 
-def main(wish):
-    """Make what `wish` asks for: number of disks, seed, friction coefficients. The files are named `stem`-friction."""
-    packed = jammed(np.random.default_rng(wish["seed"]).uniform(*RADII, wish["disks"]), wish["seed"])
-    for mu in wish["friction"]:
+def main(disks, seed, friction, stem):
+    """Make the packing and the problem for each friction coefficient; the files are named `stem`-friction. Return facts about the last."""
+    packed = jammed(np.random.default_rng(seed).uniform(*RADII, disks), seed)
+    for mu in friction:
         facts = come_to_rest(build(*packed, mu)) | load_on()
-        target = f"{wish['stem']}-{mu:g}"
+        target = f"{stem}-{mu:g}"
         load(1 + (STEPS + 1) * MORE)
-        O.engines[2].exportProblem(f"{target}.npz", True)
+        O.engines[-1].exportProblem(f"{target}.npz", True)
         O.engines = []  # other versions of the engine could not read a saved one
         O.save(f"{target}.yade.gz")
         # Written last: its presence means that the other files are complete.
         pathlib.Path(f"{target}.json").write_text(json.dumps(facts, indent=1) + "\n")
-    print(json.dumps(facts))
-
-
-if __name__ == "__main__":
-    main(json.loads(sys.argv[1]))
+    return facts

@@ -1,4 +1,5 @@
 """Makes each contact problem of the benchmark once, and keeps it under results/benchmark/problems."""
+import functools
 import json
 import math
 import pathlib
@@ -33,32 +34,31 @@ class Case:
         return self.problem.impulses if self.start == "warm" else np.zeros(2 * self.problem.contacts)
 
 
-class PreparationError(RuntimeError):
-    """YADE failed to make the packing."""
-
-
 def state(folder, disks, seed, mu):
     """Return the path, without its ending, of a packing's files (.npz problem, .yade.gz scene, .json facts). Make them unless they exist."""
-    folder = pathlib.Path(folder)
-    stem = folder / f"packing{PACKING_RECIPE}-{disks}-{seed}-{mu:g}"
-    folder.mkdir(parents=True, exist_ok=True)
-    with locks.held(folder / f"packing-{disks}-{seed}"):
-        if not stem.with_name(stem.name + ".json").exists():
-            wish = {"disks": disks, "seed": seed, "friction": FRICTION, "stem": str(folder / f"packing{PACKING_RECIPE}-{disks}-{seed}")}
-            in_yade("packing.py", wish)
-    return stem
+    stem = f"{folder}/packing{PACKING_RECIPE}-{disks}-{seed}"
+    pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
+    with locks.held(pathlib.Path(folder) / f"packing-{disks}-{seed}"):
+        if not pathlib.Path(f"{stem}-{mu:g}.json").exists():
+            in_yade("packing", {"disks": disks, "seed": seed, "friction": FRICTION, "stem": stem})
+    return f"{stem}-{mu:g}"
 
 
-def in_yade(script, wish):
-    """Run a script of this folder in YADE with `wish` as its argument. Return the JSON of the last line it prints; raise PreparationError if it fails."""
+def in_yade(module, settings):
+    """Return what main(**settings) of a module of this folder returns in YADE. Raise RuntimeError if it fails."""
     with tempfile.TemporaryDirectory() as folder:
-        job = queue.Job(f"measuring/benchmark/{script}", [json.dumps(wish)], pathlib.Path(folder) / "log")
+        job = queue.Job("measuring/in_yade.py", [f"benchmark.{module}", json.dumps(settings)], pathlib.Path(folder) / module)
         queue.run([job], 1)
-        said = job.said(1)
         try:
-            return json.loads(said)
+            return json.loads(job.said(1))
         except ValueError:
-            raise PreparationError(f"{script} {json.dumps(wish)} ended with status {job.process.returncode}: {job.said()[-600:]}") from None
+            raise RuntimeError(f"{module} {json.dumps(settings)} ended with status {job.process.returncode}: {job.said()[-600:]}") from None
+
+
+def case(folder, kind, **settings):
+    """Return the Case of a kind: what the function of that name below makes of the settings."""
+    kinds = {"packing": functools.partial(packing, folder), "masses": functools.partial(masses, folder), "crystal": crystal, "file": from_file}
+    return kinds[kind](**settings)
 
 
 def packing(folder, disks, seed, mu, start="cold"):
@@ -71,10 +71,9 @@ def masses(folder, disks, seed, mu):
     """Return the cold case of `packing` with every mass multiplied by a random factor from 1 to 1e6, uniform in the logarithm."""
     case = packing(folder, disks, seed, mu)
     factor = 10.0**np.random.default_rng(seed).uniform(0, 6, (len(case.problem.inverse_masses), 1))
-    light = replace(case.problem, inverse_masses=case.problem.inverse_masses / factor)
     # free_velocities contain the load as force times dt over mass; the force must not change.
-    light = replace(light, free_velocities=light.free_velocities / factor)
-    return replace(case, name=f"masses over 1e6, {disks} mu {mu:g}", kind="masses", problem=light)
+    heavy = replace(case.problem, inverse_masses=case.problem.inverse_masses / factor, free_velocities=case.problem.free_velocities / factor)
+    return replace(case, name=f"masses over 1e6, {disks} mu {mu:g}", kind="masses", problem=heavy)
 
 
 def crystal(rows, mu, ratio=1.0, name="crystal"):
@@ -82,7 +81,7 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
 
     All neighbours touch, so the contact forces are not unique. ratio: mass of the disks in the upper half over that of those below.
     """
-    i, j = (n.ravel() for n in np.meshgrid(np.arange(rows), np.arange(rows)))  # row by row, the lowest first
+    j, i = np.divmod(np.arange(rows * rows), rows)  # row by row, the lowest first
     mass = np.where(j >= rows / 2, ratio, 1.0)
     number = 1 + i + rows * j  # body 0: floor and walls
     inverse = np.vstack([[0, 0, 0], np.stack([1 / mass, 1 / mass, 2 / (mass * SIDE**2)], axis=1)])
@@ -108,8 +107,11 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
     return Case(f"{name} {rows} x {rows} mu {mu:g}", name, mu, rows * rows, 0, "cold", problem)
 
 
-def from_file(path):
-    """Return the Case of a problem in a file that `core.read_problem` reads. ValueError states what is wrong with the file."""
+def from_file(path, sha256=""):
+    """Return the Case of a problem in a file that `core.read_problem` reads. ValueError states what is wrong with the file.
+
+    sha256: makes the settings of a changed file others; not looked at here.
+    """
     problem = core.read_problem(path)
     return Case(pathlib.Path(path).stem, "file", float("nan"), 0, 0, "cold", problem)
 

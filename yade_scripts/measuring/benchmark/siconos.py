@@ -7,6 +7,7 @@ computes the error e in between. So this is the shortest time in which Siconos c
 import importlib
 import tempfile
 import time
+from collections import namedtuple
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from cd_engine import core
 
 GROWTH = 1.05  # growth of the sweeps between two checks of the error; the time to a target is interpolated
 FEWEST = 4
+
+Point = namedtuple("Point", "sweeps seconds residual residual_max")  # how far a solution has come: e as 2-norm and as maximum
 
 
 def available():
@@ -26,20 +29,15 @@ def available():
 
 
 def write_blocks(file, problem):
-    """Write the text in which Siconos reads a problem with W in sparse blocks; numbers are written with all digits."""
-    def lines(values):
-        file.write("\n".join(map(repr, values)) + "\n")
-
+    """Write the text in which Siconos reads a problem with W in sparse blocks; 17 digits give every number exactly."""
     n, W = problem.contacts, problem.W.tobsr((2, 2))
     W.sort_indices()
-    ends = " ".join(map(str, range(2, 2 * n + 1, 2)))
-    file.write(f"2\n{n}\n1\n{2 * n}\n{2 * n}\n{len(W.indices)}\n{n}\n{n}\n{ends}\n{ends}\n{n + 1}\n{len(W.indices)}\n")
-    for pointers in (W.indptr, W.indices):
-        file.write(" ".join(map(str, pointers)) + "\n")
-    for number, (nn, tn, nt, tt) in enumerate(W.data.transpose(0, 2, 1).reshape(-1, 4).tolist()):  # each block by columns
-        file.write(f"{number}\n{nn!r}\n{tn!r}\n{nt!r}\n{tt!r}\n")
-    lines(problem.q.tolist())
-    lines(problem.mu.tolist())
+    count, ends = len(W.indices), range(2, 2 * n + 1, 2)
+    for line in ([2], [n], [1], [2 * n], [2 * n], [count], [n], [n], ends, ends, [n + 1], [count], W.indptr, W.indices):
+        file.write(" ".join(map(str, line)) + "\n")
+    blocks = W.data.transpose(0, 2, 1).reshape(-1, 4)  # each block by columns
+    np.savetxt(file, np.column_stack([np.arange(count), blocks]), "%d\n%.17g\n%.17g\n%.17g\n%.17g")
+    np.savetxt(file, np.concatenate([problem.q, problem.mu]), "%.17g")
     file.flush()
 
 
@@ -49,11 +47,11 @@ class Peer:
     def __init__(self, problem):
         import siconos.numerics as numerics
         self.numerics, self.problem = numerics, problem
-        matrix = problem if isinstance(problem, core.Problem) else problem.delassus()
-        self.contacts, self.matrix = matrix.contacts, matrix
+        self.matrix = problem if isinstance(problem, core.Problem) else problem.delassus()
+        self.contacts = self.matrix.contacts
         # Through a file: Siconos's conversion in memory needs space for the square of the number of contacts.
         with tempfile.NamedTemporaryFile("w", suffix=".dat") as file:
-            write_blocks(file, matrix)
+            write_blocks(file, self.matrix)
             self.theirs = numerics.frictionContact_new_from_filename(file.name)
 
     def sweeps(self, impulses, count):
@@ -69,11 +67,12 @@ class Peer:
         return time.process_time() - begin
 
     def history(self, impulses, target, most_seconds):
-        """Return [(sweeps, seconds, e, e_max)] from a first guess until e is at most `target` or the seconds are used up."""
-        p, made, seconds, points = impulses.copy(), 0, 0.0, []
+        """Return the Points from a first guess until e is at most `target` or the seconds are used up."""
+        p, points = impulses.copy(), []
+        made, seconds = 0, 0.0
         while True:
-            points.append((made, seconds, core.residual(self.problem, p), core.residual_max(self.problem, p)))
-            if not points[-1][2] > target or seconds >= most_seconds:
+            points.append(Point(made, seconds, core.residual(self.problem, p), core.residual_max(self.problem, p)))
+            if not points[-1].residual > target or seconds >= most_seconds:
                 return points
             count = max(FEWEST, int(made * (GROWTH - 1)))
             seconds += self.sweeps(p, count)
@@ -89,14 +88,14 @@ class Peer:
 
 
 def reached(points, target):
-    """Return (sweeps, seconds, e, e_max) at which a history first meets a target, interpolated in log e, at least one sweep. None if it does not."""
-    if points[0][2] <= target:
+    """Return the Point at which a history first meets a target, interpolated in log e, after at least one sweep. None if it does not."""
+    if points[0].residual <= target:
         return points[0]
     for before, after in zip(points, points[1:]):
-        if after[2] <= target:
-            fall = np.log(before[2] / after[2])  # infinite if e was infinite, as for zero impulses: then the later point counts
-            share = np.log(before[2] / target) / fall if np.isfinite(fall) else 1.0
-            sweeps = max(1.0, before[0] + share * (after[0] - before[0]))
-            share = (sweeps - before[0]) / (after[0] - before[0])
-            return (sweeps, before[1] + share * (after[1] - before[1])) + after[2:]
+        if after.residual <= target:
+            fall = np.log(before.residual / after.residual)  # infinite if e was infinite, as for zero impulses: then the later point counts
+            share = np.log(before.residual / target) / fall if np.isfinite(fall) else 1.0
+            sweeps = max(1.0, before.sweeps + share * (after.sweeps - before.sweeps))
+            seconds = np.interp(sweeps, [before.sweeps, after.sweeps], [before.seconds, after.seconds])
+            return after._replace(sweeps=sweeps, seconds=float(seconds))
     return None

@@ -1,26 +1,17 @@
 """Measures the cost of a step of packings at rest: hexagonal packings under gravity, by Contact Dynamics and by YADE's springs.
 
-    yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
-
 Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact
 Dynamics comes first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS
 runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and the same runs. Times are processor time, medians over the runs;
 nothing is recorded in them. Each run begins with a search by YADE's collider and ends with writing all contacts to the scene; both count.
-The last line printed is the row in JSON.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
 Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
 """
-import json
 import math
-import pathlib
 import random
-import statistics
-import sys
 import time
 
-if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[3]))
-
+import numpy as np
 import yade
 from yade import O, utils
 from yade import wrapper as w
@@ -66,37 +57,30 @@ def seconds(steps):
     return (time.process_time() - begin) / steps
 
 
-def main(wish):
+def main(rows, columns, tolerance, steps, order):
     empty = resident()
-    build(wish["rows"], wish["columns"], wish["order"])
+    build(rows, columns, order)
     loaded = resident()
-    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * wish["tolerance"]), reduce=False)
+    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * tolerance), reduce=False)
     engine, O.dt = O.engines[-1], STEP
     O.run(SETTLING, True)
-    engine.tolerance = wish["tolerance"]
+    engine.tolerance = tolerance
     O.run(SETTLING, True)
     missed = engine.unconvergedSteps
-    each = max(1, wish["steps"] // RUNS)
-    ours, solver, sweeps = [], [], []
+    each, made = max(1, steps // RUNS), []
     for _ in range(RUNS):
         before = engine.solveTime, engine.totalIterations
-        ours.append(seconds(each))
-        solver.append((engine.solveTime - before[0]) / each)
-        sweeps.append((engine.totalIterations - before[1]) / each)
+        made.append((seconds(each), (engine.solveTime - before[0]) / each, (engine.totalIterations - before[1]) / each))
+    whole, solver, sweeps = np.median(made, axis=0)
     memory = resident() - loaded
     contacts, missed = engine.contacts, engine.unconvergedSteps - missed
     cd_engine.release()
     O.engines, O.dt = springs(), 0.3 * math.sqrt(MASS / YOUNG)
     O.run(SETTLING, True)
-    theirs = [seconds(each) for _ in range(RUNS)]
-    whole, spring = statistics.median(ours), statistics.median(theirs)
-    print(json.dumps({
-        "status": "measured", "disks": wish["rows"] * wish["columns"], "contacts": contacts, "order": wish["order"], "tolerance": wish["tolerance"],
-        "steps": each * RUNS, "steps_missed": missed, "sweeps_a_step": statistics.median(sweeps), "seconds_a_step": whole, "seconds_of_the_solver": statistics.median(solver),
+    spring = np.median([seconds(each) for _ in range(RUNS)])
+    disks = rows * columns
+    return {
+        "status": "measured", "disks": disks, "contacts": contacts, "order": order, "tolerance": tolerance, "steps": each * RUNS,
+        "steps_missed": missed, "sweeps_a_step": sweeps, "seconds_a_step": whole, "seconds_of_the_solver": solver,
         "ns_a_contact": 1e9 * whole / contacts, "seconds_of_springs": spring, "over_springs": whole / spring,
-        "bytes_a_disk_in_yade": (loaded - empty) / (wish["rows"] * wish["columns"]), "bytes_a_contact_of_engine": memory / contacts,
-        "yade": yade.config.version}))
-
-
-if __name__ == "__main__":
-    main({"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 50, "order": "built"} | json.loads(sys.argv[1]))
+        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": memory / contacts, "yade": yade.config.version}

@@ -5,8 +5,6 @@ A series varies one parameter and keeps the scene's own defaults for the others.
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from yade_scripts import parameters, scenes
 from yade_scripts.measuring import store
 from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative_error
@@ -38,8 +36,8 @@ class Series:
         """Return the rows for a scene, each {parameter: value} with its method."""
         own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
         values = self.values[::-1][::2][::-1] if quick else self.values
-        return [{"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed | {self.parameter: value * own if self.relative else value}
-                for value in values]
+        common = {"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed
+        return [common | {self.parameter: value * own if self.relative else value} for value in values]
 
 
 @dataclass(frozen=True)
@@ -90,18 +88,22 @@ def series(scene):
 
 def settings(scene, full):
     """Return all settings of a scene in the order in which they are run: the coarse ones of all series first, then those at several sizes."""
-    found = [Setting(one, rank, row) for one in series(scene) for rank, row in enumerate(one.rows(scene, not full))]
-    sizes = chart_of(scene).sizes[:None if full else -1]
+    several, sizes = series(scene), chart_of(scene).sizes[:None if full else -1]
+    found = [Setting(one, rank, row) for one in several for rank, row in enumerate(one.rows(scene, not full))]
     return sorted(found, key=lambda setting: setting.rank) + [
         Setting(one, rank, row | {"disks": size}, size)
-        for size in sizes for one in series(scene) if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
+        for size in sizes for one in several if one.name in SCALED for rank, row in enumerate(one.rows(scene, True))]
+
+
+def errors(known):
+    """Return {name: relative error} of what was measured, from the rows of a measurement."""
+    return {one["name"]: relative_error(*(one[name] for name in ("measured", "exact", "scale", "deviation")))
+            for one in known if one["measured"] is not None}
 
 
 def error(known):
-    """Return the largest relative error |measured - exact|/scale of a measurement's rows; NaN where one was not measured."""
-    errors = [math.nan if one["measured"] is None else relative_error(one["measured"], one["exact"], one["scale"], one["deviation"])
-              for one in known]
-    return float(np.max(errors)) if errors else math.nan
+    """Return the largest relative error of a measurement's rows; NaN if one was not measured."""
+    return max(errors(known).values()) if known and all(one["measured"] is not None for one in known) else math.nan
 
 
 def status(known):
@@ -123,26 +125,26 @@ class Work:
 
     def left(self):
         """Return the settings without a measurement, or with one that ran out of a shorter time limit; of those with one name only the first."""
-        first = {setting.name: setting for setting in reversed(self.settings)}
-        done = {name for name in first if self._done(store.get(self.folder, name))}
-        return [setting for setting in self.settings if setting.name not in done and setting is first[setting.name]]
+        first = {}
+        for setting in self.settings:
+            first.setdefault(setting.name, setting)
+        return [setting for name, setting in first.items() if not self._done(store.get(self.folder, name))]
 
     def _done(self, found):
-        return found is not None and (found["status"] == STATUS_FINISHED or not found.get("out_of_time") or found["limit"] >= self.limit)
+        return found is not None and (not found.get("out_of_time") or found["limit"] >= self.limit)
 
-    def failed(self, name, reason, late, origin):
+    def failed(self, name, reason, late):
         """Store as failed the setting that ended its process and, if it was too slow (`late`), the settings that would take even longer."""
         culprits = [setting for setting in self.settings if setting.name == name]
-        self._enter(culprits[0], reason, late, origin)
+        self._enter(culprits[0], reason, late)
         left = {setting.name for setting in self.left()} if late else ()
         for setting in self.settings:
             if setting.name in left and any(setting.slower_than(culprit) for culprit in culprits):
-                self._enter(setting, f"not tried: a coarser setting {reason}", True, origin)
+                self._enter(setting, f"not tried: a coarser setting {reason}", True)
 
-    def _enter(self, setting, reason, late, origin):
-        store.add(self.folder, {
-            "scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
-            "status": STATUS_FAILED + reason, "seconds": []} | origin)
+    def _enter(self, setting, reason, late):
+        store.add(self.folder, {"scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
+                                "status": STATUS_FAILED + reason, "seconds": []})
 
     def measure(self, begun):
         """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""

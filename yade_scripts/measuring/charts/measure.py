@@ -23,7 +23,7 @@ def measure(row, folder, limit, allow):
     """Return (facts, known quantities as rows). `folder` holds the prepared packings; allow(seconds) sets the processor time allowed from now on."""
     own, asked = store.split(row)
     full = parameters.complete(own)
-    facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit} | store.origin()
+    facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit}
     seconds, known = [], []
     try:
         while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < ENOUGH):
@@ -66,6 +66,6 @@ def run(row, asked, folder, limit, known, allow):
 
 
 def values(known, scene):
-    measured = float(known.measure())
-    return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(charts.chart_of(scene).exact.get(known.name, known.exact)),
-            "unit": known.unit, "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}
+    measured, exact = float(known.measure()), charts.chart_of(scene).exact.get(known.name, known.exact)
+    return {"name": known.name, "measured": measured if math.isfinite(measured) else None, "exact": float(exact), "unit": known.unit,
+            "scale": float(known.scale), "source": known.source, "deviation": float(known.deviation)}

@@ -14,6 +14,8 @@ from collections import namedtuple
 from dataclasses import dataclass, field, fields
 from typing import Callable
 
+import numpy as np
+
 from yade_scripts import declared
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
@@ -105,7 +107,7 @@ class Map:
 
     group: heading of the report under which it stands, order: its place there. title, question: its heading and what it answers.
     criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user can
-    do. x, y: axes. The others are optional. panels: the parameter with a panel for each value. measures: {name: (unit, meaning)}.
+    do. x, y: axes. The others are optional. panels: the parameter with a panel for each value. measures: {name: meaning}, without units.
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """
@@ -125,11 +127,6 @@ class Map:
     theory_along: str = ""
     marks: dict = field(default_factory=dict)
     order: int = 100
-
-    @property
-    def parameters(self):
-        """Names of the parameters of a case, in the order of the grid."""
-        return tuple(self.grid(False)[0])
 
 
 def names():
@@ -151,7 +148,7 @@ def get(name):
 
 def logarithmic(low, high, count):
     """Return `count` numbers from low to high, evenly spaced in the logarithm and rounded to three digits."""
-    return [float(f"{low * (high / low)**(k / (count - 1)):.3g}") for k in range(count)]
+    return [float(f"{value:.3g}") for value in np.geomspace(low, high, count)]
 
 
 def whole(values):
@@ -161,8 +158,7 @@ def whole(values):
 
 @dataclass(frozen=True)
 class Boundary:
-    """The result of a search: the last good and the first bad value, the reason of the bad side; note: why there is no boundary, '' if there is
-    one."""
+    """The result of a search: the last good and the first bad value, the reason of the bad side; note: why there is no boundary, else ''."""
     good: float
     bad: float
     reason: str
@@ -186,10 +182,9 @@ def bisect(search, probe):
     if last.verdict in search.accepted:
         return Boundary(good, bad, "", f"none up to {bad:g}")
     reason = last.reason
-    whole = isinstance(search.good, int)
-    while max(good, bad) / min(good, bad) > search.precision and not (whole and abs(good - bad) <= 1):
+    while max(good, bad) / min(good, bad) > search.precision:
         middle = search.case(math.sqrt(good * bad))[search.along]
-        if middle in (good, bad):
+        if middle in (good, bad):  # rounded: there is no value between the two
             break
         outcome = probe(search.case(middle))
         if outcome.verdict in search.accepted:
@@ -209,13 +204,13 @@ class Work:
         """Return the stored facts of a case, or None."""
         return store.get(self.folder, store.name_of({"map": self.name, "case": case}))
 
-    def enter(self, case, outcome, seconds, origin):
+    def enter(self, case, outcome, seconds):
         measures = {name: float(value) for name, value in outcome.measures.items()}
-        store.add(self.folder, {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures} | origin)
+        store.add(self.folder, {"map": self.name, "case": case, "seconds": seconds} | vars(outcome) | {"measures": measures})
 
-    def failed(self, name, reason, late, origin):
+    def failed(self, name, reason, late):
         """Store a case that ended its process as not solved. name: the case as JSON."""
-        self.enter(json.loads(name), Outcome(NOT_SOLVED, "timed out" if late else "crashed", reason), 0, origin)
+        self.enter(json.loads(name), Outcome(NOT_SOLVED, "timed out" if late else "crashed", reason), 0)
 
     def measure(self, begun):
         """In YADE: probe the cases of the grid, then those of the searches. Before each case call begun(case as JSON, seconds)."""
@@ -224,14 +219,14 @@ class Work:
         def probe(case):
             if (known := self.find(case)) is not None:
                 return outcome(known)
-            begun(json.dumps(case), CASE_SECONDS)
+            begun(json.dumps(case), self.limit)
             started = time.perf_counter()
             O.reset()
             try:
                 found = module(self.name).probe(case)
             except RuntimeError as error:  # engines and checks raise it; any other exception is a mistake in the probe
                 found = Outcome(NOT_SOLVED, "refused", " ".join(str(error).split()))
-            self.enter(case, found, round(time.perf_counter() - started, 3), store.origin())
+            self.enter(case, found, round(time.perf_counter() - started, 3))
             print(f"{self.name}: {json.dumps(case)}: {found.verdict} {found.reason}", flush=True)
             return found
 

@@ -19,7 +19,7 @@ MAP = Map(
     remedy="Below the angle of friction bodies may creep, above it none stays at rest. The error of the speed is about the tolerance times the speed "
            "that the weight would give. Choose a tolerance smaller than the distance from the angle that matters to you.",
     x=Axis("tolerance", "tolerance"), y=Axis("distance", r"$d=|\tan(\mathrm{slope})/\mu-1|$"), panels="side",
-    measures={"speed_error": ("1", "of the mean speed, over mu d g cos(slope) t"), "unconverged": ("1", "share of the steps that missed the tolerance")},
+    measures={"speed_error": "of the mean speed, over mu d g cos(slope) t", "unconverged": "share of the steps that missed the tolerance"},
     grid=lambda full: product(side=SIDES, tolerance=logarithmic(1e-10, 1e-1, 10) if full else logarithmic(1e-9, 1e-1, 5),
                               distance=logarithmic(1e-9, 1e-1, 9) if full else logarithmic(1e-7, 1e-1, 4)),
     searches=lambda full: lines("distance", 0.3, 1e-9, 1.05 if full else 1.5, side=SIDES,

@@ -14,9 +14,9 @@ MAP = Map(
               "1e-6. Unstable: above 1e-3. Not solved: steps missed the tolerance.",
     remedy="Until the engine has proven that a packing rests, solver error moves it by about tolerance times dt^2. The defaults of runs "
            "(1e-8, 1 ms) are three decades inside the boundary; the engine's own tolerance of 1e-6 reaches it at 10 ms.",
-    x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"), panels="",
-    measures={"gamma": ("1", "strain2 - strain1 after the last step"), "unconverged": ("1", "share of the steps that missed the tolerance"),
-              "sweeps": ("1", "mean number of sweeps a step")},
+    x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"),
+    measures={"gamma": "strain2 - strain1 after the last step", "unconverged": "share of the steps that missed the tolerance",
+              "sweeps": "mean number of sweeps a step"},
     grid=lambda full: product(tolerance=logarithmic(1e-9, 1e-1, 9) if full else logarithmic(1e-7, 1e-1, 4), dt=TRIED[full]),
     searches=lambda full: lines("tolerance", 1e-8, 1.0, 1.1 if full else 1.5, dt=TRIED[full]),
     marks=TOLERANCES)

@@ -21,9 +21,10 @@ MAP = Map(
     remedy="Without restitution contacts hold at any step. With restitution, contacts that close during an impact elsewhere overlap by up to "
            "the way of a step, of which the engine warns; beyond dt sqrt(g/R) = 0.1 energy may grow.",
     x=Axis("dt", r"$dt\,\sqrt{g/R}$"), y=Axis("restitution", "restitution e"), panels="friction",
-    measures={"penetration": ("1", "largest overlap over the radius"), "energy_balance": ("1", "kinetic, potential and dissipated energy less the first, over the fall's"),
-              "energy_gain": ("1", "largest kinetic and potential energy less the first, over the fall's"),
-              "unconverged": ("1", "share of the steps that missed the tolerance")},
+    measures={"penetration": "largest overlap over the radius",
+              "energy_balance": "kinetic, potential and dissipated energy less the first, over the fall's",
+              "energy_gain": "largest kinetic and potential energy less the first, over the fall's",
+              "unconverged": "share of the steps that missed the tolerance"},
     grid=lambda full: product(friction=[0.0, 0.5] if full else [0.5],
                               restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] if full else [0.0, 0.5, 0.9],
                               dt=logarithmic(0.003, 3, 10) if full else logarithmic(0.01, 3, 6)),

@@ -14,8 +14,8 @@ MAP = Map(
            "columns take many sweeps; a step that does not reach its tolerance says so. Raise maxIterations, or let method='auto' go on to Newton's "
            "method.",
     x=Axis("tolerance", "tolerance"), y=Axis("disks", "disks in the column"), panels="method",
-    measures={"force_error": ("1", "largest error of a contact force, relative to the weight above it"),
-              "penetration": ("1", "largest overlap over the radius"), "unconverged": ("1", "share of the steps that missed the tolerance")},
+    measures={"force_error": "largest error of a contact force, relative to the weight above it",
+              "penetration": "largest overlap over the radius", "unconverged": "share of the steps that missed the tolerance"},
     grid=lambda full: product(method=SWEEPS[full], disks=whole(logarithmic(1, 300, 9) if full else logarithmic(1, 100, 4)),
                               tolerance=logarithmic(1e-12, 1e-1, 12) if full else logarithmic(1e-10, 1e-1, 5)),
     searches=lambda full: lines("tolerance", 1e-7, 1.0, 1.05 if full else 1.3, method=SWEEPS[full], disks=HEIGHTS[full]),
@@ -24,4 +24,4 @@ MAP = Map(
 
 def probe(case):
     from yade_scripts.measuring import rigid
-    return rigid.judge(*rigid.stand(case["disks"], STEPS, method=case["method"], tolerance=case["tolerance"]))
+    return rigid.column([1] * case["disks"], STEPS, method=case["method"], tolerance=case["tolerance"])

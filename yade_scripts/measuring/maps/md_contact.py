@@ -37,9 +37,9 @@ MAP = Map(
     remedy="The default, md_dt_factor = 0.2, is far below the limit. The decay becomes inaccurate long before, since YADE evaluates dashpots "
            "half a step late.",
     x=Axis("omega_dt", r"$\omega_n\,dt$, $\omega_n=\sqrt{k_n/m}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
-    measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
-              "decay_error": ("1", "of the decay a step of the normal motion, relative"),
-              "frequency_error": ("1", "of its frequency, relative")},
+    measures={"growth": "largest kinetic energy of the last quarter over that of the second",
+              "decay_error": "of the decay a step of the normal motion, relative",
+              "frequency_error": "of its frequency, relative"},
     grid=lambda full: product(kt_over_kn=RATIOS if full else RATIOS[1:], beta_n=DAMPING[full],
                               omega_dt=logarithmic(0.05, 3, 15) if full else logarithmic(0.1, 3, 6), tangential_law=LAWS[:1]),
     searches=searches, theory=lambda at: spring_limits.contact_limit(at["beta_n"], at["kt_over_kn"]),

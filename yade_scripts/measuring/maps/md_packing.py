@@ -30,9 +30,9 @@ MAP = Map(
     remedy="A run whose step is above the limit of the contacts that it begins with is refused. Contacts that form later are not checked; "
            "md_dt_factor up to 0.25 is safe for every beta_n and k_t/k_n.",
     x=Axis("md_dt_factor", r"md_dt_factor $= dt/\sqrt{m_{\min}/k_n}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
-    measures={"growth": ("1", "largest kinetic energy of the last quarter over that of the second"),
-              "theory": ("1", "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices"),
-              "bound": ("1", "md_dt_factor that is safe for every packing in which no disk is held more stiffly than here")},
+    measures={"growth": "largest kinetic energy of the last quarter over that of the second",
+              "theory": "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices",
+              "bound": "md_dt_factor that is safe for every packing in which no disk is held more stiffly than here"},
     grid=lambda full: product(kt_over_kn=RATIO[full], beta_n=DAMPING[full], md_dt_factor=logarithmic(0.1, 1.6, 13 if full else 7),
                               tangential_law=LAWS[:1]),
     searches=searches, marks={"default": 0.2}, theory_label=r"largest eigenvalue of the packing", theory_along="md_dt_factor")

@@ -4,9 +4,9 @@ import pathlib
 import tempfile
 
 import numpy as np
+import pandas
 
 from yade_scripts import parameters
-from yade_scripts.results import sealed
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 
 DISKS, SAMPLES, BETA = 100, 20, 0.3
@@ -25,11 +25,11 @@ MAP = Map(
            "warning, although gamma was wrong by up to 38 % under a load of 0.2 P0: check 'stress error/P0' in `python3 -m analysis summary`, "
            "which is a few 1e-3 at most if the servo works.",
     x=Axis("gain", r"gain $(1-\mathtt{stressDamping})\,2\beta_n\,\sqrt{m/k_n}/dt$"), y=Axis("max_velocity", "max_vel [m/s]"), panels="period",
-    measures={"stress_error": ("1", "error of the worst wall's stress over P0, median of the second half"),
-              "mean_stress_error": ("1", "the same of the means of opposite walls, which is what a history shows"),
-              "reversals": ("1", "share of the steps at which wall y+ changes direction"), "largest_gamma": ("1", "largest |gamma|"),
-              "strain_error": ("1", "of the largest |gamma|, relative to that under gain 1"), "samples": ("1", "taken before the run ended"),
-              "theory": ("1", "gain at which walls begin to flip by a theory of equal disks")},
+    measures={"stress_error": "error of the worst wall's stress over P0, median of the second half",
+              "mean_stress_error": "the same of the means of opposite walls, which is what a history shows",
+              "reversals": "share of the steps at which wall y+ changes direction", "largest_gamma": "largest |gamma|",
+              "strain_error": "of the largest |gamma|, relative to that under gain 1", "samples": "taken before the run ended",
+              "theory": "gain at which walls begin to flip by a theory of equal disks"},
     grid=lambda full: product(period=PERIODS[full], max_velocity=logarithmic(1e-4, 1e2, 13) if full else logarithmic(1e-3, 1e2, 6),
                               gain=logarithmic(0.25, 8, 11) if full else logarithmic(0.5, 4, 4)),
     searches=lambda full: (lines("gain", 0.5, 8.0, 1.02 if full else 1.1, period=[0.2], max_velocity=[0.1, 1.0, 10.0] if full else [1.0])
@@ -84,7 +84,7 @@ def run(case):
     controller.stressDamping, controller.max_vel = 1 - case["gain"] / own_gain, case["max_velocity"]
     p0, top, errors, places = parameters.pressure(full), O.bodies[walls.Y_HIGH].state, [], []
     with tempfile.TemporaryDirectory() as folder:
-        sampler, failure = recorder.Recorder(pathlib.Path(folder) / "servo.h5", full, scene), None
+        sampler, failure = recorder.Recorder(pathlib.Path(folder) / "servo.h5", full, scene), ""
 
         def observe():
             # Of each wall, where a history has the means of opposite ones.
@@ -98,14 +98,12 @@ def run(case):
         except wall_check.Collapse:
             pass  # a collapse is a result; it does not report locked walls
         except wall_check.StressError as ended:
-            failure = ended
-        sampler.close(failure=failure)
-        with sealed.open_checked(sampler.path) as file:
-            history = {name: data[()] for name, data in file["history"].items()}
+            failure = str(ended)
+    history = pandas.DataFrame(sampler.rows, columns=sampler.names)
     half, moves = len(errors) // 2, np.sign(np.diff(places))
     moves = moves[moves != 0]
     means = np.maximum(*(abs(history[f"sigma{k}"] - history[f"sigma{k}_goal"]) for k in (1, 2))) / p0
-    return "" if failure is None else str(failure), {
+    return failure, {
         "stress_error": np.median(errors[half:]), "mean_stress_error": np.median(means[half:]),
         "reversals": np.count_nonzero(np.diff(moves)) / len(places), "largest_gamma": abs(history["gamma"]).max(), "samples": len(errors),
         "theory": gain_limit(own_gain)}
