@@ -24,6 +24,7 @@ plt.rcParams.update({
     "figure.dpi": 100, "savefig.dpi": 160, "font.size": 9, "font.family": "DejaVu Sans",
     "axes.titlesize": 10, "axes.labelsize": 9, "axes.linewidth": 0.7, "axes.spines.top": False,
     "axes.spines.right": False, "lines.linewidth": 1.2, "lines.markersize": 6, "legend.frameon": False,
+    "grid.color": "#DDDDDD", "grid.linewidth": 0.5,
     "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.formatter.useoffset": False,
 })
 
