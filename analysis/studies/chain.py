@@ -1,7 +1,9 @@
 """With too few sweeps a row of rigid disks oscillates like a soft one: the textbook case of Contact Dynamics that is not converged."""
 import numpy as np
+import pandas
 
 from analysis import loops, style, summary
+from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 

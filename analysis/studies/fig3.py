@@ -262,4 +262,5 @@ def numbers(table):
             **summary.stated("1.1e-4 3.7e-4", later[later > 1e-4]), "7.1e-7": later[later < 1e-4].max(),
             "0.71": [slows.median(), slow[quarter].median()], "21": len(slows), "0.59": slows.quantile(0.25),
             "1.16": slows.quantile(0.75), "14": (slows < 1).sum(), "4.8e-8": at[0.1]["late rate"].abs().max(),
-            "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), **summary.stated("0.90 2.65", fails), "5.2e-5": slow["late rate"].abs().median(), **summary.stated("0.12 0.78", slow[quarter])}
+            "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), **summary.stated("0.90 2.65", fails),
+            "5.2e-5": slow["late rate"].abs().median(), **summary.stated("0.12 0.78", slow[quarter])}

@@ -1,7 +1,9 @@
 """Compares MD's springs with Contact Dynamics of few sweeps, which has an effective stiffness."""
 import numpy as np
+import pandas
 
 from analysis import loops, observables, style, summary
+from analysis.style import plt
 from yade_scripts import parameters
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
@@ -76,8 +78,8 @@ def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, usual):
         "medium": medium, "stiffness_over_kn": ratio, "springs_over_kn": stiffening, "sweeps": sweeps, "step_s": step, "kt_over_kn": kt_over_kn,
         "period_s": period, "comparison": "" if usual is None else "check", "packings": len(group), **loops.spread(group),
         **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
-        "modulus_over_stiffness_per_m": float(np.mean(modulus)) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
-        **{f"{name}, packing {run.attributes['seed']}": ratio * getattr(loops.of(run), name) for run in group for name in ("largest", "remanent")},
+        "modulus_over_stiffness_per_m": np.mean(modulus) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
+        **{f"{name}, packing {run.attributes['seed']}": ratio * loops.of(run)[name] for run in group for name in ("largest", "remanent")},
         "sliding_most": max(int(run.values("sliding_contacts").max()) for run in group),
         "stress_error": max(observables.stress_error(run) for run in group),
         **({f"compared_{name}": value for name, value in loops.spread(compared).items() if name in loops.QUANTITIES} if compared else {})}
@@ -85,15 +87,15 @@ def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, usual):
 
 def draw(runs, rows, path):
     """Draw the loop's numbers against the stiffness on the left, on the right loops of one packing, strains times stiffness."""
-    fig, (left, middle, right) = style.plt.subplots(1, 3, figsize=(12, 4.4))
+    fig, (left, middle, right) = plt.subplots(1, 3, figsize=(12, 4.4))
+    table = pandas.DataFrame(rows)
     for axes, name in ((left, "largest"), (middle, "remanent")):
         for medium, marker in MARKER.items():
-            if part := [row for row in rows if row["medium"] == medium and not row["comparison"]]:
-                loops.draw_spread(axes, [row["stiffness_over_kn"] for row in part], part, name, fmt=marker, color=COLOUR[medium], mfc="none",
-                                  label=medium)
-        if first := next((row for row in rows if row["medium"] == MD), None):
-            x = np.array(sorted({row["stiffness_over_kn"] for row in rows}))
-            axes.plot(x, first[name] * first["stiffness_over_kn"] / x, ":", color="k", lw=0.8, label="inverse to the stiffness")
+            if len(part := table[(table.medium == medium) & (table.comparison == "")]):
+                loops.draw_spread(axes, part, "stiffness_over_kn", name, fmt=marker, color=COLOUR[medium], mfc="none", label=medium)
+        for _, first in table[table.medium == MD].head(1).iterrows():
+            x = np.unique(table.stiffness_over_kn)
+            axes.plot(x, first[name] * first.stiffness_over_kn / x, ":", color="k", lw=0.8, label="inverse to the stiffness")
         axes.set(xscale="log", yscale="log", xlabel=r"stiffness of a contact: $k_n$ or $\kappa$, over the softest $k_n$",
                  title=loops.QUANTITIES[name])
         axes.legend()
