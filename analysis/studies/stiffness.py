@@ -108,11 +108,9 @@ def _draw_loops(axes, runs):
     """Draw the loops of the first packing at the softest and at ten times the stiffness."""
     seed = runs[0].attributes["seed"]
     shown = [run for run in runs if run.attributes["seed"] == seed and run.parameters["stiffening"] in (1, 10)]
-    media = summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False)
-    for (medium, stiffening), (run, *_) in media.items():
-        gamma = run.values("gamma") * stiffness_ratio(run)
-        axes.plot(-gamma, run.values("sigma2") / run.pressure, "-" if stiffening == 1 else "--", color=COLOUR[medium], lw=1,
-                  label=f"{medium}, {stiffening:g} $k_n$")
+    for (medium, stiffening), (run, *_) in summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False).items():
+        axes.plot(-run.values("gamma") * stiffness_ratio(run), run.values("sigma2") / run.pressure, "-" if stiffening == 1 else "--",
+                  color=COLOUR[medium], lw=1, label=f"{medium}, {stiffening:g} $k_n$")
     axes.set(xlabel=r"$-\gamma$ times stiffness over $k_n$", ylabel=r"$\sigma_2/P_0$", title=f"loops of packing {seed}")
     axes.set_xlim(right=1.8 * axes.get_xlim()[1])  # room for the legend
     axes.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
@@ -141,17 +139,15 @@ def numbers(table):
         return [np.polyfit(stiffness, np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
 
     def spread(medium, name):
-        """Least, median and largest of all settings and packings over MD's of the same packing and stiffness."""
-        own = main[main.medium == medium]
-        columns = [f"{name}, packing {seed}" for seed in seeds]
-        values = (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
-        return values.min(), np.median(values), values.max()
+        """All settings and packings over MD's of the same packing and stiffness."""
+        own, columns = main[main.medium == medium], [f"{name}, packing {seed}" for seed in seeds]
+        return (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
 
     checks = table[(table.comparison == "check") & (table.medium == MD) & (table.kt_over_kn < 0.5)]
     softer = checks.largest / checks.compared_largest
-    largest, remanent = powers("largest"), powers("remanent")
-    springs, kept, rigid, rigid_kept = (spread(medium, name) for medium in (AS_SPRINGS, AS_RIGID) for name in ("largest", "remanent"))
-    return {"5": [md.packings.min(), md.packings.max()], "-0.94": max(largest), "-1.01": min(largest), "4.5e-4": md.largest.iloc[0],
-            "5.1e-6": md.largest.iloc[-1], "-0.87": max(remanent), "-0.98": min(remanent), "0.96": springs[0], "1.13": springs[2],
-            "1.05": [springs[1], kept[2], softer.min()], "0.89": kept[0], "0.97": kept[1], "0.65": rigid[0], "0.88": rigid[2],
-            "0.79": rigid[1], "0.01": rigid_kept[0], "0.43": rigid_kept[2], "0.12": rigid_kept[1], "1.07": softer.max()}
+    springs, kept = spread(AS_SPRINGS, "largest"), spread(AS_SPRINGS, "remanent")
+    return {"5": [md.packings.min(), md.packings.max()], **summary.stated("-0.94 -1.01", powers("largest"), "max min"),
+            "4.5e-4": md.largest.iloc[0], "5.1e-6": md.largest.iloc[-1], **summary.stated("-0.87 -0.98", powers("remanent"), "max min"),
+            **summary.stated("0.96 1.13", springs), "1.05": [np.median(springs), kept.max(), softer.min()],
+            **summary.stated("0.89 0.97", kept, "min median"), **summary.stated("0.65 0.88 0.79", spread(AS_RIGID, "largest"), "min max median"),
+            **summary.stated("0.01 0.43 0.12", spread(AS_RIGID, "remanent"), "min max median"), "1.07": softer.max()}
