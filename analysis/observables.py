@@ -140,7 +140,7 @@ def unconverged_steps(run):
 
 
 def snapshot_at_load_maximum(run):
-    """Return the snapshot at the largest load, and the prescribed sigma2/P0 there. The measured stress may oscillate about it while the sample yields."""
+    """Return the snapshot at the largest load, and the prescribed sigma2/P0 there, about which the measured stress may oscillate."""
     time, sigma2 = run.values("time"), run.values("sigma2_goal")
     loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in _snapshots(run)]
     best = int(np.argmax(loads))

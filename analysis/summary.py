@@ -56,5 +56,5 @@ def by(runs, *names):
 
 
 def stated(numbers, values, how="min max"):
-    """Return {number: value}, as numbers(table) of a study does: for "2 1 3" and "median min max" the median, the least and the largest of the values."""
+    """Return part of numbers(table) of a study: with "2 1 3" and "median min max" {"2": median of the values, "1": the least, "3": the largest}."""
     return dict(zip(numbers.split(), pandas.Series(values).agg(how.split()), strict=True))

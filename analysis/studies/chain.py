@@ -15,7 +15,7 @@ ELASTIC = (dict(warm_start=True, gap_correction=0.0), dict(warm_start=False, gap
 OTHERS = (dict(warm_start=False, gap_correction=0.0), dict(warm_start=True, gap_correction=1.0))
 FIRST = [dict(scene="chain") | way for way in (*ELASTIC, *OTHERS)] + [dict(scene="chain", fixed_iterations=0, solver_seed=0)]
 # Sweeps a step, steps (about five periods each, at most ten decay times), and orders of the sweeps.
-SERIES = ((40, 200, range(2, 6)), (5, 500, range(1, 4)), (10, 400, range(1, 4)), (20, 300, range(1, 4)), (80, 140, range(1, 4)), (160, 100, range(1, 4)))
+SERIES = ((40, 200, range(2, 6)), *((sweeps, steps, range(1, 4)) for sweeps, steps in ((5, 500), (10, 400), (20, 300), (80, 140), (160, 100))))
 ROWS = {"quick": FIRST,
         "full": FIRST + [row for sweeps, steps, orders in SERIES for way in ELASTIC for row in product(
             scene="chain", fixed_iterations=sweeps, period=steps / 1000, records_per_cycle=steps, solver_seed=orders, **way)]}
@@ -68,8 +68,8 @@ def draw(runs, rows, path):
     for what, run in reversed(shown.items()):
         left.plot(_way(run), color=COLOUR[what], label=what)
     if elastic := next((run for what, run in shown.items() if what in MARKER), None):
-        steps = np.arange(len(_way(elastic)))
-        left.plot(effective_medium.chain_response(elastic.parameters, steps * effective_medium.step(elastic.parameters)), "k--", lw=0.9, label="theory")
+        times = np.arange(len(_way(elastic))) * effective_medium.step(elastic.parameters)
+        left.plot(effective_medium.chain_response(elastic.parameters, times), "k--", lw=0.9, label="theory")
     left.set(xlabel="step", ylabel="displacement of the free end / that at rest", ylim=(-0.5, 3), title="50 disks, 40 sweeps a step")
     left.legend(ncol=2)
     _draw_theory(right, pandas.DataFrame(rows))

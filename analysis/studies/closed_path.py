@@ -12,7 +12,8 @@ QUESTION = ("Does the tangential spring's force depend only on where the disks a
 ORDER = 8  # in the report
 PATHS = dict(scene="two_grain_path", tangential_law=("standard", "avoid_ratcheting", "path_independent"), path_depth=(1e-4, 1e-3, 1e-2, 1e-1))
 # The last rows take four times the steps: the error of the step falls.
-ROWS = {"quick": product(path_angle=0.1, **PATHS), "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
+ROWS = {"quick": product(path_angle=0.1, **PATHS),
+        "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
 
 LAWS = {"standard": ("standard (Cundall-Strack)", "#0072B2", "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", "#D55E00", "s"),
         "path_independent": ("path-independent", "#1A1A1A", "^")}

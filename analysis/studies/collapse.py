@@ -8,8 +8,8 @@ from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "What decides when a packing collapses"
-QUESTION = ("With the mean stress held, springs and rigid contacts both collapse under cycles that pass the static limit. In which cycle, and is it the "
-            "stiffness, the solver's error, the choice of the force network, the tangential law, the walls or the period that decides?")
+QUESTION = ("With the mean stress held, springs and rigid contacts both collapse under cycles that pass the static limit. In which cycle, and is it "
+            "the stiffness, the solver's error, the choice of the force network, the tangential law, the walls or the period that decides?")
 ORDER = 5  # in the report
 LOADING = dict(cycles=40, stress_path="mean")
 SPRINGS, RIGID = fig3.SPRINGS | LOADING, fig3.RIGID | LOADING
@@ -58,7 +58,8 @@ def draw(runs, rows, path):
         axis.grid(True)
     axes[0, 0].set_yticks(range(len(names)), [name.replace("10 k_n", "$10\\,k_n$") for name in names])
     axes[0, 0].invert_yaxis()
-    style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles. Runs whose walls missed their load are left out.", runs)
+    style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles. Runs whose walls missed their load are left out.",
+                 runs)
 
 
 ANSWER = """
@@ -116,7 +117,8 @@ def times(table, case, base):
 
 def numbers(table):
     soft, hard, slow, servo = (times(table, *pair) for pair in (
-        ("rigid", "springs"), ("rigid, packing of 10 k_n", "springs, 10 k_n"), ("rigid, 2 s", "springs, 2 s"), ("springs, servo for walls", "springs")))
+        ("rigid", "springs"), ("rigid, packing of 10 k_n", "springs, 10 k_n"), ("rigid, 2 s", "springs, 2 s"),
+        ("springs, servo for walls", "springs")))
     stiffer = [times(table, *pair).groupby("dSigma").median() for pair in (("springs, 10 k_n", "springs"), ("rigid, packing of 10 k_n", "rigid"))]
     finer = pandas.DataFrame({case: times(table, case, case.split(",")[0]) for case in (
         "rigid, tolerance 1e-6", "rigid, step / 5", "rigid, other forces", "springs, step / 3", "springs, path-independent law")})

@@ -9,8 +9,8 @@ from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
 TITLE = "Is the difference between MD and CD only stiffness?"
-QUESTION = ("Contact Dynamics with N_I sweeps a step has the contact stiffness kappa = q m N_I/dt^2. Where kappa is made equal to the stiffness of MD's "
-            "springs, k_n to 100 k_n at one pressure, do the loops of both methods fall on one curve?")
+QUESTION = ("Contact Dynamics with N_I sweeps a step has the contact stiffness kappa = q m N_I/dt^2. Where kappa is made equal to the stiffness of "
+            "MD's springs, k_n to 100 k_n at one pressure, do the loops of both methods fall on one curve?")
 ORDER = 7  # in the report
 LOADING = dict(loading="cosine", period=1.0)
 # For each stiffness of the springs the pairs (sweeps a step, step) whose kappa = q m N_I/dt^2 is the same.
@@ -20,8 +20,9 @@ SPRINGS = dict(method="MD", md_walls="force", **LOADING)
 
 
 def _rigid(pairs, seed=1, **more):
+    base = dict(method="CD", solver_seed=1, seed=seed) | LOADING | more
     return [row for stiffening, several in pairs.items() for sweeps, step in several
-            for row in product(**dict(method="CD", solver_seed=1, stiffening=stiffening, fixed_iterations=sweeps, cd_dt=step, seed=seed) | LOADING | more)]
+            for row in product(stiffening=stiffening, fixed_iterations=sweeps, cd_dt=step, **base)]
 
 
 BOTH = dict(reference_overlaps=(False, True))

@@ -36,8 +36,8 @@ def _rows(run):
         rate = found.rate[first:last]
         rows.append(same | {
             "from cycle": first + 1, "to cycle": last, "|gamma|": abs(found.gamma[last]), "rate": found.rates([(first + 1, last)])[0],
-            "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)), "dissipated/P0V0 a cycle": found.dissipated[first:last].mean(),
-            "sliding at most": found.sliding_max[first:last].max(), "2M/N": found.contacts[last - 1],
+            "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)),
+            "dissipated/P0V0 a cycle": found.dissipated[first:last].mean(), "sliding at most": found.sliding_max[first:last].max(), "2M/N": found.contacts[last - 1],
             "balance error": observables.balance_error(run, slice(0, ends[last] + 1)), "outcome": run.outcome})
     return rows
 
