@@ -133,7 +133,7 @@ def _numbers(run):
     from analysis import observables
     columns = {
         "cycles": lambda: run.values("cycle")[-1],
-        "gamma end": lambda: observables.permanent_strain(run.values("gamma")),
+        "gamma end": lambda: observables.change(run, "gamma"),
         "loop width": lambda: observables.loop_width(run.values("gamma"), run.values("sigma2")),
         "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), run.values("sigma2")),
         "dissipated J": lambda: observables.change(run, "dissipated_energy"),

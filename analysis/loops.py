@@ -11,7 +11,7 @@ def of(run):
     part = observables.cycle_range(run)
     gamma = run.values("gamma")[part] - run.values("gamma")[part][0]
     return {"largest": np.abs(gamma).max(), "width": observables.loop_width(gamma, run.values("sigma2")[part]),
-            "remanent": abs(observables.permanent_strain(gamma))}
+            "remanent": abs(gamma[-1])}
 
 
 def spread(runs, scale=1.0):

@@ -25,11 +25,6 @@ def cycle_range(run, number=1):
     return slice(inside[0], inside[-1] + 1)
 
 
-def permanent_strain(gamma):
-    """Return the change of gamma over a loading and unloading, the remanent strain of Fig. 4 [1]."""
-    return gamma[-1] - gamma[0]
-
-
 def loop_width(strain, stress):
     """Return the largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
     top = int(np.argmax(stress))

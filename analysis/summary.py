@@ -49,10 +49,15 @@ def groups(items, key, ordered=True):
     return dict(sorted(found.items())) if ordered else found
 
 
+def order(runs, *names):
+    """Return the runs sorted by these columns, MD before CD."""
+    return sorted(runs, key=lambda run: [value != "MD" if name == "method" else value for name, value in columns(run, *names).items()])
+
+
 def by(runs, *names):
-    """Return {value, or values, of these columns: [runs]}, sorted."""
+    """Return {value, or values, of these columns: [runs]}, in the order of `order`."""
     values = lambda run: tuple(columns(run, *names).values())
-    return groups(runs, values if len(names) > 1 else lambda run: values(run)[0])
+    return groups(order(runs, *names), values if len(names) > 1 else lambda run: values(run)[0], ordered=False)
 
 
 def stated(numbers, values, how="min max"):

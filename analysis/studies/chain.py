@@ -39,21 +39,17 @@ def kind(run):
 
 def summarize(runs):
     """Return one row a kind and number of sweeps, over the orders of the sweeps: measured against the theory, in steps."""
-    groups = summary.groups(runs, lambda run: (kind(run), run.parameters["fixed_iterations"]), ordered=False)
-    return [_row(*key, group) for key, group in groups.items()]
-
-
-def _row(what, sweeps, group):
-    row = {"row": what, "sweeps": sweeps, "orders_of_sweeps": len(group), "end_over_rest": np.mean([_way(run)[-1] for run in group]),
-           "furthest_over_rest": np.mean([np.abs(_way(run)).max() for run in group])}
-    if not sweeps:
-        return row
-    row["kappa_N_per_m"] = effective_medium.stiffness(group[0].parameters)
-    for name in ("swing_period", "swing_decay"):
-        if len(measured := np.array([run.known[name].measured for run in group if name in run.known])):
-            row |= {f"{name}_theory": group[0].known[name].exact, f"{name}_measured": measured.mean(),
-                    f"{name}_low": measured.min(), f"{name}_high": measured.max()}
-    return row
+    rows = []
+    for (what, sweeps), group in summary.groups(runs, lambda run: (kind(run), run.parameters["fixed_iterations"]), ordered=False).items():
+        rows.append({"row": what, "sweeps": sweeps, "orders_of_sweeps": len(group), "end_over_rest": np.mean([_way(run)[-1] for run in group]),
+                     "furthest_over_rest": np.mean([np.abs(_way(run)).max() for run in group])})
+        if sweeps:
+            rows[-1]["kappa_N_per_m"] = effective_medium.stiffness(group[0].parameters)
+        for name in ("swing_period", "swing_decay") if sweeps else ():
+            if len(measured := np.array([run.known[name].measured for run in group if name in run.known])):
+                rows[-1] |= {f"{name}_theory": group[0].known[name].exact, f"{name}_measured": measured.mean(),
+                             f"{name}_low": measured.min(), f"{name}_high": measured.max()}
+    return rows
 
 
 def _way(run):

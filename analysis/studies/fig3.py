@@ -37,8 +37,7 @@ ROWS = {"quick": [row for setting in (SPRINGS, RIGID | {"tolerance": 1e-7, "max_
 
 def summarize(runs):
     """Return one row a run: when it collapses, how it strains, what slides, dissipates and touches. Of MD first, then by the preparation."""
-    order = ("preparation friction", "period", "stress path", "dSigma", "seed")
-    return [_row(run) for run in sorted(runs, key=lambda run: (run.method != "MD", *summary.columns(run, *order).values()))]
+    return [_row(run) for run in summary.order(runs, "method", "preparation friction", "period", "stress path", "dSigma", "seed")]
 
 
 def _row(run):
@@ -51,27 +50,16 @@ def _row(run):
     row["rate of cycles {} to {}".format(*window)] = found.rates([window])[0] if compared else np.nan
     row |= summary.columns(run, "unsolved steps")
     if len(found.number):
+        share, ends = cycles.sliding_share(run), cycles.ends(run)
+        last, before = (share[first:end + 1] for first, end in ((ends[-2], ends[-1]), (ends[max(0, len(ends) - 3)], ends[-2])))
+        alike = len(ends) > 2 and len(last) == len(before) and last.mean()
         row |= {"first cycle": found.first, "sliding at most, first cycle": found.sliding_max[0],
-                "sliding at most, last cycle": found.sliding_max[-1], "sliding at least, last cycle": _last_cycle(run, 1).min(),
-                "sliding, change of a cycle": _sliding_change(run),
+                "sliding at most, last cycle": found.sliding_max[-1], "sliding at least, last cycle": last.min(),
+                "sliding, change of a cycle": np.sqrt(np.mean((last - before)**2)) / last.mean() if alike else np.nan,  # rms over the mean
                 "dissipated/P0V0, first cycle": found.dissipated[0], "dissipated/P0V0, last cycle": found.dissipated[-1],
                 "2M/N at the end": found.contacts[-1]}
     return row | {"coordination at the end": observables.coordination(run.snapshots[-1])} | summary.columns(
         run, "balance error", "stress error/P0", "outcome")
-
-
-def _last_cycle(run, back):
-    """Return the sliding share through the last completed cycle, or the one `back` - 1 before it."""
-    at = cycles.ends(run)
-    return cycles.sliding_share(run)[at[-1 - back]:at[-back] + 1]
-
-
-def _sliding_change(run):
-    """Return how much the sliding share differs between the last two cycles: rms over its mean; NaN where there are no two."""
-    if len(cycles.ends(run)) < 3:
-        return np.nan
-    last, before = _last_cycle(run, 1), _last_cycle(run, 2)
-    return np.sqrt(np.mean((last - before)**2)) / last.mean() if len(last) == len(before) and last.mean() else np.nan
 
 
 def draw(runs, rows, path):
@@ -86,7 +74,7 @@ def draw(runs, rows, path):
         if axis is not axes[0]:
             axis.sharex(axes[0])
             axis.sharey(axes[0])
-        for run in sorted(own, key=lambda run: (run.method, run.parameters["delta_sigma"])):
+        for run in summary.order(own, "method", "dSigma"):
             _rates(axis, run, look[run.parameters["delta_sigma"]])
         axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=style.STRESS_PATH[stress_path])
         axis.grid(True)
@@ -130,10 +118,10 @@ def _collapses(axis, table):
 
 def _draw_each_cycle(runs, look, path):
     """Draw cycle by cycle the most sliding contacts, the energy dissipated, and the contacts; a column a method and preparation."""
-    columns = summary.groups(runs, lambda run: (run.method != "MD", run.parameters["preparation_friction"]))
+    columns = summary.by(runs, "method", "preparation friction")
     fig, axes = plt.subplots(3, len(columns), figsize=(1 + 2.6 * len(columns), 7.5), squeeze=False, sharex=True, sharey="row")
-    for line, (rigid, friction), own in zip(axes.T, columns, columns.values()):
-        line[0].set_title(f"{'CD' if rigid else 'MD'}, prepared with $\mu$ = {friction:g}", fontsize=9)
+    for line, (method, friction), own in zip(axes.T, columns, columns.values()):
+        line[0].set_title(f"{method}, prepared with $\\mu$ = {friction:g}", fontsize=9)
         for load, same in summary.by(own, "dSigma").items():
             several = [found for run in same if len((found := cycles.of(run)).number)]
             count = min((len(found.number) for found in several), default=0)

@@ -26,7 +26,7 @@ def summarize(run):
     gamma, snapshot = run.values("gamma"), observables.snapshot_at_load_maximum(run)[0]
     scale, (slipped, shared) = observables.work_scale(run), slip.of(run)
     return summary.columns(run, "method", "stress path", "seed", "static limit", "outcome", "largest |gamma|") | {
-        "remanent gamma": observables.permanent_strain(gamma), "loop width": observables.loop_width(gamma, run.values("sigma2")),
+        "remanent gamma": observables.change(run, "gamma"), "loop width": observables.loop_width(gamma, run.values("sigma2")),
         "dissipated/P0V0": observables.change(run, "dissipated_energy") / scale, "work/P0V0": observables.change(run, "wall_work") / scale,
         "balance error": observables.balance_error(run), "work by stress and strain, error": observables.work_error(run),
         "at Coulomb's limit at the maximum": observables.sliding(snapshot).sum(), "slip of a contact/R": slipped,
@@ -57,7 +57,7 @@ def draw(runs, rows, path):
 def _loops(axis, runs):
     """Draw the loops of runs, the first of each method bold. Return the exponent of the power of ten that gamma is divided by."""
     exponent = style.power_of_ten(np.concatenate([[0.0], *(run.values("gamma") for run in runs)]))
-    for method, own in reversed(summary.by(runs, "method").items()):
+    for method, own in summary.by(runs, "method").items():
         for run in own:
             gamma, stress, first = run.values("gamma") * 10.0**-exponent, run.values("sigma2") / run.pressure, run is own[0]
             top = int(np.argmax(stress))

@@ -29,8 +29,7 @@ def summarize(runs):
 
     over the limit at: sigma2/sigma1 there over the largest that the contacts can carry, which does not depend on the path.
     """
-    group = ("stress path", "preparation friction", "ramp rate")
-    return [_row(run) for run in sorted(runs, key=lambda run: (*summary.columns(run, *group).values(), run.method != "MD", run.parameters["seed"]))]
+    return [_row(run) for run in summary.order(runs, "stress path", "preparation friction", "ramp rate", "method", "seed")]
 
 
 def _row(run):

@@ -31,12 +31,16 @@ def summarize(runs):
 
     A run that collapses has strained by what it had then.
     """
-    strains = {_name(change): _strains(runs, change) for change in ({}, *PHYSICAL, *NUMERICAL)}
-    return [_row(change, own, own / strains["none"]) for change, own in strains.items() if len(own)]
-
-
-def _name(change):
-    return ", ".join(f"{name} = {value}" for name, value in change.items()) or "none"
+    base, rows = _strains(runs, {}), []
+    for change in ({}, *PHYSICAL, *NUMERICAL):
+        strains = _strains(runs, change)
+        ratios = (strains / base).dropna()
+        if len(strains):
+            rows.append({"change": ", ".join(f"{name} = {value}" for name, value in change.items()) or "none", "packings": len(strains),
+                         "|gamma|": strains.median(), "least |gamma|": strains.min(), "most |gamma|": strains.max()})
+        if len(ratios):
+            rows[-1] |= {"ratio": ratios.median(), "least ratio": ratios.min(), "largest ratio": ratios.max()}
+    return rows
 
 
 def _strains(runs, change):
@@ -44,12 +48,6 @@ def _strains(runs, change):
     wanted = parameters.complete(BASE | change)
     return pandas.Series({run.parameters["seed"]: abs(run.values("gamma")[-1]) for run in runs
                           if all(run.parameters.get(name, value) == value for name, value in wanted.items() if name != "seed")}, dtype=float)
-
-
-def _row(change, strains, ratios):
-    found = {"change": change, "packings": len(strains), "|gamma|": strains.median(), "least |gamma|": strains.min(), "most |gamma|": strains.max()}
-    ratios = ratios.dropna()
-    return found | ({"ratio": ratios.median(), "least ratio": ratios.min(), "largest ratio": ratios.max()} if len(ratios) else {})
 
 
 def draw(runs, rows, path):

@@ -26,23 +26,21 @@ def summarize(runs):
 
     freedom: dimension of the set of force networks that balance the walls, over the number of disks that carry.
     """
-    pairs = summary.by(runs, "friction", "stiffening", "dSigma", "seed")
-    return [_row(key, {run.method: run for run in pair}) for key, pair in pairs.items()]
-
-
-def _row(key, pair):
-    one = pair.get("CD", next(iter(pair.values())))
-    first = one.snapshots[0]
-    loaded = first["force_normal"] > 0
-    contacts, disks, _ = statics.degrees_of_freedom(first, loaded)
-    row = {"friction": key[0], "P0/k_n": one.parameters["pressure_ratio"] / key[1], "dSigma": key[2], "seed": key[3], "contacts": contacts,
-           "disks": disks, "freedom": statics.dimension(first, loaded) / disks, **summary.columns(one, "static limit")}
-    for method in style.MARKER:
-        run = pair.get(method)
-        gamma = run.values("gamma") if run else np.array([np.nan])
-        row |= {f"largest |gamma|, {method}": np.abs(gamma).max(), f"remaining |gamma|, {method}": abs(gamma[-1]),
-                f"outcome, {method}": run.outcome if run else ""}
-    return row | summary.columns(one, "unsolved steps")
+    rows = []
+    for (friction, stiffening, load, seed), several in summary.by(runs, "friction", "stiffening", "dSigma", "seed").items():
+        pair, first = {run.method: run for run in several}, several[-1].snapshots[0]
+        loaded = first["force_normal"] > 0
+        contacts, disks, _ = statics.degrees_of_freedom(first, loaded)
+        rows.append({"friction": friction, "P0/k_n": several[0].parameters["pressure_ratio"] / stiffening, "dSigma": load, "seed": seed,
+                     "contacts": contacts, "disks": disks, "freedom": statics.dimension(first, loaded) / disks,
+                     **summary.columns(several[-1], "static limit")})
+        for method in style.MARKER:
+            run = pair.get(method)
+            gamma = run.values("gamma") if run else np.array([np.nan])
+            rows[-1] |= {f"largest |gamma|, {method}": np.abs(gamma).max(), f"remaining |gamma|, {method}": abs(gamma[-1]),
+                         f"outcome, {method}": run.outcome if run else ""}
+        rows[-1] |= summary.columns(several[-1], "unsolved steps")
+    return rows
 
 
 def draw(runs, rows, path):

@@ -25,20 +25,20 @@ THRESHOLD = 1e-3  # |gamma| at which a packing counts as yielding
 
 def summarize(runs):
     """Return one row a packing: its static limit, the loads at which both methods yield, and what springs strain under cycles."""
-    return [_row(*key, group) for key, group in summary.by(runs, "disks", "seed").items()]
-
-
-def _row(disks, seed, group):
-    ramps = {run.method: run for run in group if run.parameters["loading"] == "ramp"}
-    cycled = next((run for run in group if run.parameters["loading"] != "ramp"), None)
-    limit = limits.static_limit(group[0])
-    row = {"disks": disks, "seed": seed, "static limit": limit}
-    for method in style.MARKER:
-        load = observables.critical_load(ramps[method], THRESHOLD) if method in ramps else np.nan
-        row |= {f"yields at, {method}": load, f"yields over the limit at, {method}": load / limit}
-    return row | {"load over limit of the cycles": limits.load_over_limit(cycled) if cycled else np.nan,
-                  "first cycle": abs(cycles.of(cycled).first) if cycled else np.nan, "rate": abs(cycles.of(cycled).late_rate) if cycled else np.nan,
-                  "unsolved steps": observables.unconverged_steps(ramps["CD"]) if "CD" in ramps else ""}
+    rows = []
+    for (disks, seed), group in summary.by(runs, "disks", "seed").items():
+        ramps = {run.method: run for run in group if run.parameters["loading"] == "ramp"}
+        cycled = next((run for run in group if run.parameters["loading"] != "ramp"), None)
+        limit = limits.static_limit(group[0])
+        rows.append({"disks": disks, "seed": seed, "static limit": limit})
+        for method in style.MARKER:
+            load = observables.critical_load(ramps[method], THRESHOLD) if method in ramps else np.nan
+            rows[-1] |= {f"yields at, {method}": load, f"yields over the limit at, {method}": load / limit}
+        rows[-1] |= {"load over limit of the cycles": limits.load_over_limit(cycled) if cycled else np.nan,
+                     "first cycle": abs(cycles.of(cycled).first) if cycled else np.nan,
+                     "rate": abs(cycles.of(cycled).late_rate) if cycled else np.nan,
+                     "unsolved steps": observables.unconverged_steps(ramps["CD"]) if "CD" in ramps else ""}
+    return rows
 
 
 def draw(runs, rows, path):

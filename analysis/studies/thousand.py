@@ -25,20 +25,17 @@ def summarize(runs):
 
     balance error: over the work of the walls up to there.
     """
-    return [row for run in runs for row in _rows(run)]
-
-
-def _rows(run):
-    found, ends = cycles.of(run), cycles.ends(run)
-    edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
-    rows, same = [], summary.columns(run, "law", "seed", "load over limit")
-    for first, last in zip(edges[:-1], edges[1:]):
-        rate = found.rate[first:last]
-        rows.append(same | {
-            "from cycle": first + 1, "to cycle": last, "|gamma|": abs(found.gamma[last]), "rate": found.rates([(first + 1, last)])[0],
-            "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)),
-            "dissipated/P0V0 a cycle": found.dissipated[first:last].mean(), "sliding at most": found.sliding_max[first:last].max(), "2M/N": found.contacts[last - 1],
-            "balance error": observables.balance_error(run, slice(0, ends[last] + 1)), "outcome": run.outcome})
+    rows = []
+    for run in runs:
+        found, ends, same = cycles.of(run), cycles.ends(run), summary.columns(run, "law", "seed", "load over limit")
+        edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
+        for first, last in zip(edges[:-1], edges[1:]):
+            rate = found.rate[first:last]
+            rows.append(same | {
+                "from cycle": first + 1, "to cycle": last, "|gamma|": abs(found.gamma[last]), "rate": found.rates([(first + 1, last)])[0],
+                "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)),
+                "dissipated/P0V0 a cycle": found.dissipated[first:last].mean(), "sliding at most": found.sliding_max[first:last].max(),
+                "2M/N": found.contacts[last - 1], "balance error": observables.balance_error(run, slice(0, ends[last] + 1)), "outcome": run.outcome})
     return rows
 
 

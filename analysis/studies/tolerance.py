@@ -29,7 +29,19 @@ def summarize(runs):
     """Return one row a setting, over the packings; `effort` names what is varied."""
     steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
     usual = max(set(steps), key=steps.count, default=None)  # rows with another step are about the step
-    return [_row(*key, group) for key, group in summary.groups(runs, lambda run: _key(run, usual), ordered=False).items()]
+    rows = []
+    for (effort, value), group in summary.groups(runs, lambda run: _key(run, usual), ordered=False).items():
+        full, first = group[0].parameters, loops.of(summary.order(group, "seed")[0])  # of the packing that all settings have
+        rows.append({"effort": effort, "value": value, "packings": len(group), **loops.spread(group),
+                     "largest, packing 1": first["largest"], "width, packing 1": first["width"]})
+        if effort == BY_SWEEPS:
+            rows[-1]["kappa_over_kn"] = effective_medium.stiffness(full) / full["kn"]
+        if effort != MD:  # the samples of the history represent all steps
+            rows[-1] |= {"sweeps_a_step": np.mean([run.values("iterations")[1:].mean() for run in group]),
+                         "error_median": np.median([np.median(run.values("residual")[1:]) for run in group]),
+                         "unsolved_steps": sum(observables.unconverged_steps(run) for run in group),
+                         "steps": sum(round(run.values("time")[-1] / effective_medium.step(full)) for run in group)}
+    return rows
 
 
 def _key(run, usual):
@@ -39,23 +51,6 @@ def _key(run, usual):
     if row["cd_dt"] != usual:
         return BY_STEP, row["cd_dt"]
     return (BY_SWEEPS, row["fixed_iterations"]) if row["fixed_iterations"] else (BY_TOLERANCE, row["tolerance"])
-
-
-def _row(effort, value, group):
-    first = loops.of(min(group, key=lambda run: run.parameters["seed"]))  # of the packing that all settings have
-    row = {"effort": effort, "value": value, "packings": len(group), **loops.spread(group),
-           "largest, packing 1": first["largest"], "width, packing 1": first["width"]}
-    if effort == MD:
-        return row
-    full = group[0].parameters
-    if effort == BY_SWEEPS:
-        row["kappa_over_kn"] = effective_medium.stiffness(full) / full["kn"]
-    # The samples of the history represent all steps.
-    return row | {
-        "sweeps_a_step": np.mean([run.values("iterations")[1:].mean() for run in group]),
-        "error_median": np.median([np.median(run.values("residual")[1:]) for run in group]),
-        "unsolved_steps": sum(observables.unconverged_steps(run) for run in group),
-        "steps": sum(round(run.values("time")[-1] / effective_medium.step(full)) for run in group)}
 
 
 def draw(runs, rows, path):
