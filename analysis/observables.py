@@ -113,13 +113,18 @@ def balance_error(run, part=slice(None)):
     return missing / largest if largest else np.nan
 
 
+def load(run):
+    """Return sigma2/P0 asked for, sample by sample."""
+    return run.values("sigma2_goal") / run.pressure
+
+
 def critical_load(run, threshold):
     """Return sigma2/P0 at which |gamma| first exceeds `threshold`, interpolated between samples; NaN if it never does."""
-    gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
+    gamma = np.abs(run.values("gamma"))
     if not len(above := np.flatnonzero(gamma > threshold)):
         return np.nan
     around = slice(max(0, above[0] - 1), above[0] + 1)
-    return float(np.interp(threshold, gamma[around], load[around]))
+    return float(np.interp(threshold, gamma[around], load(run)[around]))
 
 
 def stress_error(run):

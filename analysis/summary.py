@@ -9,13 +9,16 @@ from analysis import cycles, limits, observables
 # Columns that several tables have, as functions of a run; every other name is that of a parameter.
 # static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
 # load over limit: largest sigma2/sigma1 of repeated loading over the largest that the contacts can carry.
-# cycles: completed ones. late rate: strain a cycle over the last half of the cycles; see cycles.py for this and for the last quarter's rate.
+# cycles: completed ones; asked: those that the run was to have. late rate: strain a cycle over the last half of the cycles; see cycles.py for this and for the last quarter's rate.
 COLUMNS = {
     "method": lambda run: run.method,
     "law": lambda run: run.parameters["tangential_law"],
     "mu": lambda run: run.parameters["friction"],
     "preparation mu": lambda run: run.parameters["preparation_friction"],
+    "P0/k_n": lambda run: run.parameters["pressure_ratio"] / run.parameters["stiffening"],
+    "k_n over the usual": lambda run: run.parameters["stiffening"],
     "dSigma": lambda run: run.parameters["delta_sigma"],
+    "asked": lambda run: run.parameters["cycles"],
     "static limit": limits.static_limit,
     "load over limit": limits.load_over_limit,
     "cycles": lambda run: len(cycles.of(run).number),

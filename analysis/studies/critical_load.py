@@ -36,11 +36,6 @@ def packing(run):
     return run.parameters["preparation_friction"], run.parameters["seed"]
 
 
-def load(run):
-    """Return sigma2/P0 asked for, sample by sample."""
-    return run.values("sigma2_goal") / run.pressure
-
-
 def summarize(runs):
     """Return one row a ramp."""
     first = {packing(run): run for run in reversed(runs) if run.method == "CD" and run.parameters["network_seed"] == 0}
@@ -57,7 +52,7 @@ def _row(run, other):
     change = [_rms_difference(a, b) for a, b in steps] or [np.nan]
     nearest = min(run.snapshots, key=lambda snapshot: abs(_at(run, snapshot) - limit))
     contacts, disks, bound = statics.degrees_of_freedom(nearest, nearest["force_normal"] > 0)
-    late = min(np.searchsorted(load(run), NEARLY * limit), len(load(run)) - 1)
+    late = min(np.searchsorted(observables.load(run), NEARLY * limit), len(observables.load(run)) - 1)
     apart = [way for _, way in _apart(run, other)] if other is not None and other is not run and run.method == "CD" else []
     return {
         **summary.columns(run, "method", "preparation mu", "seed"), "network": run.parameters["network_seed"], "limit load": limit,
@@ -73,7 +68,7 @@ def _row(run, other):
 
 def _at(run, snapshot):
     """Return sigma2/P0 asked for at a snapshot."""
-    return float(np.interp(snapshot["time"], run.values("time"), load(run)))
+    return float(np.interp(snapshot["time"], run.values("time"), observables.load(run)))
 
 
 def _rms_difference(first, second):
@@ -98,7 +93,7 @@ def draw(runs, rows, path):
     limit = table[(table["preparation mu"] == main[0]) & (table.seed == main[1])]["limit load"].iloc[0]
     for method, words in (("CD", "CD, all networks"), ("MD", "MD, same packing")):
         for run in (run for run in mine if run.method == method):
-            axes[0].semilogy(load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8, label=words)
+            axes[0].semilogy(observables.load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8, label=words)
             words = None
     axes[0].axvline(limit, color="0.4", ls=":", label="static limit of the geometry")
     axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-9, None))

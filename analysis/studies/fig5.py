@@ -33,7 +33,7 @@ def summarize(runs):
 
 
 def _row(run):
-    gamma, load = run.values("gamma"), run.values("sigma2_goal") / run.pressure
+    gamma, load = run.values("gamma"), observables.load(run)
     volume = (1 + run.values("strain1")) * (1 + run.values("strain2")) - 1
     used, first = _share_of_bound(run), run.snapshots[0]
     contacts, disks, bound = statics.degrees_of_freedom(first, first["force_normal"] > 0)
@@ -87,7 +87,7 @@ def _strain(axis, runs):
     slowest = min((run.parameters["ramp_rate"] for run in runs), default=0)
     inset = axis.inset_axes([0.12, 0.1, 0.36, 0.42])
     for run in runs:
-        load, gamma = run.values("sigma2_goal") / run.pressure, run.values("gamma")
+        load, gamma = observables.load(run), run.values("gamma")
         line = "-" if run.parameters["ramp_rate"] == slowest else ":"
         for panel in (axis, inset) if run.method == "CD" else (axis,):
             panel.plot(load, gamma, color=style.COLOUR[run.method], linewidth=1, alpha=0.8, linestyle=line)

@@ -1,5 +1,4 @@
 """The parameters that the paper does not give: each is varied alone, packing by packing."""
-import numpy as np
 import pandas
 from matplotlib.ticker import LogLocator, NullFormatter
 

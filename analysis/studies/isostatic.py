@@ -27,19 +27,19 @@ def summarize(runs):
     freedom: dimension of the set of force networks that balance the walls, over the number of disks that carry.
     """
     rows = []
-    for (friction, stiffening, load, seed), several in summary.by(runs, "friction", "stiffening", "dSigma", "seed").items():
-        pair, first = {run.method: run for run in several}, several[-1].snapshots[0]
-        loaded = first["force_normal"] > 0
-        contacts, disks, _ = statics.degrees_of_freedom(first, loaded)
-        rows.append({"friction": friction, "P0/k_n": several[0].parameters["pressure_ratio"] / stiffening, "dSigma": load, "seed": seed,
-                     "contacts": contacts, "disks": disks, "freedom": statics.dimension(first, loaded) / disks,
-                     **summary.columns(several[-1], "static limit")})
+    for several in summary.by(runs, "friction", "k_n over the usual", "dSigma", "seed").values():
+        pair, last = {run.method: run for run in several}, several[-1]  # of CD, if there is one
+        loaded = last.snapshots[0]["force_normal"] > 0
+        contacts, disks, _ = statics.degrees_of_freedom(last.snapshots[0], loaded)
+        rows.append(summary.columns(last, "friction", "P0/k_n", "dSigma", "seed") | {
+            "contacts": contacts, "disks": disks, "freedom": statics.dimension(last.snapshots[0], loaded) / disks,
+            **summary.columns(last, "static limit")})
         for method in style.MARKER:
             run = pair.get(method)
             gamma = run.values("gamma") if run else np.array([np.nan])
             rows[-1] |= {f"largest |gamma|, {method}": np.abs(gamma).max(), f"remaining |gamma|, {method}": abs(gamma[-1]),
                          f"outcome, {method}": run.outcome if run else ""}
-        rows[-1] |= summary.columns(several[-1], "unsolved steps")
+        rows[-1] |= summary.columns(last, "unsolved steps")
     return rows
 
 

@@ -17,29 +17,22 @@ LAWS = ("standard", "avoid_ratcheting", "path_independent")
 ROWS = {"quick": product(tangential_law=LAWS, cycles=10, delta_sigma=0.4, **SPRINGS),
         "full": product(tangential_law=LAWS, cycles=40, delta_sigma=(0.4, 0.5), seed=range(1, 7), **SPRINGS)
         + product(tangential_law=LAWS, cycles=30, pressure_ratio=6e-3, seed=range(1, 5), delta_sigma=0.3, **SPRINGS)}
-
-
 OVER = {"strain over standard": "gamma at the end", "first cycle over standard": "first cycle", "late rate over standard": "late rate"}
 
 
 def summarize(runs):
     """Return one row a run, with its strain and rates over those of the standard law on the same packing under the same load and as many cycles."""
-    rows = sorted(map(_row, runs), key=lambda row: (_case(row), LAWS.index(row["law"])))
-    standard = {_case(row): row for row in rows if row["law"] == LAWS[0]}
-    for row in rows:
-        if usual := standard.get(_case(row)):
-            row |= {name: row[what] / usual[what] if usual[what] else np.nan for name, what in OVER.items()}
+    rows = []
+    for same in summary.by(runs, "P0/k_n", "asked", "dSigma", "seed").values():
+        usual = None
+        for run in sorted(same, key=lambda run: LAWS.index(run.parameters["tangential_law"])):
+            row = summary.columns(run, "law", "P0/k_n", "dSigma", "seed", "cycles", "gamma at the end", "first cycle", "late rate", "asked",
+                                  "last quarter's rate over the one before", "balance error", "outcome")
+            usual = row if row["law"] == LAWS[0] else usual
+            if usual:
+                row |= {name: row[what] / usual[what] if usual[what] else np.nan for name, what in OVER.items()}
+            rows.append(row)
     return rows
-
-
-def _row(run):
-    return summary.columns(run, "law") | {"P0/k_n": run.parameters["pressure_ratio"]} | summary.columns(
-        run, "dSigma", "seed", "cycles", "gamma at the end", "first cycle", "late rate") | {"asked": run.parameters["cycles"]} | summary.columns(
-        run, "last quarter's rate over the one before", "balance error", "outcome")
-
-
-def _case(row):
-    return tuple(row[name] for name in ("P0/k_n", "asked", "dSigma", "seed"))
 
 
 LOOK = dict(zip(LAWS, (("#1A1A1A", "o"), ("#009E73", "s"), ("#CC79A7", "D"))))

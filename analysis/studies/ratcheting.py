@@ -40,8 +40,7 @@ def summarize(run):
     the static limit by the contacts at the last peak, of rigid grains.
     """
     found, rigid = cycles.of(run), run.method == "CD"
-    return {"method": run.method, "period": run.parameters["period"], "k_n over the usual": run.parameters["stiffening"],
-            "tolerance": run.parameters["tolerance"] if rigid else np.nan,
+    return {**summary.columns(run, "method", "period", "k_n over the usual"), "tolerance": run.parameters["tolerance"] if rigid else np.nan,
             **summary.columns(run, "dSigma", "seed", "static limit", "load over limit"),
             "first cycle": abs(found.first), "rate": abs(found.late_rate),
             **summary.columns(run, "gamma at the end", "last quarter's rate over the one before"),

@@ -2,7 +2,7 @@
 import numpy as np
 import pandas
 
-from analysis import cycles, limits, observables, style, summary
+from analysis import cycles, observables, style, summary
 from analysis.studies.fig3 import SPRINGS
 from analysis.style import plt
 from yade_scripts.tables import product
