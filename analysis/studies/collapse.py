@@ -97,15 +97,13 @@ POINTS = (
 def _lives(table):
     """Return the cycles until collapse, infinite where a packing still stands: a row a packing and load, a column a case.
 
-    A run that only the check of the walls refuses, at its very end, has stood as well.
+    A run that is refused at its end has stood as well.
     """
-    table = table.assign(life=table["collapses after"].fillna(np.inf))
-    if publish.STATUS in table:
-        refused = table[publish.STATUS].str.contains(f"until t = {RIGID['cycles'] * RIGID['period']:g} s", na=False)
-        failed = table[publish.STATUS].notna()
-        table.loc[refused, "case"] = [case(row) for row in table[refused].to_dict("records")]
-        table.loc[refused, "dSigma"] = table.loc[refused, "delta_sigma"]
-        table = table[~failed | refused]
+    stood = fig3.refused_at_the_end(table)
+    if len(stood):
+        stood = stood.assign(case=[case(row) for row in stood.to_dict("records")], dSigma=stood.delta_sigma)
+    table = pandas.concat([publish.finished(table), stood])
+    table["life"] = table["collapses after"].fillna(np.inf)
     return table.pivot(index=["dSigma", "seed"], columns="case", values="life")
 
 

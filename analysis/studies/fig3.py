@@ -192,16 +192,22 @@ POINTS = (
 PACKING = ["preparation friction", "stress path", "seed"]
 
 
-def standing(table):
-    """Return the finished runs and those that only the check of the walls refuses, at their very end, as runs that stand.
+def refused_at_the_end(table):
+    """Return the rows of runs that only the check of the walls refuses, at their very end.
 
     They yield in every cycle without a collapse. To leave them out would be to choose by the result.
     """
-    done = publish.finished(table)
     if publish.STATUS not in table:
+        return table[:0]
+    ends = (table.cycles * table.get("period", LOADING["period"])).map("until t = {:g} s".format)
+    return table[[end in str(status) for end, status in zip(ends, table[publish.STATUS])]]
+
+
+def standing(table):
+    """Return the finished runs and, as runs that stand, those that are refused at their end."""
+    done, own = publish.finished(table), refused_at_the_end(table)
+    if own.empty:
         return done
-    ends = (table.cycles * LOADING["period"]).map("until t = {:g} s".format)
-    own = table[[end in str(status) for end, status in zip(ends, table[publish.STATUS])]]
     own = own.assign(**{name: own[name.replace(" ", "_")] for name in PACKING}, dSigma=own.delta_sigma)
     own["static limit"] = done.groupby(PACKING)["static limit"].first().reindex(pandas.MultiIndex.from_frame(own[PACKING])).to_numpy()
     own["load over limit"] = [limits.stress_ratio(1 + load, path) / limits.stress_ratio(limit, path)

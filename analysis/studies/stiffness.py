@@ -66,24 +66,23 @@ def summarize(runs):
     """
     usual = [_key(run)[4:] for run in runs]
     plain = max(set(usual), key=usual.count)
-    groups = summary.groups(runs, _key, ordered=False)
-    return [_row(*key, group, None if key[4:] == plain else groups.get(key[:4] + plain, ())) for key, group in groups.items()]
-
-
-def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, usual):
-    """Return one row. usual: None for a row of the comparison; for a check the runs of the usual settings, to be compared seed by seed."""
-    compared = [run for run in usual or () if run.attributes["seed"] in {run.attributes["seed"] for run in group}]
-    ratio = stiffness_ratio(group[0])
-    modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
-    return {
-        "medium": medium, "stiffness_over_kn": ratio, "springs_over_kn": stiffening, "sweeps": sweeps, "step_s": step, "kt_over_kn": kt_over_kn,
-        "period_s": period, "comparison": "" if usual is None else "check", "packings": len(group), **loops.spread(group),
-        **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
-        "modulus_over_stiffness_per_m": np.mean(modulus) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
-        **{f"{name}, packing {run.attributes['seed']}": ratio * loops.of(run)[name] for run in group for name in ("largest", "remanent")},
-        "sliding_most": max(int(run.values("sliding_contacts").max()) for run in group),
-        "stress_error": max(observables.stress_error(run) for run in group),
-        **({f"compared_{name}": value for name, value in loops.spread(compared).items() if name in loops.QUANTITIES} if compared else {})}
+    groups, rows = summary.groups(runs, _key, ordered=False), []
+    for key, group in groups.items():
+        medium, stiffening, sweeps, step, kt_over_kn, period = key
+        ratio, seeds, check = stiffness_ratio(group[0]), {run.attributes["seed"] for run in group}, key[4:] != plain
+        modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
+        rows.append({
+            "medium": medium, "stiffness_over_kn": ratio, "springs_over_kn": stiffening, "sweeps": sweeps, "step_s": step, "kt_over_kn": kt_over_kn,
+            "period_s": period, "comparison": "check" if check else "", "packings": len(group), **loops.spread(group),
+            **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
+            "modulus_over_stiffness_per_m": np.mean(modulus) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
+            **{f"{name}, packing {run.attributes['seed']}": ratio * loops.of(run)[name] for run in group for name in ("largest", "remanent")},
+            "sliding_most": max(int(run.values("sliding_contacts").max()) for run in group),
+            "stress_error": max(observables.stress_error(run) for run in group)})
+        # A check is compared with the runs of the usual settings, of the same seeds.
+        if check and (same := [run for run in groups.get(key[:4] + plain, ()) if run.attributes["seed"] in seeds]):
+            rows[-1] |= {f"compared_{name}": value for name, value in loops.spread(same).items() if name in loops.QUANTITIES}
+    return rows
 
 
 def draw(runs, rows, path):
