@@ -122,11 +122,11 @@ def _loads(axis, table):
 
 
 ANSWER = """
-What counts is the ratio sigma2/sigma1, over the largest ratio that the contacts of the packing can carry: in these units the two stress
-paths give nearly the same curves: with the mean stress held |gamma| = 1e-4 is passed at 1.00 to 1.01 times the ratio with sigma1 held,
-1e-2 at 0.95 to 1.04 times. MD strains from the start of the ramp. Dense packings, prepared without friction, pass |gamma| = 1e-4 in MD at
-0.72 of the limit with sigma1 held and at 0.72 with the mean stress held (medians of 5), loose ones at 0.87 and 0.87. CD rests up to the
-limit, which a linear programme computes beforehand: it passes |gamma| = 1e-4 at 0.99 to 1.02 of it in 25 ramps from 10 packings.
+What counts is sigma2/sigma1 over the largest ratio that the contacts of the packing can carry. In these units the two stress paths give nearly the
+same curves: with the mean stress held |gamma| = 1e-4 is passed at 1.00 to 1.01 times the ratio with sigma1 held, 1e-2 at 0.95 to 1.04 times. MD
+strains from the start of the ramp. Dense packings, prepared without friction, pass |gamma| = 1e-4 in MD at 0.72 of the limit with sigma1 held and at
+0.72 with the mean stress held (medians of 5), loose ones at 0.87 and 0.87. CD rests up to the limit, which a linear programme computes beforehand: it
+passes |gamma| = 1e-4 at 0.99 to 1.02 of it in 25 ramps from 10 packings.
 
 Where the packings break the methods nearly agree. At |gamma| = 1e-2 CD needs 1.05 times the ratio of MD on dense packings (median of 10
 slow ramps on 5 packings; 1.02 to 1.06, more in all of them) and 1.02 times on loose ones (0.97 to 1.07, more in 6 of 10). All 50 runs

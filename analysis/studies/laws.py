@@ -68,7 +68,7 @@ paths leave neither force nor energy, as with the standard law: 0.994 to 0.999 t
 rate over the last 20 cycles is 0.93 to 1.02 times the standard one (median 1.01). YADE's avoidGranularRatcheting gives 1.000 to 1.006 times the
 strain after 40 cycles. Under 0.5, at or above the limit of most of these packings, they rearrange: the strains after 40 cycles still agree to 0.94 to
 1.05 times, but the late rates scatter, because they come from single rearrangements: under the path-independent law they are 0.39 to 1.27 times the
-standard ones on 5 packings, and on the sixth -0.91 times, 6.5e-5 a cycle back.
+standard ones on 5 packings, and on the sixth -0.91 times: it strains back, by 6.5e-5 a cycle.
 
 At ten times the pressure and dSigma = 0.3 (4 packings), where the standard spring does more work along closed paths, packings strain 0.98 to 1.00
 times as far with the path-independent law in the first cycle and after 30 cycles; the remaining rates, 2.0e-6 a cycle at most, scatter. A strain that
