@@ -74,7 +74,10 @@ def _study(options):
         return make_study.run(names, options.full, options.results, figures, options.jobs)
     left = publish.publish_all(names, figures, options.results, options.full)
     for name in names:
-        print(f"analysis study: {left[name]}" if name in left else (figures / f"{name}.png").resolve(), file=sys.stderr if name in left else sys.stdout)
+        if name in left:
+            print(f"analysis study: {left[name]}", file=sys.stderr)
+        else:
+            print((figures / f"{name}.png").resolve())
     return commands.MISTAKE if len(left) == len(names) else 0
 
 
@@ -128,12 +131,15 @@ def _summary(options):
 def _numbers(run):
     """Return the numbers of a run; NaN for those that its scene does not have."""
     from analysis import observables
-    gamma, sigma2 = run.history["gamma"], run.history["sigma2"]
     columns = {
-        "cycles": lambda: run.values("cycle")[-1], "gamma end": lambda: observables.permanent_strain(run.values("gamma")),
-        "loop width": lambda: observables.loop_width(run.values("gamma"), sigma2), "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), sigma2),
-        "dissipated J": lambda: observables.change(run, "dissipated_energy"), "wall work J": lambda: observables.wall_work(run) if gamma[-1] == gamma[-1] else None,
-        "stress error/P0": lambda: observables.stress_error(run), "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
+        "cycles": lambda: run.values("cycle")[-1],
+        "gamma end": lambda: observables.change(run, "gamma"),
+        "loop width": lambda: observables.loop_width(run.values("gamma"), run.values("sigma2")),
+        "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), run.values("sigma2")),
+        "dissipated J": lambda: observables.change(run, "dissipated_energy"),
+        "wall work J": lambda: observables.wall_work(run),
+        "stress error/P0": lambda: observables.stress_error(run),
+        "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
         "commit": lambda: run.attributes["git_commit"][:12]}
     found = dict.fromkeys(columns, float("nan"))
     for name, value in columns.items():

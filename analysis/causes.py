@@ -1,20 +1,21 @@
 """The table on the report's first page: how much each cause contributes to the difference between springs (MD) and rigid contacts (CD)."""
 
 PROCESSES = ("One cycle", "Strain a cycle (ratcheting)", "Collapse")
-NOTE = ("Powers are of k_n, with the standard error in brackets. In the column on collapse all cycles take 0.5 s, and a number says how many times as many cycles the same packing "
-        "stands: by the first method compared with the second, or with a change compared with none (medians of 6 packings, with quartiles).")
+NOTE = ("Powers are of k_n, with the standard error in brackets. In the column on collapse all cycles take 0.5 s, and a number says how many times "
+        "as many cycles the same packing stands: by the first method compared with the second, or with a change compared with none (medians of 6 "
+        "packings, with quartiles).")
 # Written by hand for the published run; a test compares its numbers one by one with the published tables.
 TABLE = {
     "Stiffness of the springs": (
         "MD's largest strain goes as k_n to the power -0.94 to -1.01 (5 packings): 4.5e-4 with k_n, 5.1e-6 with 100 k_n (means).",
-        "Below the limit, at equal load over it, MD's strain of a late cycle goes as k_n to the power -0.98 (0.13; 13 runs from 7 seeds) up to 0.96 of "
-        "the limit, -0.76 (0.09) within the 4 seeds of several stiffnesses there, and -0.42 (0.17; 13 runs from 8 seeds) above.",
-        "CD compared with springs of k_n: 2.02 times (1.85 and more) under dSigma = 0.3, 1.29 (1.17 to 1.42) under 0.4; compared with springs of 10 k_n: "
-        "1.05 times (0.91 to 1.47) under 0.3, 1.06 (1.03 to 1.29) under 0.4."),
+        "Below the limit, at equal load over it, MD's strain of a late cycle goes as k_n to the power -0.98 (0.13; 13 runs from 7 seeds) up to 0.96 "
+        "of the limit, -0.76 (0.09) within the 4 seeds of several stiffnesses there, and -0.42 (0.17; 13 runs from 8 seeds) above.",
+        "CD compared with springs of k_n: 2.02 times (1.85 and more) under dSigma = 0.3, 1.29 (1.17 to 1.42) under 0.4; compared with springs of "
+        "10 k_n: 1.05 times (0.91 to 1.47) under 0.3, 1.06 (1.03 to 1.29) under 0.4."),
     "Tolerance of the solver": (
         "CD's strain is the error of its solver: on one packing 7.8e-4 at a tolerance of 1e-2, 9.2e-11 at 1e-10.",
-        "Below the limit CD's strain of a late cycle is the error of its solver: 5.1e-7 at a tolerance of 1e-6, 2.1e-10 at 1e-9 (medians of 10 packings). "
-        "With 1e-9, 1 of them yields.",
+        "Below the limit CD's strain of a late cycle is the error of its solver: 5.1e-7 at a tolerance of 1e-6, 2.1e-10 at 1e-9 (medians of 10 "
+        "packings). With 1e-9, 1 of them yields.",
         "CD with a tolerance of 1e-6 compared with 1e-8: 0.95 times (0.72 to 1.10) under dSigma = 0.3, 0.99 (0.97 to 1.19) under 0.4."),
     "Indeterminacy: from which forces it starts": (
         "CD yields at loads that differ by at most 0.05 % between 17 force networks of 4 packings, and rests below.",
@@ -28,11 +29,11 @@ TABLE = {
         "MD collapses from 1.12 times the static limit on and stands up to 1.53 times; CD collapses from 1.17 times on and stands up to 1.57 times."),
     "Tangential law": (
         "MD under the path-independent law strains 0.994 to 0.999 times as far (6 packings).",
-        "MD's strain of a late cycle under the path-independent law: 1.01 times (0.93 to 1.02) under dSigma = 0.4. Under 0.5 it is scattered by single "
-        "rearrangements: 0.39 to 1.27 times on 5 packings, -0.91 times on the sixth.",
+        "MD's strain of a late cycle under the path-independent law: 1.01 times (0.93 to 1.02) under dSigma = 0.4. Under 0.5 it is scattered by "
+        "single rearrangements: 0.39 to 1.27 times on 5 packings, -0.91 times on the sixth.",
         "MD under the path-independent law: 0.88 times (0.84 to 0.98) under dSigma = 0.3, 1.00 (1.00 to 1.01) under 0.4."),
     "Stress path": (
         "At equal sigma2/sigma1, of 1.5, MD with the mean stress held strains 0.82 times (0.76 to 0.87; 5 packings) as far as with sigma1 held.",
         "At equal sigma2/sigma1, of 1.5, MD with the mean stress held has strained 1.07 times (0.99 to 1.12; 5 packings) as far after 20 cycles.",
-        "MD collapses on 5 of 5 packings with the mean stress held up to a stress ratio of 1.86, on 5 of 5 with sigma1 held up to 1.8, on 0 of 5 with "
-        "sigma1 held up to 1.3.")}
+        "MD collapses on 5 of 5 packings with the mean stress held up to a stress ratio of 1.86, on 5 of 5 with sigma1 held up to 1.8, on 0 of 5 "
+        "with sigma1 held up to 1.3.")}

@@ -13,24 +13,50 @@ from analysis import observables
 
 @dataclass(frozen=True)
 class Cycles:
-    """One array each, over the completed cycles.
+    """One array each, over the completed cycles; all are empty if the sample collapsed in the first.
 
-    number: 1, 2, ... permanent: gamma at the end [1]; `start` is gamma at the beginning of the first. rate: change of gamma over the
-    cycle [1]. dissipated: energy over P0 V0 [1]. sliding_max: largest share of the contacts at the Coulomb limit. contacts:
-    2M/N at the end of the cycle, walls' contacts included.
+    number: 1, 2, ... gamma: at the beginning of the first cycle and at the end of each [1]. dissipated: energy over P0 V0 [1]. sliding_max: largest
+    share of the contacts at the Coulomb limit. contacts: 2M/N at the end of the cycle, walls' contacts included.
     """
     number: np.ndarray
-    start: float
-    permanent: np.ndarray
-    rate: np.ndarray
+    gamma: np.ndarray
     dissipated: np.ndarray
     sliding_max: np.ndarray
     contacts: np.ndarray
 
+    @property
+    def permanent(self):
+        """gamma at the end of each cycle [1]."""
+        return self.gamma[1:]
+
+    @property
+    def rate(self):
+        """Change of gamma over each cycle [1]."""
+        return np.diff(self.gamma)
+
+    @property
+    def first(self):
+        """Change of gamma over the first cycle; NaN if it is not complete."""
+        return self.rate[0] if len(self.number) else np.nan
+
     def rates(self, windows):
         """Return the mean strain rate in each window of cycles (first, last), from gamma at its ends."""
-        gamma = np.concatenate([[self.start], self.permanent])
-        return np.array([(gamma[last] - gamma[first - 1]) / (last - first + 1) for first, last in windows])
+        return np.array([(self.gamma[last] - self.gamma[first - 1]) / (last - first + 1) for first, last in windows])
+
+    @property
+    def late_rate(self):
+        """Mean change of gamma a cycle over the last half of the cycles; NaN where there are fewer than two."""
+        count = len(self.number)
+        return self.rates([(count // 2 + 1, count)])[0] if count > 1 else np.nan
+
+    @property
+    def last_quarter(self):
+        """Mean rate of the last quarter of the cycles over that of the quarter before: 1 for a constant rate. NaN below eight cycles."""
+        count = len(self.number)
+        if count < 8:
+            return np.nan
+        before, last = self.rates([(count // 2 + 1, 3 * count // 4), (3 * count // 4 + 1, count)])
+        return last / before if before else np.nan
 
 
 def sliding_share(run):
@@ -50,14 +76,11 @@ def ends(run):
 
 
 def of(run):
-    """Return the Cycles of a run; None if no cycle is complete, because the sample collapsed in the first."""
-    if len(at := ends(run)) < 2:
-        return None
-    gamma, sliding = run.values("gamma")[at], sliding_share(run)
-    scale = observables.work_scale(run)
+    """Return the Cycles of a run."""
+    at, sliding = ends(run), sliding_share(run)
     return Cycles(
-        number=np.arange(1, len(at)), start=float(gamma[0]), permanent=gamma[1:], rate=np.diff(gamma),
-        dissipated=np.diff(run.values("dissipated_energy")[at]) / scale,
+        number=np.arange(1, len(at)), gamma=run.values("gamma")[at],
+        dissipated=np.diff(run.values("dissipated_energy")[at]) / observables.work_scale(run),
         sliding_max=np.array([sliding[first:last + 1].max() for first, last in zip(at[:-1], at[1:])]),
         contacts=2 * run.values("contacts")[at[1:]] / run.parameters["disks"])
 
@@ -68,18 +91,3 @@ def windows(count):
     while (first := found[-1][1] + 1) <= count:
         found.append((first, min(count, max(first, round(first * 1.15)))))
     return found[1:]
-
-
-def late_rate(found):
-    """Return the mean change of gamma a cycle over the last half of the cycles; NaN where there are fewer than two, or none (None)."""
-    count = len(found.number) if found else 0
-    return float(found.rates([(count // 2 + 1, count)])[0]) if count > 1 else np.nan
-
-
-def last_quarter(found):
-    """Return the mean rate of the last quarter of the cycles over that of the quarter before: 1 for a constant rate. NaN below eight cycles."""
-    count = len(found.number) if found else 0
-    if count < 8:
-        return np.nan
-    before, last = found.rates([(count // 2 + 1, 3 * count // 4), (3 * count // 4 + 1, count)])
-    return float(last / before) if before else np.nan

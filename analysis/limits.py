@@ -1,7 +1,7 @@
 """The static limit of a run's packing: the largest load that the contacts it starts with can carry.
 
-Forces in balance stay in balance if all are multiplied by one number, so the contacts limit the ratio sigma2/sigma1. This ratio does not depend on which
-stress is held constant while sigma2 rises; the load sigma2/P0 at which a run reaches it does.
+Forces in balance stay in balance if all are multiplied by one number, so the contacts limit the ratio sigma2/sigma1. This ratio does not depend on
+which stress is held constant while sigma2 rises; the load sigma2/P0 at which a run reaches it does.
 """
 import numpy as np
 

@@ -25,11 +25,6 @@ def cycle_range(run, number=1):
     return slice(inside[0], inside[-1] + 1)
 
 
-def permanent_strain(gamma):
-    """Return the change of gamma over a loading and unloading, the remanent strain of Fig. 4 [1]."""
-    return gamma[-1] - gamma[0]
-
-
 def loop_width(strain, stress):
     """Return the largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
     top = int(np.argmax(stress))
@@ -118,13 +113,18 @@ def balance_error(run, part=slice(None)):
     return missing / largest if largest else np.nan
 
 
+def load(run):
+    """Return sigma2/P0 asked for, sample by sample."""
+    return run.values("sigma2_goal") / run.pressure
+
+
 def critical_load(run, threshold):
     """Return sigma2/P0 at which |gamma| first exceeds `threshold`, interpolated between samples; NaN if it never does."""
-    gamma, load = np.abs(run.values("gamma")), run.values("sigma2_goal") / run.pressure
+    gamma = np.abs(run.values("gamma"))
     if not len(above := np.flatnonzero(gamma > threshold)):
         return np.nan
     around = slice(max(0, above[0] - 1), above[0] + 1)
-    return float(np.interp(threshold, gamma[around], load[around]))
+    return float(np.interp(threshold, gamma[around], load(run)[around]))
 
 
 def stress_error(run):
@@ -140,7 +140,7 @@ def unconverged_steps(run):
 
 
 def snapshot_at_load_maximum(run):
-    """Return the snapshot at the largest load, and the prescribed sigma2/P0 there. The measured stress may oscillate about it while the sample yields."""
+    """Return the snapshot at the largest load, and the prescribed sigma2/P0 there, about which the measured stress may oscillate."""
     time, sigma2 = run.values("time"), run.values("sigma2_goal")
     loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in _snapshots(run)]
     best = int(np.argmax(loads))

@@ -24,6 +24,7 @@ plt.rcParams.update({
     "figure.dpi": 100, "savefig.dpi": 160, "font.size": 9, "font.family": "DejaVu Sans",
     "axes.titlesize": 10, "axes.labelsize": 9, "axes.linewidth": 0.7, "axes.spines.top": False,
     "axes.spines.right": False, "lines.linewidth": 1.2, "lines.markersize": 6, "legend.frameon": False,
+    "grid.color": "#DDDDDD", "grid.linewidth": 0.5,
     "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.formatter.useoffset": False,
 })
 
@@ -43,28 +44,28 @@ def finish(fig, path, note, origin):
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # At most 1600 pixels wide, as wide as a screen shows.
-    fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line} if path.suffix == ".png" else None)
+    fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()),
+                metadata={"Description": line} if path.suffix == ".png" else None)
     plt.close(fig)
 
 
 def source(runs):
-    """Return where a figure comes from: number of runs and packings, commit, YADE, and the solver's tolerance with the share of steps that missed it."""
-    commits = sorted({run.attributes["git_commit"] for run in runs})
-    states = len({run.attributes["state_sha256"] for run in runs} - {""})
-    return (f"{len(runs)} run{'s' * (len(runs) > 1)}" + (f" from {states} packing{'s' * (states > 1)}" if states else "")
-            + f", {provenance.words(commits)}, YADE {runs[0].attributes['yade_version']}"
-            + _solved([run for run in runs if run.method == "CD"]))
+    """Return where a figure comes from, in words: number of runs and packings, commit, YADE, CD's tolerance and the share of steps that missed it."""
+    commits, states = ({run.attributes[name] for run in runs} - {""} for name in ("git_commit", "state_sha256"))
+    return (f"{len(runs)} run{'s' * (len(runs) > 1)}" + f" from {len(states)} packing{'s' * (len(states) > 1)}" * bool(states)
+            + f", {provenance.words(sorted(commits))}, YADE {runs[0].attributes['yade_version']}" + _solved(runs))
 
 
-def _solved(rigid):
+def _solved(runs):
     """Return the tolerances of the CD runs without fixed_iterations, and how many steps missed them, in words."""
-    rigid = [run for run in rigid if not run.parameters["fixed_iterations"]]
-    tolerances = sorted({run.parameters["tolerance"] for run in rigid})
-    if not tolerances:
+    rigid = [run for run in runs if run.method == "CD" and not run.parameters["fixed_iterations"]]
+    if not rigid:
         return ""
-    shares = [int(run.history["unconverged_steps"][-1]) / max(1, round(run.values("time")[-1] / effective_medium.step(run.parameters))) for run in rigid]
-    missed = f"missed by at most {100 * max(shares):.2g} % of the steps of a run" if any(shares) else "missed by no step"
-    return f"; CD's tolerance {' to '.join(f'{tolerance:.0e}' for tolerance in dict.fromkeys((tolerances[0], tolerances[-1])))}, {missed}"
+    tolerances = [run.parameters["tolerance"] for run in rigid]
+    steps = [max(1, round(run.values("time")[-1] / effective_medium.step(run.parameters))) for run in rigid]
+    share = max(run.history["unconverged_steps"][-1] / count for run, count in zip(rigid, steps))
+    missed = f"missed by at most {100 * share:.2g} % of the steps of a run" if share else "missed by no step"
+    return f"; CD's tolerance {' to '.join(f'{value:.0e}' for value in sorted({min(tolerances), max(tolerances)}))}, {missed}"
 
 
 def _mend_logarithms(fig):

@@ -1,5 +1,42 @@
-"""Helpers of the studies: one row for each run, and groups of runs or rows."""
+"""What the studies share: columns of their tables, groups of runs, and numbers of their texts."""
 import functools
+
+import numpy as np
+import pandas
+
+from analysis import cycles, limits, observables
+
+# Columns that several tables have, as functions of a run; every other name is that of a parameter.
+# static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
+# load over limit: largest sigma2/sigma1 of repeated loading over the largest that the contacts can carry.
+# cycles: completed ones; asked: those that the run was to have. late rate: strain a cycle over the last half of the cycles; see cycles.py for this and for the last quarter's rate.
+COLUMNS = {
+    "method": lambda run: run.method,
+    "law": lambda run: run.parameters["tangential_law"],
+    "mu": lambda run: run.parameters["friction"],
+    "preparation mu": lambda run: run.parameters["preparation_friction"],
+    "P0/k_n": lambda run: run.parameters["pressure_ratio"] / run.parameters["stiffening"],
+    "k_n over the usual": lambda run: run.parameters["stiffening"],
+    "dSigma": lambda run: run.parameters["delta_sigma"],
+    "asked": lambda run: run.parameters["cycles"],
+    "static limit": limits.static_limit,
+    "load over limit": limits.load_over_limit,
+    "cycles": lambda run: len(cycles.of(run).number),
+    "first cycle": lambda run: cycles.of(run).first,
+    "late rate": lambda run: np.nan if run.collapsed else cycles.of(run).late_rate,
+    "last quarter's rate over the one before": lambda run: cycles.of(run).last_quarter,
+    "collapses after": lambda run: run.values("cycle")[-1] if run.collapsed else np.nan,
+    "gamma at the end": lambda run: run.values("gamma")[-1],
+    "largest |gamma|": lambda run: np.abs(run.values("gamma")).max(),
+    "unsolved steps": lambda run: observables.unconverged_steps(run) if run.method == "CD" else "",
+    "balance error": observables.balance_error,
+    "stress error/P0": observables.stress_error,
+    "outcome": lambda run: run.outcome}
+
+
+def columns(run, *names):
+    """Return {name: value} of a run: columns of COLUMNS, or parameters, in whose names a blank stands for an underscore."""
+    return {name: COLUMNS[name](run) if name in COLUMNS else run.parameters[name.replace(" ", "_")] for name in names}
 
 
 def each(row):
@@ -13,3 +50,19 @@ def groups(items, key, ordered=True):
     for item in items:
         found.setdefault(key(item), []).append(item)
     return dict(sorted(found.items())) if ordered else found
+
+
+def order(runs, *names):
+    """Return the runs sorted by these columns, MD before CD."""
+    return sorted(runs, key=lambda run: [value != "MD" if name == "method" else value for name, value in columns(run, *names).items()])
+
+
+def by(runs, *names):
+    """Return {value, or values, of these columns: [runs]}, in the order of `order`."""
+    values = lambda run: tuple(columns(run, *names).values())
+    return groups(order(runs, *names), values if len(names) > 1 else lambda run: values(run)[0], ordered=False)
+
+
+def stated(numbers, values, how="min max"):
+    """Return part of numbers(table) of a study: with "2 1 3" and "median min max" {"2": median of the values, "1": the least, "3": the largest}."""
+    return dict(zip(numbers.split(), pandas.Series(values).agg(how.split()), strict=True))

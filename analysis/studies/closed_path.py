@@ -12,7 +12,8 @@ QUESTION = ("Does the tangential spring's force depend only on where the disks a
 ORDER = 8  # in the report
 PATHS = dict(scene="two_grain_path", tangential_law=("standard", "avoid_ratcheting", "path_independent"), path_depth=(1e-4, 1e-3, 1e-2, 1e-1))
 # The last rows take four times the steps: the error of the step falls.
-ROWS = {"quick": product(path_angle=0.1, **PATHS), "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
+ROWS = {"quick": product(path_angle=0.1, **PATHS),
+        "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
 
 LAWS = {"standard": ("standard (Cundall-Strack)", "#0072B2", "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", "#D55E00", "s"),
         "path_independent": ("path-independent", "#1A1A1A", "^")}
@@ -28,8 +29,7 @@ def summarize(run):
     share = row["path_depth"] / 2  # of the units in which the scene gives the force
     return {"law": row["tangential_law"], "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
             "left_force": force.measured * share, "left_force_theory": force.exact * share,
-            "loop_work": work.measured, "loop_work_theory": work.exact,
-            "slides": int(run.values("sliding_contacts").max())}
+            "loop_work": work.measured, "loop_work_theory": work.exact, "slides": int(run.values("sliding_contacts").max())}
 
 
 def draw(runs, rows, path):
@@ -39,18 +39,18 @@ def draw(runs, rows, path):
     for axis, quantity, label in zip(axes, ("left_force", "loop_work"), (
             r"force left $|T|\,/\,(k_t\,2R\,A)$", r"work taken by the path $|W|\,/\,\frac{1}{2}k_t(2R\,A)^2$")):
         for law in LAWS:
-            _draw_law(axis, law, quantity, table)
+            _draw_law(axis, law, quantity, table[table.law == law])
         axis.set(xlabel=r"depth of the path $h/R$", ylabel=label)
     axes[0].legend(loc="center left", bbox_to_anchor=(0, 0.37))
     angles = ", ".join(f"{angle:g}" for angle in sorted(table.path_angle.unique()))
     style.finish(fig, path, f"Lines: theory with the step's error, dashed without. Symbols grow with the path's angle A = {angles} rad. "
-                                  "Of the path-independent law: round-off.", runs)
+                 "Of the path-independent law: round-off.", runs)
 
 
 def _draw_law(axis, law, quantity, table):
     """Draw a law's rows against their depth, one set an angle and step."""
     name, colour, marker = LAWS[law]
-    for (angle, _), shown in table[table.law == law].groupby(["path_angle", "period_s"]):
+    for (angle, _), shown in table.groupby(["path_angle", "period_s"]):
         measured, theory = (shown[column].abs().clip(lower=FLOOR) for column in (quantity, f"{quantity}_theory"))
         axis.loglog(shown.path_depth, measured, marker, color=colour, markersize=3 + 8 * angle**0.5, fillstyle="none")
         if theory.max() > FLOOR:

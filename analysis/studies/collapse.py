@@ -1,65 +1,65 @@
 """How many cycles a packing stands before it collapses, and how one changed setting changes that."""
-import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 
-from analysis import limits, observables, publish, style, summary
+from analysis import publish, style, summary
+from analysis.studies import fig3
+from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "What decides when a packing collapses"
-QUESTION = ("With the mean stress held, springs and rigid contacts both collapse under cycles that pass the static limit. In which cycle, and is it the "
-            "stiffness, the solver's error, the choice of the force network, the tangential law, the walls or the period that decides?")
+QUESTION = ("With the mean stress held, springs and rigid contacts both collapse under cycles that pass the static limit. In which cycle, and is it "
+            "the stiffness, the solver's error, the choice of the force network, the tangential law, the walls or the period that decides?")
 ORDER = 5  # in the report
-LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20, cycles=40, wall_mass_ratio=1.0, stress_path="mean")
+LOADING = dict(cycles=40, stress_path="mean")
+SPRINGS, RIGID = fig3.SPRINGS | LOADING, fig3.RIGID | LOADING
 SLOW = dict(period=2.0, records_per_cycle=40, cycles=10)
-SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
-RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-8, method_cd="auto", **LOADING)
 # What is changed of springs and of rigid contacts; the packings of 10 k_n are the same ones, stiffened.
-SPRING_CASES = {"springs": {}, "springs, 10 k_n": dict(stiffening=10.0), "springs, step / 3": dict(md_dt_factor=0.1), "springs, path-independent law": dict(tangential_law="path_independent"),
-                "springs, servo for walls": dict(md_walls="servo"), "springs, 2 s": SLOW}
-RIGID_CASES = {"rigid": {}, "rigid, packing of 10 k_n": dict(stiffening=10.0), "rigid, tolerance 1e-6": dict(tolerance=1e-6), "rigid, step / 5": dict(cd_dt=5e-4),
-               "rigid, other forces": dict(network_seed=1), "rigid, 2 s": SLOW}
+CASES = {name: SPRINGS | change for name, change in {
+    "springs": {}, "springs, 10 k_n": dict(stiffening=10.0), "springs, step / 3": dict(md_dt_factor=0.1),
+    "springs, path-independent law": dict(tangential_law="path_independent"), "springs, servo for walls": dict(md_walls="servo"),
+    "springs, 2 s": SLOW}.items()}
+CASES |= {name: RIGID | change for name, change in {
+    "rigid": {}, "rigid, packing of 10 k_n": dict(stiffening=10.0), "rigid, tolerance 1e-6": dict(tolerance=1e-6),
+    "rigid, step / 5": dict(cd_dt=5e-4), "rigid, other forces": dict(network_seed=1), "rigid, 2 s": SLOW}.items()}
 LOADS, SEEDS = (0.3, 0.4), range(1, 7)
 ROWS = {"quick": product(delta_sigma=0.4, **SPRINGS) + product(delta_sigma=0.4, **RIGID),
-        "full": [row for base, cases in ((SPRINGS, SPRING_CASES), (RIGID, RIGID_CASES)) for change in cases.values()
-                 for row in product(**base | change | dict(delta_sigma=LOADS, seed=SEEDS))]}
+        "full": [row for settings in CASES.values() for row in product(**settings, delta_sigma=LOADS, seed=SEEDS)]}
 
 
 def case(full):
     """Return the name of what is changed in a run of these parameters."""
-    base, cases = (SPRINGS, SPRING_CASES) if full["method"] == "MD" else (RIGID, RIGID_CASES)
-    usual = base | dict(stiffening=1.0, tangential_law="standard", network_seed=0)
-    return next(name for name, change in cases.items() if all(full.get(key, value) == value for key, value in (usual | change).items()))
+    usual = dict(stiffening=1.0, tangential_law="standard", network_seed=0)
+    return next(name for name, settings in CASES.items() if all(full.get(key, value) == value for key, value in (usual | settings).items()))
 
 
 @summary.each
 def summarize(run):
     """Return the row of a run: when it collapses, in cycles and seconds, or how far it has strained where it stands."""
-    full, collapsed = run.parameters, run.collapsed
-    return {"method": run.method, "case": case(full), "dSigma": full["delta_sigma"], "seed": full["seed"],
-            "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
-            "collapses after": float(run.values("cycle")[-1]) if collapsed else np.nan,
-            "seconds": float(run.values("time")[-1]) if collapsed else np.nan,
-            "stands": np.nan if collapsed else float(run.values("cycle")[-1]), "gamma at the end": float(run.values("gamma")[-1]),
-            "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "",
-            "balance error": float(observables.balance_error(run)), "outcome": run.outcome}
+    return {"method": run.method, "case": case(run.parameters),
+            **summary.columns(run, "dSigma", "seed", "static limit", "load over limit", "collapses after"),
+            "seconds": run.values("time")[-1] if run.collapsed else np.nan, "stands": np.nan if run.collapsed else run.values("cycle")[-1],
+            **summary.columns(run, "gamma at the end", "unsolved steps", "balance error", "outcome")}
 
 
 def draw(runs, rows, path):
-    """Draw for every case the cycle in which each packing collapses, a panel a load; packings that still stand are drawn with open symbols at their last cycle."""
-    names = list(dict.fromkeys(row["case"] for row in rows))
-    loads = summary.groups(rows, lambda row: row["dSigma"])
+    """Draw for every case the cycle in which each packing collapses, a panel a load; packings that still stand are drawn with open symbols at their
+    last cycle."""
+    table = pandas.DataFrame(rows)
+    names, loads = list(table.case.unique()), sorted(table.dSigma.unique())
+    table["place"] = table.case.map(names.index) + 0.07 * (table.seed - 3.5)
     fig, axes = plt.subplots(1, len(loads), figsize=(3 + 4 * len(loads), 4.4), squeeze=False, sharey=True)
-    for axis, (load, own) in zip(axes[0], loads.items()):
-        for row in own:
-            place = names.index(row["case"]) + 0.07 * (row["seed"] - 3.5)
-            stands = np.isnan(row["collapses after"])
-            axis.plot(row["stands"] if stands else row["collapses after"], place, ls="", marker=style.MARKER[row["method"]], ms=5,
-                      color=style.COLOUR[row["method"]], mfc="none" if stands else None)
+    for axis, load in zip(axes[0], loads):
+        for method in style.MARKER:
+            own = table[(table.dSigma == load) & (table.method == method)]
+            style.points(axis, own, "collapses after", "place", method, ms=5)
+            style.points(axis, own, "stands", "place", method, ms=5, mfc="none")
         axis.set(xscale="log", xlabel="cycles until collapse", title=rf"$\Delta\sigma$ = {load:g}")
-        axis.grid(color="#DDDDDD", linewidth=0.5)
+        axis.grid(True)
     axes[0, 0].set_yticks(range(len(names)), [name.replace("10 k_n", "$10\\,k_n$") for name in names])
     axes[0, 0].invert_yaxis()
-    style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles. Runs whose walls missed their load are left out.", runs)
+    style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles. Runs whose walls missed their load are left out.",
+                 runs)
 
 
 ANSWER = """
@@ -89,23 +89,21 @@ collapse.
 GIVEN = ("0.3", "0.4", "1", "10", "40", "1e-6", "0.5", "2", "1.5", "0.025", "4")
 POINTS = (
     (13, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
-     "With the mean stress held rigid grains stand 1.46 times as many cycles as springs of k_n, and 1.06 times as many as springs of 10 k_n (medians of 12 pairs from 6 "
-     "packings; 0.68 to 3.08)."),
+     "With the mean stress held rigid grains stand 1.46 times as many cycles as springs of k_n, and 1.06 times as many as springs of 10 k_n (medians "
+     "of 12 pairs from 6 packings; 0.68 to 3.08)."),
 )
 
 
 def _lives(table):
     """Return the cycles until collapse, infinite where a packing still stands: a row a packing and load, a column a case.
 
-    A run that only the check of the walls refuses, at its very end, has stood as well.
+    A run that is refused at its end has stood as well.
     """
-    table = table.assign(life=table["collapses after"].fillna(np.inf))
-    if publish.STATUS in table:
-        refused = table[publish.STATUS].str.contains(f"until t = {LOADING['cycles'] * LOADING['period']:g} s", na=False)
-        failed = table[publish.STATUS].notna()
-        table.loc[refused, "case"] = [case(row) for row in table[refused].to_dict("records")]
-        table.loc[refused, "dSigma"] = table.loc[refused, "delta_sigma"]
-        table = table[~failed | refused]
+    stood = fig3.refused_at_the_end(table)
+    if len(stood):
+        stood = stood.assign(case=[case(row) for row in stood.to_dict("records")], dSigma=stood.delta_sigma)
+    table = pandas.concat([publish.finished(table), stood])
+    table["life"] = table["collapses after"].fillna(np.inf)
     return table.pivot(index=["dSigma", "seed"], columns="case", values="life")
 
 
@@ -116,22 +114,22 @@ def times(table, case, base):
 
 
 def numbers(table):
-    soft, hard, slow, servo = (times(table, *pair) for pair in (("rigid", "springs"), ("rigid, packing of 10 k_n", "springs, 10 k_n"), ("rigid, 2 s", "springs, 2 s"),
-                                                                ("springs, servo for walls", "springs")))
-    stiffer = {name: times(table, *pair).groupby("dSigma").median() for name, pair in (
-        ("springs", ("springs, 10 k_n", "springs")), ("rigid", ("rigid, packing of 10 k_n", "rigid")))}
-    finer = [times(table, *pair) for pair in (("rigid, tolerance 1e-6", "rigid"), ("rigid, step / 5", "rigid"), ("rigid, other forces", "rigid"),
-                                              ("springs, step / 3", "springs"), ("springs, path-independent law", "springs"))]
-    medians = {load: [change.loc[load].median() for change in finer] for load in LOADS}
-    changes = {load: np.concatenate([change.loc[load].replace([np.inf, 0], np.nan).dropna() for change in finer]) for load in LOADS}
+    soft, hard, slow, servo = (times(table, *pair) for pair in (
+        ("rigid", "springs"), ("rigid, packing of 10 k_n", "springs, 10 k_n"), ("rigid, 2 s", "springs, 2 s"),
+        ("springs, servo for walls", "springs")))
+    stiffer = [times(table, *pair).groupby("dSigma").median() for pair in (("springs, 10 k_n", "springs"), ("rigid, packing of 10 k_n", "rigid"))]
+    finer = pandas.DataFrame({case: times(table, case, case.split(",")[0]) for case in (
+        "rigid, tolerance 1e-6", "rigid, step / 5", "rigid, other forces", "springs, step / 3", "springs, path-independent law")})
+    medians, changes = finer.groupby("dSigma").median(), finer.replace([np.inf, 0], np.nan).stack()
     lives = _lives(table)
-    assert np.isfinite(lives["springs"]).all() and (lives[["springs, 2 s", "rigid, 2 s"]] < 2).all().all() and (soft > 1).all() and not lives.isna().any().any()
-    return {"6": [len(soft.loc[0.3]), soft.index.get_level_values("seed").nunique()], "2.02": soft.loc[0.3].median(), "1.42": soft.loc[0.3].min(), "2": np.isinf(soft.loc[0.3]).sum(),
-            "1.29": soft.loc[0.4].median(), "1.08": soft.loc[0.4].min(), "1.49": soft.loc[0.4].max(),
-            "1.05": [hard.loc[0.3].median(), slow.median()], "0.68": hard.loc[0.3].min(), "3.08": hard.loc[0.3].max(),
-            "1.06": [hard.loc[0.4].median(), hard.median()], "0.98": hard.loc[0.4].min(), "1.39": hard.loc[0.4].max(),
-            "1.46": soft.median(), "12": [len(soft), (servo > 1).sum()], "1.59": stiffer["springs"][0.3], "1.01": stiffer["springs"][0.4],
-            "0.90": stiffer["rigid"][0.4], "0.95": medians[0.3][0], "1.00": medians[0.3][1], "0.92": medians[0.3][2:4],
-            "0.88": medians[0.3][4], "0.37": changes[0.3].min(), "2.41": changes[0.3].max(), "0.97": min(medians[0.4]),
-            "1.02": max(medians[0.4]), "0.79": changes[0.4].min(), "1.26": changes[0.4].max(), "1.30": servo.median(), "3": np.isinf(servo).sum(),
+    assert np.isfinite(lives["springs"]).all() and (lives[["springs, 2 s", "rigid, 2 s"]] < 2).all(axis=None)
+    assert (soft > 1).all() and not lives.isna().any(axis=None)
+    return {"6": [len(soft.loc[0.3]), soft.index.get_level_values("seed").nunique()], **summary.stated("2.02 1.42", soft.loc[0.3], "median min"),
+            "2": np.isinf(soft.loc[0.3]).sum(), **summary.stated("1.29 1.08 1.49", soft.loc[0.4], "median min max"),
+            "1.05": [hard.loc[0.3].median(), slow.median()], **summary.stated("0.68 3.08", hard.loc[0.3]),
+            "1.06": [hard.loc[0.4].median(), hard.median()], **summary.stated("0.98 1.39", hard.loc[0.4]),
+            "1.46": soft.median(), "12": [len(soft), (servo > 1).sum()], "1.59": stiffer[0][0.3], "1.01": stiffer[0][0.4], "0.90": stiffer[1][0.4],
+            "0.95": medians.loc[0.3].iloc[0], "1.00": medians.loc[0.3].iloc[1], "0.92": medians.loc[0.3].iloc[2:4], "0.88": medians.loc[0.3].iloc[4],
+            **summary.stated("0.37 2.41", changes.loc[0.3]), **summary.stated("0.97 1.02", medians.loc[0.4]),
+            **summary.stated("0.79 1.26", changes.loc[0.4]), "1.30": servo.median(), "3": np.isinf(servo).sum(),
             "0.60": lives["springs, 2 s"].median()}

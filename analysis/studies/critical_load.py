@@ -6,7 +6,7 @@ geometry and friction and comes from a linear programme without dynamics. Here i
 import numpy as np
 import pandas
 
-from analysis import observables, style
+from analysis import observables, style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
@@ -18,7 +18,8 @@ ORDER = 11  # in the report
 RAMP = dict(md_walls="force", loading="ramp", ramp_rate=0.2, period=6.0, cd_dt=5e-3, collapse_strain=0.02)
 SMALL = RAMP | dict(disks=200, records_per_cycle=300)
 FULL = RAMP | dict(records_per_cycle=600)
-ROWS = {"quick": product(method="CD", seed=1, network_seed=(0, 1, 2), **SMALL) + product(method="CD", seed=2, **SMALL) + product(method="MD", seed=(1, 2), **SMALL),
+ROWS = {"quick": product(method="CD", seed=1, network_seed=(0, 1, 2), **SMALL) + product(method="CD", seed=2, **SMALL)
+        + product(method="MD", seed=(1, 2), **SMALL),
         "full": product(method="CD", seed=1, network_seed=range(11), **FULL) + product(method="CD", seed=range(2, 7), **FULL)
         + product(method="CD", preparation_friction=0.1, seed=(1, 2, 3), network_seed=(0, 1), **FULL)
         + product(method="MD", seed=range(1, 7), **FULL) + product(method="MD", preparation_friction=0.1, seed=(1, 2, 3), **FULL)}
@@ -33,11 +34,6 @@ NEARLY = 0.95  # share of the limit load at which creep, and elastic strain, are
 def packing(run):
     """Return what names a prepared packing of this study."""
     return run.parameters["preparation_friction"], run.parameters["seed"]
-
-
-def load(run):
-    """Return sigma2/P0 asked for, sample by sample."""
-    return run.values("sigma2_goal") / run.pressure
 
 
 def summarize(runs):
@@ -56,25 +52,23 @@ def _row(run, other):
     change = [_rms_difference(a, b) for a, b in steps] or [np.nan]
     nearest = min(run.snapshots, key=lambda snapshot: abs(_at(run, snapshot) - limit))
     contacts, disks, bound = statics.degrees_of_freedom(nearest, nearest["force_normal"] > 0)
-    late = min(np.searchsorted(load(run), NEARLY * limit), len(load(run)) - 1)
-    apart = _apart(run, other) if other is not None and other is not run and run.method == "CD" else []
+    late = min(np.searchsorted(observables.load(run), NEARLY * limit), len(observables.load(run)) - 1)
+    apart = [way for _, way in _apart(run, other)] if other is not None and other is not run and run.method == "CD" else []
     return {
-        "method": run.method, "preparation mu": run.parameters["preparation_friction"], "seed": run.parameters["seed"],
-        "network": run.parameters["network_seed"], "limit load": limit,
+        **summary.columns(run, "method", "preparation mu", "seed"), "network": run.parameters["network_seed"], "limit load": limit,
         **{f"load at {threshold:g}": observables.critical_load(run, threshold) for threshold in THRESHOLDS},
-        f"gamma at {NEARLY:g} limit": float(np.abs(run.values("gamma"))[late]),
-        "snapshot at": _at(run, nearest), "sliding there": int(observables.sliding(nearest).sum()), "2M-3N there": bound,
+        f"gamma at {NEARLY:g} limit": np.abs(run.values("gamma"))[late],
+        "snapshot at": _at(run, nearest), "sliding there": observables.sliding(nearest).sum(), "2M-3N there": bound,
         "contacts there": contacts, "disks held": disks,
         "unconverged before": int(run.values("unconverged_steps")[late]) if run.method == "CD" else 0,
-        "force change, median": float(np.median(change)), "force change, largest": float(np.max(change)),
-        "motion over R, median": float(np.median(motion)),
-        "networks apart at start": apart[0][1] if apart else np.nan, "networks apart at end": apart[-1][1] if apart else np.nan,
+        "force change, median": np.median(change), "force change, largest": np.max(change), "motion over R, median": np.median(motion),
+        "networks apart at start": apart[0] if apart else np.nan, "networks apart at end": apart[-1] if apart else np.nan,
         "outcome": run.outcome}
 
 
 def _at(run, snapshot):
     """Return sigma2/P0 asked for at a snapshot."""
-    return float(np.interp(snapshot["time"], run.values("time"), load(run)))
+    return float(np.interp(snapshot["time"], run.values("time"), observables.load(run)))
 
 
 def _rms_difference(first, second):
@@ -92,14 +86,15 @@ def _apart(run, other):
 def draw(runs, rows, path):
     """Draw gamma under the ramp; the loads against the limit load; how far networks are from each other on the way."""
     fig, axes = plt.subplots(1, 3, figsize=(10.5, 4.2))
+    table = pandas.DataFrame(rows)
     main = packing(next((run for run in runs if run.parameters["network_seed"] > 0), runs[0]))
     mine = [run for run in runs if packing(run) == main]
-    for method in ("CD", "MD"):
-        for k, run in enumerate(run for run in mine if run.method == method):
-            axes[0].semilogy(load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8,
-                             label=f"{method}, {'all networks' if method == 'CD' else 'same packing'}" if k == 0 else None)
-    table = pandas.DataFrame(rows)
+    own = {run.method: run for run in mine if run.parameters["network_seed"] == 0}
     limit = table[(table["preparation mu"] == main[0]) & (table.seed == main[1])]["limit load"].iloc[0]
+    for method, words in (("CD", "CD, all networks"), ("MD", "MD, same packing")):
+        for run in (run for run in mine if run.method == method):
+            axes[0].semilogy(observables.load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8, label=words)
+            words = None
     axes[0].axvline(limit, color="0.4", ls=":", label="static limit of the geometry")
     axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-9, None))
     for method, threshold, marker in (("CD", CRITICAL, "o"), ("CD", 1e-2, "^"), ("MD", 1e-2, "D")):
@@ -108,16 +103,14 @@ def draw(runs, rows, path):
     ends = [table["limit load"].min(), table["limit load"].max()]
     axes[1].plot(ends, ends, color="0.4", ls=":", label="equal")
     axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes")
-    start = next((run for run in mine if run.method == "CD" and run.parameters["network_seed"] == 0), None)
-    for k, run in enumerate(run for run in mine if run.parameters["network_seed"] > 0 and start):
-        at, apart = zip(*_apart(run, start))
-        axes[2].plot(at, apart, color=style.COLOUR["CD"], lw=0.8, label="CD networks from the springs' own" if k == 0 else None)
+    words = "CD networks from the springs' own"
+    for run in (run for run in mine if run.parameters["network_seed"] > 0 and "CD" in own):
+        axes[2].plot(*zip(*_apart(run, own["CD"])), color=style.COLOUR["CD"], lw=0.8, label=words)
+        words = None
     for method, ls in (("CD", "--"), ("MD", "-")):
-        run = next((run for run in mine if run.method == method and run.parameters["network_seed"] == 0), None)
-        if run is not None:
-            steps = [(a, b) for a, b in zip(run.snapshots, run.snapshots[1:]) if not _at(run, b) > limit]
-            axes[2].plot([_at(run, b) for _, b in steps], [_rms_difference(a, b) for a, b in steps], color="0.3", ls=ls,
-                         label=f"{method}: change from snapshot to snapshot")
+        if run := own.get(method):
+            steps = [(_at(run, b), _rms_difference(a, b)) for a, b in zip(run.snapshots, run.snapshots[1:]) if not _at(run, b) > limit]
+            axes[2].plot(*zip(*steps), color="0.3", ls=ls, label=f"{method}: change from snapshot to snapshot")
     axes[2].axvline(limit, color="0.4", ls=":")
     axes[2].set(xlabel=r"$\sigma_2/P_0$", ylabel="rms difference of normal forces over their mean", ylim=(0, None))
     for axis in axes:
@@ -126,23 +119,25 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-The load at which a rigid packing yields depends on geometry and friction, and hardly on the force network that it starts from. From 11 force
-networks of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 more packings were loaded from 2 networks each. The
-networks approach each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), and before the packing
-yields by 5 %. 6 packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the
-static limit, which comes from a linear programme over the contacts loaded at the start; with |gamma| = 1e-5 as the sign of yield it is 0.986 to 1.005
-times, |gamma| = 1e-3 1.010 to 1.079 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the
-limit the normal forces change by 3.9 % of their mean from snapshot to snapshot with both methods, while the load grows by 0.03 P0 and the grain
-that moves most moves by 6e-7 R in CD and 4e-3 R in MD (medians).
+The load at which a rigid packing yields depends on geometry and friction, and hardly on the force network that it starts from. From 11 force networks
+of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 more packings were loaded from 2 networks each. The networks approach
+each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), and before the packing yields by 5 %. 6
+packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the static limit, which comes from a
+linear programme over the contacts loaded at the start. If |gamma| = 1e-5 counts as yield, it is 0.986 to 1.005 times the limit; if |gamma| = 1e-3
+does, 1.010 to 1.079 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the limit the normal forces
+change by 3.9 % of their mean from snapshot to snapshot with both methods, while the load grows by 0.03 P0 and the grain that moves most moves by 6e-7
+R in CD and 4e-3 R in MD (medians).
 """
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
     (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "disagrees",
-     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor does CD need many "
-     "networks: without friction it rests on packings whose forces are unique, or free in one direction only (study isostatic). One admissible network is enough."),
+     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor does CD need many networks: "
+     "without friction it rests on packings whose forces are unique, or free in one direction only (study isostatic). One admissible network is "
+     "enough."),
     (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
-     "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most moves "
-     "by 4.8e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % before the packing yields."),
+     "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most "
+     "moves by 4.8e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % before the "
+     "packing yields."),
 )
 
 
@@ -157,10 +152,9 @@ def numbers(table):
     ratio, apart, end = cd[load] / cd["limit load"], cd["networks apart at start"].dropna(), cd["networks apart at end"].dropna()
     lower, higher = (cd[f"load at {level}"] / cd["limit load"] for level in ("1e-05", "0.001"))
     moved = cd[cd.network > 0][motion]
-    return {"11": len(same), "1.599": [same[load].median(), alike[load].max()], "4e-4": same[load].max() - same[load].min(),
+    return {"11": len(same), "1.599": [same[load].median(), alike[load].max()], "4e-4": np.ptp(same[load]),
             "3": len(several) - 1, "2": [2] if (several[several < several.max()] == 1).all() else [0], "18": 100 * apart.median(),
             "5": 100 * end.median(), "6": len(alike), "1.413": alike[load].min(), "22": len(cd), "9": [len(own), len(md)],
-            "0.993": ratio.min(), "1.020": ratio.max(), "0.986": lower.min(), "1.005": lower.max(), "1.010": higher.min(),
-            "1.079": higher.max(), "4e-8": own[creep].median(), "3e-3": md[creep].median(),
-            "3.9": [100 * own[change].median(), 100 * md[change].median()], "6e-7": own[motion].median(), "4e-3": md[motion].median(),
-            "13": len(apart), "4.8e-7": moved.min(), "1.0e-6": moved.max()}
+            **summary.stated("0.993 1.020", ratio), **summary.stated("0.986 1.005", lower), **summary.stated("1.010 1.079", higher),
+            "4e-8": own[creep].median(), "3e-3": md[creep].median(), "3.9": [100 * own[change].median(), 100 * md[change].median()],
+            "6e-7": own[motion].median(), "4e-3": md[motion].median(), "13": len(apart), **summary.stated("4.8e-7 1.0e-6", moved)}

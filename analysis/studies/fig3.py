@@ -1,9 +1,9 @@
 """Fig. 3: strain rate per cycle against accumulated strain for MD and CD, with sliding contacts, dissipation and contacts in an appendix."""
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas
 
 from analysis import cycles, limits, observables, publish, style, summary
+from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "Fig. 3: strain per cycle under repeated loading"
@@ -36,51 +36,30 @@ ROWS = {"quick": [row for setting in (SPRINGS, RIGID | {"tolerance": 1e-7, "max_
 
 
 def summarize(runs):
-    """Return one row a run: when it collapses, how it strains, what slides, dissipates and touches.
-
-    static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
-    """
-    order = ("period", "stress_path", "delta_sigma", "seed")
-    return [_row(run) for run in sorted(runs, key=lambda run: (*_group(run), *(run.parameters[name] for name in order)))]
-
-
-def _group(run):
-    """Return the panel of a run, for sorting: MD before CD, then by the friction during the preparation."""
-    return run.method != "MD", run.parameters["preparation_friction"]
+    """Return one row a run: when it collapses, how it strains, what slides, dissipates and touches. Of MD first, then by the preparation."""
+    return [_row(run) for run in summary.order(runs, "method", "preparation friction", "period", "stress path", "dSigma", "seed")]
 
 
 def _row(run):
-    found, full = cycles.of(run), run.parameters
-    compared, window = found and len(found.number) >= COMPARED, (COMPARED // 2 + 1, COMPARED)
-    row = {"method": run.method, "stress path": full["stress_path"], "preparation friction": full["preparation_friction"], "dSigma": full["delta_sigma"],
-           "seed": full["seed"], "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run), "cycles": len(found.number) if found else 0,
-           "collapses after": float(run.values("cycle")[-1]) if run.collapsed else np.nan, "gamma at the end": float(run.values("gamma")[-1]),
-           f"gamma after {COMPARED}": float(found.permanent[COMPARED - 1]) if compared else np.nan,
-           "late rate": np.nan if run.collapsed else cycles.late_rate(found), "last quarter's rate over the one before": cycles.last_quarter(found),
-           "rate of cycles {} to {}".format(*window): float(found.rates([window])[0]) if compared else np.nan,
-           "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else ""}
-    if found:
-        row |= {"first cycle": float(found.rate[0]), "sliding at most, first cycle": float(found.sliding_max[0]),
-                "sliding at most, last cycle": float(found.sliding_max[-1]), "sliding at least, last cycle": float(_last_cycle(run, 1).min()),
-                "sliding, change of a cycle": _sliding_change(run), "dissipated/P0V0, first cycle": float(found.dissipated[0]),
-                "dissipated/P0V0, last cycle": float(found.dissipated[-1]), "2M/N at the end": float(found.contacts[-1])}
-    return row | {"coordination at the end": float(observables.coordination(run.snapshots[-1])),
-                  "balance error": float(observables.balance_error(run)), "stress error/P0": float(observables.stress_error(run)),
-                  "outcome": run.outcome}
-
-
-def _last_cycle(run, back):
-    """Return the sliding share through the last completed cycle, or the one `back` - 1 before it."""
-    at = cycles.ends(run)
-    return cycles.sliding_share(run)[at[-1 - back]:at[-back] + 1]
-
-
-def _sliding_change(run):
-    """Return how much the sliding share differs between the last two cycles: rms over its mean; NaN where there are no two."""
-    if len(cycles.ends(run)) < 3:
-        return np.nan
-    last, before = _last_cycle(run, 1), _last_cycle(run, 2)
-    return float(np.sqrt(np.mean((last - before)**2)) / last.mean()) if len(last) == len(before) and last.mean() else np.nan
+    found = cycles.of(run)
+    compared, window = len(found.number) >= COMPARED, (COMPARED // 2 + 1, COMPARED)
+    row = summary.columns(run, "method", "stress path", "preparation friction", "dSigma", "seed", "static limit", "load over limit", "cycles",
+                          "collapses after", "gamma at the end")
+    row[f"gamma after {COMPARED}"] = found.permanent[COMPARED - 1] if compared else np.nan
+    row |= summary.columns(run, "late rate", "last quarter's rate over the one before")
+    row["rate of cycles {} to {}".format(*window)] = found.rates([window])[0] if compared else np.nan
+    row |= summary.columns(run, "unsolved steps")
+    if len(found.number):
+        share, ends = cycles.sliding_share(run), cycles.ends(run)
+        last, before = (share[first:end + 1] for first, end in ((ends[-2], ends[-1]), (ends[max(0, len(ends) - 3)], ends[-2])))
+        alike = len(ends) > 2 and len(last) == len(before) and last.mean()
+        row |= {"first cycle": found.first, "sliding at most, first cycle": found.sliding_max[0],
+                "sliding at most, last cycle": found.sliding_max[-1], "sliding at least, last cycle": last.min(),
+                "sliding, change of a cycle": np.sqrt(np.mean((last - before)**2)) / last.mean() if alike else np.nan,  # rms over the mean
+                "dissipated/P0V0, first cycle": found.dissipated[0], "dissipated/P0V0, last cycle": found.dissipated[-1],
+                "2M/N at the end": found.contacts[-1]}
+    return row | {"coordination at the end": observables.coordination(run.snapshots[-1])} | summary.columns(
+        run, "balance error", "stress error/P0", "outcome")
 
 
 def draw(runs, rows, path):
@@ -88,78 +67,76 @@ def draw(runs, rows, path):
     collapse. What slides, dissipates and touches is a figure of its own."""
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
     dense = [run for run in runs if run.parameters["preparation_friction"] == 0]
-    paths = summary.groups(dense, lambda run: -list(LOADS)[::-1].index(run.parameters["stress_path"]))
+    paths = dict(reversed(summary.by(dense, "stress path").items()))
     fig, axes = plt.subplots(1, len(paths) + 1, figsize=(2 + 3.5 * (len(paths) + 1), 4), squeeze=False)
-    for axis in axes[0, 1:-1]:
-        axis.sharex(axes[0, 0])
-        axis.sharey(axes[0, 0])
-    for axis, own in zip(axes[0], paths.values()):
-        title = style.STRESS_PATH[own[0].parameters["stress_path"]]
-        for (method, load), same in summary.groups(own, lambda run: (run.method, run.parameters["delta_sigma"])).items():
-            _rates(axis, same, look[load], method)
-        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=title)
-        axis.grid(color="#DDDDDD", linewidth=0.5)
-    axes[0, 0].set_ylabel(r"strain rate $|\Delta\gamma|$ a cycle")
+    axes = axes[0]
+    for axis, (stress_path, own) in zip(axes, paths.items()):
+        if axis is not axes[0]:
+            axis.sharex(axes[0])
+            axis.sharey(axes[0])
+        for run in summary.order(own, "method", "dSigma"):
+            _rates(axis, run, look[run.parameters["delta_sigma"]])
+        axis.set(xscale="log", yscale="log", xlabel=r"accumulated strain $|\gamma|$", title=style.STRESS_PATH[stress_path])
+        axis.grid(True)
+    axes[0].set_ylabel(r"strain rate $|\Delta\gamma|$ a cycle")
     entries = [dict(color=colour, label=rf"$\Delta\sigma$ = {load:g}") for load, colour in look.items()]
     entries += [dict(color="#444444", ls=line, marker=style.MARKER[method], ms=4, label=method)
                 for method, line in LINES.items() if any(run.method == method for run in dense)]
-    style.legend(axes[0, max(0, len(paths) - 1)], entries, fontsize=6.5, loc="upper left")
-    _collapses(axes[0, -1], rows)
-    style.finish(fig, path, "Left: dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver. Right: all packings; "
-                 "open: no collapse in so many cycles.", runs)
-    _appendix([run for run in runs if run.parameters["stress_path"] == "mean"] or runs, look, path.with_name(f"{path.stem}-cycles.png"))
-
-
-def _collapses(axis, rows):
-    """Draw the cycle in which a packing collapses, or as many as it stands, against the load over its static limit."""
-    table = pandas.DataFrame(rows)
-    for method in LINES:
-        own = table[table.method == method]
-        falls = own["collapses after"].notna()
-        for part, name, face, words in ((own[falls], "collapses after", None, "collapses"), (own[~falls], "cycles", "none", "stands")):
-            style.points(axis, part, "load over limit", name, method, mfc=face, label=f"{method}: {words}")
-    axis.axvline(1, color="k", lw=0.7, ls=":")
-    axis.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over its static limit", ylabel="cycles", title="collapse")
-    axis.legend(fontsize=6.5)
+    style.legend(axes[max(0, len(paths) - 1)], entries, fontsize=6.5, loc="upper left")
+    _collapses(axes[-1], pandas.DataFrame(rows))
+    style.finish(fig, path, "Left: dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver. "
+                 "Right: all packings; open: no collapse in so many cycles.", runs)
+    held = [run for run in runs if run.parameters["stress_path"] == "mean"]
+    _draw_each_cycle(held or runs, look, path.with_name(f"{path.stem}-cycles.png"))
 
 
 LINES = {"MD": "-", "CD": "--"}
 
 
-def _rates(axis, runs, colour, method):
-    """Draw strain and rate of every packing, over windows that grow with the number of the cycle; a cross where a sample collapses."""
-    for run in runs:
-        found = cycles.of(run)
-        if run.collapsed:
-            end = run.values("gamma")[-1]
-            axis.plot(abs(end), abs(end - found.permanent[-1] if found else end), "x", color=colour, markersize=5)
-        if found is not None:
-            windows = cycles.windows(len(found.number))
-            axis.plot(np.abs(found.permanent[[last - 1 for _, last in windows]]), np.abs(found.rates(windows)), color=colour, linestyle=LINES[method],
-                      marker=style.MARKER[method], markersize=2, linewidth=0.7, alpha=0.8)
+def _rates(axis, run, colour):
+    """Draw strain and rate of a packing, over windows that grow with the number of the cycle; a cross where it collapses."""
+    found = cycles.of(run)
+    if run.collapsed:
+        end, before = run.values("gamma")[-1], found.permanent[-1] if len(found.number) else 0
+        axis.plot(abs(end), abs(end - before), "x", color=colour, markersize=5)
+    windows = cycles.windows(len(found.number))
+    axis.plot(np.abs([found.gamma[last] for _, last in windows]), np.abs(found.rates(windows)), color=colour, linestyle=LINES[run.method],
+              marker=style.MARKER[run.method], markersize=2, linewidth=0.7, alpha=0.8)
 
 
-def _appendix(runs, look, path):
+def _collapses(axis, table):
+    """Draw the cycle in which a packing collapses, or as many as it stands, against the load over its static limit."""
+    for method in LINES:
+        own = table[table.method == method]
+        falls = own["collapses after"].notna()
+        style.points(axis, own[falls], "load over limit", "collapses after", method, label=f"{method}: collapses")
+        style.points(axis, own[~falls], "load over limit", "cycles", method, mfc="none", label=f"{method}: stands")
+    axis.axvline(1, color="k", lw=0.7, ls=":")
+    axis.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over its static limit", ylabel="cycles", title="collapse")
+    axis.legend(fontsize=6.5)
+
+
+def _draw_each_cycle(runs, look, path):
     """Draw cycle by cycle the most sliding contacts, the energy dissipated, and the contacts; a column a method and preparation."""
-    groups = summary.groups(runs, _group)
-    fig, axes = plt.subplots(3, len(groups), figsize=(1 + 2.6 * len(groups), 7.5), squeeze=False, sharex=True, sharey="row")
-    labels = (("sliding_max", "most contacts at the Coulomb\nlimit / contacts"), ("dissipated", "dissipated in a cycle\n/ $P_0V_0$"), ("contacts", "contacts $2M/N$"))
-    for column, ((rigid, friction), own) in enumerate(groups.items()):
-        axes[0, column].set_title(f"{'CD' if rigid else 'MD'}, prepared with $\\mu$ = {friction:g}", fontsize=9)
-        for load, same in summary.groups(own, lambda run: run.parameters["delta_sigma"]).items():
-            several = [found for run in same if (found := cycles.of(run))]
+    columns = summary.by(runs, "method", "preparation friction")
+    fig, axes = plt.subplots(3, len(columns), figsize=(1 + 2.6 * len(columns), 7.5), squeeze=False, sharex=True, sharey="row")
+    for line, (method, friction), own in zip(axes.T, columns, columns.values()):
+        line[0].set_title(f"{method}, prepared with $\\mu$ = {friction:g}", fontsize=9)
+        for load, same in summary.by(own, "dSigma").items():
+            several = [found for run in same if len((found := cycles.of(run)).number)]
             count = min((len(found.number) for found in several), default=0)
-            for axis, (name, label) in zip(axes[:, column], labels):
+            for axis, name in zip(line, ("sliding_max", "dissipated", "contacts")):
                 if count:
                     median = np.median([getattr(found, name)[:count] for found in several], axis=0)
-                    axis.plot(np.arange(1, count + 1), np.where((median > 0) | (name != "dissipated"), median, np.nan), color=look[load], marker=".", ms=3,
-                              label=rf"$\Delta\sigma$ = {load:g}")
-                axis.set_xscale("log")
-                axis.grid(color="#DDDDDD", linewidth=0.5)
-                if column == 0:
-                    axis.set_ylabel(label)
-        axes[1, column].set_yscale("log")
-        axes[2, column].set_xlabel("cycle")
+                    axis.plot(range(1, count + 1), np.where((median > 0) | (name != "dissipated"), median, np.nan), color=look[load],
+                              marker=".", ms=3, label=rf"$\Delta\sigma$ = {load:g}")
+        for axis in line:
+            axis.set_xscale("log")
+            axis.grid(True)
+        line[1].set_yscale("log")
+        line[2].set_xlabel("cycle")
+    for axis, label in zip(axes[:, 0], ("most contacts at the Coulomb\nlimit / contacts", "dissipated in a cycle\n/ $P_0V_0$", "contacts $2M/N$")):
+        axis.set_ylabel(label)
     axes[0, -1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     style.finish(fig, path, "Median over the packings.", runs)
 
@@ -191,18 +168,20 @@ their stress then; they count as standing above and have no other numbers.
 """
 GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "0.8", "1.07", "1.1", "1.2", "1.3", "1.5", "1.8", "1.86", "1", "1e-6", "2", "11", "20", "40", "80")
 POINTS = (
-    (0, "If the loadings are low enough, the excitations shakedown in the material. [...] there will be practically no accumulation of permanent strain.",
+    (0, "If the loadings are low enough, the excitations shakedown in the material. [...] there will be practically no accumulation of permanent "
+     "strain.",
      "section 3, Fig. 3", "agrees", "At dSigma = 0.1, the mean stress held, MD's rate falls to 4.8e-8 a cycle and less on 5 of 5 dense packings."),
     (1, "This is related to the disappearance of sliding contacts in the sample.", "section 3, Fig. 3", "agrees in part",
-     "In these runs up to 20 % of the contacts are at the Coulomb limit at one time of the first cycle, up to 10 % of the last one, and there at least 0.6 % (medians of 5). How many of "
-     "them slip was not measured."),
+     "In these runs up to 20 % of the contacts are at the Coulomb limit at one time of the first cycle, up to 10 % of the last one, and there at "
+     "least 0.6 % (medians of 5). How many of them slip was not measured."),
     (2, "the strain rate does not apparently diminish, leading to a fast failure of the material. This incremental collapse can be seen in cases "
      "dSigma = 0.40 and dSigma = 0.50 of the figure.", "section 3, Fig. 3", "agrees in part",
-     "With the mean stress held 10 of 10 dense MD samples collapse at these loads, after 0.90 to 2.65 cycles; with sigma1 held, where they mean a smaller stress ratio, none does."),
-    (3, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small rate. This "
-     "behavior is associated to a quasi-periodic response of the sliding contacts [...].", "section 3, Fig. 3", "agrees in part",
-     "Rates between settling and collapse fall slowly rather than stay: with sigma1 held and dSigma = 0.4 the rate of the second half of the cycles is 5.2e-5 a cycle "
-     "(median of 5), and over the last quarter 0.71 times that of the quarter before (0.12 to 0.78)."),
+     "With the mean stress held 10 of 10 dense MD samples collapse at these loads, after 0.90 to 2.65 cycles; with sigma1 held, where they mean a "
+     "smaller stress ratio, none does."),
+    (3, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small rate. "
+     "This behavior is associated to a quasi-periodic response of the sliding contacts [...].", "section 3, Fig. 3", "agrees in part",
+     "Rates between settling and collapse fall slowly rather than stay: with sigma1 held and dSigma = 0.4 the rate of the second half of the cycles "
+     "is 5.2e-5 a cycle (median of 5), and over the last quarter 0.71 times that of the quarter before (0.12 to 0.78)."),
     (12, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
      "Under cycles CD stands 1.43 times as many (median of 38 pairs from 10 packings); in 1 of them it collapses earlier."),
     (13, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
@@ -210,21 +189,29 @@ POINTS = (
 )
 
 
-def standing(table):
-    """Return the finished runs and those that only the check of the walls refuses, at their very end, as runs that stand.
+PACKING = ["preparation friction", "stress path", "seed"]
+
+
+def refused_at_the_end(table):
+    """Return the rows of runs that only the check of the walls refuses, at their very end.
 
     They yield in every cycle without a collapse. To leave them out would be to choose by the result.
     """
-    done = publish.finished(table)
     if publish.STATUS not in table:
+        return table[:0]
+    ends = (table.cycles * table.get("period", LOADING["period"])).map("until t = {:g} s".format)
+    return table[[end in str(status) for end, status in zip(ends, table[publish.STATUS])]]
+
+
+def standing(table):
+    """Return the finished runs and, as runs that stand, those that are refused at their end."""
+    done, own = publish.finished(table), refused_at_the_end(table)
+    if own.empty:
         return done
-    of_packing = done.groupby(["preparation friction", "stress path", "seed"])["static limit"].first()
-    ends = (table.cycles * LOADING["period"]).map("until t = {:g} s".format)
-    own = table[[end in str(status) for end, status in zip(ends, table[publish.STATUS])]].copy()
-    own["preparation friction"], own["stress path"], own["dSigma"] = own.preparation_friction, own.stress_path, own.delta_sigma
-    own["static limit"] = [of_packing[key] for key in zip(own.preparation_friction, own.stress_path, own.seed)]
+    own = own.assign(**{name: own[name.replace(" ", "_")] for name in PACKING}, dSigma=own.delta_sigma)
+    own["static limit"] = done.groupby(PACKING)["static limit"].first().reindex(pandas.MultiIndex.from_frame(own[PACKING])).to_numpy()
     own["load over limit"] = [limits.stress_ratio(1 + load, path) / limits.stress_ratio(limit, path)
-                              for load, path, limit in zip(own.dSigma, own.stress_path, own["static limit"])]
+                              for load, path, limit in zip(own.dSigma, own["stress path"], own["static limit"])]
     return pandas.concat([done, own])
 
 
@@ -232,42 +219,42 @@ def numbers(table):
     after, end, gamma, quarter = "collapses after", "gamma at the end", f"gamma after {COMPARED}", "last quarter's rate over the one before"
     counted, table = standing(table), publish.finished(table)
     md, cd = (table[table.method == method] for method in LINES)
-    dense = md[md["preparation friction"] == 0]
+    dense = md[md["preparation friction"] == 0].set_index("seed")
     held, constant = (dense[dense["stress path"] == path] for path in LOADS)
-    at = {load: held[held.dSigma == load].set_index("seed") for load in LOADS["mean"]}
-    low, high = constant[constant.dSigma <= 0.5], constant[constant.dSigma > 0.5]
-    alike = (at[0.2][gamma] / constant[constant.dSigma == 0.5].set_index("seed")[gamma] - 1).abs()
-    every = [counted[counted.method == method] for method in LINES]
-    pairs = every[0].merge(every[1], on=["stress path", "preparation friction", "dSigma", "seed"], suffixes=(" MD", " CD"))
+    at, low, high = dict(list(held.groupby("dSigma"))), constant[constant.dSigma <= 0.5], constant[constant.dSigma > 0.5]
+    alike = (at[0.2][gamma] / constant[constant.dSigma == 0.5][gamma] - 1).abs()
+    pairs = counted[counted.method == "MD"].merge(counted[counted.method == "CD"], on=["stress path", "preparation friction", "dSigma", "seed"],
+                                                  suffixes=(" MD", " CD"))
     below, above = pairs[pairs["load over limit MD"] < 1], pairs[pairs["load over limit MD"] > 1]
     falls = [above[f"{after} {method}"].notna() for method in LINES]
     breaks = pairs[pairs[f"{after} MD"] <= COMPARED]
-    times = breaks[f"{after} CD"] / breaks[f"{after} MD"]  # NaN where CD stands
-    stands, falls_from = (rows.groupby(["method", "preparation friction"])["load over limit"]
-                          for rows in (counted[counted[after].isna()], counted[counted[after].notna()]))
-    stands, falls_from, over = stands.max(), falls_from.min(), breaks["load over limit MD"]
+    times, over = (breaks[f"{after} CD"] / breaks[f"{after} MD"]).fillna(np.inf), breaks["load over limit MD"]  # infinite where CD stands
+    load = counted.assign(falls=counted[after].notna()).groupby(["falls", "method", "preparation friction"])["load over limit"]
+    stands, falls_from = load.max()[False], load.min()[True]
     slows = md[md[after].isna() & (md["load over limit"] < 1) & (md["late rate"].abs() > 1e-6)][quarter]
-    closer, further = times.fillna(np.inf)[over.between(1.1, 1.3)], times.fillna(np.inf)[over > 2]
-    detour = at[0.3][after] / constant[constant.dSigma == 0.8].set_index("seed")[after]
+    closer, further = times[over.between(1.1, 1.3)], times[over > 2]
+    detour = at[0.3][after] / constant[constant.dSigma == 0.8][after]
     fails, slow = held[held.dSigma.isin((0.4, 0.5))][after], constant[constant.dSigma == 0.4]
     near = cd[(cd["preparation friction"] == 0) & cd["load over limit"].between(1, 1.07)]
     later = near[f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}"].abs()
-    assert near[after].isna().all() and (later > 1e-4).sum() == len(near) / 2
     packings = lambda rows: len(rows[["preparation friction", "seed"]].drop_duplicates())
+    assert near[after].isna().all() and (later > 1e-4).sum() == len(near) / 2
     assert low[after].isna().all() and at[0.2][after].isna().all() and not (falls[1] & ~falls[0]).any()
     assert all(at[load][after].notna().all() for load in (0.3, 0.4, 0.5)) and alike.between(0.01, 0.13).all()
     return {"1": (times < 1).sum(), "12": 100 * alike.max(), "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour)],
-            "0.85": detour.min(), "2.37": detour.max(), "4": (detour > 1).sum(),
-            "2.6e-4": at[0.1][end].abs().max(), "0.0066": at[0.2][end].abs().min(), "0.0431": at[0.2][end].abs().max(),
+            **summary.stated("0.85 2.37", detour), "4": (detour > 1).sum(), "2.6e-4": at[0.1][end].abs().max(),
+            **summary.stated("0.0066 0.0431", at[0.2][end].abs()),
             "10.70": at[0.3][after].median(), "1.95": at[0.4][after].median(), "0.95": at[0.5][after].median(), "25": len(low),
-            "10": [high[after].notna().sum(), len(high), fails.notna().sum(), packings(breaks), len(further), 100 * at[0.1]["sliding at most, last cycle"].median()],
+            "10": [high[after].notna().sum(), len(high), fails.notna().sum(), packings(breaks), len(further),
+                   100 * at[0.1]["sliding at most, last cycle"].median()],
             "1.06": stands["MD", 0.0], "1.12": falls_from["MD", 0.0], "1.33": falls_from["MD", 0.1], "1.53": stands["MD", 0.1],
             "1.57": stands["CD"].max(), "2.0e-8": below[f"{gamma} CD"].abs().median(), "3.3e-4": below[f"{gamma} MD"].abs().median(),
             "30": len(below), "6": [packings(below), len(near)], "3.0e-4": below[f"{gamma} CD"].abs().max(),
             "0.991": below.loc[below[f"{gamma} CD"].abs().idxmax(), "load over limit CD"], "39": falls[0].sum(), "35": falls[1].sum(),
-            "55": len(above), "1.43": times.fillna(np.inf).median(), "38": len(breaks), "34": (times > 1).sum(),
-            "3": [times.isna().sum(), near.seed.nunique()], "2.4": closer.median(), "9": len(closer), "1.24": further.median(),
-            "1.1e-4": later[later > 1e-4].min(), "3.7e-4": later.max(), "7.1e-7": later[later < 1e-4].max(), "0.71": [slows.median(), slow[quarter].median()],
-            "21": len(slows), "0.59": slows.quantile(0.25), "1.16": slows.quantile(0.75), "14": (slows < 1).sum(),
-            "4.8e-8": at[0.1]["late rate"].abs().max(), "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), "0.90": fails.min(),
-            "2.65": fails.max(), "5.2e-5": slow["late rate"].abs().median(), "0.12": slow[quarter].min(), "0.78": slow[quarter].max()}
+            "55": len(above), "1.43": times.median(), "38": len(breaks), "34": (times.between(1, np.inf, "neither")).sum(),
+            "3": [np.isinf(times).sum(), near.seed.nunique()], "2.4": closer.median(), "9": len(closer), "1.24": further.median(),
+            **summary.stated("1.1e-4 3.7e-4", later[later > 1e-4]), "7.1e-7": later[later < 1e-4].max(),
+            "0.71": [slows.median(), slow[quarter].median()], "21": len(slows), "0.59": slows.quantile(0.25),
+            "1.16": slows.quantile(0.75), "14": (slows < 1).sum(), "4.8e-8": at[0.1]["late rate"].abs().max(),
+            "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), **summary.stated("0.90 2.65", fails),
+            "5.2e-5": slow["late rate"].abs().median(), **summary.stated("0.12 0.78", slow[quarter])}

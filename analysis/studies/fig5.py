@@ -1,10 +1,9 @@
 """Fig. 5: gamma under a load that rises until the sample collapses, and the load at which it yields."""
-import operator
-
-import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 
 from analysis import limits, observables, style, summary
+from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
@@ -17,9 +16,10 @@ ORDER = 3  # in the report
 RAMP = dict(loading="ramp", period=1.0, records_per_cycle=50, wall_mass_ratio=1.0)
 METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force"), dict(method="CD", cd_dt=2e-3, tolerance=1e-7, method_cd="auto"))
 ROWS = {"quick": [row for method in METHODS for row in product(ramp_rate=0.5, cycles=3, **RAMP, **method)],
-        "full": [row for method in METHODS for row in product(ramp_rate=0.1, cycles=15, preparation_friction=(0.0, 0.1), seed=range(1, 6), **RAMP, **method)
-                 + product(ramp_rate=0.1, cycles=9, stress_path="mean", preparation_friction=(0.0, 0.1), seed=range(1, 6), **RAMP, **method)
-                 + product(ramp_rate=0.2, cycles=8, seed=range(1, 6), **RAMP, **method)]}
+        "full": [row for method in METHODS for more in (
+            dict(ramp_rate=0.1, cycles=15, preparation_friction=(0.0, 0.1)),
+            dict(ramp_rate=0.1, cycles=9, preparation_friction=(0.0, 0.1), stress_path="mean"), dict(ramp_rate=0.2, cycles=8))
+                 for row in product(**more, **RAMP, **method, seed=range(1, 6))]}
 # |gamma| that defines a critical load. Elastic strain of MD reaches 1e-3 below yield, so only the largest compares the methods.
 THRESHOLDS = (1e-4, 1e-3, 1e-2)
 
@@ -27,31 +27,31 @@ THRESHOLDS = (1e-4, 1e-3, 1e-2)
 def summarize(runs):
     """Return one row a run: critical loads, volume, sliding contacts against their bound.
 
-    static limit: largest sigma2/P0 that the contacts can carry on the run's stress path. over the limit at: sigma2/sigma1 there over the largest that they
-    can carry, which does not depend on the path.
+    over the limit at: sigma2/sigma1 there over the largest that the contacts can carry, which does not depend on the path.
     """
-    of = operator.itemgetter("stress_path", "preparation_friction", "ramp_rate")
-    return [_row(run) for run in sorted(runs, key=lambda run: (*of(run.parameters), run.method != "MD", run.parameters["seed"]))]
+    return [_row(run) for run in summary.order(runs, "stress path", "preparation friction", "ramp rate", "method", "seed")]
 
 
 def _row(run):
-    gamma, load = run.values("gamma"), run.values("sigma2_goal") / run.pressure
+    gamma, load = run.values("gamma"), observables.load(run)
     volume = (1 + run.values("strain1")) * (1 + run.values("strain2")) - 1
     used, first = _share_of_bound(run), run.snapshots[0]
     contacts, disks, bound = statics.degrees_of_freedom(first, first["force_normal"] > 0)
+    critical = {f"{threshold:g}": observables.critical_load(run, threshold) for threshold in THRESHOLDS}
     return {
-        "method": run.method, "stress path": run.parameters["stress_path"], "preparation friction": run.parameters["preparation_friction"], "ramp rate": run.parameters["ramp_rate"],
-        "seed": run.parameters["seed"], "static limit": limits.static_limit(run),
-        **{f"load at |gamma| = {threshold:g}": observables.critical_load(run, threshold) for threshold in THRESHOLDS},
-        **{f"over the limit at |gamma| = {threshold:g}": limits.over_limit(run, observables.critical_load(run, threshold)) for threshold in THRESHOLDS},
-        "load at the end": float(load.max()), "gamma at the end": float(gamma[-1]),
-        "least volume strain": float(volume.min()), "volume strain at the end": float(volume[-1]),
-        "load where sliding reaches the bound": float(load[np.argmax(used >= 1)]) if (used >= 1).any() else np.nan,
+        **summary.columns(run, "method", "stress path", "preparation friction", "ramp rate", "seed", "static limit"),
+        **{f"load at |gamma| = {threshold}": value for threshold, value in critical.items()},
+        **{f"over the limit at |gamma| = {threshold}": limits.over_limit(run, value) for threshold, value in critical.items()},
+        "load at the end": load.max(), "gamma at the end": gamma[-1], "least volume strain": volume.min(), "volume strain at the end": volume[-1],
+        "load where sliding reaches the bound": _first(used >= 1, load),
         "M at the start": contacts, "N at the start": disks, "bound at the start": bound,
-        "sliding/bound at |gamma| = 0.001": _at(run, used, THRESHOLDS[1]), "sliding/bound at |gamma| = 0.01": _at(run, used, THRESHOLDS[-1]),
-        "largest sliding/bound": float(used.max()), "balance error": float(observables.balance_error(run)),
-        "unsolved steps": observables.unconverged_steps(run) if run.method == "CD" else "", "outcome": run.outcome,
-    }
+        "sliding/bound at |gamma| = 0.001": _first(np.abs(gamma) > 1e-3, used), "sliding/bound at |gamma| = 0.01": _first(np.abs(gamma) > 1e-2, used),
+        "largest sliding/bound": used.max(), **summary.columns(run, "balance error", "unsolved steps", "outcome")}
+
+
+def _first(reached, values):
+    """Return the value at the first sample that `reached` marks; NaN if there is none."""
+    return values[np.argmax(reached)] if reached.any() else np.nan
 
 
 def _share_of_bound(run):
@@ -65,77 +65,68 @@ def _share_of_bound(run):
     return np.where(bound > 0, run.values("sliding_contacts") / np.maximum(bound, 1), 1.0)
 
 
-def _at(run, values, threshold):
-    """Return the value where |gamma| passes the threshold; NaN if it never does."""
-    above = np.flatnonzero(np.abs(run.values("gamma")) > threshold)
-    return float(values[above[0]]) if len(above) else np.nan
-
-
 def draw(runs, rows, path):
     """Draw a row of panels for each preparation: gamma over the load, a panel a stress path with CD enlarged in the inset, and the critical loads."""
-    groups = summary.groups(runs, lambda run: run.parameters["preparation_friction"])
-    paths = sorted({run.parameters["stress_path"] for run in runs})
-    fig, axes = plt.subplots(len(groups), len(paths) + 1, figsize=(1 + 3.6 * (len(paths) + 1), 0.6 + 3.3 * len(groups)), squeeze=False)
-    for line, (friction, own) in zip(axes, groups.items()):
+    table, panels = pandas.DataFrame(rows), summary.by(runs, "preparation friction", "stress path")
+    frictions, paths = (list(dict.fromkeys(values)) for values in (table["preparation friction"].sort_values(), table["stress path"].sort_values()))
+    fig, axes = plt.subplots(len(frictions), len(paths) + 1, figsize=(1 + 3.6 * (len(paths) + 1), 0.6 + 3.3 * len(frictions)), squeeze=False)
+    for line, friction in zip(axes, frictions):
         for axis, stress_path in zip(line, paths):
-            _strain(axis, [run for run in own if run.parameters["stress_path"] == stress_path])
+            _strain(axis, panels.get((friction, stress_path), []))
             axis.set_title(style.STRESS_PATH[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
-        _loads(line[-1], [row for row in rows if row["preparation friction"] == friction])
+        _loads(line[-1], table[table["preparation friction"] == friction])
     entries = [dict(color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
-    entries += [dict(color="#444444", ls=":", label="twice as fast")] * (len({run.parameters["ramp_rate"] for run in runs}) > 1)
+    entries += [dict(color="#444444", ls=":", label="twice as fast")] * (table["ramp rate"].nunique() > 1)
     entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
     style.legend(axes[0, -1], entries, loc="lower right", fontsize=7)
-    style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; open: the mean stress held.", runs)
-
-
-def _line(run, slowest):
-    return dict(color=style.COLOUR[run.method], linewidth=1, alpha=0.8, linestyle="-" if run.parameters["ramp_rate"] == slowest else ":")
+    style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
+                 "open: the mean stress held.", runs)
 
 
 def _strain(axis, runs):
     slowest = min((run.parameters["ramp_rate"] for run in runs), default=0)
     inset = axis.inset_axes([0.12, 0.1, 0.36, 0.42])
     for run in runs:
-        load, gamma = run.values("sigma2_goal") / run.pressure, run.values("gamma")
-        axis.plot(load, gamma, **_line(run, slowest))
+        load, gamma = observables.load(run), run.values("gamma")
+        line = "-" if run.parameters["ramp_rate"] == slowest else ":"
+        for panel in (axis, inset) if run.method == "CD" else (axis,):
+            panel.plot(load, gamma, color=style.COLOUR[run.method], linewidth=1, alpha=0.8, linestyle=line)
         if run.collapsed:
             axis.plot(load[-1], gamma[-1], "x", color=style.COLOUR[run.method])
-        if run.method == "CD":
-            inset.plot(load, gamma, **_line(run, slowest))
-    yields = [load for load in (observables.critical_load(run, THRESHOLDS[0]) for run in runs if run.method == "CD") if np.isfinite(load)]
-    if yields:
-        inset.set(xlim=(1, max(yields) + 0.02), ylim=(-3 * THRESHOLDS[0], THRESHOLDS[0]))
+    yields = np.array([observables.critical_load(run, THRESHOLDS[0]) for run in runs if run.method == "CD"])
+    if np.isfinite(yields).any():
+        inset.set(xlim=(1, np.nanmax(yields) + 0.02), ylim=(-3 * THRESHOLDS[0], THRESHOLDS[0]))
     inset.tick_params(labelsize=6)
     inset.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))  # short numbers, which do not cover those of the panel
     inset.yaxis.get_offset_text().set_fontsize(6)
     inset.set_title("CD", fontsize=7, pad=2)
     axis.set(xlabel=r"$\sigma_2/P_0 = 1 + \alpha t$", ylabel=r"$\gamma$   (< 0: shortens along axis 2)")
-    axis.grid(color="#DDDDDD", linewidth=0.5)
+    axis.grid(True)
 
 
-def _loads(axis, rows):
+def _loads(axis, table):
     """Draw the critical loads over the static limit by threshold: a point a packing, MD and CD of one packing joined by a line."""
-    slowest = min((row["ramp rate"] for row in rows), default=0)
+    slow = table[table["ramp rate"] == table["ramp rate"].min()]
     for place, threshold in enumerate(THRESHOLDS):
         name = f"over the limit at |gamma| = {threshold:g}"
-        for (stress_path, _), pair in summary.groups((row for row in rows if row["ramp rate"] == slowest), lambda row: (row["stress path"], row["seed"])).items():
-            shift = place + (0.2 if stress_path == "mean" else -0.2)
-            points = [(shift + (0.08 if row["method"] == "CD" else -0.08), row[name], row["method"]) for row in pair]
-            axis.plot(*zip(*[point[:2] for point in points]), color="#AAAAAA", linewidth=0.6, zorder=1)
-            for x, y, method in points:
-                axis.plot(x, y, style.MARKER[method], color=style.COLOUR[method], markersize=4, mfc="none" if stress_path == "mean" else None)
+        shifts = slow["stress path"].map({"constant": -0.2, "mean": 0.2}) + slow.method.map({"MD": -0.08, "CD": 0.08})
+        for (stress_path, _), pair in slow.assign(place=place + shifts).groupby(["stress path", "seed"]):
+            axis.plot(pair.place, pair[name], color="#AAAAAA", linewidth=0.6, zorder=1)
+            for method in style.MARKER:
+                style.points(axis, pair[pair.method == method], "place", name, method, ms=4, mfc="none" if stress_path == "mean" else None)
     axis.axhline(1, color="k", lw=0.7, ls=":")
     axis.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
-    axis.set(xlabel=r"$|\gamma|$ that defines the critical load", ylabel=r"$\sigma_2/\sigma_1$ over its static limit", xlim=(-0.5, len(THRESHOLDS) - 0.5))
-    axis.grid(color="#DDDDDD", linewidth=0.5, axis="y")
+    axis.set(xlabel=r"$|\gamma|$ that defines the critical load", ylabel=r"$\sigma_2/\sigma_1$ over its static limit",
+             xlim=(-0.5, len(THRESHOLDS) - 0.5))
+    axis.grid(axis="y")
 
 
 ANSWER = """
-What counts is the ratio sigma2/sigma1, over the largest ratio that the contacts of the packing can carry: in these units the two stress
-paths give nearly the same curves: with the mean stress held |gamma| = 1e-4 is passed at 1.00 to 1.01 times the ratio with sigma1 held,
-1e-2 at 0.95 to 1.04 times. MD strains from the start of the ramp. Dense packings, prepared without friction, pass |gamma| = 1e-4 in MD at
-0.72 of the limit with sigma1 held and at 0.72 with the mean stress held (medians of 5), loose ones at 0.87 and 0.87. CD rests up to the
-limit, which a linear programme computes beforehand: it passes |gamma| = 1e-4 at 0.99 to 1.02 of it in 25 ramps from 10 packings.
+What counts is sigma2/sigma1 over the largest ratio that the contacts of the packing can carry. In these units the two stress paths give nearly the
+same curves: with the mean stress held |gamma| = 1e-4 is passed at 1.00 to 1.01 times the ratio with sigma1 held, 1e-2 at 0.95 to 1.04 times. MD
+strains from the start of the ramp. Dense packings, prepared without friction, pass |gamma| = 1e-4 in MD at 0.72 of the limit with sigma1 held and at
+0.72 with the mean stress held (medians of 5), loose ones at 0.87 and 0.87. CD rests up to the limit, which a linear programme computes beforehand: it
+passes |gamma| = 1e-4 at 0.99 to 1.02 of it in 25 ramps from 10 packings.
 
 Where the packings break the methods nearly agree. At |gamma| = 1e-2 CD needs 1.05 times the ratio of MD on dense packings (median of 10
 slow ramps on 5 packings; 1.02 to 1.06, more in all of them) and 1.02 times on loose ones (0.97 to 1.07, more in 6 of 10). All 50 runs
@@ -146,44 +137,50 @@ the load at which |gamma| reaches 0.2 changes more with the ramp's rate, by up t
 GIVEN = ("1e-4", "1e-3", "1e-2", "0.2", "2700")
 POINTS = (
     (7, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part",
-     "MD strains from the start: dense packings pass |gamma| = 1e-4 at 1.07 P0 and 1e-2 at 1.49 P0 with sigma1 held (medians). But then the area first shrinks, in 15 "
-     "of 15 runs."),
+     "MD strains from the start: dense packings pass |gamma| = 1e-4 at 1.07 P0 and 1e-2 at 1.49 P0 with sigma1 held (medians). But then the area "
+     "first shrinks, in 15 of 15 runs."),
     (8, "A sudden compression is perceived [...], after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5",
      "not decided",
      "Not compared: the paper names N = 2700 and cycles here, but refers to the ramp of its eq. 1, which has none."),
     (9, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5", "agrees in part",
-     "When MD passes |gamma| = 1e-3, CD is below 1e-4 in 25 of 25 pairs. But when MD passes 1e-2, CD is below 1e-3 in 7 of 15 pairs of dense packings only, and when MD reaches 0.2, "
-     "CD has passed 1e-2 in 25 of 25."),
+     "When MD passes |gamma| = 1e-3, CD is below 1e-4 in 25 of 25 pairs. But when MD passes 1e-2, CD is below 1e-3 in 7 of 15 pairs of dense "
+     "packings only, and when MD reaches 0.2, CD has passed 1e-2 in 25 of 25."),
     (10, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
-     "expands.", "section 3, Fig. 5", "agrees", "CD stays below |gamma| = 1e-4 up to 0.99 to 1.02 of the static limit. In the end the area has grown in 25 of 25 runs."),
+     "expands.", "section 3, Fig. 5", "agrees",
+     "CD stays below |gamma| = 1e-4 up to 0.99 to 1.02 of the static limit. In the end the area has grown in 25 of 25 runs."),
     (11, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
-     "agrees in part", "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 25 of 25 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp went."),
-    (12, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4", "agrees in part",
+     "agrees in part",
+     "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 25 of 25 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp "
+     "went."),
+    (12, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
+     "agrees in part",
      "Under a ramp CD yields at 1.05 times the ratio of MD on dense packings and 1.02 times on loose ones. What differs is the strain on the way."),
 )
 
 
 def numbers(table):
-    keys = ["preparation friction", "stress path", "ramp rate", "seed"]
-    md, cd = (table[table.method == method].set_index(keys).sort_index() for method in ("MD", "CD"))
-    fast, slow = (table[table["ramp rate"] == rate] for rate in (table["ramp rate"].max(), table["ramp rate"].min()))
-    both = fast.merge(slow, on=["method", "seed", "preparation friction", "stress path"])
-    first, last, end = "over the limit at |gamma| = 0.0001", "over the limit at |gamma| = 0.01", "load at the end"
-    start = {key: part.median() for key, part in md[first].groupby(level=[0, 1, 2])}
-    paths = {name: table.pivot(index=["method", *keys[:1], *keys[2:]], columns="stress path", values=name).dropna() for name in (first, last)}
-    paths = {name: both["mean"] / both["constant"] for name, both in paths.items()}
+    keys, end = ["preparation friction", "stress path", "ramp rate", "seed"], "load at the end"
+    first, last = "over the limit at |gamma| = 0.0001", "over the limit at |gamma| = 0.01"
+    rows = table.set_index(["method", *keys]).sort_index()
+    md, cd = rows.loc["MD"], rows.loc["CD"]
+    start = md[first].groupby(level=keys[:3]).median()
+    held, constant = (rows.xs(path, level="stress path") for path in ("mean", "constant"))
+    paths = {name: (held[name] / constant[name]).dropna() for name in (first, last)}
+    slow, fast = (rows.xs(rate, level="ramp rate") for rate in (0.1, 0.2))
+    faster = {name: 100 * (fast[name] / slow[name] - 1).abs().max() for name in ("load at |gamma| = 0.01", end)}
     rests = [md[f"load at |gamma| = {level}"] < cd[f"load at |gamma| = {lower}"] for level, lower in (("0.001", "0.0001"), ("0.01", "0.001"))]
-    ratio = (cd[last] / md[last])[lambda rows: rows.index.get_level_values("ramp rate") == 0.1]
-    dense, loose, constant = ratio.loc[0.0], ratio.loc[0.1], md.loc[0.0, "constant", 0.1]
-    assert (dense > 1).all() and (np.abs(table["gamma at the end"]) > 0.2).all()
-    return {"1.00": paths[first].min(), "1.01": paths[first].max(), "0.95": paths[last].min(), "1.04": paths[last].max(), "0.72": [start[0.0, "constant", 0.1], start[0.0, "mean", 0.1]], "5": len(constant),
+    ratio = (cd[last] / md[last]).xs(0.1, level="ramp rate")
+    dense, loose, usual = ratio.loc[0.0], ratio.loc[0.1], md.loc[0.0, "constant", 0.1]
+    assert (dense > 1).all() and (table["gamma at the end"].abs() > 0.2).all()
+    return {**summary.stated("1.00 1.01", paths[first]), **summary.stated("0.95 1.04", paths[last]),
+            "0.72": [start[0.0, "constant", 0.1], start[0.0, "mean", 0.1]], "5": len(usual),
             "0.87": [start[0.1, "constant", 0.1], start[0.1, "mean", 0.1]], "0.99": cd[first].min(),
             "1.02": [cd[first].max(), dense.min(), loose.median()],
-            "25": [len(cd), rests[0].sum(), (cd["load at |gamma| = 0.01"] < md[end]).sum(), (cd["volume strain at the end"] > 0).sum(), cd.outcome.str.startswith("collapsed").sum()],
-            "10": [len(dense), len(loose), len(md.groupby(level=["preparation friction", "seed"]))], "1.05": dense.median(),
-            "1.06": dense.max(), "0.97": loose.min(), "1.07": [loose.max(), constant["load at |gamma| = 0.0001"].median()],
-            "6": (loose > 1).sum(), "50": len(table),
-            "2.6": 100 * (both["load at |gamma| = 0.01_x"] / both["load at |gamma| = 0.01_y"] - 1).abs().max(),
-            "5.6": 100 * (both[f"{end}_x"] / both[f"{end}_y"] - 1).abs().max(), "1": 100 * abs((cd[end] / md[end]).median() - 1),
-            "0.3": 100 * md["balance error"].abs().max(), "1.49": constant["load at |gamma| = 0.01"].median(),
+            "25": [len(cd), rests[0].sum(), (cd["load at |gamma| = 0.01"] < md[end]).sum(), (cd["volume strain at the end"] > 0).sum(),
+                   cd.outcome.str.startswith("collapsed").sum()],
+            "10": [len(dense), len(loose), len(md.groupby(level=["preparation friction", "seed"]))],
+            **summary.stated("1.05 1.06", dense, "median max"),
+            "0.97": loose.min(), "1.07": [loose.max(), usual["load at |gamma| = 0.0001"].median()], "6": (loose > 1).sum(), "50": len(table),
+            "2.6": faster["load at |gamma| = 0.01"], "5.6": faster[end], "1": 100 * abs((cd[end] / md[end]).median() - 1),
+            "0.3": 100 * md["balance error"].abs().max(), "1.49": usual["load at |gamma| = 0.01"].median(),
             "15": [(md["least volume strain"].loc[:, "constant"] < -1e-5).sum(), len(rests[1].loc[0.0])], "7": rests[1].loc[0.0].sum()}

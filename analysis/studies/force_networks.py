@@ -3,7 +3,6 @@
 Line thickness is proportional to the normal force R, on one scale for both; contacts at the Coulomb limit (|T| = mu R) have another colour and a
 dot; disks that carry nothing (rattlers) are shaded.
 """
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.lines import Line2D
@@ -11,6 +10,7 @@ from matplotlib.patches import Circle, Patch, Rectangle
 
 from analysis import observables, style
 from analysis.studies import fig4
+from analysis.style import plt
 from yade_scripts.results.reader import ResultError
 
 TITLE = "The force networks of springs and rigid contacts"
@@ -24,15 +24,15 @@ POINTS_PER_MEAN = 1.0
 
 def summarize(runs):
     """Return one row of the pair: contacts, sliding contacts and rattlers of both, and how far their normal forces agree."""
-    row, at_maximum = {}, {run.method: observables.snapshot_at_load_maximum(run) for run in _pair(runs)}
-    for method, (snapshot, load) in at_maximum.items():
-        row |= {f"{name} {method}": int(mask.sum()) for name, mask in (
-            ("contacts", _loaded(snapshot)), ("at the Coulomb limit", observables.sliding(snapshot)), ("rattlers", observables.rattlers(snapshot)))}
-        row[f"load {method}"] = float(load)
-    forces = observables.matched_forces(*(snapshot for snapshot, _ in at_maximum.values()))
-    difference = np.sqrt(np.mean((forces[0] - forces[1])**2)) / forces[forces > 0].mean()
-    return [row | {"correlation": observables.correlation(*forces), "rms difference": float(difference),
-                   "in MD only": int((forces[1] == 0).sum()), "in CD only": int((forces[0] == 0).sum())}]
+    row, snapshots = {}, []
+    for run in _pair(runs):
+        snapshot, load = observables.snapshot_at_load_maximum(run)
+        snapshots.append(snapshot)
+        row |= {f"contacts {run.method}": _loaded(snapshot).sum(), f"at the Coulomb limit {run.method}": observables.sliding(snapshot).sum(),
+                f"rattlers {run.method}": observables.rattlers(snapshot).sum(), f"load {run.method}": load}
+    md, cd = forces = observables.matched_forces(*snapshots)
+    return [row | {"correlation": observables.correlation(md, cd), "rms difference": np.sqrt(np.mean((md - cd)**2)) / forces[forces > 0].mean(),
+                   "in MD only": (cd == 0).sum(), "in CD only": (md == 0).sum()}]
 
 
 def _pair(runs):
@@ -49,11 +49,11 @@ def draw(runs, rows, path):
     forces = np.concatenate([snapshot["force_normal"][_loaded(snapshot)] for snapshot in snapshots])
     fig = plt.figure(figsize=(11, 4.6))
     grid = fig.add_gridspec(2, 3, width_ratios=[1, 1, 0.8], height_ratios=[1, 0.08])
-    axes = [fig.add_subplot(grid[0, column]) for column in range(3)]
-    for axis, run, snapshot in zip(axes, pair, snapshots):
+    for column, (run, snapshot) in enumerate(zip(pair, snapshots)):
+        axis = fig.add_subplot(grid[0, column])
         _network(axis, snapshot, forces.mean())
         axis.set_title(f"{run.method}: {_loaded(snapshot).sum()} contacts, {observables.sliding(snapshot).sum()} at the Coulomb limit")
-    _comparison(axes[2], snapshots, forces.mean())
+    _comparison(fig.add_subplot(grid[0, 2]), snapshots, forces.mean())
     below = fig.add_subplot(grid[1, :])
     below.axis("off")
     below.legend(handles=_legend(forces.mean()), loc="center", ncol=5, fontsize=8)

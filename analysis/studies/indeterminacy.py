@@ -7,7 +7,7 @@ by an independent check (yade_scripts/theory/statics.py), whatever the solver re
 import numpy as np
 import pandas
 
-from analysis import publish, style
+from analysis import publish, style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
@@ -24,7 +24,8 @@ FRICTIONS, SEEDS = (0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0), ran
 def _rows(own, dense, samples):
     """Return the rows of the protocol, (mu, seeds), and of the dense packings, likewise."""
     walk = dict(scene="frozen_packing", records_per_cycle=samples)
-    return [row for mu in own[0] for row in product(disks=200, radius_spread=0.3333, stiffening=1000.0, preparation_friction=mu, friction=mu, seed=own[1], **walk)
+    protocol = walk | dict(disks=200, radius_spread=0.3333, stiffening=1000.0, seed=own[1])
+    return [row for mu in own[0] for row in product(**protocol, preparation_friction=mu, friction=mu)
             ] + product(disks=400, friction=dense[0], seed=dense[1], **walk)
 
 
@@ -61,20 +62,20 @@ def _row(run, probed):
     networks = np.stack([normal, tangential], axis=2)[use]
     springs = np.stack([snapshot["force_normal"], snapshot["force_tangential"]], axis=1)
     cold = np.stack([run.extra["cold_normal"], run.extra["cold_tangential"]], axis=1)
-    away = distances(networks, np.stack([springs, cold])) if dimension else np.full(2, np.nan)
     half = len(networks) // 2
     return {
-        "packing": kind(run), "mu": run.parameters["friction"], "seed": run.parameters["seed"], "disks held": disks,
-        "contacts": contacts, "dimension": dimension, "2M-3N counted": counted, "samples": len(use), "used": int(use.sum()),
-        "unconverged": int((~run.extra["converged"]).sum()), "largest violation used": float(worst[use].max()),
+        "packing": kind(run), **summary.columns(run, "mu", "seed"), "disks held": disks,
+        "contacts": contacts, "dimension": dimension, "2M-3N counted": counted, "samples": len(use), "used": use.sum(),
+        "unconverged": (~run.extra["converged"]).sum(), "largest violation used": worst[use].max(),
         "eta": ambiguity(networks), "eta first half": ambiguity(networks[:half]), "eta second half": ambiguity(networks[half:]),
-        "springs from mean": away[0], "cold start from mean": away[1], "springs within range": within(networks, springs),
+        "springs from mean": distance(networks, springs) if dimension else np.nan,
+        "cold start from mean": distance(networks, cold) if dimension else np.nan, "springs within range": within(networks, springs),
         "walk's range over the exact": coverage(snapshot, load, normal[use]) if probed and dimension else np.nan}
 
 
 def ambiguity(networks):
     """Return eta of networks (samples, contacts, 2) [1]."""
-    return float(_spread(networks).mean() / np.linalg.norm(networks, axis=2).mean())
+    return _spread(networks).mean() / np.linalg.norm(networks, axis=2).mean()
 
 
 def _spread(networks):
@@ -82,26 +83,25 @@ def _spread(networks):
     return np.sqrt(networks.var(axis=0).sum(axis=1))
 
 
-def distances(networks, others):
-    """Return the distance of each of `others` from the mean of `networks`, over all contacts, in units of the samples' own rms distance."""
-    centre, unit = networks.mean(axis=0), np.sqrt((_spread(networks)**2).sum())
-    return np.sqrt(((others - centre)**2).sum(axis=(1, 2))) / unit
+def distance(networks, forces):
+    """Return the distance of forces from the mean of `networks`, over all contacts, in units of the samples' own rms distance."""
+    return np.sqrt(((forces - networks.mean(axis=0))**2).sum()) / np.sqrt((_spread(networks)**2).sum())
 
 
 def within(networks, forces):
     """Return the share of the contacts at which both components lie between the smallest and the largest of the walk, to rounding of the solver."""
     slack = ADMISSIBLE * networks[..., 0].mean()
     inside = (forces >= networks.min(axis=0) - slack) & (forces <= networks.max(axis=0) + slack)
-    return float(inside.all(axis=1).mean())
+    return inside.all(axis=1).mean()
 
 
 def coverage(snapshot, load, normal):
-    """Return the mean over PROBED contacts, evenly spaced in the list of those that carry: range of R in the walk over the range that statics admits."""
+    """Return the range of R in the walk over the range that statics admits: mean over PROBED contacts, evenly spaced among those that carry."""
     carrying = np.flatnonzero((normal > 0).any(axis=0))
     chosen = carrying[np.linspace(0, len(carrying) - 1, PROBED).astype(int)]
     exact = np.array([np.subtract(*statics.force_range(snapshot, load, contact)[::-1]) for contact in chosen])
     open_ones = exact > ADMISSIBLE * normal.mean()  # the others are determinate
-    return float((np.ptp(normal[:, chosen], axis=0)[open_ones] / exact[open_ones]).mean()) if open_ones.any() else np.nan
+    return (np.ptp(normal[:, chosen], axis=0)[open_ones] / exact[open_ones]).mean() if open_ones.any() else np.nan
 
 
 def draw(runs, rows, path):
@@ -114,17 +114,15 @@ def draw(runs, rows, path):
         mine = table[table.packing == packing]
         if mine.empty:
             continue
-        shown = mine[["at", "eta", "dimension", "springs from mean", "cold start from mean"]]
-        medians = shown.groupby("at").agg(lambda values: np.median(values))  # none where one packing has no value
-        mu = medians.index
+        medians = mine.groupby("at")[["eta", "dimension", "springs from mean", "cold start from mean"]].agg(
+            lambda values: np.median(values))  # none where one packing has no value
         axes[0].plot(mine["at"], mine.eta, ls="", ms=4, alpha=0.5, **look)
-        axes[0].plot(mu, medians.eta, color=look["color"], label=packing)
-        axes[1].plot(mu, medians.dimension, label=packing, **look)
-        axes[2].plot(mu, medians["springs from mean"], label=f"springs; {packing}", **look)
-        axes[2].plot(mu, medians["cold start from mean"], ls="--", mfc="none", label=f"solver from no forces; {packing}", **look)
+        axes[0].plot(medians.eta, color=look["color"], label=packing)
+        axes[1].plot(medians.dimension, label=packing, **look)
+        axes[2].plot(medians["springs from mean"], label=f"springs; {packing}", **look)
+        axes[2].plot(medians["cold start from mean"], ls="--", mfc="none", label=f"solver from no forces; {packing}", **look)
     if len(rough := table[(table.packing == OWN) & (table.mu > 0)]):
-        mu = rough.mu.min()
-        eta = rough.eta[rough.mu == mu].median()
+        mu, eta = rough.mu.min(), rough.groupby("mu").eta.median().iloc[0]
         axes[0].plot([mu, 0.1], [eta, eta * 0.1 / mu], color="0.5", ls=":", label=r"$\propto\mu$")
     axes[2].axhline(1, color="0.5", ls=":")
     axes[2].text(0.99, 1.02, "samples (rms)", fontsize=7, color="0.4", ha="right", transform=axes[2].get_yaxis_transform())
@@ -138,11 +136,11 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10
-packings, which differ by a factor of 1.6 to 12 at one mu, so that the maximum of the published curve near 0.1 is neither confirmed nor
-excluded), and by 7.5e-7 without friction, which is the solver's error. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold; the
-published one is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the
-forces are undetermined in 14 to 26 directions.
+Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10 packings).
+At one mu these packings differ by a factor of 1.6 to 12, so that the maximum of the published curve near 0.1 is neither confirmed nor excluded.
+Without friction the forces scatter by 7.5e-7, which is the error of the solver. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold; the
+published one is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the forces are
+undetermined in 14 to 26 directions.
 
 The forces of the springs lie further from the mean of the admissible ones than the samples do (rms): 1.46 times as far near the rigid
 limit, for mu of 0.01 to 1 (median; beyond it in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and
@@ -164,7 +162,7 @@ def numbers(table):
     eta, differ = packings.median(), (packings.max() / packings.min())[lambda rows: rows.index > 0]
     covered = 100 * table["walk's range over the exact"].dropna()
     far, near = own[own.mu >= 0.01]["springs from mean"], dense[dense.mu >= 0.1]["springs from mean"]
-    return {"0.084": eta.loc[0.1], "0.092": eta.loc[0.3], "10": packings.count().loc[0.1], "1.6": differ.min(), "12": differ.max(),
-            "7.5e-7": eta.loc[0], "4.5": eta.loc[0.1] / eta.loc[0.001], "14": dense[dense.mu == 0].dimension.min(),
-            "26": dense[dense.mu == 0].dimension.max(), "1.46": far.median(), "58": (far > 1).sum(), "64": len(far),
-            "0.85": near.median(), "48": covered.min(), "67": covered.max(), "989": refused, "25600": samples}
+    return {"0.084": eta.loc[0.1], "0.092": eta.loc[0.3], "10": packings.count().loc[0.1], **summary.stated("1.6 12", differ),
+            "7.5e-7": eta.loc[0], "4.5": eta.loc[0.1] / eta.loc[0.001], **summary.stated("14 26", dense[dense.mu == 0].dimension),
+            "1.46": far.median(), "58": (far > 1).sum(), "64": len(far),
+            "0.85": near.median(), **summary.stated("48 67", covered), "989": refused, "25600": samples}

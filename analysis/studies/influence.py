@@ -1,9 +1,10 @@
 """The parameters that the paper does not give: each is varied alone, packing by packing."""
-import matplotlib.pyplot as plt
-import numpy as np
+import pandas
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from analysis import publish, style
+from analysis.studies.fig3 import SPRINGS
+from analysis.style import plt
 from yade_scripts import parameters
 from yade_scripts.tables import product
 
@@ -11,7 +12,7 @@ TITLE = "The parameters that the paper does not give"
 QUESTION = ("How much do k_t/k_n, damping, size distribution, preparation, wall friction and mass, period and time step - none given in the paper - "
             "change MD's strain under cycles, compared with the choice of the packing?")
 ORDER = 4  # in the report
-BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, cycles=10, md_dt_factor=0.3, delta_sigma=0.4, md_walls="force", wall_mass_ratio=1.0)
+BASE = SPRINGS | dict(cycles=10, delta_sigma=0.4)
 # Springs with strong damping need shorter steps.
 PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4, md_dt_factor=0.08),
             dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
@@ -29,22 +30,23 @@ def summarize(runs):
 
     A run that collapses has strained by what it had then.
     """
-    base = _strains(runs, {})
-    return [_row(change, _strains(runs, change), base) for change in ({}, *PHYSICAL, *NUMERICAL) if _strains(runs, change)]
+    base, rows = _strains(runs, {}), []
+    for change in ({}, *PHYSICAL, *NUMERICAL):
+        strains = _strains(runs, change)
+        ratios = (strains / base).dropna()
+        if len(strains):
+            rows.append({"change": ", ".join(f"{name} = {value}" for name, value in change.items()) or "none", "packings": len(strains),
+                         "|gamma|": strains.median(), "least |gamma|": strains.min(), "most |gamma|": strains.max()})
+        if len(ratios):
+            rows[-1] |= {"ratio": ratios.median(), "least ratio": ratios.min(), "largest ratio": ratios.max()}
+    return rows
 
 
 def _strains(runs, change):
-    """Return {seed: |gamma| at the end} of the runs with that change alone."""
+    """Return |gamma| at the end of the runs with that change alone, by seed."""
     wanted = parameters.complete(BASE | change)
-    return {run.parameters["seed"]: float(abs(run.values("gamma")[-1])) for run in runs
-            if all(run.parameters.get(name, value) == value for name, value in wanted.items() if name != "seed")}
-
-
-def _row(change, strains, base):
-    ratios = np.array([strain / base[seed] for seed, strain in strains.items() if seed in base and base[seed]])
-    found = {"change": ", ".join(f"{name} = {value}" for name, value in change.items()) or "none", "packings": len(strains),
-             "|gamma|": float(np.median(list(strains.values()))), "least |gamma|": min(strains.values()), "most |gamma|": max(strains.values())}
-    return found | ({"ratio": float(np.median(ratios)), "least ratio": ratios.min(), "largest ratio": ratios.max()} if len(ratios) else {})
+    return pandas.Series({run.parameters["seed"]: abs(run.values("gamma")[-1]) for run in runs
+                          if all(run.parameters.get(name, value) == value for name, value in wanted.items() if name != "seed")}, dtype=float)
 
 
 def draw(runs, rows, path):
@@ -68,8 +70,9 @@ def draw(runs, rows, path):
     axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axis.xaxis.set_minor_formatter(NullFormatter())
-    axis.grid(color="#DDDDDD", linewidth=0.5)
-    style.finish(fig, path, rf"Median and range over the packings, whose number is in brackets; $\Delta\sigma$ = {BASE['delta_sigma']:g}, $\sigma_1$ held.", runs)
+    axis.grid(True)
+    style.finish(fig, path, "Median and range over the packings, whose number is in brackets; "
+                 rf"$\Delta\sigma$ = {BASE['delta_sigma']:g}, $\sigma_1$ held.", runs)
 
 
 ANSWER = """
@@ -98,11 +101,10 @@ def numbers(table):
     tangential = rows.loc[["kt_over_kn = 0.25", "kt_over_kn = 1.0"]]
     assert tangential["least ratio"].min() > 0.8 and tangential["largest ratio"].max() < 1.2
     damped = "beta_n = 0.4, md_dt_factor = 0.08"
-    return {"6": [rows.packings["none"], rows.packings["preparation_friction = 0.1"]], "1.2e-3": rows["least |gamma|"]["none"],
-            "3.8e-3": rows["most |gamma|"]["none"], "13": middle["preparation_friction = 0.1"], "2.4": low["preparation_friction = 0.1"],
-            "36": high["preparation_friction = 0.1"], "0.24": low[sizes].min(), "5.7": high[sizes].max(), "0.31": low["beta_n = 0.02"],
-            "3.7": high["beta_n = 0.02"], "0.37": low[damped], "6.7": high[damped], "0.63": low["kt_over_kn = 0.1"],
-            "1.6": [high["kt_over_kn = 0.1"], high["wall_mass_ratio = 200.0"]], "1.3": middle["wall_mass_ratio = 200.0"],
-            "1.1": low["wall_mass_ratio = 200.0"], "0.82": middle["md_walls = servo"], "0.62": low["md_walls = servo"],
-            "0.91": high["md_walls = servo"], "3": rows.packings["period = 2.0"], "0.56": low["period = 2.0"],
-            "0.88": high["period = 2.0"], "0.9": 100 * max(high["md_dt_factor = 0.1"] - 1, 1 - low["md_dt_factor = 0.1"])}
+    loose, light, heavy, servo, slow = ("preparation_friction = 0.1", "beta_n = 0.02", "wall_mass_ratio = 200.0", "md_walls = servo", "period = 2.0")
+    return {"6": [rows.packings["none"], rows.packings[loose]], "1.2e-3": rows["least |gamma|"]["none"], "3.8e-3": rows["most |gamma|"]["none"],
+            "13": middle[loose], "2.4": low[loose], "36": high[loose], "0.24": low[sizes].min(), "5.7": high[sizes].max(), "0.31": low[light],
+            "3.7": high[light], "0.37": low[damped], "6.7": high[damped], "0.63": low["kt_over_kn = 0.1"],
+            "1.6": [high["kt_over_kn = 0.1"], high[heavy]], "1.3": middle[heavy], "1.1": low[heavy], "0.82": middle[servo], "0.62": low[servo],
+            "0.91": high[servo], "3": rows.packings[slow], "0.56": low[slow], "0.88": high[slow],
+            "0.9": 100 * max(high["md_dt_factor = 0.1"] - 1, 1 - low["md_dt_factor = 0.1"])}

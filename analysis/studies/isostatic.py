@@ -1,23 +1,24 @@
 """Do rigid grains whose contact forces are unique (isostatic packings) strain as stiff springs do?"""
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas
 
-from analysis import limits, observables, style, summary
+from analysis import style, summary
+from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
 TITLE = "The isostatic limit: rigid grains whose contact forces are nearly unique"
-QUESTION = ("Do rigid grains rest under a changed load because many force networks can balance it? As P0/k_n goes to zero, a packing without friction has "
-            "only one network left. Do rigid grains then strain as far as springs of the same stiffness, and do they still rest with friction?")
+QUESTION = ("Do rigid grains rest under a changed load because many force networks can balance it? As P0/k_n goes to zero, a packing without "
+            "friction has only one network left. Do rigid grains then strain as far as springs of the same stiffness, and do they still rest with "
+            "friction?")
 ORDER = 8  # in the report
 LOADING = dict(loading="triangle", period=1.0, wall_mass_ratio=1.0)
 LOAD, SMALLER = 0.02, 0.005  # over P0; the smaller one is below the static limits of all packings
 METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, method_cd="auto", **LOADING))
-SEEDS = range(1, 6)
 ROWS = {"quick": [row for method in METHODS for row in product(stiffening=(1, 100), friction=0.0, delta_sigma=LOAD, **method)],
-        "full": [row for method in METHODS for row in product(stiffening=(1, 10, 100, 600), friction=(0.0, 0.1), delta_sigma=LOAD, seed=SEEDS, **method)
-                 + product(stiffening=600, friction=0.0, delta_sigma=SMALLER, seed=SEEDS, **method)]}
+        "full": [row for method in METHODS for packings in (dict(stiffening=(1, 10, 100, 600), friction=(0.0, 0.1), delta_sigma=LOAD),
+                                                            dict(stiffening=600, friction=0.0, delta_sigma=SMALLER))
+                 for row in product(**packings, seed=range(1, 6), **method)]}
 
 
 def summarize(runs):
@@ -25,23 +26,21 @@ def summarize(runs):
 
     freedom: dimension of the set of force networks that balance the walls, over the number of disks that carry.
     """
-    pairs = summary.groups(runs, lambda run: (run.parameters["friction"], run.parameters["stiffening"], run.parameters["delta_sigma"], run.parameters["seed"]))
-    return [_row(key, {run.method: run for run in pair}) for key, pair in pairs.items()]
-
-
-def _row(key, pair):
-    one = pair.get("CD", next(iter(pair.values())))
-    first = one.snapshots[0]
-    loaded = first["force_normal"] > 0
-    contacts, disks, _ = statics.degrees_of_freedom(first, loaded)
-    row = {"friction": key[0], "P0/k_n": one.parameters["pressure_ratio"] / key[1], "dSigma": key[2], "seed": key[3], "contacts": contacts, "disks": disks,
-           "freedom": statics.dimension(first, loaded) / disks, "static limit": limits.static_limit(one)}
-    for method in METHODS:
-        run = pair.get(method["method"])
-        gamma = run.values("gamma") if run else np.array([np.nan])
-        row |= {f"largest |gamma|, {method['method']}": float(np.abs(gamma).max()), f"remaining |gamma|, {method['method']}": float(abs(gamma[-1])),
-                f"outcome, {method['method']}": run.outcome if run else ""}
-    return row | {"unsolved steps": observables.unconverged_steps(pair["CD"]) if "CD" in pair else ""}
+    rows = []
+    for several in summary.by(runs, "friction", "k_n over the usual", "dSigma", "seed").values():
+        pair, last = {run.method: run for run in several}, several[-1]  # of CD, if there is one
+        loaded = last.snapshots[0]["force_normal"] > 0
+        contacts, disks, _ = statics.degrees_of_freedom(last.snapshots[0], loaded)
+        rows.append(summary.columns(last, "friction", "P0/k_n", "dSigma", "seed") | {
+            "contacts": contacts, "disks": disks, "freedom": statics.dimension(last.snapshots[0], loaded) / disks,
+            **summary.columns(last, "static limit")})
+        for method in style.MARKER:
+            run = pair.get(method)
+            gamma = run.values("gamma") if run else np.array([np.nan])
+            rows[-1] |= {f"largest |gamma|, {method}": np.abs(gamma).max(), f"remaining |gamma|, {method}": abs(gamma[-1]),
+                         f"outcome, {method}": run.outcome if run else ""}
+        rows[-1] |= summary.columns(last, "unsolved steps")
+    return rows
 
 
 def draw(runs, rows, path):
@@ -49,26 +48,23 @@ def draw(runs, rows, path):
 
     The strain is drawn against the load over the limit without friction, against P0/k_n with friction.
     """
-    table = pandas.DataFrame(rows)
-    table = table[table.dSigma == LOAD]
-    groups = dict(list(table.assign(load=(1 + LOAD) / table["static limit"]).groupby("friction")))
-    md, cd = ("largest |gamma|, MD", "largest |gamma|, CD")
+    table = pandas.DataFrame(rows).query("dSigma == @LOAD").assign(load=lambda rows: (1 + LOAD) / rows["static limit"])
+    groups, names = dict(list(table.groupby("friction"))), {method: f"largest |gamma|, {method}" for method in style.MARKER}
     fig, axes = plt.subplots(1, len(groups) + 1, figsize=(3.7 * (len(groups) + 1), 3.9), squeeze=False)
     axes = axes[0]
     for axis, (friction, own) in zip(axes, groups.items()):
         x = "P0/k_n" if friction else "load"
-        axis.vlines(own[x], own[cd], own[md], color="#BBBBBB", lw=0.7, zorder=1)
-        style.points(axis, own, x, md, "MD", label=style.WORDS["MD"])
-        style.points(axis, own, x, cd, "CD", mfc="none", label=style.WORDS["CD"])
-        axis.set(yscale="log", xlabel="$P_0/k_n$" if friction else "load over the static limit",
-                 title=rf"with friction, $\mu$ = {friction:g}" if friction else "without friction")
+        axis.vlines(own[x], own[names["CD"]], own[names["MD"]], color="#BBBBBB", lw=0.7, zorder=1)
+        for method, face in (("MD", None), ("CD", "none")):
+            style.points(axis, own, x, names[method], method, mfc=face, label=style.WORDS[method])
         if friction:
-            axis.set_xscale("log")
+            axis.set(xscale="log", xlabel="$P_0/k_n$", title=rf"with friction, $\mu$ = {friction:g}")
         else:
+            axis.set(xlabel="load over the static limit", title="without friction")
             axis.axvline(1, color="k", lw=0.7, ls=":")
-    everywhere = table[[md, cd]].to_numpy()
-    everywhere = everywhere[everywhere > 0]  # a run that is missing has NaN
-    if everywhere.size:
+        axis.set_yscale("log")
+    everywhere = table[names.values()].stack().loc[lambda strains: strains > 0]  # without the NaN of missing runs
+    if len(everywhere):
         plt.setp(axes[:-1], ylim=(everywhere.min() / 2, everywhere.max() * 2))
     axes[0].set_ylabel(r"largest $|\gamma|$ in the cycle")
     axes[0].legend()
@@ -100,19 +96,19 @@ GIVEN = ("0.1", "1.02", "1.005", "6e-4", "1e-6", "1e-9")
 def numbers(table):
     cd, md = "largest |gamma|, CD", "largest |gamma|, MD"
     small, table = table[table.dSigma == SMALLER], table[table.dSigma == LOAD]
-    assert (small["static limit"] > 1 + SMALLER).all()
     smooth, rough = table[table.friction == 0], table[table.friction > 0]
     soft, hard = (smooth[smooth["P0/k_n"] == end] for end in (smooth["P0/k_n"].max(), smooth["P0/k_n"].min()))
     carried = smooth["static limit"] > 1 + LOAD
     rests, strains = smooth[carried], smooth[~carried]
     ratio, kept = strains[cd] / strains[md], strains["remaining |gamma|, CD"] / strains["remaining |gamma|, MD"]
     power = [np.polyfit(np.log(part["P0/k_n"]), np.log(part[md]), 1)[0] for _, part in rough.groupby("seed")]
-    assert not table["unsolved steps"].any() and strains["P0/k_n"].nunique() == 2 and smooth["P0/k_n"].nunique() == 4
-    return {"0.037": soft.freedom.min(), "0.069": soft.freedom.max(), "0.0027": hard.freedom.max(), "1.06": soft["static limit"].min(),
-            "1.14": soft["static limit"].max(), "1.01": [hard["static limit"].min(), max(power)], "1.04": hard["static limit"].max(),
+    assert (small["static limit"] > 1 + SMALLER).all() and not table["unsolved steps"].any()
+    assert strains["P0/k_n"].nunique() == 2 and smooth["P0/k_n"].nunique() == 4
+    return {**summary.stated("0.037 0.069", soft.freedom), "0.0027": hard.freedom.max(), **summary.stated("1.06 1.14", soft["static limit"]),
+            "1.01": [hard["static limit"].min(), max(power)], "1.04": hard["static limit"].max(),
             "5": [len(small), (small[cd] < 1e-7).sum(), smooth.seed.nunique()], "12": [len(rests), (rests[cd] < 1e-8).sum()],
             "7.9e-9": rests[cd].max(), "8": [len(strains), (strains[cd] > 1e-6).sum()], "4": strains.seed.nunique(),
-            "6.6e-6": strains[cd].min(), "5.1e-4": strains[cd].max(), "0.92": ratio.median(), "0.67": ratio.min(),
-            "0.98": [ratio.max(), rough.freedom.max()], "0.06": kept.median(), "0.001": kept.min(), "1.3": kept.max(),
-            "0.81": rough.freedom.min(), "1.40": rough["static limit"].min(), "1.60": rough["static limit"].max(), "20": len(rough),
-            "1.3e-9": rough[cd].max(), "0.99": np.median(power), "0.97": min(power)}
+            **summary.stated("6.6e-6 5.1e-4", strains[cd]), **summary.stated("0.92 0.67", ratio, "median min"),
+            "0.98": [ratio.max(), rough.freedom.max()], **summary.stated("0.06 0.001 1.3", kept, "median min max"),
+            "0.81": rough.freedom.min(), **summary.stated("1.40 1.60", rough["static limit"]), "20": len(rough),
+            "1.3e-9": rough[cd].max(), **summary.stated("0.99 0.97", power, "median min")}

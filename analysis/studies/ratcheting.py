@@ -1,9 +1,10 @@
 """Strain a cycle against the load over the static limit, for springs of three stiffnesses and for rigid contacts on the same packings."""
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas
 
 from analysis import cycles, limits, observables, style, summary
+from analysis.studies import fig3
+from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "Ratcheting: stiffness of the springs, or rearrangement?"
@@ -13,11 +14,9 @@ QUESTION = ("Does the strain that remains after every cycle vanish as springs ge
             "this study asks the same of the strain that remains after a cycle.")
 ORDER = 2.5  # in the report
 # sigma1 = P0; sigma2/sigma1 rises to 1.4, which is 0.80 to 1.04 of the static limits of these packings.
-LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0)
-SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
+SPRINGS, RIGID = fig3.SPRINGS, fig3.RIGID | dict(tolerance=1e-9)
 # Soft springs answer more slowly: with 0.5 s they lag behind the load. Of 1 and 10 k_n the periods go as 1/sqrt(k_n).
 PERIODS = {1: 2.0, 10: 0.63, 100: 0.5}
-RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-9, method_cd="auto", **LOADING)
 STIFFER, LOAD, SEEDS = (1, 10, 100), 0.4, range(1, 11)
 PAIRS = {"from k_n to 10 k_n": STIFFER[:2], "from 10 to 100 k_n": STIFFER[1:]}
 NEAR = 0.96    # of the limit
@@ -25,13 +24,12 @@ SOLVED, LOOSER = 1e-7, 1e-6  # tolerances for comparison
 FIRST_PEAK, LAST_PEAK = 1, 2  # snapshots of runs of several cycles; 0 is the start
 ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], delta_sigma=LOAD, cycles=4) for stiffer in STIFFER[:2]]
         + product(delta_sigma=LOAD, cycles=4, **RIGID),
-        "full": [row for stiffer, period in PERIODS.items()
-                 for row in product(stiffening=stiffer, delta_sigma=LOAD, cycles=20, seed=SEEDS, **SPRINGS | dict(period=period))]
-        + product(stiffening=STIFFER[:2], delta_sigma=LOAD, cycles=20, seed=SEEDS, **SPRINGS)  # in haste, for comparison
-        + product(stiffening=STIFFER, delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID)
-        + product(delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID | dict(tolerance=LOOSER))
-        # Packings that yield cannot be solved to 1e-9 in every step.
-        + product(stiffening=STIFFER, delta_sigma=LOAD, cycles=20, seed=SEEDS, **RIGID | dict(tolerance=SOLVED))}
+        "full": [row for settings in (
+            *(SPRINGS | dict(period=period, stiffening=stiffer) for stiffer, period in PERIODS.items()),
+            SPRINGS | dict(stiffening=STIFFER[:2]),  # in haste, for comparison
+            RIGID | dict(stiffening=STIFFER), RIGID | dict(tolerance=LOOSER),
+            RIGID | dict(stiffening=STIFFER, tolerance=SOLVED))  # packings that yield cannot be solved to 1e-9 in every step
+                 for row in product(**settings, delta_sigma=LOAD, cycles=20, seed=SEEDS)]}
 
 
 @summary.each
@@ -41,16 +39,14 @@ def summarize(run):
     changed: contacts that carry at the first or the last peak of the load, not at both, over those at the first. limit at the last load:
     the static limit by the contacts at the last peak, of rigid grains.
     """
-    full, found, rigid = run.parameters, cycles.of(run), run.method == "CD"
-    return {"method": run.method, "period": full["period"], "k_n over the usual": full["stiffening"],
-            "tolerance": full["tolerance"] if rigid else np.nan, "dSigma": full["delta_sigma"], "seed": full["seed"],
-            "static limit": limits.static_limit(run), "load over limit": limits.load_over_limit(run),
-            "first cycle": float(abs(found.rate[0])) if found else np.nan, "rate": abs(cycles.late_rate(found)),
-            "gamma at the end": float(run.values("gamma")[-1]), "last quarter's rate over the one before": cycles.last_quarter(found),
+    found, rigid = cycles.of(run), run.method == "CD"
+    return {**summary.columns(run, "method", "period", "k_n over the usual"), "tolerance": run.parameters["tolerance"] if rigid else np.nan,
+            **summary.columns(run, "dSigma", "seed", "static limit", "load over limit"),
+            "first cycle": abs(found.first), "rate": abs(found.late_rate),
+            **summary.columns(run, "gamma at the end", "last quarter's rate over the one before"),
             "contacts changed": changed(*run.snapshots[FIRST_PEAK:LAST_PEAK + 1]),
             "limit at the last load": limits.static_limit(run, LAST_PEAK) if rigid else np.nan,
-            "unsolved steps": observables.unconverged_steps(run) if rigid else "", "balance error": float(observables.balance_error(run)),
-            "outcome": run.outcome}
+            **summary.columns(run, "unsolved steps", "balance error", "outcome")}
 
 
 def changed(first, last):
@@ -67,13 +63,11 @@ def draw(runs, rows, path):
               (x, "rate", r"largest $\sigma_2/\sigma_1$ over its static limit", "a cycle of the last half"),
               ("contacts changed", "rate", "share of contacts changed, first to last peak", "a cycle of the last half, springs"))
     table = pandas.DataFrame(rows)
-    springs, rigid = table[table.method == "MD"], table[(table.method == "CD") & (table.tolerance == RIGID["tolerance"])]
-    quiet = springs[springs.period == springs["k_n over the usual"].map(PERIODS)]
+    rigid, quiet = table[table.tolerance == RIGID["tolerance"]], slow(table)
     shades = dict(zip(STIFFER, ("#0072B2", "#56B4E9", "#CC79A7")))
     for axis, (across, up, label, title) in zip(axes, panels):
-        for stiffer in [stiffer for stiffer in STIFFER if stiffer in set(springs["k_n over the usual"])]:
-            style.points(axis, quiet[quiet["k_n over the usual"] == stiffer], across, up, "MD", color=shades[stiffer],
-                         label=f"springs of {'' if stiffer == 1 else f'{stiffer:g} '}$k_n$")
+        for stiffer, own in quiet.groupby("k_n over the usual"):
+            style.points(axis, own, across, up, "MD", color=shades[stiffer], label=f"springs of {'' if stiffer == 1 else f'{stiffer:g} '}$k_n$")
         if across == x:
             for _, found in quiet.groupby("seed"):
                 axis.plot(found[across], found[up], color="#DDDDDD", lw=0.7, zorder=0)
@@ -84,8 +78,8 @@ def draw(runs, rows, path):
         axis.set(yscale="log", xlabel=label, title=title)
     axes[0].set_ylabel(r"strain of a cycle $|\Delta\gamma|$")
     axes[0].legend(loc="center left")
-    style.finish(fig, path, "Each point is a packing; grey lines join those of one seed, prepared with three stiffnesses. Rigid contacts (tolerance 1e-9) "
-                 "were run on all of them.", runs)
+    style.finish(fig, path, "Each point is a packing; grey lines join those of one seed, prepared with three stiffnesses. "
+                 "Rigid contacts (tolerance 1e-9) were run on all of them.", runs)
 
 
 ANSWER = """
@@ -121,9 +115,8 @@ GIVEN = ("0.5", "0.63", "1e-6", "1e-7", "1e-9", "20", "100", "2", "1", "0.98", "
 
 
 def slow(table):
-    """Return the springs' runs below their limit whose period is long enough."""
-    own = table[(table.method == "MD") & (table["load over limit"] < 1)]
-    return own[own.period == own["k_n over the usual"].map(PERIODS)]
+    """Return the springs' runs whose period is long enough."""
+    return table[(table.method == "MD") & (table.period == table["k_n over the usual"].map(PERIODS))]
 
 
 def several(rows):
@@ -148,29 +141,28 @@ def _fit(rows, name, within):
 
 def numbers(table):
     load, first, rate, stiffer, end = "load over limit", "first cycle", "rate", "k_n over the usual", "gamma at the end"
-    springs, loose = slow(table), table[table.tolerance == LOOSER]
-    rigid, solved = (table[table.tolerance == tolerance] for tolerance in (RIGID["tolerance"], SOLVED))
+    loose, rigid, solved = (table[table.tolerance == tolerance] for tolerance in (LOOSER, RIGID["tolerance"], SOLVED))
     rests, near, beyond = rigid[rigid[load] < 0.98], rigid[rigid[load].between(0.98, 1)], rigid[rigid[load] > 1]
     yields = near[end].abs()[lambda strains: strains > 1e-5]
-    far, close, apart = springs[springs[load] < NEAR], springs[springs[load] > NEAR], several(springs)
-    (first_own, late_own), (first_each, late_each) = ([power(rows, name, within=True) for name in (first, rate)] for rows in (several(far), apart))
+    springs = slow(table)[lambda rows: rows[load] < 1]
+    far, close = springs[springs[load] < NEAR], springs[springs[load] > NEAR]
     (first_far, late_far), (first_near, late_near), (first_all, late_all) = (
         [power(rows, name) for name in (first, rate)] for rows in (far, close, springs))
+    (first_own, late_own), (first_each, late_each) = (
+        [power(several(rows), name, within=True) for name in (first, rate)] for rows in (far, springs))
     softer, harder = (power(springs[springs[stiffer].isin(pair)], rate) for pair in PAIRS.values())
     slows = springs["last quarter's rate over the one before"]
-    md = table[table.method == "MD"].set_index("seed")
-    hasty, usual = ({k: md[(md[stiffer] == k) & (md.period == periods[k])][[first, rate]] for k in STIFFER[:2]}
-                    for periods in (dict.fromkeys(STIFFER, LOADING["period"]), PERIODS))
-    haste = {k: hasty[k] / usual[k] for k in hasty}
-    pairs = beyond.merge(md[md.period == md[stiffer].map(PERIODS)].reset_index(), on=[stiffer, "seed"], suffixes=("", " MD"))
-    ratio = (pairs[f"{first} MD"] / pairs[first]).groupby(pairs[stiffer])
-    alike = rigid.merge(solved, on=[stiffer, "seed"], suffixes=("", " to 1e-7"))
-    alike = alike[alike[end].abs() > 1e-5]
+    packing = [stiffer, "seed"]
+    md = slow(table).set_index(packing)
+    hasty = table[(table.method == "MD") & (table.period == SPRINGS["period"])].set_index(packing)
+    haste = {k: hasty.loc[k, [first, rate]] / md.loc[k, [first, rate]] for k in STIFFER[:2]}
+    pairs = beyond.merge(md, on=packing, suffixes=("", " MD")).set_index(stiffer)
+    ratio, later = (pairs[f"{name} MD"] / pairs[name] for name in (first, end))
+    alike = rigid[rigid[end].abs() > 1e-5].merge(solved, on=packing, suffixes=("", " to 1e-7"))
     missed, alike = alike["unsolved steps"].astype(float), alike[f"{end} to 1e-7"] / alike[end]
-    assert not solved["unsolved steps"].astype(float).any() and len(alike) == len(yields) + len(beyond)
-    later = (pairs[f"{end} MD"] / pairs[end])[pairs[stiffer] == 100]
     together = [part[rate].corr(part["contacts changed"], method="spearman") for _, part in springs.groupby(stiffer)]
-    assert (ratio.size() == [1, 3]).all() and (beyond["limit at the last load"] > 1 + LOAD).all()
+    assert not solved["unsolved steps"].astype(float).any() and len(alike) == len(yields) + len(beyond)
+    assert list(ratio.index.value_counts()[[10, 100]]) == [1, 3] and (beyond["limit at the last load"] > 1 + LOAD).all()
     return {"0.96": NEAR, "-1.03": first_far[0], "0.05": first_far[1], "-0.98": late_far[0], "0.13": [late_far[1], late_each[1]],
             "13": [len(far), len(close)], "7": [far.seed.nunique(), len(near), len(alike)], "4": [several(far).seed.nunique(), len(beyond)],
             "-1.00": first_own[0], "0.04": first_own[1], "-0.76": [late_own[0], first_near[0]], "0.09": [late_own[1], first_all[1]],
@@ -178,12 +170,11 @@ def numbers(table):
             "26": [len(springs), len(slows)], "10": [springs.seed.nunique(), len(haste[1][rate])], "-0.92": first_all[0],
             "-0.75": late_all[0], "0.14": late_all[1], "-0.81": first_each[0], "0.11": first_each[1], "-0.47": late_each[0],
             "-0.78": softer[0], "0.22": softer[1], "-0.62": harder[0], "0.74": slows.median(),
-            "0.60": slows.quantile(0.25), "0.89": slows.quantile(0.75), "3.1": haste[1][rate].median(), "0.4": haste[1][rate].min(),
-            "5.6": haste[1][rate].max(), "1.15": haste[1][first].median(), "1.05": haste[10][rate].median(),
+            "0.60": slows.quantile(0.25), "0.89": slows.quantile(0.75), **summary.stated("3.1 0.4 5.6", haste[1][rate], "median min max"),
+            "1.15": haste[1][first].median(), "1.05": haste[10][rate].median(),
             "19": [len(rests), (rests[end].abs() < 1e-6).sum()], "6.4e-10": rests[rate].max(),
-            "3": [len(yields), beyond.seed.nunique(), ratio.size()[100]], "1.8e-5": yields.min(), "2.9e-4": yields.max(), "5": missed.min(), "24": missed.max(), "0.99": alike.min(), "1.24": alike.max(),
-            "2.1e-10": rigid[rigid[stiffer] == 1][rate].median(), "5.1e-7": loose[rate].median(), "1.04": beyond[load].max(),
-            "3.1e-4": beyond[first].min(), "1.2e-3": beyond[first].max(), "1.06": ratio.min()[100],
-            "1.19": ratio.max()[100], "1.74": [ratio.max()[10], later.max()], "1.09": later.min(), "2.3e-8": beyond[rate].max(),
-            "1.42": beyond["limit at the last load"].min(), "1.45": beyond["limit at the last load"].max(), "0.82": min(together),
-            "0.88": max(together)}
+            "3": [len(yields), beyond.seed.nunique(), len(ratio[100])], **summary.stated("1.8e-5 2.9e-4", yields), **summary.stated("5 24", missed),
+            **summary.stated("0.99 1.24", alike), "2.1e-10": rigid[rigid[stiffer] == 1][rate].median(), "5.1e-7": loose[rate].median(),
+            "1.04": beyond[load].max(), **summary.stated("3.1e-4 1.2e-3", beyond[first]), **summary.stated("1.06 1.19", ratio[100]),
+            "1.74": [ratio[10], later[100].max()], "1.09": later[100].min(), "2.3e-8": beyond[rate].max(),
+            **summary.stated("1.42 1.45", beyond["limit at the last load"]), **summary.stated("0.82 0.88", together)}

@@ -1,46 +1,44 @@
 """How the static limit, the load at yield and the strain under cycles depend on the number of disks."""
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas
 
 from analysis import cycles, limits, observables, style, summary
+from analysis.studies import fig3, fig5
+from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "How many disks does it take?"
 QUESTION = ("The paper's sample has 400 disks. Do the static limit of the packings, the load at which rigid contacts and springs yield, "
             "and the strain a cycle of springs change with the number of disks, and how far do packings of one size differ?")
 ORDER = 12  # in the report
-RAMP = dict(loading="ramp", period=1.0, records_per_cycle=50, wall_mass_ratio=1.0, ramp_rate=0.1, cycles=15)
-CYCLES = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0, delta_sigma=0.4, cycles=20)
-SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force")
-RIGID = dict(method="CD", cd_dt=2e-3, tolerance=1e-7, method_cd="auto")
+SPRINGS, RIGID = fig5.METHODS
+RAMP = fig5.RAMP | dict(ramp_rate=0.1, cycles=15)
+CYCLES = fig3.SPRINGS | dict(delta_sigma=0.4, cycles=20)
 PACKINGS = {100: 10, 400: 10, 1600: 3, 6400: 1}  # how many of each number of disks
 # Springs get one of the packings of 1600 disks: two others refuse this step as too long (a small disk with many contacts).
 WITH_SPRINGS = {100: 10, 400: 10, 1600: 1}
 ROWS = {"quick": [row for disks in (100, 400) for row in product(disks=disks, **RAMP | dict(ramp_rate=0.5, cycles=3), **RIGID)],
-        "full": [row for counts, base in ((PACKINGS, RAMP | RIGID), (WITH_SPRINGS, RAMP | SPRINGS), (WITH_SPRINGS, CYCLES | SPRINGS))
+        "full": [row for counts, base in ((PACKINGS, RAMP | RIGID), (WITH_SPRINGS, RAMP | SPRINGS), (WITH_SPRINGS, CYCLES))
                  for disks, count in counts.items() for row in product(disks=disks, seed=range(1, count + 1), **base)]}
 THRESHOLD = 1e-3  # |gamma| at which a packing counts as yielding
 
 
 def summarize(runs):
     """Return one row a packing: its static limit, the loads at which both methods yield, and what springs strain under cycles."""
-    packings = summary.groups(runs, lambda run: (run.parameters["disks"], run.parameters["seed"]))
-    return [_row(*key, group) for key, group in packings.items()]
-
-
-def _row(disks, seed, group):
-    ramps = {run.method: run for run in group if run.parameters["loading"] == "ramp"}
-    cycled = next((run for run in group if run.parameters["loading"] != "ramp"), None)
-    limit = limits.static_limit(group[0])
-    row = {"disks": disks, "seed": seed, "static limit": limit}
-    for method in ("MD", "CD"):
-        load = observables.critical_load(ramps[method], THRESHOLD) if method in ramps else np.nan
-        row |= {f"yields at, {method}": load, f"yields over the limit at, {method}": load / limit}
-    found = cycles.of(cycled) if cycled else None
-    return row | {"load over limit of the cycles": limits.load_over_limit(cycled) if cycled else np.nan,
-                  "first cycle": float(abs(found.rate[0])) if found else np.nan, "rate": abs(cycles.late_rate(found)),
-                  "unsolved steps": observables.unconverged_steps(ramps["CD"]) if "CD" in ramps else ""}
+    rows = []
+    for (disks, seed), group in summary.by(runs, "disks", "seed").items():
+        ramps = {run.method: run for run in group if run.parameters["loading"] == "ramp"}
+        cycled = next((run for run in group if run.parameters["loading"] != "ramp"), None)
+        limit = limits.static_limit(group[0])
+        rows.append({"disks": disks, "seed": seed, "static limit": limit})
+        for method in style.MARKER:
+            load = observables.critical_load(ramps[method], THRESHOLD) if method in ramps else np.nan
+            rows[-1] |= {f"yields at, {method}": load, f"yields over the limit at, {method}": load / limit}
+        rows[-1] |= {"load over limit of the cycles": limits.load_over_limit(cycled) if cycled else np.nan,
+                     "first cycle": abs(cycles.of(cycled).first) if cycled else np.nan,
+                     "rate": abs(cycles.of(cycled).late_rate) if cycled else np.nan,
+                     "unsolved steps": observables.unconverged_steps(ramps["CD"]) if "CD" in ramps else ""}
+    return rows
 
 
 def draw(runs, rows, path):
@@ -83,15 +81,15 @@ GIVEN = ("100", "400", "1600", "6400", "1e-3", "0.9", "0.5")
 
 
 def numbers(table):
-    sizes = {disks: part for disks, part in table.groupby("disks")}
-    limit, (md, cd) = "static limit", ((f"yields over the limit at, {method}") for method in ("MD", "CD"))
+    sizes = dict(list(table.groupby("disks")))
+    limit, (md, cd) = "static limit", ((f"yields over the limit at, {method}") for method in style.MARKER)
     low = {disks: part[part["load over limit of the cycles"] < 0.9].rate for disks, part in sizes.items()}
     assert len(low[1600]) == 1 and sizes[1600][md].count() == 1
     return {"1.58": [sizes[100][limit].median(), sizes[1600][limit].median(), sizes[1600][limit].max()],
-            "10": [len(sizes[100]), len(sizes[400])], "1.42": sizes[100][limit].min(), "1.79": sizes[100][limit].max(),
-            "1.49": sizes[400][limit].median(), "1.41": sizes[400][limit].min(), "1.74": sizes[400][limit].max(),
+            "10": [len(sizes[100]), len(sizes[400])], **summary.stated("1.42 1.79", sizes[100][limit]),
+            **summary.stated("1.49 1.41 1.74", sizes[400][limit], "median min max"),
             "3": [len(sizes[1600]), len(low[400])], "1.55": sizes[1600][limit].min(), "1.51": sizes[6400][limit].max(), "0.99": sizes[100][cd].min(),
             "1.08": [sizes[100][cd].max(), sizes[400][cd].max()], "1.00": sizes[400][cd].min(), "1.01": sizes[1600][cd].min(),
-            "1.02": [sizes[1600][cd].max(), sizes[6400][cd].max()], "0.78": sizes[100][md].min(), "0.87": sizes[100][md].max(), "0.79": sizes[400][md].min(),
-            "0.91": sizes[400][md].max(), "0.85": sizes[1600][md].max(), "2.1e-6": low[100].median(), "5": len(low[100]),
+            "1.02": [sizes[1600][cd].max(), sizes[6400][cd].max()], **summary.stated("0.78 0.87", sizes[100][md]),
+            **summary.stated("0.79 0.91", sizes[400][md]), "0.85": sizes[1600][md].max(), "2.1e-6": low[100].median(), "5": len(low[100]),
             "1.1e-5": low[400].median(), "2.1e-5": low[1600].median()}

@@ -1,14 +1,16 @@
 """Compares MD's springs with Contact Dynamics of few sweeps, which has an effective stiffness."""
 import numpy as np
+import pandas
 
 from analysis import loops, observables, style, summary
+from analysis.style import plt
 from yade_scripts import parameters
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
 TITLE = "Is the difference between MD and CD only stiffness?"
-QUESTION = ("Contact Dynamics with N_I sweeps a step has the contact stiffness kappa = q m N_I/dt^2. Where kappa is made equal to the stiffness of MD's "
-            "springs, k_n to 100 k_n at one pressure, do the loops of both methods fall on one curve?")
+QUESTION = ("Contact Dynamics with N_I sweeps a step has the contact stiffness kappa = q m N_I/dt^2. Where kappa is made equal to the stiffness of "
+            "MD's springs, k_n to 100 k_n at one pressure, do the loops of both methods fall on one curve?")
 ORDER = 7  # in the report
 LOADING = dict(loading="cosine", period=1.0)
 # For each stiffness of the springs the pairs (sweeps a step, step) whose kappa = q m N_I/dt^2 is the same.
@@ -18,8 +20,9 @@ SPRINGS = dict(method="MD", md_walls="force", **LOADING)
 
 
 def _rigid(pairs, seed=1, **more):
+    base = dict(method="CD", solver_seed=1, seed=seed) | LOADING | more
     return [row for stiffening, several in pairs.items() for sweeps, step in several
-            for row in product(**dict(method="CD", solver_seed=1, stiffening=stiffening, fixed_iterations=sweeps, cd_dt=step, seed=seed) | LOADING | more)]
+            for row in product(stiffening=stiffening, fixed_iterations=sweeps, cd_dt=step, **base)]
 
 
 BOTH = dict(reference_overlaps=(False, True))
@@ -63,37 +66,36 @@ def summarize(runs):
     """
     usual = [_key(run)[4:] for run in runs]
     plain = max(set(usual), key=usual.count)
-    groups = summary.groups(runs, _key, ordered=False)
-    return [_row(*key, group, None if key[4:] == plain else groups.get(key[:4] + plain, ())) for key, group in groups.items()]
-
-
-def _row(medium, stiffening, sweeps, step, kt_over_kn, period, group, usual):
-    """Return one row. usual: None for a row of the comparison; for a check the runs of the usual settings, to be compared seed by seed."""
-    compared = [run for run in usual or () if run.attributes["seed"] in {run.attributes["seed"] for run in group}]
-    ratio = stiffness_ratio(group[0])
-    modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
-    return {
-        "medium": medium, "stiffness_over_kn": ratio, "springs_over_kn": stiffening, "sweeps": sweeps, "step_s": step, "kt_over_kn": kt_over_kn,
-        "period_s": period, "comparison": "" if usual is None else "check", "packings": len(group), **loops.spread(group),
-        **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
-        "modulus_over_stiffness_per_m": float(np.mean(modulus)) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
-        **{f"{name}, packing {run.attributes['seed']}": ratio * getattr(loops.of(run), name) for run in group for name in ("largest", "remanent")},
-        "sliding_most": max(int(run.values("sliding_contacts").max()) for run in group),
-        "stress_error": max(observables.stress_error(run) for run in group),
-        **({f"compared_{name}": value for name, value in loops.spread(compared).items() if name in loops.QUANTITIES} if compared else {})}
+    groups, rows = summary.groups(runs, _key, ordered=False), []
+    for key, group in groups.items():
+        medium, stiffening, sweeps, step, kt_over_kn, period = key
+        ratio, seeds, check = stiffness_ratio(group[0]), {run.attributes["seed"] for run in group}, key[4:] != plain
+        modulus = [observables.stiffness(run.values("gamma"), run.values("sigma2")) for run in group]
+        rows.append({
+            "medium": medium, "stiffness_over_kn": ratio, "springs_over_kn": stiffening, "sweeps": sweeps, "step_s": step, "kt_over_kn": kt_over_kn,
+            "period_s": period, "comparison": "check" if check else "", "packings": len(group), **loops.spread(group),
+            **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
+            "modulus_over_stiffness_per_m": np.mean(modulus) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
+            **{f"{name}, packing {run.attributes['seed']}": ratio * loops.of(run)[name] for run in group for name in ("largest", "remanent")},
+            "sliding_most": max(int(run.values("sliding_contacts").max()) for run in group),
+            "stress_error": max(observables.stress_error(run) for run in group)})
+        # A check is compared with the runs of the usual settings, of the same seeds.
+        if check and (same := [run for run in groups.get(key[:4] + plain, ()) if run.attributes["seed"] in seeds]):
+            rows[-1] |= {f"compared_{name}": value for name, value in loops.spread(same).items() if name in loops.QUANTITIES}
+    return rows
 
 
 def draw(runs, rows, path):
     """Draw the loop's numbers against the stiffness on the left, on the right loops of one packing, strains times stiffness."""
-    fig, (left, middle, right) = style.plt.subplots(1, 3, figsize=(12, 4.4))
+    fig, (left, middle, right) = plt.subplots(1, 3, figsize=(12, 4.4))
+    table = pandas.DataFrame(rows)
     for axes, name in ((left, "largest"), (middle, "remanent")):
         for medium, marker in MARKER.items():
-            if part := [row for row in rows if row["medium"] == medium and not row["comparison"]]:
-                loops.draw_spread(axes, [row["stiffness_over_kn"] for row in part], part, name, fmt=marker, color=COLOUR[medium], mfc="none",
-                                  label=medium)
-        if first := next((row for row in rows if row["medium"] == MD), None):
-            x = np.array(sorted({row["stiffness_over_kn"] for row in rows}))
-            axes.plot(x, first[name] * first["stiffness_over_kn"] / x, ":", color="k", lw=0.8, label="inverse to the stiffness")
+            if len(part := table[(table.medium == medium) & (table.comparison == "")]):
+                loops.draw_spread(axes, part, "stiffness_over_kn", name, fmt=marker, color=COLOUR[medium], mfc="none", label=medium)
+        for _, first in table[table.medium == MD].head(1).iterrows():
+            x = np.unique(table.stiffness_over_kn)
+            axes.plot(x, first[name] * first.stiffness_over_kn / x, ":", color="k", lw=0.8, label="inverse to the stiffness")
         axes.set(xscale="log", yscale="log", xlabel=r"stiffness of a contact: $k_n$ or $\kappa$, over the softest $k_n$",
                  title=loops.QUANTITIES[name])
         axes.legend()
@@ -106,11 +108,9 @@ def _draw_loops(axes, runs):
     """Draw the loops of the first packing at the softest and at ten times the stiffness."""
     seed = runs[0].attributes["seed"]
     shown = [run for run in runs if run.attributes["seed"] == seed and run.parameters["stiffening"] in (1, 10)]
-    media = summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False)
-    for (medium, stiffening), (run, *_) in media.items():
-        gamma = run.values("gamma") * stiffness_ratio(run)
-        axes.plot(-gamma, run.values("sigma2") / run.pressure, "-" if stiffening == 1 else "--", color=COLOUR[medium], lw=1,
-                  label=f"{medium}, {stiffening:g} $k_n$")
+    for (medium, stiffening), (run, *_) in summary.groups(shown, lambda run: (kind(run), run.parameters["stiffening"]), ordered=False).items():
+        axes.plot(-run.values("gamma") * stiffness_ratio(run), run.values("sigma2") / run.pressure, "-" if stiffening == 1 else "--",
+                  color=COLOUR[medium], lw=1, label=f"{medium}, {stiffening:g} $k_n$")
     axes.set(xlabel=r"$-\gamma$ times stiffness over $k_n$", ylabel=r"$\sigma_2/P_0$", title=f"loops of packing {seed}")
     axes.set_xlim(right=1.8 * axes.get_xlim()[1])  # room for the legend
     axes.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
@@ -139,17 +139,15 @@ def numbers(table):
         return [np.polyfit(stiffness, np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
 
     def spread(medium, name):
-        """Least, median and largest of all settings and packings over MD's of the same packing and stiffness."""
-        own = main[main.medium == medium]
-        columns = [f"{name}, packing {seed}" for seed in seeds]
-        values = (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
-        return values.min(), np.median(values), values.max()
+        """All settings and packings over MD's of the same packing and stiffness."""
+        own, columns = main[main.medium == medium], [f"{name}, packing {seed}" for seed in seeds]
+        return (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
 
     checks = table[(table.comparison == "check") & (table.medium == MD) & (table.kt_over_kn < 0.5)]
     softer = checks.largest / checks.compared_largest
-    largest, remanent = powers("largest"), powers("remanent")
-    springs, kept, rigid, rigid_kept = (spread(medium, name) for medium in (AS_SPRINGS, AS_RIGID) for name in ("largest", "remanent"))
-    return {"5": [md.packings.min(), md.packings.max()], "-0.94": max(largest), "-1.01": min(largest), "4.5e-4": md.largest.iloc[0],
-            "5.1e-6": md.largest.iloc[-1], "-0.87": max(remanent), "-0.98": min(remanent), "0.96": springs[0], "1.13": springs[2],
-            "1.05": [springs[1], kept[2], softer.min()], "0.89": kept[0], "0.97": kept[1], "0.65": rigid[0], "0.88": rigid[2],
-            "0.79": rigid[1], "0.01": rigid_kept[0], "0.43": rigid_kept[2], "0.12": rigid_kept[1], "1.07": softer.max()}
+    springs, kept = spread(AS_SPRINGS, "largest"), spread(AS_SPRINGS, "remanent")
+    return {"5": [md.packings.min(), md.packings.max()], **summary.stated("-0.94 -1.01", powers("largest"), "max min"),
+            "4.5e-4": md.largest.iloc[0], "5.1e-6": md.largest.iloc[-1], **summary.stated("-0.87 -0.98", powers("remanent"), "max min"),
+            **summary.stated("0.96 1.13", springs), "1.05": [np.median(springs), kept.max(), softer.min()],
+            **summary.stated("0.89 0.97", kept, "min median"), **summary.stated("0.65 0.88 0.79", spread(AS_RIGID, "largest"), "min max median"),
+            **summary.stated("0.01 0.43 0.12", spread(AS_RIGID, "remanent"), "min max median"), "1.07": softer.max()}

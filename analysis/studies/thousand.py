@@ -1,8 +1,10 @@
 """A thousand cycles: does the strain of springs go on, does it end, and does the energy balance hold so long?"""
-import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 
-from analysis import cycles, limits, observables, style
+from analysis import cycles, observables, style, summary
+from analysis.studies.fig3 import SPRINGS
+from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "A thousand cycles"
@@ -10,8 +12,7 @@ QUESTION = ("Forty cycles do not tell whether a rate that falls will end. What d
             "path-independent law, and does their energy balance hold so long?")
 ORDER = 9.5  # in the report
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # last cycles of the windows
-BASE = dict(method="MD", loading="cosine", period=0.5, records_per_cycle=20, md_dt_factor=0.3, md_walls="force", wall_mass_ratio=1.0,
-            delta_sigma=0.4)
+BASE = SPRINGS | dict(delta_sigma=0.4)
 LINES = "-", "--", ":"  # of the packings
 LAWS = {"standard": ("#1A1A1A", "standard law"), "path_independent": ("#CC79A7", "path-independent law")}  # as in the study of the laws
 ROWS = {"quick": product(cycles=20, **BASE),
@@ -24,36 +25,35 @@ def summarize(runs):
 
     balance error: over the work of the walls up to there.
     """
-    return [row for run in runs for row in _rows(run)]
-
-
-def _rows(run):
-    found, ends = cycles.of(run), cycles.ends(run)
-    edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
-    windows = [(first + 1, last) for first, last in zip(edges[:-1], edges[1:])]
-    parts = [slice(first - 1, last) for first, last in windows]
-    return [{"law": run.parameters["tangential_law"], "seed": run.parameters["seed"], "load over limit": limits.load_over_limit(run), "from cycle": first, "to cycle": last,
-             "|gamma|": float(abs(found.permanent[last - 1])), "rate": float(rate), "largest cycle": float(np.abs(found.rate[part]).max()),
-             "median cycle": float(np.median(np.abs(found.rate[part]))), "dissipated/P0V0 a cycle": float(found.dissipated[part].mean()),
-             "sliding at most": float(found.sliding_max[part].max()), "2M/N": float(found.contacts[last - 1]),
-             "balance error": float(observables.balance_error(run, slice(0, ends[last] + 1))), "outcome": run.outcome}
-            for (first, last), part, rate in zip(windows, parts, found.rates(windows))]
+    rows = []
+    for run in runs:
+        found, ends, same = cycles.of(run), cycles.ends(run), summary.columns(run, "law", "seed", "load over limit")
+        edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
+        for first, last in zip(edges[:-1], edges[1:]):
+            rate = found.rate[first:last]
+            rows.append(same | {
+                "from cycle": first + 1, "to cycle": last, "|gamma|": abs(found.gamma[last]), "rate": found.rates([(first + 1, last)])[0],
+                "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)),
+                "dissipated/P0V0 a cycle": found.dissipated[first:last].mean(), "sliding at most": found.sliding_max[first:last].max(),
+                "2M/N": found.contacts[last - 1], "balance error": observables.balance_error(run, slice(0, ends[last] + 1)), "outcome": run.outcome})
+    return rows
 
 
 def draw(runs, rows, path):
     """Draw the strain, and the strain of each cycle, against the number of the cycle."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.9))
+    table = pandas.DataFrame(rows)
     for run in runs:
         law, seed = run.parameters["tangential_law"], run.parameters["seed"]
         found, (colour, words), line = cycles.of(run), LAWS[law], LINES[(seed - 1) % len(LINES)]
-        means = [row for row in rows if (row["law"], row["seed"]) == (law, seed)]
         left.plot(found.number, np.abs(found.permanent), color=colour, ls=line, label=words if seed == 1 else None)
-        right.plot([np.sqrt(row["from cycle"] * row["to cycle"]) for row in means], [abs(row["rate"]) for row in means], marker="o", ms=3,
-                   color=colour, ls=line)
-    left.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"accumulated strain $|\gamma|$")
-    right.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"strain of a cycle $|\Delta\gamma|$")
+        means = table[(table.law == law) & (table.seed == seed)]
+        right.plot(np.sqrt(means["from cycle"] * means["to cycle"]), means.rate.abs(), marker="o", ms=3, color=colour, ls=line)
+    for axis, label in ((left, r"accumulated strain $|\gamma|$"), (right, r"strain of a cycle $|\Delta\gamma|$")):
+        axis.set(xscale="log", yscale="log", xlabel="cycle", ylabel=label)
     left.legend()
-    style.finish(fig, path, "Springs of $k_n$, cycles of 0.5 s; a packing has one kind of line. Right: means over the cycles 1, 2, 3 to 5, 6 to 10 and so on.", runs)
+    style.finish(fig, path, "Springs of $k_n$, cycles of 0.5 s; a packing has one kind of line. "
+                 "Right: means over the cycles 1, 2, 3 to 5, 6 to 10 and so on.", runs)
 
 
 ANSWER = """
@@ -78,8 +78,8 @@ def numbers(table):
     rates, strain = [own.rate.abs() for own in (one, two, three)], one["|gamma|"]
     alike = [packing["path_independent", seed]["|gamma|"] / packing["standard", seed]["|gamma|"] for seed in (1, 2)]
     last = [own["median cycle"][1000] for own in (one, two, three)]
-    return {"0.87": table["load over limit"].min(), "0.95": table["load over limit"].max(), "9.0e-5": rates[1][20], "2.0e-4": rates[2][20],
+    return {**summary.stated("0.87 0.95", table["load over limit"]), "9.0e-5": rates[1][20], "2.0e-4": rates[2][20],
             "1.5e-8": rates[1][1000], "5.5e-7": rates[2][1000], "1.8e-5": rates[0][10], "3.0e-6": rates[0][100],
             "1.6e-3": [strain[500] - strain[200], strain[100]], "2.4e-5": one["largest cycle"][500], "2.2e-7": rates[0][1000],
-            "1.4e-6": min(last), "2.9e-6": max(last), "0.98": min(map(min, alike)), "1.00": max(map(max, alike)),
+            **summary.stated("1.4e-6 2.9e-6", last), **summary.stated("0.98 1.00", pandas.concat(alike)),
             "8.1e-5": table["balance error"].abs().max()}

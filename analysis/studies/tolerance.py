@@ -1,7 +1,9 @@
 """How much of the CD loop of Fig. 4 is error of the solver?"""
 import numpy as np
+import pandas
 
 from analysis import loops, observables, style, summary
+from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
@@ -13,12 +15,10 @@ LOADING = dict(loading="triangle", period=4.0)
 FAST = dict(loading="triangle", period=1.0)
 ROWS = {"quick": product(method="MD", **FAST) + product(method="CD", tolerance=(1e-2, 1e-4, 1e-6, 1e-8), **FAST)
         + product(method="CD", fixed_iterations=(1, 3, 10, 30), **FAST),
-        "full": product(method="MD", seed=(1, 2, 3), **LOADING)
-        + product(method="CD", tolerance=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10), **LOADING)
-        + product(method="CD", fixed_iterations=(1, 2, 3, 5, 10, 30, 100, 300, 1000), **LOADING)
-        + product(method="CD", cd_dt=(5e-4, 2e-3, 4e-3), **LOADING)
-        + product(method="CD", seed=(2, 3), tolerance=(1e-2, 1e-4, 1e-6, 1e-8), **LOADING)
-        + product(method="CD", seed=(2, 3), fixed_iterations=(3, 30, 300), **LOADING)}
+        "full": product(method="MD", seed=(1, 2, 3), **LOADING) + [row for settings in (
+            dict(tolerance=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)), dict(fixed_iterations=(1, 2, 3, 5, 10, 30, 100, 300, 1000)),
+            dict(cd_dt=(5e-4, 2e-3, 4e-3)), dict(seed=(2, 3), tolerance=(1e-2, 1e-4, 1e-6, 1e-8)), dict(seed=(2, 3), fixed_iterations=(3, 30, 300)))
+                                                                for row in product(method="CD", **settings, **LOADING)]}
 
 MD, BY_TOLERANCE, BY_SWEEPS, BY_STEP = "MD", "tolerance", "sweeps", "step"
 MARKER = {"largest": "o", "width": "s", "remanent": "^"}
@@ -29,7 +29,19 @@ def summarize(runs):
     """Return one row a setting, over the packings; `effort` names what is varied."""
     steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
     usual = max(set(steps), key=steps.count, default=None)  # rows with another step are about the step
-    return [_row(*key, group) for key, group in summary.groups(runs, lambda run: _key(run, usual), ordered=False).items()]
+    rows = []
+    for (effort, value), group in summary.groups(runs, lambda run: _key(run, usual), ordered=False).items():
+        full, first = group[0].parameters, loops.of(summary.order(group, "seed")[0])  # of the packing that all settings have
+        rows.append({"effort": effort, "value": value, "packings": len(group), **loops.spread(group),
+                     "largest, packing 1": first["largest"], "width, packing 1": first["width"]})
+        if effort == BY_SWEEPS:
+            rows[-1]["kappa_over_kn"] = effective_medium.stiffness(full) / full["kn"]
+        if effort != MD:  # the samples of the history represent all steps
+            rows[-1] |= {"sweeps_a_step": np.mean([run.values("iterations")[1:].mean() for run in group]),
+                         "error_median": np.median([np.median(run.values("residual")[1:]) for run in group]),
+                         "unsolved_steps": sum(observables.unconverged_steps(run) for run in group),
+                         "steps": sum(round(run.values("time")[-1] / effective_medium.step(full)) for run in group)}
+    return rows
 
 
 def _key(run, usual):
@@ -41,44 +53,22 @@ def _key(run, usual):
     return (BY_SWEEPS, row["fixed_iterations"]) if row["fixed_iterations"] else (BY_TOLERANCE, row["tolerance"])
 
 
-def _row(effort, value, group):
-    first = loops.of(min(group, key=lambda run: run.parameters["seed"]))  # of the packing that all settings have
-    row = {"effort": effort, "value": value, "packings": len(group)} | loops.spread(group) | {"largest, packing 1": first.largest, "width, packing 1": first.width}
-    if effort == MD:
-        return row
-    # The samples of the history represent all steps.
-    sweeps = float(np.mean([run.values("iterations")[1:].mean() for run in group]))
-    full = group[0].parameters
-    if effort == BY_SWEEPS:
-        row["kappa_over_kn"] = effective_medium.stiffness(full) / full["kn"]
-    return row | {
-        "sweeps_a_step": sweeps,
-        "error_median": float(np.median([np.median(run.values("residual")[1:]) for run in group])),
-        "unsolved_steps": sum(observables.unconverged_steps(run) for run in group),
-        "steps": sum(round(run.values("time")[-1] / effective_medium.step(full)) for run in group)}
-
-
-def _of(rows, effort):
-    return sorted((row for row in rows if row["effort"] == effort), key=lambda row: row["value"])
-
-
 def draw(runs, rows, path):
     """Draw the three numbers of the loop against the tolerance, and against the sweeps, with MD's."""
-    fig, panels = style.plt.subplots(1, 2, figsize=(9.5, 4.4), sharey=True)
-    texts = {BY_TOLERANCE: ("tolerance on the error $e$", "solved to a tolerance"),
-             BY_SWEEPS: ("sweeps a step, no test", "a fixed number of sweeps")}
-    for axes, (effort, (label, title)) in zip(panels, texts.items()):
-        part = _of(rows, effort)
+    fig, panels = plt.subplots(1, 2, figsize=(9.5, 4.4), sharey=True)
+    table = pandas.DataFrame(rows).sort_values("value")
+    md, by_tolerance, by_sweeps = (table[table.effort == effort] for effort in (MD, BY_TOLERANCE, BY_SWEEPS))
+    for axes, part, label, title in ((panels[0], by_tolerance, "tolerance on the error $e$", "solved to a tolerance"),
+                                     (panels[1], by_sweeps, "sweeps a step, no test", "a fixed number of sweeps")):
         for name, words in loops.QUANTITIES.items():
-            loops.draw_spread(axes, [row["value"] for row in part], part, name, fmt=MARKER[name] + "-", color=SHADE[name], label=f"CD, {words}")
-            for row in _of(rows, MD):
-                axes.axhline(row[name], color=SHADE[name], ls="--", lw=0.8)
+            loops.draw_spread(axes, part, "value", name, fmt=MARKER[name] + "-", color=SHADE[name], label=f"CD, {words}")
+            for level in md[name]:
+                axes.axhline(level, color=SHADE[name], ls="--", lw=0.8)
         axes.set(xscale="log", yscale="log", xlabel=label, title=title)
     panels[0].set_ylabel(r"strain $\gamma$")
     panels[0].legend(title="dashed: MD")
-    part, md = _of(rows, BY_SWEEPS), _of(rows, MD)
-    if part and md:
-        panels[1].plot([row["value"] for row in part], [md[0]["largest"] / row["kappa_over_kn"] for row in part], ":", color="k",
+    if len(by_sweeps) and len(md):
+        panels[1].plot(by_sweeps.value, md.largest.iloc[0] / by_sweeps.kappa_over_kn, ":", color="k",
                        label=r"MD's largest $|\gamma|$ times $k_n/\kappa$, $\kappa = q m N_I/\Delta t^2$")
         panels[1].legend()
     style.finish(fig, path, "Mean over the packings, bars from the smallest to the largest; points without bars are of one packing", runs)
@@ -100,9 +90,9 @@ POINTS = (
 
 def numbers(table):
     largest, width = "largest, packing 1", "width, packing 1"
-    solved = table[table.effort == BY_TOLERANCE].set_index("value").sort_index()
-    swept = table[table.effort == BY_SWEEPS].set_index("value").sort_index()
-    md, best, worst = table[table.effort == MD].iloc[0], solved.iloc[0], solved.iloc[-1]
+    md = table[table.effort == MD].iloc[0]
+    solved, swept = (table[table.effort == effort].set_index("value").sort_index() for effort in (BY_TOLERANCE, BY_SWEEPS))
+    best, worst = solved.iloc[0], solved.iloc[-1]
     return {"7.8e-4": worst[largest], "9.2e-11": best[largest], "8.0e-4": worst[width], "1.3e-10": best[width],
             "3": [worst.packings, solved.loc[1e-8].packings], "1.2e-3": worst.largest, "3.5e-8": solved.loc[1e-8].largest,
             "0.79": solved.loc[1e-3][largest] / md[largest], "3.9e-4": md[largest], "4000": best.steps - best.unsolved_steps,

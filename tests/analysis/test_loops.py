@@ -20,10 +20,10 @@ def made(path, method="CD", scale=1e-3, row=None, seed=1):
 def test_numbers_of_a_known_loop(tmp_path):
     """gamma = -x^2 up and -(1 + 3x)/4 down: apart by (1 + 3x)/4 - x^2, which is 25/64 at x = 3/8 and less by the square away from it."""
     found = loops.of(made(tmp_path / "a.h5"))
-    assert found.largest == pytest.approx(1e-3, rel=1e-12)
-    assert found.remanent == pytest.approx(0.25e-3, rel=1e-12)
+    assert found["largest"] == pytest.approx(1e-3, rel=1e-12)
+    assert found["remanent"] == pytest.approx(0.25e-3, rel=1e-12)
     # The nearest samples are at x = 0.37 and 0.38.
-    assert found.width == pytest.approx(1e-3 * (25 / 64 - 0.005**2), rel=1e-9)
+    assert found["width"] == pytest.approx(1e-3 * (25 / 64 - 0.005**2), rel=1e-9)
 
 
 def test_spread_over_packings(tmp_path):
