@@ -209,8 +209,7 @@ def _check_together(full):
                              "take " + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
-    if hasattr(scene, "check"):
-        scene.check(full)
+    scene.check(full)
 
 
 def from_text(name, text):

@@ -100,9 +100,11 @@ class Sweep:
         plan.write_text(json.dumps({"results": self.options.results, "rows": [job.row for job in todo]}))
         tasks = min(len(todo), slurm.largest_array())
         minutes = self.options.minutes and self.options.minutes * 2**attempt
-        command = " ".join(shlex.quote(str(word)) for word in (sys.executable, HERE / "task.py", plan)) + f" $SLURM_ARRAY_TASK_ID {tasks}"
-        number = slurm.submit(self.name, "exec " + command, tasks, self.folder / "task-%A_%a.out", minutes, self.options.at_once, shlex.split(self.options.sbatch))
-        print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks" + (f" of at most {minutes} min" if minutes else ""), flush=True)
+        command = f"exec {shlex.join(map(str, (sys.executable, HERE / 'task.py', plan)))} $SLURM_ARRAY_TASK_ID {tasks}"
+        output = self.folder / "task-%A_%a.out"
+        number = slurm.submit(self.name, command, tasks, output, minutes, self.options.at_once, shlex.split(self.options.sbatch))
+        limit = f" of at most {minutes} min" if minutes else ""
+        print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks{limit}", flush=True)
 
     def watch(self):
         """Report progress until no task is left in the queue. If the controller does not answer, ask again: the tasks run without it."""
@@ -115,7 +117,7 @@ class Sweep:
                 states, waits = None, [str(error)]
             self.rows.collect()
             news = f"{len(self.rows.jobs) - len(self.rows.open)} of {len(self.rows.jobs)} rows ended, {len(self.rows.failed)} of them failed"
-            news += "".join(f" | {count} {state.lower()}" for state, count in sorted((states or {}).items())) + "".join(f" | {text}" for text in waits)
+            news += "".join(f" | {text}" for text in [*(f"{count} {state.lower()}" for state, count in sorted((states or {}).items())), *waits])
             if news != told:
                 print(f"{self.name}: {news}", flush=True)
             told = news
@@ -132,10 +134,10 @@ class Sweep:
 
 @commands.command("sweep")
 def main(arguments=None):
-    parser = commands.parser(__doc__, "--results")
-    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
+    parser = commands.parser(__doc__, "tables", "--results")
     parser.add_argument("--minutes", type=commands.whole(1), help="time limit of a task (default: the partition's)")
-    parser.add_argument("--retries", type=commands.whole(0), default=2, help="how often rows without a result are submitted again (default: %(default)s)")
+    parser.add_argument("--retries", type=commands.whole(0), default=2,
+                        help="how often rows without a result are submitted again (default: %(default)s)")
     parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="largest number of tasks at the same time")
     parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, as one quoted argument")
     parser.add_argument("--seconds", type=commands.positive, default=SECONDS, help="between two looks at the queue (default: %(default)s)")

@@ -151,7 +151,8 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
     # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
     controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), stiffness, 0.1 * math.sqrt(p0 / full["density"]))
     rest = _Rest(p0, stress_error, unbalanced)
-    O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
+    O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [
+        hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
     hooks.simulate(MOST_STEPS)
     if rest.passed < CHECKS:
         stress, force = rest.errors()

@@ -21,7 +21,8 @@ from yade_scripts.running.losses import Losses
 
 
 def contact_engines(full, tangential_law="standard"):
-    """Return the engines up to the contact forces; all contacts, also with walls, have the same stiffness. Packings are prepared with the standard law."""
+    """Return the engines up to the contact forces; all contacts, also those with walls, have the same stiffness. Packings are prepared with the
+    standard law."""
     kn, ratio = (MatchMaker(algo="val", val=value) for value in (parameters.stiffness(full), full["kt_over_kn"]))
     engines = [
         ForceResetter(),

@@ -1,7 +1,7 @@
 """Writes a run's HDF5 file: names, units and meanings are those of yade_scripts/results/schema.py.
 
-The file is built in memory, written as a whole under another name, then renamed. So the file on the disk is readable at every moment, and libhdf5, which
-crashes if a write fails, never meets a full disk. A run of 400 disks takes 1 MB; with 10^5 disks a snapshot takes about 20 MB.
+The file is built in memory, written as a whole under another name, then renamed. So the file on the disk is readable at every moment, and libhdf5,
+which crashes if a write fails, never meets a full disk. A run of 400 disks takes 1 MB; with 10^5 disks a snapshot takes about 20 MB.
 """
 import io
 import json

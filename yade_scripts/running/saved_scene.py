@@ -17,7 +17,7 @@ def take():
 
 
 def restore(scene):
-    """Load a scene that `take` returned. Its PyRunners get the commands of those in O, since saved commands hold numbers of the process that saved them."""
+    """Load a scene that `take` returned. Its PyRunners get the commands of those in O: saved commands hold numbers of the process that saved them."""
     commands = [engine.command for engine in O.engines if isinstance(engine, PyRunner)]
     with _memory() as file:
         file.write(scene)

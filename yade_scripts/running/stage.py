@@ -13,7 +13,8 @@ from yade_scripts.scenes import Scene, method
 class Ground:
     """Places disks and boxes of the material `disk`, which has the row's friction.
 
-    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean. time [s]: length of the run. draw: random.Random of the seed.
+    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean. time [s]: length of the run. draw: random.Random of the
+    seed.
     """
 
     def __init__(self, full):
@@ -81,7 +82,7 @@ def load_walls(full, scene, goals):
 
 
 def small(full, known, **more):
-    """Set time step and engines for the bodies in O. Return a Scene without loaded walls. known: list of Known. more: further attributes of the Scene."""
+    """Set time step and engines for the bodies in O. Return a Scene without loaded walls. known: list of Known. more: its further attributes."""
     built = scene(full, known=known, **more)
     method(full).set_engines(full, built)
     return built

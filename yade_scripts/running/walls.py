@@ -68,9 +68,9 @@ def stress_error(p0):
 def servo(goal, damping_ratio, mass, kn, max_velocity):
     """Return YADE's TriaxialStressController in 2D, which holds (sigma1, sigma2) = goal [Pa].
 
-    In each step it moves a wall by the stress error over the wall's stiffness. It does not know that dashpots of ratio beta act as a further stiffness
-    of 2 beta tau/dt (tau = sqrt(m/k_n)), which raises its gain. Measured: at a gain of 2.1 the walls reverse their motion for ever at their largest
-    velocity, without visible strain; up to 1.4 they are stable. stressDamping limits the gain to 1 here.
+    In each step it moves a wall by the stress error over the wall's stiffness. It does not know that dashpots of ratio beta act as a further
+    stiffness of 2 beta tau/dt (tau = sqrt(m/k_n)), which raises its gain. Measured: at a gain of 2.1 the walls reverse their motion for ever at their
+    largest velocity, without visible strain; up to 1.4 they are stable. stressDamping limits the gain to 1 here.
     """
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
     length_x, length_y = sides()

@@ -112,7 +112,8 @@ def names():
 
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
-    return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"), {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None})
+    return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
+                         {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None, "check": lambda full: None})
 
 
 def method(full):

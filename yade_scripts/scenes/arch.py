@@ -19,8 +19,8 @@ TITLE = "Arch of three disks"
 KIND = "piles at rest"
 HORIZON = "About ten times sqrt(R/g), 0.3 s: one arch rests, the other falls as computed, until a lateral error has grown or its key meets the floor."
 LEFT_OUT = "a gradual start of the load: the disks touch without force at time 0. The springs then oscillate, the tangential ones without damping"
-DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10,
-                tolerance=1e-12, max_iterations=1000000)
+DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, records_per_cycle=10, tolerance=1e-12,
+                max_iterations=10**6)
 PARAMETERS = (Parameter("arch_margin", 0.05, "1", "by how much one arch needs less than mu and the other more", low=1e-6, high=0.5),)
 CHART = Chart(rolling=True)
 

@@ -24,7 +24,7 @@ KIND = "closed paths"
 METHODS = ("MD",)
 HORIZON = "Whole paths, any number of them while nothing slips."
 LEFT_OUT = "inertia and spins, since the motion of the disks is prescribed; CD, since rigid contacts store no force along a path"
-DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
+DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, records_per_cycle=40)
 CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
 SOURCE = "McNamara et al. 2008, and the error of YADE's first-order rotation; see the file of the scene"
