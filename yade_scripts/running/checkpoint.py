@@ -22,7 +22,7 @@ from yade import O, config
 
 from yade_scripts import scenes
 from yade_scripts.results import sealed
-from yade_scripts.running import hooks, saved_scene
+from yade_scripts.running import hooks, md, saved_scene
 from yade_scripts.results.provenance import git_commit
 
 # Disks times steps: about ten minutes on one core for MD, two to forty for CD, whose sweeps a step vary. Every published run is shorter, so it has
@@ -82,7 +82,7 @@ class Checkpoints:
     def take(self, recorder):
         """Write a checkpoint, then continue from it."""
         scene, record = saved_scene.take(), recorder.image()
-        memory = {"origin": self.origin, "losses": self.scene.losses.memory() if self.scene.losses else None,
+        memory = {"origin": self.origin, "friction": md.law().plasticDissipation() if self.full["method"] == "MD" else None,
                   "kept": {name: _kept(keeper) for name, keeper in self._keepers(recorder).items()}, "scene": self.scene.kept}
         content = io.BytesIO()
         with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
@@ -97,8 +97,8 @@ class Checkpoints:
         memory = parts[MEMORY]
         saved_scene.restore(parts[SCENE])
         scenes.method(self.full).bind(self.full, self.scene)
-        if self.scene.losses:
-            self.scene.losses.remember(memory["losses"])
+        if self.full["method"] == "MD":
+            md.law().initPlasticDissipation(memory["friction"])
         for name, keeper in self._keepers(recorder).items():
             for attribute, value in memory["kept"][name].items():
                 setattr(keeper, attribute, value)

@@ -17,7 +17,6 @@ from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.running import hooks, walls
-from yade_scripts.running.losses import Losses
 
 
 def contact_engines(full, tangential_law="standard"):
@@ -86,13 +85,28 @@ def set_engines(full, scene, goals=None):
     import cd_engine
     engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)]
     O.engines = engines + loading + [integrator(full)]
-    scene.losses = Losses(full, scene.load is not None)
     bind(full, scene)
 
 
+def law():
+    """Return the law functor in O. Its plasticDissipation(), the energy that friction has dissipated [J], is not stored by O.save."""
+    return hooks.engine("InteractionLoop").lawDispatcher.functors[0]
+
+
+def friction_dissipation(full, boxed):
+    """Return the energy dissipated by friction [J]; NaN if disks slip by PathIndependentShear but walls by the functor.
+
+    boxed: whether the sample is in the biaxial box.
+    """
+    if full["tangential_law"] != "path_independent":
+        return law().plasticDissipation()
+    # PathIndependentShear does not see contacts with walls.
+    return hooks.engine("PathIndependentShear").frictionDissipation if boxed and not full["wall_friction"] else math.nan
+
+
 def bind(full, scene):
-    """Give the scene the law functor and the controller in O; after O.load they are other objects."""
-    scene.losses.bind()
+    """Have the law functor in O sum the dissipation, and give the scene the controller in O; after O.load both are other objects."""
+    law().traceEnergy = True
     if isinstance(scene.load, walls.ServoLoad):
         scene.load.controller = hooks.engine("TriaxialStressController")
 

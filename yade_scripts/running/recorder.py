@@ -16,7 +16,7 @@ from yade import O, config, utils
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.results import reader, schema, sealed
-from yade_scripts.running import md_step, observe, walls
+from yade_scripts.running import hooks, md, md_step, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
 from yade_scripts.running.sums import total
@@ -106,12 +106,13 @@ class Recorder:
             raise
 
     def _measure(self):
-        contacts = observe.Contacts()
-        row = {"time": O.time, "cycle": O.time / self.full["period"], "contacts": len(contacts), "sliding_contacts": contacts.sliding(),
+        normal, tangential, friction, overlap = observe.loaded_contacts()
+        row = {"time": O.time, "cycle": O.time / self.full["period"],
+               "contacts": len(normal), "sliding_contacts": int(np.count_nonzero(schema.is_sliding(normal, tangential, friction))),
                "kinetic_energy": utils.kineticEnergy(), "unbalanced_force": utils.unbalancedForce()}
         row |= zip(("wall_clock", "processor_time"), self._elapsed())
         row |= self._box()
-        row |= self._cd(row) if self.full["method"] == "CD" else self._md(row, contacts)
+        row |= self._cd() if self.full["method"] == "CD" else self._md(row) | {"max_penetration": max(overlap, default=0.0)}
         return row
 
     def _box(self):
@@ -126,20 +127,19 @@ class Recorder:
         return {"sigma1": sigma[0], "sigma2": sigma[1], "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": strain[0],
                 "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
 
-    def _md(self, row, contacts):
+    def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""
-        stored, friction = contacts.stored_energy(), self.scene.losses.friction()
-        gone = friction + self.scene.losses.dashpots()
+        stored, friction = observe.stored_energy(), md.friction_dissipation(self.full, self.scene.load is not None)
+        gone = friction + hooks.engine("DashpotWork").work
         if math.isnan(friction):
             weights = self.full["gravity"] * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
             held = stored + row["kinetic_energy"] + weights - row["wall_work"]
             if self.reference is None:
                 self.reference = held
             gone = self.reference - held
-        return {"stored_energy": stored, "dissipated_energy": gone, "friction_dissipation": friction,
-                "max_penetration": max(contacts.overlap, default=0.0)}
+        return {"stored_energy": stored, "dissipated_energy": gone, "friction_dissipation": friction}
 
-    def _cd(self, row):
+    def _cd(self):
         engine = self.scene.watch.engine
         return {"stored_energy": 0.0, "dissipated_energy": engine.dissipatedEnergy, "max_penetration": engine.maxPenetration,
                 "iterations": engine.iterations, "residual": engine.residual, "residual_max": self.scene.watch.take(),

@@ -50,23 +50,18 @@ class Ground:
         return force / parameters.stiffness(self.full) if self.full["method"] == "MD" else 0.0
 
 
-def set_step(full, largest):
-    """Set O.dt <= largest [s] so that samples fall on whole steps. Return the number of steps between two samples."""
+def scene(full, lightest=None, **more):
+    """Set O.dt for the bodies in O. Return a Scene that lasts for the cycles of the row.
+
+    lightest: mass [kg] that limits the step of the springs, by default that of the lightest body that can move. more: further attributes of the
+    Scene.
+    """
+    largest = full["cd_dt"]
+    if full["method"] == "MD":
+        lightest = lightest or min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
+        largest = full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
     every, O.dt = parameters.steps(full, largest)
-    return every
-
-
-def largest_step(full):
-    """Return the largest step [s] of the row's method for the bodies in O."""
-    if full["method"] == "CD":
-        return full["cd_dt"]
-    lightest = min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
-    return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
-
-
-def scene(full, **more):
-    """Set O.dt for the bodies in O. Return a Scene that lasts for the cycles of the row. more: further attributes of the Scene."""
-    return Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], **more)
+    return Scene(every=every, samples=full["records_per_cycle"] * full["cycles"], **more)
 
 
 def load_walls(full, scene, goals):
