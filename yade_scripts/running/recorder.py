@@ -22,8 +22,7 @@ from yade_scripts.results.provenance import git_commit
 from yade_scripts.running.sums import total
 from yade_scripts.running.wall_check import Collapse, LoadCheck
 
-ROWS_AT_ONCE = 50   # into the file in memory
-SECONDS = 30        # between two writes of the unfinished file, for those who want to look
+SECONDS = 30  # between two writes of the unfinished file, for those who want to look
 
 
 def _clocks():
@@ -51,7 +50,7 @@ class Recorder:
         else:
             self._new_file(checkpoint_samples)
         self.written = time.monotonic()
-        self._write(self.partial)
+        sealed.write(self.partial, self.image())
 
     def _new_file(self, checkpoint_samples):
         self.file.attrs.update({
@@ -65,16 +64,17 @@ class Recorder:
             column.attrs["unit"] = schema.HISTORY[name].unit
 
     def image(self):
-        """Return the content of the file so far, for a checkpoint."""
-        self._write_rows()
+        """Return the content of the file so far, in bytes."""
+        table = np.array(self.rows, float).reshape(-1, len(self.names))
+        for name, values in zip(self.names, table.T):
+            column = self.file[f"history/{name}"]
+            first = len(column)
+            column.resize((first + len(values),))
+            column[first:] = values
+        self.rows.clear()
         self.file.flush()
         self.seconds, self.started = self._elapsed(), _clocks()
         return self.memory.getvalue()
-
-    def _write(self, path):
-        if self.file:  # not closed yet
-            self.file.flush()
-        sealed.write(path, self.memory.getvalue())
 
     def _elapsed(self):
         """Return (computing time, processor time) [s] of the run, without what an interruption has lost."""
@@ -89,11 +89,8 @@ class Recorder:
         if self.count in self.scene.snapshots:
             self._snapshot(row)
         self.count += 1
-        if len(self.rows) == ROWS_AT_ONCE:
-            self._write_rows()
         if time.monotonic() - self.written > SECONDS:
-            self._write_rows()
-            self._write(self.partial)
+            sealed.write(self.partial, self.image())
             self.written = time.monotonic()
         self.progress((self.count - 1) / self.scene.samples)
         self.bounds.look(row, O.iter)
@@ -151,19 +148,8 @@ class Recorder:
         for name, array in observe.snapshot(self.scene.load is not None).items():
             group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
 
-    def _write_rows(self):
-        if not self.rows:
-            return
-        table = np.array(self.rows, float).reshape(-1, len(self.names))
-        for name, values in zip(self.names, table.T):
-            column = self.file[f"history/{name}"]
-            column.resize((column.shape[0] + len(values),))
-            column[-len(values):] = values
-        self.rows.clear()
-
     def close(self, failure=None, collapse=None):
         """End the file with its status; failure, collapse: the exception that ended the run. Return its known numbers, {name: reader.Known}."""
-        self._write_rows()
         for known in () if failure else self.scene.known:
             value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
             value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
@@ -174,7 +160,8 @@ class Recorder:
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
         known = reader.known(self.file)
+        self.image()
         self.file.close()
-        self._write(self.path)
+        sealed.write(self.path, self.memory.getvalue())
         self.partial.unlink(missing_ok=True)
         return known
