@@ -14,6 +14,7 @@ from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_
                           InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
                           Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
 
+import cd_engine
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.running import hooks, walls
@@ -30,7 +31,6 @@ def contact_engines(full, tangential_law="standard"):
                         [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=kn, kRatio=ratio)],
                         [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()])]
     if tangential_law == "path_independent":
-        import cd_engine
         engines.append(cd_engine.PathIndependentShear())
     return engines
 
@@ -82,7 +82,6 @@ def set_engines(full, scene, goals=None):
     else:
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
-    import cd_engine
     engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)]
     O.engines = engines + loading + [integrator(full)]
     bind(full, scene)

@@ -2,7 +2,7 @@
 import math
 import random
 
-from yade import O
+from yade import O, Quaternion, utils
 
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies, deposit
@@ -28,8 +28,9 @@ class Ground:
         return O.bodies[bodies.append_disk(place, radius, mass or bodies.disk_mass(radius, self.full), "disk", velocity, blocked)]
 
     def box(self, centre, half, angle=0.0, material="disk"):
-        """Append a fixed box as bodies.append_box does. Return its id."""
-        return bodies.append_box(centre, half, self.full, angle, material)
+        """Append a fixed box at (x, y) [m] of half sides (x, y) [m], as deep as the disks, turned by `angle` [rad] about z. Return its id."""
+        return O.bodies.append(utils.box((*centre, 0), (*half, self.full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
+                                         color=(0.4, 0.4, 0.4)))
 
     def floor(self, length=None):
         """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
