@@ -59,7 +59,8 @@ def _arrays(path):
     except _Refused:
         raise
     except Exception as error:  # h5py raises exceptions of many types where a file is damaged
-        raise ValueError(f"{path}, /fclib_local/{reader.name}: the file is damaged or cut short ({error})") from None
+        place = f"{path}, /fclib_local/{reader.name}" if reader.name else path
+        raise ValueError(f"{place}: the file is damaged or cut short ({error})") from None
 
 
 class _Refused(ValueError):

@@ -36,7 +36,7 @@ class Recorder:
     def __init__(self, path, full, scene, progress=lambda fraction: None, record=None, checkpoint_samples=0):
         """record: the file's content so far, of a run that is resumed; None: a new file. checkpoint_samples: samples between checkpoints."""
         self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
-        self.partial = self.path.with_suffix(".partial.h5")
+        self.partial = self.path.with_suffix(reader.PARTIAL_SUFFIX)
         other = {"MD": ("residual_max", "unconverged_steps"), "CD": ("friction_dissipation",)}[full["method"]]  # fields of the other method only
         self.names = [n for n, f in schema.HISTORY.items() if (full["method"] in f.methods or not f.methods) and n not in other]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
