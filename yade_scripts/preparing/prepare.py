@@ -46,13 +46,9 @@ def inputs(full):
     return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
 
 
-def state_path(full, folder):
-    return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
-
-
 def ensure(full, folder):
     """Return (path, SHA-256) of the prepared state; prepare it if it does not exist, which leaves its scene in O."""
-    path = state_path(full, folder)
+    path = pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at the same time prepare it once
         checksum = _verified(path, inputs(full))

@@ -143,7 +143,7 @@ OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain
 
 def problems(file):
     """Return the reasons why an open file is not a result file, as sentences; none if it is one. The file of a failed run is valid."""
-    attributes, history, snapshots = file.attrs, file.get("history", {}), file.get("snapshots", {})
+    attributes, history, snapshots = dict(file.attrs), dict(file.get("history", {})), dict(file.get("snapshots", {}))
     if missing := [name for name in ROOT_ATTRIBUTES if name not in attributes]:
         return [f"it lacks the attributes {', '.join(missing)}"]
     if attributes["schema_version"] != SCHEMA_VERSION:
@@ -152,9 +152,9 @@ def problems(file):
         return [f"its method is {attributes['method']!r}, not one of {', '.join(METHODS)}"]
     if missing := [name for name, field in HISTORY.items() if attributes["method"] in field.methods and name not in history]:
         return [f"/history lacks {', '.join(missing)}"]
-    found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name in history
-             if name in HISTORY and (unit := history[name].attrs.get("unit")) != HISTORY[name].unit]
-    if len({history[name].shape for name in history}) > 1:
+    found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name, column in history.items()
+             if name in HISTORY and (unit := column.attrs.get("unit")) != HISTORY[name].unit]
+    if len({column.shape for column in history.values()}) > 1:
         found.append("the fields of /history differ in length")
     if attributes["finished"] and not len(history["time"]):
         found.append("it says that it has finished, but its history is empty")
@@ -168,9 +168,9 @@ def _undefined(history, snapshots):
     boxed = np.isfinite(history["gamma"][()]).any()
     may_be = MAY_BE_UNDEFINED | (set() if boxed else OF_A_BOX | {"box"})
     found = []
-    for name in [name for name in history if name not in may_be]:
-        if len(wrong := np.flatnonzero(~np.isfinite(history[name][()]))):
-            found.append(f"/history/{name} is {history[name][wrong[0]]} at sample {wrong[0]} ({len(wrong)} of {len(history[name])} samples)")
+    for name, column in history.items():
+        if name not in may_be and len(wrong := np.flatnonzero(~np.isfinite(column[()]))):
+            found.append(f"/history/{name} is {column[wrong[0]]} at sample {wrong[0]} ({len(wrong)} of {len(column)} samples)")
     return found + [f"/snapshots/{number}/{name} is not finite"
                     for number, group in snapshots.items() for name, values in [*group.items(), *group.attrs.items()]
                     if name not in may_be and np.asarray(values).dtype.kind == "f" and not np.isfinite(values).all()]
