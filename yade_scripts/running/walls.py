@@ -112,7 +112,7 @@ class Load:
         return self._sum + self._work(self._now())
 
     def _work(self, forces):
-        """Return the work [J] since the last call of `apply`; forces [N]: those of now."""
+        """Return the work [J] since the last call of `apply`, by the trapezoidal rule if not implicit; forces [N]: those of now."""
         moved = [now - before for now, before in zip(faces(), self._positions)]
         return total((before if self.implicit else (before + now) / 2) * way for before, now, way in zip(self._forces, forces, moved))
 

@@ -76,5 +76,5 @@ def build(full, folder):
     exact = fall(full, flat)
     standing, falling = arch(0, rise(mu * (1 - full["arch_margin"]))), arch(apart, flat)
     return stage.small(full, [
-        Known("standing", "m", 0.0, standing, scale=exact, source="statics, in the scene's own words; against the other arch's fall"),
-        Known("falling", "m", exact, falling, source="dynamics of the key sliding between rolling disks, in the scene's own words")])
+        Known("standing", "m", 0.0, standing, scale=exact, source="statics, see the file of the scene; scale: the other arch's fall"),
+        Known("falling", "m", exact, falling, source="dynamics of the key sliding between rolling disks, see the file of the scene")])

@@ -40,5 +40,5 @@ def build(full, folder):
 
     below, above = block(0, math.atan(full["friction"] * (1 - full["margin"]))), block(4 * length, steep)
     return stage.small(full, [
-        Known("below", "m/s^2", 0.0, below, scale=sliding, source="Coulomb: rest while tan t <= mu; against the other block's acceleration"),
+        Known("below", "m/s^2", 0.0, below, scale=sliding, source="Coulomb: rest while tan t <= mu; scale: the other block's acceleration"),
         Known("above", "m/s^2", sliding, above, source="Coulomb: g (sin t - mu cos t)")])

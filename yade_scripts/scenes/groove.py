@@ -74,6 +74,6 @@ def build(full, folder):
 
     below, above = turning(0, 1 - full["torque_margin"]), turning(6 * length, 1 + full["torque_margin"])
     return stage.small(full, [
-        Known("below", "1/s^2", 0.0, below, scale=spinning, source="balance; against the other disk's angular acceleration"),
+        Known("below", "1/s^2", 0.0, below, scale=spinning, source="balance; scale: the other disk's angular acceleration"),
         Known("above", "1/s^2", 0.0 if regime(full) == "jam" else spinning, above, scale=spinning,
-              source="balance with Coulomb's law at sliding contacts, in the scene's own words")])
+              source="balance with Coulomb's law at sliding contacts, see the file of the scene")])

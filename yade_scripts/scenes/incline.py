@@ -27,4 +27,4 @@ def build(full, folder):
     driving, holding = math.sin(t), full["friction"] * math.cos(t)
     exact = full["gravity"] * math.copysign(max(abs(driving) - holding, 0), driving)
     return stage.small(full, [Known("acceleration", "m/s^2", exact, acceleration, scale=full["gravity"] * abs(driving) or 1.0,
-                                    source="Coulomb: g (sin t - mu cos t), 0 where tan t <= mu; against g sin t")])
+                                    source="Coulomb: g (sin t - mu cos t), 0 where tan t <= mu; scale: g sin t")])
