@@ -25,13 +25,14 @@ class Field:
     """One quantity of a result file.
 
     `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which are 1-D. `methods` are those whose files
-    must hold the field; none if it is optional.
+    hold the field; older files may lack it if it is optional.
     """
     name: str
     unit: str
     doc: str
     shape: tuple = ()
     methods: tuple = METHODS
+    optional: bool = False
 
 
 def _table(*fields):
@@ -53,17 +54,17 @@ HISTORY = _table(
     Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
     Field("max_penetration", "m", "largest overlap; in CD beyond the reference gap of the start"),
     Field("wall_clock", "s", "computing time since the start of the run"),
-    Field("processor_time", "s", "processor time since the start of the run, of all threads", methods=()),
+    Field("processor_time", "s", "processor time since the start of the run, of all threads", optional=True),
     Field("iterations", "1", "sweeps of the step", methods=("CD",)),
     Field("residual", "1", "error e of the step's contact problem", methods=("CD",)),
-    Field("sigma1_goal", "Pa", "sigma1 the loading asks for", methods=()),
-    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", methods=()),
-    Field("wall_work", "J", "work of the wall loads on the sample since the start", methods=()),
-    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", methods=()),
-    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots. MD; NaN where contacts with "
-          "walls slip under another law than those between disks", methods=()),
-    Field("residual_max", "1", "largest error e since the sample before", methods=()),
-    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=()),
+    Field("sigma1_goal", "Pa", "sigma1 the loading asks for", optional=True),
+    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", optional=True),
+    Field("wall_work", "J", "work of the wall loads on the sample since the start", optional=True),
+    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", optional=True),
+    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots; NaN where contacts with "
+          "walls slip under another law than those between disks", methods=("MD",), optional=True),
+    Field("residual_max", "1", "largest error e since the sample before", methods=("CD",), optional=True),
+    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=("CD",), optional=True),
 )
 
 SNAPSHOT = _table(
@@ -150,7 +151,8 @@ def problems(file):
         return [f"its schema version is {attributes['schema_version']}, this program reads {SCHEMA_VERSION}"]
     if attributes["method"] not in METHODS:
         return [f"its method is {attributes['method']!r}, not one of {', '.join(METHODS)}"]
-    if missing := [name for name, field in HISTORY.items() if attributes["method"] in field.methods and name not in history]:
+    needed = [name for name, field in HISTORY.items() if attributes["method"] in field.methods and not field.optional]
+    if missing := [name for name in needed if name not in history]:
         return [f"/history lacks {', '.join(missing)}"]
     found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name, column in history.items()
              if name in HISTORY and (unit := column.attrs.get("unit")) != HISTORY[name].unit]

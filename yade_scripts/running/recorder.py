@@ -37,8 +37,7 @@ class Recorder:
         """record: the file's content so far, of a run that is resumed; None: a new file. checkpoint_samples: samples between checkpoints."""
         self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
         self.partial = self.path.with_suffix(reader.PARTIAL_SUFFIX)
-        other = {"MD": ("residual_max", "unconverged_steps"), "CD": ("friction_dissipation",)}[full["method"]]  # fields of the other method only
-        self.names = [n for n, f in schema.HISTORY.items() if (full["method"] in f.methods or not f.methods) and n not in other]
+        self.names = [name for name, field in schema.HISTORY.items() if full["method"] in field.methods]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.bounds = Bounds(full, scene.load is not None)
         self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
