@@ -118,7 +118,7 @@ class Load:
 
 
 class ServoLoad(Load):
-    """Gives the goals to a TriaxialStressController. Its runner stands between the contact loop and the controller. The work is that on the sample."""
+    """Gives the goals to a TriaxialStressController. Its runner stands between contact loop and controller. The work is that on the sample."""
 
     def __init__(self, goals, controller):
         super().__init__(goals)
