@@ -5,10 +5,12 @@ Inside YADE (a script, a batch job, the console):
     import cd_engine
     O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
 
-`ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are for
-the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums the
-energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three.
+`ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are
+for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
+the energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three.
 """
+import atexit
+import importlib
 import sys
 
 from . import engine_methods, run_hooks
@@ -31,9 +33,8 @@ def _plugin():
         raise ImportError("an engine of cd_engine needs a running YADE: use it in a script run by `yade`, at YADE's console, or after `import yade`.")
     from yade import config
     if config.highPrecisionName != "PrecisionDouble":
-        raise ImportError(f"cd_engine computes in double precision; this is YADE {config.version} with {config.highPrecisionDecimalPlaces} decimal places, "
-                          f"from {config.libDir}. Start `yade` or `yade-double`.")
-    import importlib
+        raise ImportError(f"cd_engine computes in double precision; this is YADE {config.version} with {config.highPrecisionDecimalPlaces} decimal "
+                          f"places, from {config.libDir}. Start `yade` or `yade-double`.")
     try:
         module = importlib.import_module(name)
     except ModuleNotFoundError:
@@ -44,11 +45,11 @@ def _plugin():
         raise ImportError(f"cd_engine's compiled module does not load into YADE {config.version} ({error}): run `make build` at the top of the "
                           f"repository; if that does not help, this YADE lacks what the engine needs. Tested with {_tested()}.") from None
     if config.version not in TESTED:
-        print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. Tested with {_tested()}.",
-              file=sys.stderr)
+        print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. "
+              f"Tested with {_tested()}.", file=sys.stderr)
     from yade import wrapper
-    engine_methods.install(wrapper.ContactDynamics)
-    _report_at_exit()
+    wrapper.ContactDynamics.summary, wrapper.ContactDynamics.exportProblem = engine_methods.summary, engine_methods.exportProblem
+    atexit.register(_report)
     run_hooks.install(module)
     return module
 
@@ -57,16 +58,12 @@ def _tested():
     return ", ".join(f"{version} (Debian {debian})" for version, debian in TESTED.items())
 
 
-def _report_at_exit():
+def _report():
     """Print at the end of the process how many steps missed their tolerance; the engine itself warns only at the first one."""
-    import atexit
-    import yade
-
-    @atexit.register
-    def report():
-        for engine in yade.O.engines:
-            if type(engine).__name__ == "ContactDynamics" and engine.unconvergedSteps > 1:
-                print(f"ContactDynamics: {engine.unconvergedSteps} of {engine.steps} steps missed the tolerance {engine.tolerance:g}.", file=sys.stderr)
+    from yade import O
+    for engine in O.engines:
+        if type(engine).__name__ == "ContactDynamics" and engine.unconvergedSteps > 1:
+            print(f"ContactDynamics: {engine.unconvergedSteps} of {engine.steps} steps missed the tolerance {engine.tolerance:g}.", file=sys.stderr)
 
 
 def __getattr__(name):
@@ -114,8 +111,8 @@ def _let_colliders_begin():
 def release():
     """Remove the contacts that Contact Dynamics made, so that the scene can go on with springs.
 
-    These contacts have a FrictPhys without stiffness, which YADE's Ip2 functors would not replace. Call this function before you set the engines of the
-    springs. Give these engines a collider of their own, which finds the contacts again.
+    These contacts have a FrictPhys without stiffness, which YADE's Ip2 functors would not replace. Call this function before you set the engines of
+    the springs. Give these engines a collider of their own, which finds the contacts again.
     """
     _plugin()
     _let_colliders_begin()

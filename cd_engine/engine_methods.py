@@ -4,13 +4,6 @@ import sys
 import threading
 import traceback
 
-from .summary import text
-
-
-def install(engine):
-    """Give the class its functions."""
-    engine.summary, engine.exportProblem = summary, exportProblem
-
 
 def summary(self):
     """Print how the engine is set and how its steps went, on one screen."""
@@ -25,12 +18,39 @@ def exportProblem(self, path, bodies=False):
     the scene changes. External forces are gravity and the permanent ones (O.forces.setPermF); what engines add in the course of a step is not
     known before it, and is left out.
     """
+    from yade import O
     if _runs_besides():
         raise RuntimeError("ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
                            "engine of the run (PyRunner)")
     from ._yade_plugin import next_problem
     from .core import export
     (export.write_bodies if bodies else export.write_step)(path, *next_problem(self, bodies))
+
+
+def text(engine):
+    """Return lines about the settings, the last step and all steps of an engine, as one text."""
+    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}, at most {engine.maxIterations} iterations a step, "
+             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, "
+             f"gravity {tuple(engine.gravity)} m/s^2" + (f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else "")]
+    if not engine.steps:
+        return "\n".join(lines + ["No step yet."])
+    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}); "
+                 f"error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
+    if engine.unsolvableContact:
+        lines.append(f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} apart")
+    elif engine.worstBody >= 0 and not engine.converged:
+        lines.append(f"  the velocity of body #{engine.worstBody} may be the most wrong")
+    lines += [
+        f"  {engine.contacts} contacts, {engine.loadedContacts} loaded, {engine.slidingContacts} sliding; "
+        f"{engine.islands} islands, {engine.sleeping} asleep; overlap at most {engine.maxPenetration:.2g} m",
+        f"All {engine.steps} steps: {engine.unconvergedSteps} missed the tolerance; {engine.totalIterations / engine.steps:.3g} iterations and "
+        f"{1e3 * engine.solveTime / engine.steps:.3g} ms in the solver a step; overlap at most {engine.deepestPenetration:.2g} m; "
+        f"{engine.dissipatedEnergy:.3g} J lost in friction and impacts"]
+    if engine.woken:
+        lines.append(f"Woken last in {engine.woken}")
+    if engine.handoverOverlap > 1e-12:  # else round-off
+        lines.append(f"Overlaps of up to {engine.handoverOverlap:.2g} m were there at the start and count as touching")
+    return "\n".join(lines)
 
 
 def _runs_besides():

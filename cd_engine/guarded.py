@@ -3,8 +3,8 @@
 libhdf5 trusts what it reads: on some damaged files it loops for ever or crashes, and neither can be caught in the same process.
 """
 import faulthandler
+import multiprocessing
 import os
-import pickle
 import resource
 import signal
 
@@ -14,41 +14,32 @@ SECONDS, PER_MEGABYTE = 2, 1  # s of processor time; an undamaged file takes 1 m
 def call(function, path):
     """Return function(path), computed in a process of its own. Raise its ValueError here, and one if the process crashes or takes too long."""
     allowed = SECONDS + PER_MEGABYTE * (os.path.getsize(path) >> 20)
-    out, into = os.pipe()
-    child = os.fork()
-    if child == 0:
-        _answer(function, path, into, allowed)
-    os.close(into)
+    fork = multiprocessing.get_context("fork")  # the other ways to start a process import the user's script again
+    here, there = fork.Pipe(duplex=False)
+    child = fork.Process(target=_answer, args=(function, path, there, allowed))
+    child.start()
+    there.close()
     try:
-        with os.fdopen(out, "rb") as answer:
-            message = answer.read()
-    finally:
-        ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if ended == -signal.SIGXCPU:
-        raise ValueError(f"{path}: damaged, libhdf5 did not finish reading it")
-    if ended != 0:
-        raise ValueError(f"{path}: damaged, libhdf5 fails on it (status {ended})")
-    value, error = pickle.loads(message)
+        with here:
+            value, error = here.recv()
+    except (EOFError, OSError):  # the process has ended without a whole answer
+        child.join()
+        what = "did not finish reading it" if child.exitcode == -signal.SIGXCPU else f"fails on it (status {child.exitcode})"
+        raise ValueError(f"{path}: damaged, libhdf5 {what}") from None
+    child.join()
     if error is not None:
         raise ValueError(error)
     return value
 
 
-def _answer(function, path, into, seconds):
-    """Compute the answer in the child process, send it through the pipe `into`, and exit."""
-    status = 1
+def _answer(function, path, there, seconds):
+    """Send function(path), or the message of its error, through the pipe."""
+    faulthandler.disable()
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # hides the libraries' own messages; the caller reports in one sentence
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    signal.signal(signal.SIGXCPU, signal.SIG_DFL)
     try:
-        faulthandler.disable()
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # hides the libraries' own messages; the caller reports in one sentence
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
-        signal.signal(signal.SIGXCPU, signal.SIG_DFL)
-        try:
-            message = function(path), None
-        except (ValueError, MemoryError) as error:
-            message = None, str(error) or f"{path}: asks for more memory than there is"
-        with os.fdopen(into, "wb") as answer:
-            pickle.dump(message, answer, pickle.HIGHEST_PROTOCOL)
-        status = 0
-    finally:
-        os._exit(status)
+        there.send((function(path), None))
+    except (ValueError, MemoryError) as error:
+        there.send((None, str(error) or f"{path}: asks for more memory than there is"))

@@ -53,25 +53,23 @@ class _EngineCheck:
 
     def __init__(self, O):
         self.O = O
-        self.passed = []  # the engines of springs that ran last, each with its `dead`; none if ContactDynamics ran last
+        self.passed = []  # the engines of springs that ran last; none if ContactDynamics ran last
 
     def __call__(self):
-        engines = self.O.engines
-        names = [type(engine).__name__ for engine in engines if not engine.dead]
-        if any(type(engine).__name__ == "ParallelEngine" and "ContactDynamics" in str(engine.slaves) for engine in engines if not engine.dead):
+        live = [engine for engine in self.O.engines if not engine.dead]
+        names = [type(engine).__name__ for engine in live]
+        if any(name == "ParallelEngine" and "ContactDynamics" in str(engine.slaves) for name, engine in zip(names, live)):
             raise RuntimeError("ContactDynamics stands in a ParallelEngine, and YADE would end at its first refusal. Put it into O.engines itself")
         if "ContactDynamics" in names:
             # YADE's collider is content with an integrator that is dead.
-            if not any(type(engine).__name__ == "NewtonIntegrator" for engine in engines) \
-                    and any(getattr(engine, "verletDist", 0) != 0 for engine in engines if not engine.dead):
+            integrator = any(type(engine).__name__ == "NewtonIntegrator" for engine in self.O.engines)
+            if not integrator and any(getattr(engine, "verletDist", 0) != 0 for engine in live):
                 raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
                                    "of cd_engine.engines()")
             self.passed = []
-        elif "InteractionLoop" in names:
-            listed = [(engine, engine.dead) for engine in engines]
-            if listed != self.passed:
-                self._check_stiffness()
-                self.passed = listed
+        elif "InteractionLoop" in names and live != self.passed:
+            self._check_stiffness()
+            self.passed = live
 
     def _check_stiffness(self):
         """RuntimeError if springs find contacts of ContactDynamics. A material with young = 0 gives contacts that look the same."""

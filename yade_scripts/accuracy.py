@@ -11,7 +11,8 @@ A level does not count if steps miss their tolerance, or if disks move by more t
 both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy, since a single
 agreement can be chance. It is run once more to write its result file. All levels together cost about twice as much as the last.
 
-There is no such estimate for MD, since a smaller step does not show the error due to the springs' stiffness. `analysis recommend` shows which accuracy MD reaches.
+There is no such estimate for MD, since a smaller step does not show the error due to the springs' stiffness. `analysis recommend` shows which
+accuracy MD reaches.
 """
 import math
 import pathlib
@@ -76,8 +77,8 @@ def search(row, accuracy, run):
             break
     last, error = found[-1]
     why = _untold(last) or f"its error is about {error:.2g}"
-    raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: {why}; ask for less, or "
-                        "for a quantity that is less sensitive to details of the motion")
+    raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: "
+                        f"{why}; ask for less, or for a quantity that is less sensitive to details of the motion")
 
 
 def _untold(level):
@@ -91,7 +92,8 @@ def check(row, accuracy):
     """Raise ParameterError if this accuracy cannot be asked for in this row."""
     full = parameters.complete(row)
     if full["method"] != "CD" or full["fixed_iterations"]:
-        raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; the error of springs is in their stiffness, which a smaller step does not show")
+        raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; the error of springs is in their stiffness, which a "
+                                        "smaller step does not show")
     if not (isinstance(accuracy, float) and LOW <= accuracy < 1):
         raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error")
 
@@ -139,8 +141,6 @@ def main(arguments=None):
     try:
         levels = search(row, accuracy, run_in_yade(options.results))
     except RuntimeError as error:
-        if isinstance(error, parameters.ParameterError):
-            raise
         print(f"accuracy: {error}", file=sys.stderr)
         return 1
     for level, error in levels:

@@ -78,9 +78,7 @@ def work_off(jobs, at_once, ended=lambda path: None):
 
 @commands.command("batch")
 def main(arguments=None):
-    parser = commands.parser(__doc__, "--jobs", "--results")
-    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
-    options = parser.parse_args(arguments)
+    options = commands.parser(__doc__, "tables", "--jobs", "--results").parse_args(arguments)
     jobs = jobs_of([row for path in options.tables for row in tables.read(path).values()], options.results)
     try:
         return 1 if work_off(jobs, options.jobs) else 0

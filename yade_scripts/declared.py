@@ -19,7 +19,7 @@ def load(package, name, needed, usual):
 
 
 def demand(package, file, declared, needed):
-    """Raise ParameterError if one of the names `needed` is missing in {name: value} of a file, or None."""
+    """Raise ParameterError if one of the names `needed` is missing in `declared`, the {name: value} of a file, or has the value None."""
     from yade_scripts.parameters import ParameterError
     if lacking := [name for name in needed if declared.get(name) is None]:
         raise ParameterError(f"{file.__file__} lacks {', '.join(lacking)}; {sys.modules[package].__file__} explains what the file has to declare")

@@ -13,9 +13,11 @@ import difflib
 import hashlib
 import json
 import math
+import sys
 from dataclasses import dataclass
 
 from yade_scripts import scenes
+
 
 class ParameterError(ValueError):
     """A row cannot be run; the message names the parameter, its value, and the allowed values."""
@@ -25,7 +27,7 @@ class ParameterError(ValueError):
 class Parameter:
     """One parameter: its name, default, unit and meaning (doc). The type of the default is the type of its values.
 
-    low, high: allowed range, both included; `open_low` excludes the lower end.
+    low, high: allowed range, both included. above: lower end, if that is excluded.
     prepare: whether the prepared packing depends on it.
     method: the only method that reads it, or None.
     """
@@ -35,7 +37,7 @@ class Parameter:
     doc: str
     low: float = -math.inf
     high: float = math.inf
-    open_low: bool = False
+    above: float = -math.inf
     choices: tuple = ()
     prepare: bool = False
     method: str | None = None
@@ -50,35 +52,19 @@ class Parameter:
         if type(self.default) in (bool, str):
             return "True or False" if isinstance(self.default, bool) else "a name"
         kind = "an integer" if isinstance(self.default, int) else "a number"
-        return f"{kind} in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}]"
+        return f"{kind} in " + (f"[{self.low:g}, {self.high:g}]" if self.above == -math.inf else f"({self.above:g}, {self.high:g}]")
 
     def check(self, value):
         """Return the value in the parameter's own type. Raise ParameterError if it is not allowed."""
-        converted = self._converted(value)
-        if converted is None or not self._in_range(converted):
-            raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()} [{self.unit}] ({self.doc})")
-        return converted
-
-    def _converted(self, value):
-        kind = type(self.default)
+        kind, legal = type(self.default), False
         if kind in (bool, str):
-            return value if isinstance(value, kind) else None
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or isinstance(value, int) and abs(value) > 2**63:
-            return None
-        if kind is int:
-            return int(value) if math.isfinite(value) and value == int(value) else None
-        return float(value)
-
-    def _in_range(self, value):
-        if self.choices:
-            return value in self.choices
-        if isinstance(value, (bool, str)):
-            return True
-        return math.isfinite(value) and (self.low < value if self.open_low else self.low <= value) and value <= self.high
-
-
-def _positive(high):
-    return dict(low=0, high=high, open_low=True)
+            legal = isinstance(value, kind) and (not self.choices or value in self.choices)
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            finite = abs(value) <= sys.float_info.max
+            legal = finite and self.above < value <= self.high and value >= self.low and (kind is float or value == int(value))
+        if not legal:
+            raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()} [{self.unit}] ({self.doc})")
+        return kind(value)
 
 
 # Version of what the defaults mean, here and in the scenes: part of the name of every run.
@@ -90,86 +76,85 @@ REGISTRY = {p.name: p for p in (
     # The sample; the paper: 400 disks, k_n = 2 MPa, mu = 0.1, P0 = 6e-4 k_n (caption of Fig. 3).
     Parameter("disks", 400, "1", "number of disks", low=1, high=100000, prepare=True),
     Parameter("seed", 1, "1", "seed of radii, positions and velocities of the packing", low=0, high=2**31 - 1, prepare=True),
-    Parameter("radius_mean", 0.01, "m",
-              "mean radius; the paper does not give it, and in the quasi-static limit no dimensionless result depends on it", **_positive(1e3), prepare=True),
-    Parameter("radius_spread", 0.3, "1",
-              "radii are uniform within radius_mean (1 +- radius_spread); not in the paper", low=0, high=0.9, prepare=True),
-    Parameter("depth", 1.0, "m", "length of the cylinders that the disks stand for", **_positive(1e3), prepare=True),
-    Parameter("density", 2600.0, "kg/m^3",
-              "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper", **_positive(1e6), prepare=True),
-    Parameter("kn", 2e6, "N/m",
-              "normal stiffness k_n of a contact, eq. 5; the paper has 2 MPa, at a depth of 1 m", **_positive(1e15), prepare=True),
-    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not given in the paper or in "
-              "other work of its authors; 0.5 is a common choice. It shifts gamma, so vary it", **_positive(1), prepare=True),
-    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", **_positive(0.01), prepare=True),
+    Parameter("radius_mean", 0.01, "m", "mean radius; the paper does not give it, and in the quasi-static limit no dimensionless result depends on "
+              "it", above=0, high=1e3, prepare=True),
+    Parameter("radius_spread", 0.3, "1", "radii are uniform within radius_mean (1 +- radius_spread); not in the paper",
+              low=0, high=0.9, prepare=True),
+    Parameter("depth", 1.0, "m", "length of the cylinders that the disks stand for", above=0, high=1e3, prepare=True),
+    Parameter("density", 2600.0, "kg/m^3", "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper",
+              above=0, high=1e6, prepare=True),
+    Parameter("kn", 2e6, "N/m", "normal stiffness k_n of a contact, eq. 5; the paper has 2 MPa, at a depth of 1 m", above=0, high=1e15, prepare=True),
+    Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not given in the paper or in other work of its authors; 0.5 is a "
+              "common choice. It shifts gamma, so vary it", above=0, high=1, prepare=True),
+    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", above=0, high=0.01, prepare=True),
     Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks", low=0, high=2, prepare=True),
-    Parameter("preparation_friction", 0.0, "1",
-              "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
+    Parameter("preparation_friction", 0.0, "1", "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
     Parameter("wall_friction", 0.0, "1", "mu between disks and walls once the packing is compacted; not in the paper", low=0, high=2, prepare=True),
-    Parameter("stiffening", 1.0, "1", "once the packing is compacted, kn is multiplied by this at constant P0: the same grains, stiffer", low=1, high=1e4, prepare=True),
-    Parameter("beta_n", 0.1, "1",
-              "damping of the normal contact, gamma = 2 beta_n sqrt(k_n m_eff) in eq. 5; not in the paper", low=0, high=0.9, prepare=True),
+    Parameter("stiffening", 1.0, "1", "once the packing is compacted, kn is multiplied by this at constant P0: the same grains, stiffer",
+              low=1, high=1e4, prepare=True),
+    Parameter("beta_n", 0.1, "1", "damping of the normal contact, gamma = 2 beta_n sqrt(k_n m_eff) in eq. 5; not in the paper",
+              low=0, high=0.9, prepare=True),
     # The loading.
     Parameter("loading", "triangle", "1", "sigma2(t): triangle (linear up and down, Fig. 4), cosine (eq. 7), ramp (eq. 1)",
               choices=("triangle", "cosine", "ramp")),
-    Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", **_positive(10)),
+    Parameter("delta_sigma", 0.2, "1", "amplitude dSigma of eq. 7: sigma2 rises to P0 (1 + dSigma)", above=0, high=10),
     Parameter("stress_path", "constant", "1", "sigma1 while sigma2 changes: constant (sigma1 = P0, eq. 1) or mean (sigma1 = 2 P0 - sigma2, so that "
               "(sigma1 + sigma2)/2 stays P0); the paper does not say which one its Fig. 3 uses", choices=("constant", "mean")),
-    Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", **_positive(1e3)),
-    Parameter("period", 1.0, "s",
-              "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % under a triangle",
-              **_positive(1e6)),
+    Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", above=0, high=1e3),
+    Parameter("period", 1.0, "s", "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % "
+              "under a triangle", above=0, high=1e6),
     Parameter("cycles", 1, "1", "number of periods that are simulated", low=1, high=10**6),
-    Parameter("records_per_cycle", 200, "1",
-              "samples of the history in a period; even, so that one falls on the load maximum", low=2, high=10**5),
-    Parameter("collapse_strain", 0.2, "1", "a run counts as collapsed and ends when |gamma| exceeds this", **_positive(10)),
+    Parameter("records_per_cycle", 200, "1", "samples of the history in a period; even, so that one falls on the load maximum", low=2, high=10**5),
+    Parameter("collapse_strain", 0.2, "1", "a run counts as collapsed and ends when |gamma| exceeds this", above=0, high=10),
     # Walls.
-    Parameter("wall_mass_ratio", 20.0, "1",
-              "mass of a wall that is pushed by a force, in mean disk masses; heavy walls swing after the kinks of a triangle", **_positive(1e6)),
+    Parameter("wall_mass_ratio", 20.0, "1", "mass of a wall that is pushed by a force, in mean disk masses; heavy walls swing after the kinks of a "
+              "triangle", above=0, high=1e6),
     Parameter("md_walls", "servo", "1", "servo: TriaxialStressController moves the walls; force: free walls pushed by forces, as in CD",
               choices=("servo", "force"), method="MD"),
     Parameter("tangential_law", "standard", "1", "tangential law of the springs: standard (Cundall-Strack, eq. 6), avoid_ratcheting (YADE's "
               "avoidGranularRatcheting), path_independent (McNamara et al. 2008: the same with its forces and arms)",
               choices=("standard", "avoid_ratcheting", "path_independent"), method="MD"),
     # Time stepping.
-    Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", **_positive(1), method="MD"),
+    Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", above=0, high=1, method="MD"),
     Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),
-    Parameter("cd_dt", 1e-3, "s", "largest CD step", **_positive(1), method="CD"),
+    Parameter("cd_dt", 1e-3, "s", "largest CD step", above=0, high=1, method="CD"),
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "accelerated", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
-    Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", **_positive(1), method="CD"),
+    Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", above=0, high=1, method="CD"),
     Parameter("max_iterations", 20000, "1", "sweeps after which a CD step counts as not converged", low=1, high=2**31 - 1, method="CD"),
-    Parameter("fixed_iterations", 0, "1",
-              "if positive: exactly so many plain sweeps a step without any test, whatever method_cd says (CD that is left unconverged)", low=0, high=2**31 - 1, method="CD"),
+    Parameter("fixed_iterations", 0, "1", "if positive: exactly so many plain sweeps a step without any test, whatever method_cd says (CD that is "
+              "left unconverged)", low=0, high=2**31 - 1, method="CD"),
     Parameter("warm_start", True, "1", "start each CD step from the contact forces of the step before", method="CD"),
-    Parameter("solver_seed", 0, "1",
-              "if positive: the sweeps visit the contacts in a random order drawn from this seed", low=0, high=2**31 - 1, method="CD"),
+    Parameter("solver_seed", 0, "1", "if positive: the sweeps visit the contacts in a random order drawn from this seed",
+              low=0, high=2**31 - 1, method="CD"),
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
-    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an elastic "
-              "medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
+    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an "
+              "elastic medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
     Parameter("allowed_overlap", 0.0, "1", "overlap that gap_correction leaves, as a share of the smaller disk's radius; 1e-3 keeps piles at rest",
               low=0, high=1, method="CD"),
-    Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon as they are unloaded; "
-              "False: from geometric contact, so that they open where the springs would", method="CD"),
-    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, which is found by perturbing the contact forces at random",
-              low=0, high=2**31 - 1, method="CD"),
+    Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon "
+              "as they are unloaded; False: from geometric contact, so that they open where the springs would", method="CD"),
+    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, which is found by perturbing the contact forces at "
+              "random", low=0, high=2**31 - 1, method="CD"),
     Parameter("network_perturbation", 1.0, "1", "size of that perturbation: uniform within this times the mean normal force",
-              **_positive(1e3), method="CD"),
+              above=0, high=1e3, method="CD"),
     # Small scenes.
     Parameter("gravity", 0.0, "m/s^2", "gravitational acceleration, along -y", low=0, high=1e6),
     Parameter("slope", 30.0, "degree", "slope of the incline and of the walls of the groove", low=-89, high=89),
-    Parameter("path_depth", 0.01, "1", "in two_grain_path: change of the overlap along the closed path, over the mean radius", **_positive(0.1)),
-    Parameter("path_angle", 0.1, "rad", "in two_grain_path: angle by which the line of centres turns", **_positive(1)),
-    Parameter("speed", 1.0, "m/s", "initial speed of the disk that is thrown, in slide_to_roll, stopping_distance, bounce, cradle and thin_wall", **_positive(1e3)),
+    Parameter("path_depth", 0.01, "1", "in two_grain_path: change of the overlap along the closed path, over the mean radius", above=0, high=0.1),
+    Parameter("path_angle", 0.1, "rad", "in two_grain_path: angle by which the line of centres turns", above=0, high=1),
+    Parameter("speed", 1.0, "m/s", "initial speed of the disk that is thrown, in slide_to_roll, stopping_distance, bounce, cradle and thin_wall",
+              above=0, high=1e3),
 )}
 
 
 def registry(scene):
-    """Return the parameters that rows of a scene may have: {name: Parameter}, the general ones first. Raise ParameterError if a name is there twice."""
+    """Return the parameters that rows of a scene may have: {name: Parameter}, the general ones first. A name may not be there twice."""
     file = scenes.module(scene)
     own = {parameter.name: parameter for parameter in file.PARAMETERS}
     if twice := REGISTRY.keys() & own:
-        raise ParameterError(f"{file.__file__}: PARAMETERS repeats {', '.join(sorted(twice))}, which every scene has: take another name, or set its default in DEFAULTS")
+        raise ParameterError(f"{file.__file__}: PARAMETERS repeats {', '.join(sorted(twice))}, which every scene has: take another name, or set its "
+                             "default in DEFAULTS")
     return REGISTRY | own
 
 
@@ -210,7 +195,8 @@ def _hint(name, legal, scene):
 def _check_together(full):
     scene = scenes.module(full["scene"])
     if full["method"] not in scene.METHODS:
-        raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves out {scene.LEFT_OUT}")
+        raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves "
+                             f"out {scene.LEFT_OUT}")
     largest = full["radius_mean"] * (1 + full["radius_spread"])
     if full["depth"] <= 2 * largest:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
@@ -219,12 +205,11 @@ def _check_together(full):
         raise ParameterError(f"gravity = {full['gravity']}: must be 0 in scene {full['scene']}, whose packing is in balance without it")
     highest = full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"]
     if full["stress_path"] == "mean" and highest >= 1:
-        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; take "
-                             + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
+        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; "
+                             "take " + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
-    if hasattr(scene, "check"):
-        scene.check(full)
+    scene.check(full)
 
 
 def from_text(name, text):

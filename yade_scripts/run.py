@@ -63,11 +63,9 @@ def _run(path, full, folder, checkpoint_samples):
         raise
     except Exception as error:
         failure = error
-    if checkpoint_samples is None or not checkpoint.resumable(full, scene):
-        checkpoint_samples = checkpoint.samples_between(full, scene)
-    checkpoints = checkpoint.Checkpoints(path, full, scene, checkpoint_samples)
+    checkpoints = checkpoint.Checkpoints(path, full, scene, checkpoint.samples_between(full, scene, checkpoint_samples))
     found = checkpoints.found() if failure is None else None
-    recorder = recorder.Recorder(path, full, scene, show, found and found[checkpoint.RECORD], checkpoint_samples)
+    recorder = recorder.Recorder(path, full, scene, show, found and found[checkpoint.RECORD], checkpoints.every)
     if failure is None:
         scene.observer = recorder.sample
         try:
@@ -92,7 +90,8 @@ def _run(path, full, folder, checkpoint_samples):
 @commands.command("run")
 def main(arguments=None):
     parser = commands.parser(__doc__, "row", "--results")
-    parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N", help="samples between two checkpoints, 0 for none (default: depends on the length of the run)")
+    parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N",
+                        help="samples between two checkpoints, 0 for none (default: depends on the length of the run)")
     options = parser.parse_args(arguments)
     row = tables.batch_row(os.environ["YADE_BATCH"]) if "YADE_BATCH" in os.environ else parameters.from_arguments(options.row)
     return execute(row, options.results, options.checkpoints)

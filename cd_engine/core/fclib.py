@@ -3,8 +3,6 @@
 V. Acary, M. Brémond, T. Koziara, F. Pérignon: FCLIB, a collection of discrete 3D frictional contact problems (INRIA RT-444, 2014); the
 names and shapes are those of fclib.h. Its u = W r + q is this package's u = W p + q with the same signs and the same order (normal, tangential).
 """
-import contextlib
-
 import h5py
 import numpy as np
 from scipy import sparse
@@ -46,62 +44,54 @@ def read(path):
 
 def _arrays(path):
     """Return W, q, mu as they stand in the file."""
-    with _Reader(path) as reader:
-        if not reader.has(""):
-            raise ValueError(f"{path}: there is no /fclib_local in it; only FCLIB's local problems are read")
-        if (dimension := reader.integer("spacedim")) != 2:
-            raise reader.error("spacedim", f"the problem has {dimension} dimensions; only 2 are supported")
-        for name in ("V", "R"):
-            if reader.has(name):
-                raise reader.error(name, "bilateral constraints are not supported, only contacts")
-        W = _matrix(reader)
-        q = reader.array("vectors/q", float, W.shape[0])
-        return W, q, reader.array("vectors/mu", float, W.shape[0] // 2)
+    reader = _Reader(path)
+    try:
+        with h5py.File(path, "r") as reader.file:
+            if not reader.has(""):
+                raise _Refused(f"{path}: there is no /fclib_local in it; only FCLIB's local problems are read")
+            if (dimension := reader.integer("spacedim")) != 2:
+                raise reader.error("spacedim", f"the problem has {dimension} dimensions; only 2 are supported")
+            for name in ("V", "R"):
+                if reader.has(name):
+                    raise reader.error(name, "bilateral constraints are not supported, only contacts")
+            W = _matrix(reader)
+            return W, reader.array("vectors/q", float, W.shape[0]), reader.array("vectors/mu", float, W.shape[0] // 2)
+    except _Refused:
+        raise
+    except Exception as error:  # h5py raises exceptions of many types where a file is damaged
+        place = f"{path}, /fclib_local/{reader.name}" if reader.name else path
+        raise ValueError(f"{place}: the file is damaged or cut short ({error})") from None
+
+
+class _Refused(ValueError):
+    """The message states what is wrong with the file and where."""
 
 
 class _Reader:
-    """Data sets below /fclib_local. A damaged file makes h5py raise exceptions of many types; each becomes a ValueError with the place."""
+    """Data sets below /fclib_local. file: the open file. name: the data set that was asked for last."""
 
     def __init__(self, path):
-        self.path = path
-        with self.damage(f"{path}: not a complete HDF5 file"):
-            self.file = h5py.File(path, "r")
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        with self.damage(f"{self.path}: not a complete HDF5 file"):
-            self.file.close()
-
-    @staticmethod
-    @contextlib.contextmanager
-    def damage(what):
-        try:
-            yield
-        except Exception as error:
-            raise ValueError(f"{what} ({error})") from None
+        self.path, self.file, self.name = path, None, ""
 
     def error(self, name, what):
-        return ValueError(f"{self.path}, /fclib_local/{name}: {what}")
+        return _Refused(f"{self.path}, /fclib_local/{name}: {what}")
 
     def has(self, name):
-        with self.damage(f"{self.path}, /fclib_local/{name}: cannot be read"):
-            return f"fclib_local/{name}" in self.file
+        self.name = name
+        return f"fclib_local/{name}" in self.file
 
     def array(self, name, kind, length):
         """Return a data set of `length` numbers; `kind`: int or float."""
         if not self.has(name):
             raise self.error(name, "is missing")
-        with self.damage(f"{self.path}, /fclib_local/{name}: cannot be read"):
-            data = self.file[f"fclib_local/{name}"]
-            shape, dtype = data.shape, data.dtype
-            # Checked before the numbers are read: a damaged size may ask for any amount of memory.
-            if shape == (length,) and dtype.kind in ("iu" if kind is int else "iuf"):
-                return np.asarray(data[()], dtype=np.int64 if kind is int else float)
+        data = self.file[f"fclib_local/{name}"]
+        shape, dtype = data.shape, data.dtype
+        # Checked before the numbers are read: a damaged size may ask for any amount of memory.
         if shape != (length,):
             raise self.error(name, f"has the shape {shape}; {length} numbers in one row are expected")
-        raise self.error(name, f"holds {dtype}, not numbers of the kind expected")
+        if dtype.kind not in ("iu" if kind is int else "iuf"):
+            raise self.error(name, f"holds {dtype}, not numbers of the kind expected")
+        return np.asarray(data[()], dtype=np.int64 if kind is int else float)
 
     def integer(self, name):
         return int(self.array(name, int, 1)[0])

@@ -26,7 +26,8 @@ class Problem:
         self.mu = vector("mu", mu, self.W.shape[0] // 2)
         refuse_negative("mu", self.mu)
         if (wrong := np.flatnonzero(np.abs(self.q) > LARGEST)).size:
-            raise ValueError(f"q[{wrong[0]}] is {self.q[wrong[0]]:g}: the squares of numbers above {LARGEST:g} are no longer finite; take other units")
+            raise ValueError(f"q[{wrong[0]}] is {self.q[wrong[0]]:g}: the squares of numbers above {LARGEST:g} are no longer finite; take other "
+                             "units")
 
     @property
     def contacts(self):

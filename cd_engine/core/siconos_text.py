@@ -30,28 +30,27 @@ class _Text:
         except UnicodeDecodeError as error:
             self.line = content.count(b"\n", 0, error.start) + 1
             raise self.error("is not text of a FrictionContactProblem") from None
-        self.lines = text.split("\n")
-        self.line = 0
-        self.words = iter(())
+        self.lines, self.words = self._lines(text), iter(())
 
     def error(self, what):
         return ValueError(f"{self.path}, line {self.line}: {what}")
 
+    def _lines(self, text):
+        for self.line, line in enumerate(text.split("\n"), 1):
+            if line := line.strip():
+                yield line
+        raise self.error("the file ends too early")
+
     def next_line(self):
         """Return the next line that is not blank, stripped of surrounding blanks. The rest of the present line is skipped."""
         self.words = iter(())
-        while self.line < len(self.lines):
-            self.line += 1
-            if line := self.lines[self.line - 1].strip():
-                return line
-        raise self.error("the file ends too early")
+        return next(self.lines)
 
     def word(self):
         for word in self.words:
             return word
-        first, *rest = self.next_line().split()
-        self.words = iter(rest)
-        return first
+        self.words = iter(self.next_line().split())
+        return next(self.words)
 
     def expect(self, *words):
         for word in map(str, words):

@@ -51,7 +51,7 @@ def use_instruction_set(name):
 
 
 def bytes_of_a_sweep():
-    """Return the memory that sweeps over bodies read [bytes]: per contact, per contact for the impulses of the sweep before (with momentum), per body."""
+    """Return the memory that sweeps over bodies read [bytes]: for a contact, for its impulses of the sweep before (with momentum), for a body."""
     return tuple(_core().bytes_of_a_sweep())
 
 

@@ -54,17 +54,13 @@ def history(method, samples=201, scale=1e-3):
     share = 1 - np.abs(1 - 2 * cycle)
     pressure = 1200.0
     gamma = -scale * np.where(cycle <= 0.5, share**2, 0.25 + 0.75 * share)
-    columns = {name: np.zeros(samples) for name, field in schema.HISTORY.items() if method in field.methods or not field.methods}
+    columns = {name: np.zeros(samples) for name, field in schema.HISTORY.items() if method in field.methods}
     sigma2 = pressure * (1 + 0.2 * share)
     columns |= dict(time=cycle, cycle=cycle, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2,
                     sigma1=np.full(samples, pressure), sigma2=sigma2, sigma1_goal=np.full(samples, pressure),
                     sigma2_goal=sigma2 * (1 + 1e-4), dissipated_energy=np.linspace(0, 2e-3, samples))
     if method == "CD":
-        del columns["friction_dissipation"]
         columns |= dict(residual=np.full(samples, 1e-7), unconverged_steps=np.arange(samples) // 50)
-    else:
-        for name in ("residual_max", "unconverged_steps"):
-            del columns[name]
     return columns
 
 

@@ -170,13 +170,11 @@ def ramp(folder, method, slope, name):
     samples = 301
     share = np.linspace(0, 1, samples)
     ratio = 1 + 1.5 * share
-    columns = {name: np.zeros(samples) for name, field in schema.HISTORY.items() if method in field.methods or not field.methods}
+    columns = {name: np.zeros(samples) for name, field in schema.HISTORY.items() if method in field.methods}
     gamma = -slope * (ratio - 1)**3
     columns |= dict(time=share, cycle=share, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma1=np.full(samples, 1200.0),
                     sigma2=1200 * ratio, sigma1_goal=np.full(samples, 1200.0), sigma2_goal=1200 * ratio, contacts=np.full(samples, 800.0),
                     sliding_contacts=600 * share)
-    for left in ("residual_max", "unconverged_steps") if method == "MD" else ("friction_dissipation",):
-        columns.pop(left, None)
     return reader.load(write(folder / name, method, columns=columns, row=dict(loading="ramp", method=method)))
 
 

@@ -7,7 +7,7 @@ import yade
 from yade import utils, wrapper
 
 import cd_engine
-from cd_engine import summary
+from cd_engine import engine_methods
 from yade_scripts.running import hooks
 
 from . import plane
@@ -163,7 +163,7 @@ def test_overlaps_that_no_springs_have_left(O, capfd):
     line, = said_by(O, capfd)
     assert "bodies #1 and #2 overlap by 0.08" in line and "handover=False" in line
     assert O.bodies[2].state.pos[1] == pytest.approx(0.0292, abs=1e-9)
-    assert "were there at the start" in summary.text(O.engines[-1])
+    assert "were there at the start" in engine_methods.text(O.engines[-1])
 
 
 def test_steps_in_which_a_disk_goes_many_radii(O, capfd):

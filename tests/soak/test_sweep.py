@@ -1,7 +1,5 @@
 """A table on a cluster: the same result files as locally, whatever happens to its tasks."""
-import io
 import itertools
-import json
 import os
 import shutil
 import signal
@@ -13,10 +11,10 @@ import h5py
 import numpy
 import pytest
 
+from tests.analysis.conftest import write
 from tests.soak import cluster
 from yade_scripts import batch, parameters, results, tables
 from yade_scripts.cluster import slurm, sweep
-from yade_scripts.results import sealed
 
 TABLE = """\
 description     scene   speed
@@ -117,28 +115,20 @@ def test_a_killed_node_a_time_limit_and_a_stopped_watch_change_no_result(cluster
             numpy.testing.assert_array_equal(values, there[line][name], err_msg=f"row {line}, {name}")
 
 
-@pytest.fixture
-def rows(tmp_path):
-    """Rows of a table with nothing run yet."""
-    row = lambda seed: {"scene": "bounce", "speed": float(seed)}
-    return sweep.Rows([batch.Row(row(seed), str(tmp_path / "results")) for seed in (1, 2, 3)])
+def options(folder):
+    """Those of the command line."""
+    return types.SimpleNamespace(results=str(folder), minutes=None, at_once=None, sbatch="")
 
 
-def leave(job, status):
-    """Write a result file with its row, its status and almost no history."""
-    job.path.parent.mkdir(exist_ok=True)
-    content = io.BytesIO()
-    with h5py.File(content, "w") as file:
-        file.attrs["status"], file.attrs["parameters"] = status, json.dumps(job.full)
-        file["history/time"] = [0.0]
-    sealed.write(job.path, content.getvalue())
-
-
-def test_a_row_that_says_why_it_failed_has_its_answer_and_an_old_failure_is_none(rows):
+def test_a_row_that_says_why_it_failed_has_its_answer_and_an_old_failure_is_none(tmp_path):
     """Runs are repeatable: a row that failed in this sweep would fail again. A failure of an earlier sweep may come from older code."""
-    one, two, three = rows.jobs
+    jobs = one, two, three = [batch.Row({"scene": "bounce", "speed": float(seed)}, str(tmp_path)) for seed in (1, 2, 3)]
+
+    def leave(job, status):
+        write(job.path, "CD", row=job.full, status=status, finished=status == "finished")
+
     leave(one, "failed: earlier")
-    again = sweep.Rows(rows.jobs)
+    again = sweep.Sweep(jobs, options(tmp_path))
     again.collect()
     assert again.open == [one, two, three] and not again.failed
     leave(two, "failed: the wall ran away")
@@ -159,8 +149,7 @@ def test_more_rows_than_an_array_has_tasks_are_shared_out(monkeypatch, tmp_path,
     monkeypatch.setattr(slurm, "largest_array", lambda: 4)
     monkeypatch.setattr(slurm, "submit", lambda name, command, count, *rest: submitted.append((command, count)) or "1")
     jobs = [batch.Row({"scene": "bounce", "speed": float(k + 1)}, str(tmp_path)) for k in range(rows_open)]
-    options = types.SimpleNamespace(results=str(tmp_path), minutes=None, at_once=None, sbatch="")
-    sweep.Sweep(sweep.Rows(jobs), options).submit(0)
+    sweep.Sweep(jobs, options(tmp_path)).submit(0)
     (command, count), = submitted
     assert count == tasks and command.endswith(f"$SLURM_ARRAY_TASK_ID {tasks}")
     shares = [range(rows_open)[index::tasks] for index in range(tasks)]  # as task.py takes them

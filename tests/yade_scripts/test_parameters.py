@@ -164,7 +164,7 @@ def test_any_value_is_refused_or_comes_out_allowed(name, value):
     parameter, result = REGISTRY[name], full[name]
     assert type(result) is type(parameter.default) and result == value
     if not isinstance(result, (bool, str)):
-        assert parameter.low <= result <= parameter.high and (not parameter.open_low or result > parameter.low)
+        assert parameter.low <= result <= parameter.high and result > parameter.above
 
 
 @given(st.floats(allow_nan=False), st.sampled_from(["friction", "kn", "tolerance"]))

@@ -11,13 +11,14 @@ class SlurmError(RuntimeError):
 
 def _ask(*command):
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
-    if done.returncode:
-        said = (done.stderr or done.stdout).strip().splitlines() or [f"ended with status {done.returncode}"]
-        away = any(re.search("controller|configuration source|DNS SRV", line) for line in said)
-        # If no controller is found, the command prints several lines about the search; the last line states the result.
-        raise SlurmError(f"{command[0]}: {said[-1]}. No Slurm controller answers from here: ask `scontrol ping`, go to a machine of the cluster, or run "
-                         "the rows on this one by yade_scripts/batch.py" if away else f"{command[0]}: {' '.join(said)}")
-    return done.stdout
+    if not done.returncode:
+        return done.stdout
+    said = (done.stderr or done.stdout).strip().splitlines() or [f"ended with status {done.returncode}"]
+    if not re.search("controller|configuration source|DNS SRV", "\n".join(said)):
+        raise SlurmError(f"{command[0]}: {' '.join(said)}")
+    # If no controller is found, the command prints several lines about the search; the last line states the result.
+    raise SlurmError(f"{command[0]}: {said[-1]}. No Slurm controller answers from here: ask `scontrol ping`, go to a machine of the cluster, or "
+                     "run the rows on this one by yade_scripts/batch.py")
 
 
 def present():
@@ -47,4 +48,5 @@ def states(name):
 
 def reasons(name):
     """Return why the jobs in the queue do not run, in Slurm's words, as a sorted list."""
-    return sorted(set(_ask("squeue", "--me", "--noheader", f"--name={name}", "--states=PENDING", "--format=%r").split("\n")) - {"", "None", "Resources", "Priority"})
+    said = _ask("squeue", "--me", "--noheader", f"--name={name}", "--states=PENDING", "--format=%r").split("\n")
+    return sorted(set(said) - {"", "None", "Resources", "Priority"})

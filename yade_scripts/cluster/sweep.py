@@ -23,26 +23,9 @@ sys.path.insert(0, str(HERE.parents[1]))
 
 from yade_scripts import batch, commands, parameters, results, tables
 from yade_scripts.cluster import slurm
-from yade_scripts.results import STATUS_FAILED, STATUS_FINISHED
+from yade_scripts.results import STATUS_FAILED
 
 SECONDS = 10  # between two looks at the queue
-
-
-class Rows:
-    """The rows of a sweep. open: those without a result of this call; failed: those that ended with a recorded failure."""
-
-    def __init__(self, jobs):
-        self.jobs = list(jobs)
-        self.open = [job for job in self.jobs if results.status(job.path) != STATUS_FINISHED]
-        self.failed = []
-        self.stamps = {job: _stamp(job.path) for job in self.open}  # a failed result of an earlier call does not count: its row is run again
-
-    def collect(self):
-        """Move the rows that have ended since the last call out of `open`."""
-        there = {folder: set(os.listdir(folder)) if folder.is_dir() else set() for folder in {job.path.parent for job in self.open}}
-        ended = [job for job in self.open if job.path.name in there[job.path.parent] and _stamp(job.path) != self.stamps[job]]
-        self.failed += [job for job in ended if results.status(job.path).startswith(STATUS_FAILED)]
-        self.open = [job for job in self.open if job not in ended]
 
 
 def _stamp(path):
@@ -69,13 +52,23 @@ def _packings_first(jobs):
 
 
 class Sweep:
-    """Submits the rows, watches the queue and collects the results; `options` are those of the command line."""
+    """Submits the rows, watches the queue and collects the results. options: those of the command line. open: rows without a result of this call;
+    failed: rows that ended with a recorded failure."""
 
-    def __init__(self, rows, options):
-        self.rows, self.options = rows, options
-        names = "\n".join(sorted(str(job.path) for job in rows.jobs))
+    def __init__(self, jobs, options):
+        self.jobs, self.options, self.failed = jobs, options, []
+        self.open = [job for job in jobs if not results.finished(job.path)]
+        self.stamps = {job: _stamp(job.path) for job in self.open}  # a failed result of an earlier call does not count: its row is run again
+        names = "\n".join(sorted(str(job.path) for job in jobs))
         self.name = "sweep-" + hashlib.sha256(names.encode()).hexdigest()[:12]  # the same name for the same rows in the same folder
         self.folder = pathlib.Path(options.results) / "sweeps" / self.name
+
+    def collect(self):
+        """Move the rows that have ended since the last call out of `open`."""
+        there = set(os.listdir(self.options.results))
+        ended = [job for job in self.open if job.path.name in there and _stamp(job.path) != self.stamps[job]]
+        self.failed += [job for job in ended if results.status(job.path).startswith(STATUS_FAILED)]
+        self.open = [job for job in self.open if job not in ended]
 
     def run(self):
         """Submit and watch until every row has a result or has been submitted as often as allowed."""
@@ -83,7 +76,7 @@ class Sweep:
             print(f"{self.name}: an earlier call's tasks are in the queue: watching them.", flush=True)
             self.watch()
         for attempt in range(1 + self.options.retries):
-            if not self.rows.open:
+            if not self.open:
                 return
             if attempt or earlier:
                 self._explain()
@@ -95,14 +88,16 @@ class Sweep:
         self.folder.mkdir(parents=True, exist_ok=True)
         for old in self.folder.glob("task-*.out"):
             old.unlink()
-        todo = _packings_first(self.rows.open)
+        todo = _packings_first(self.open)
         plan = self.folder / f"rows-{attempt}.json"
         plan.write_text(json.dumps({"results": self.options.results, "rows": [job.row for job in todo]}))
         tasks = min(len(todo), slurm.largest_array())
         minutes = self.options.minutes and self.options.minutes * 2**attempt
-        command = " ".join(shlex.quote(str(word)) for word in (sys.executable, HERE / "task.py", plan)) + f" $SLURM_ARRAY_TASK_ID {tasks}"
-        number = slurm.submit(self.name, "exec " + command, tasks, self.folder / "task-%A_%a.out", minutes, self.options.at_once, shlex.split(self.options.sbatch))
-        print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks" + (f" of at most {minutes} min" if minutes else ""), flush=True)
+        command = f"exec {shlex.join(map(str, (sys.executable, HERE / 'task.py', plan)))} $SLURM_ARRAY_TASK_ID {tasks}"
+        output = self.folder / "task-%A_%a.out"
+        number = slurm.submit(self.name, command, tasks, output, minutes, self.options.at_once, shlex.split(self.options.sbatch))
+        limit = f" of at most {minutes} min" if minutes else ""
+        print(f"{self.name}: job {number}, attempt {attempt + 1}: {len(todo)} rows in {tasks} tasks{limit}", flush=True)
 
     def watch(self):
         """Report progress until no task is left in the queue. If the controller does not answer, ask again: the tasks run without it."""
@@ -113,9 +108,9 @@ class Sweep:
                 waits = slurm.reasons(self.name) if states["PENDING"] else []
             except slurm.SlurmError as error:
                 states, waits = None, [str(error)]
-            self.rows.collect()
-            news = f"{len(self.rows.jobs) - len(self.rows.open)} of {len(self.rows.jobs)} rows ended, {len(self.rows.failed)} of them failed"
-            news += "".join(f" | {count} {state.lower()}" for state, count in sorted((states or {}).items())) + "".join(f" | {text}" for text in waits)
+            self.collect()
+            news = f"{len(self.jobs) - len(self.open)} of {len(self.jobs)} rows ended, {len(self.failed)} of them failed"
+            news += "".join(f" | {text}" for text in [*(f"{count} {state.lower()}" for state, count in sorted((states or {}).items())), *waits])
             if news != told:
                 print(f"{self.name}: {news}", flush=True)
             told = news
@@ -127,15 +122,15 @@ class Sweep:
         """Print Slurm's error messages about the tasks that left rows without a result."""
         said = [line[found.end():] for path in sorted(self.folder.glob("task-*.out"))
                 for line in path.read_text(errors="replace").splitlines() if (found := SLURM_SAYS.match(line))]
-        print(f"{self.name}: {len(self.rows.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
+        print(f"{self.name}: {len(self.open)} rows have no result" + "".join(f"\n  {line}" for line in said[:10]), flush=True)
 
 
 @commands.command("sweep")
 def main(arguments=None):
-    parser = commands.parser(__doc__, "--results")
-    parser.add_argument("tables", nargs="+", metavar="TABLE", help="tables in yade-batch's format")
+    parser = commands.parser(__doc__, "tables", "--results")
     parser.add_argument("--minutes", type=commands.whole(1), help="time limit of a task (default: the partition's)")
-    parser.add_argument("--retries", type=commands.whole(0), default=2, help="how often rows without a result are submitted again (default: %(default)s)")
+    parser.add_argument("--retries", type=commands.whole(0), default=2,
+                        help="how often rows without a result are submitted again (default: %(default)s)")
     parser.add_argument("--at-once", type=commands.whole(1), metavar="N", help="largest number of tasks at the same time")
     parser.add_argument("--sbatch", default="", metavar="OPTIONS", help="further options for sbatch, as one quoted argument")
     parser.add_argument("--seconds", type=commands.positive, default=SECONDS, help="between two looks at the queue (default: %(default)s)")
@@ -146,9 +141,8 @@ def main(arguments=None):
         print("sweep: there is no Slurm here (no command sbatch). Call it where jobs are submitted from, or run the table on this machine: "
               "yade_scripts/batch.py", file=sys.stderr)
         return 2
-    rows = Rows(jobs)
-    print(f"{', '.join(options.tables)}: {len(rows.jobs)} runs, {len(rows.jobs) - len(rows.open)} of them finished before", flush=True)
-    sweep = Sweep(rows, options)
+    sweep = Sweep(jobs, options)
+    print(f"{', '.join(options.tables)}: {len(jobs)} runs, {len(jobs) - len(sweep.open)} of them finished before", flush=True)
     try:
         sweep.run()
     except slurm.SlurmError as error:
@@ -157,9 +151,9 @@ def main(arguments=None):
     except KeyboardInterrupt:
         print(f"\nThe tasks go on. The same command watches them again; scancel --name={sweep.name} ends them.", file=sys.stderr)
         return 130
-    for job in rows.failed + rows.open:
+    for job in sweep.failed + sweep.open:
         print(f"sweep: {job.path}: {job.outcome() if job.log.exists() else 'never started'}", file=sys.stderr)
-    return 1 if rows.failed or rows.open else 0
+    return 1 if sweep.failed or sweep.open else 0
 
 
 if __name__ == "__main__":

@@ -24,12 +24,13 @@ draw = random.Random(1).uniform                                                 
 radius, gravity, spin, sides = 0.005, (0, -9.81, 0), 1.0, 32                              # m, m/s^2, rad/s
 inner = radius * math.sqrt(2.4 * disks)                                                   # inner radius [m] of a drum that the disks fill by half
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(0.5), label="grains"))
-drum = []
+drum, half = [], (0.02 * inner, 1.04 * inner * math.tan(math.pi / sides), 0.1)            # half sides of a box of the ring
 for k in range(sides):
     angle = 2 * math.pi * k / sides
-    drum.append(O.bodies.append(box((1.02 * inner * math.cos(angle), 1.02 * inner * math.sin(angle), 0), (0.02 * inner, 1.04 * inner * math.tan(math.pi / sides), 0.1),
+    drum.append(O.bodies.append(box((1.02 * inner * math.cos(angle), 1.02 * inner * math.sin(angle), 0), half,
                                     orientation=Quaternion((0, 0, 1), angle), fixed=True, material="grains")))
-places = [(2.2 * radius * i, 2.2 * radius * j) for j in range(-50, 50) for i in range(-50, 50) if math.hypot(i, j) * 2.2 * radius < inner - 1.5 * radius]
+places = [(2.2 * radius * i, 2.2 * radius * j) for j in range(-50, 50) for i in range(-50, 50)]
+places = [place for place in places if math.hypot(*place) < inner - 1.5 * radius]
 for x, y in places[:disks]:                                                               # from the bottom row upwards
     disk = sphere((x + draw(0, 0.1 * radius), y, 0), radius * draw(0.85, 1), material="grains")
     disk.state.blockedDOFs = "zXY"                                                        # kept in the plane
@@ -49,7 +50,8 @@ if springs:
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
-        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)],
+                        [Law2_ScGeom_MindlinPhys_Mindlin()]),
         turn,
         NewtonIntegrator(gravity=gravity, damping=0),
     ]
@@ -66,4 +68,5 @@ O.run(int(seconds / O.dt), True)
 plot.plot(noShow=True).savefig("drum.png")
 last = plot.data["slope"][len(plot.data["slope"]) // 2:]
 inside = sum(b.state.pos.norm() < inner for b in grains)
-print(f"slope of the surface: {sum(last) / len(last):.1f} degrees; {inside} of {disks} disks in the drum; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
+print(f"slope of the surface: {sum(last) / len(last):.1f} degrees; {inside} of {disks} disks in the drum; "
+      f"{time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")

@@ -42,7 +42,8 @@ if springs:
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
-        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)],
+                        [Law2_ScGeom_MindlinPhys_Mindlin()]),
         NewtonIntegrator(damping=0),
     ]
     O.dt = 0.5 * PWaveTimeStep()

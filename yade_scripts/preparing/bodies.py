@@ -1,7 +1,7 @@
-"""Appends disks and boxes, finds disks, and counts their contacts."""
+"""Appends disks, finds them, and counts their contacts."""
 import math
 
-from yade import O, Quaternion, utils
+from yade import O, utils
 from yade.wrapper import FrictViscoMat, Sphere
 
 from yade_scripts.running import walls
@@ -26,12 +26,6 @@ def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"
     body.state.blockedDOFs = blocked
     body.state.vel = (*velocity, 0)
     return O.bodies.append(body)
-
-
-def append_box(centre, half, full, angle=0.0, material="disk"):
-    """Append a fixed box at (x, y) [m] of half sides (x, y) [m], as deep as the disks, turned by `angle` [rad] about z. Return its id."""
-    return O.bodies.append(utils.box((*centre, 0), (*half, full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
-                                     color=(0.4, 0.4, 0.4)))
 
 
 def disks():

@@ -93,8 +93,8 @@ class Walk:
 
 
 def replace(seed, amplitude):
-    """Replace the contact forces of the sample in O by another admissible network, in one step of CD, whose engines must be set; then remove the engines.
-    Raise NetworkError if the solver finds none."""
+    """Replace the contact forces of the sample in O by another admissible network, in one step of CD, whose engines must be set; then remove the
+    engines. Raise NetworkError if the solver finds none."""
     walk = Walk(seed, amplitude)
     walk.surround()
     hooks.simulate(1)

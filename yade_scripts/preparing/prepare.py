@@ -46,13 +46,9 @@ def inputs(full):
     return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
 
 
-def state_path(full, folder):
-    return pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
-
-
 def ensure(full, folder):
     """Return (path, SHA-256) of the prepared state; prepare it if it does not exist, which leaves its scene in O."""
-    path = state_path(full, folder)
+    path = pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at the same time prepare it once
         checksum = _verified(path, inputs(full))
@@ -151,7 +147,8 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
     # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
     controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), stiffness, 0.1 * math.sqrt(p0 / full["density"]))
     rest = _Rest(p0, stress_error, unbalanced)
-    O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
+    O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [
+        hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]
     hooks.simulate(MOST_STEPS)
     if rest.passed < CHECKS:
         stress, force = rest.errors()

@@ -31,5 +31,5 @@ def short(commit):
 
 
 def words(commits):
-    """Return for a caption by which code something was made."""
+    """Return words for a figure's caption: the commit of the code that made it, or the number of commits."""
     return f"commit {short(*commits)}" if len(commits) == 1 else f"{len(commits)} different commits"

@@ -105,7 +105,7 @@ class Run:
     def values(self, name):
         """Return a history field. Raise ResultError if it is missing or holds a NaN or an infinity."""
         if name not in self.history:
-            raise ResultError(self.path, f"/history/{name} is missing", "run it again")
+            raise ResultError(self.path, f"/history/{name} is missing", AGAIN)
         values = self.history[name]
         if len(wrong := np.flatnonzero(~np.isfinite(values))):
             raise ResultError(self.path, f"/history/{name} is {values[wrong[0]]} at sample {wrong[0]} ({len(wrong)} such of {len(values)})",
@@ -136,13 +136,17 @@ def load(path, finished=True):
     return run
 
 
-def load_row(full, folder=results.FOLDER):
-    """Return the run of a full row from its file in `folder`. Raise ResultError as `load` does, and if the file holds another run."""
-    path = results.path_of(full, folder)
+def load_named(path):
+    """Return the run stored at `path`, finished or not. Raise ResultError as `load` does, and if its parameters do not give it this name."""
     run = load(path, finished=False)
-    if run.name != path.stem:
+    if run.name != run.path.name.partition(".")[0]:
         raise ResultError(path, f"it holds another run than its name says ({run.name})", AGAIN)
     return run
+
+
+def load_row(full, folder=results.FOLDER):
+    """Return the run of a full row from its file in `folder`. Raise ResultError as `load_named` does."""
+    return load_named(results.path_of(full, folder))
 
 
 def _read(path, file):

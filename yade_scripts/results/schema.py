@@ -25,13 +25,14 @@ class Field:
     """One quantity of a result file.
 
     `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which are 1-D. `methods` are those whose files
-    must hold the field; none if it is optional.
+    hold the field; older files may lack it if it is optional.
     """
     name: str
     unit: str
     doc: str
     shape: tuple = ()
     methods: tuple = METHODS
+    optional: bool = False
 
 
 def _table(*fields):
@@ -53,17 +54,17 @@ HISTORY = _table(
     Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
     Field("max_penetration", "m", "largest overlap; in CD beyond the reference gap of the start"),
     Field("wall_clock", "s", "computing time since the start of the run"),
-    Field("processor_time", "s", "processor time since the start of the run, of all threads", methods=()),
+    Field("processor_time", "s", "processor time since the start of the run, of all threads", optional=True),
     Field("iterations", "1", "sweeps of the step", methods=("CD",)),
     Field("residual", "1", "error e of the step's contact problem", methods=("CD",)),
-    Field("sigma1_goal", "Pa", "sigma1 the loading asks for", methods=()),
-    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", methods=()),
-    Field("wall_work", "J", "work of the wall loads on the sample since the start", methods=()),
-    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", methods=()),
-    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots. MD; NaN where contacts with walls "
-          "slip under another law than those between disks", methods=()),
-    Field("residual_max", "1", "largest error e of all steps so far", methods=()),
-    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=()),
+    Field("sigma1_goal", "Pa", "sigma1 the loading asks for", optional=True),
+    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", optional=True),
+    Field("wall_work", "J", "work of the wall loads on the sample since the start", optional=True),
+    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", optional=True),
+    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots; NaN where contacts with "
+          "walls slip under another law than those between disks", methods=("MD",), optional=True),
+    Field("residual_max", "1", "largest error e of all steps so far", methods=("CD",), optional=True),
+    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=("CD",), optional=True),
 )
 
 SNAPSHOT = _table(
@@ -76,8 +77,7 @@ SNAPSHOT = _table(
     Field("contact_normal", "1", "unit vector from the first to the second body", ("m", 2)),
     Field("contact_friction", "1", "friction coefficient mu of the contact", ("m",)),
     Field("force_normal", "N", "R, compression positive", ("m",)),
-    Field("force_tangential", "N", "T on the second body, along the normal turned by +90 degrees",
-          ("m",)),
+    Field("force_tangential", "N", "T on the second body, along the normal turned by +90 degrees", ("m",)),
     Field("box", "m", "inner faces of the walls x-, x+, y-, y+; NaN where there is no box", (4,)),
 )
 
@@ -144,45 +144,35 @@ OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain
 
 def problems(file):
     """Return the reasons why an open file is not a result file, as sentences; none if it is one. The file of a failed run is valid."""
-    if missing := [name for name in ROOT_ATTRIBUTES if name not in file.attrs]:
+    attributes, history, snapshots = dict(file.attrs), dict(file.get("history", {})), dict(file.get("snapshots", {}))
+    if missing := [name for name in ROOT_ATTRIBUTES if name not in attributes]:
         return [f"it lacks the attributes {', '.join(missing)}"]
-    if file.attrs["schema_version"] != SCHEMA_VERSION:
-        return [f"its schema version is {file.attrs['schema_version']}, this program reads {SCHEMA_VERSION}"]
-    if file.attrs["method"] not in METHODS:
-        return [f"its method is {file.attrs['method']!r}, not one of {', '.join(METHODS)}"]
-    found = _history_problems(file) + [f"/snapshots/{number} lacks {name}" for number, group in file.get("snapshots", {}).items()
-                                       for name in [*SNAPSHOT, *SNAPSHOT_ATTRIBUTES] if name not in group and name not in group.attrs]
-    return found or _undefined_in_snapshots(file)
-
-
-def _undefined_in_snapshots(file):
-    """Name what is NaN or infinite in the snapshots of a run that has finished, whether the tables above know it or not."""
-    snapshots = file.get("snapshots", {}) if file.attrs["finished"] else {}
-    may_be = set() if _loaded(file) else {"box"}
-    return [f"/snapshots/{number}/{name} is not finite" for number, group in snapshots.items() for name, values in [*group.items(), *group.attrs.items()]
-            if name not in may_be and np.asarray(values).dtype.kind == "f" and not np.isfinite(values).all()]
-
-
-def _loaded(file):
-    """Tell whether a run had a loaded box."""
-    return np.isfinite(file["history/gamma"][()]).any()
-
-
-def _history_problems(file):
-    """Name the fields that are missing, of another unit or length, or NaN in a run that has finished."""
-    history = file.get("history", {})
-    if missing := [name for name, field in HISTORY.items() if file.attrs["method"] in field.methods and name not in history]:
+    if attributes["schema_version"] != SCHEMA_VERSION:
+        return [f"its schema version is {attributes['schema_version']}, this program reads {SCHEMA_VERSION}"]
+    if attributes["method"] not in METHODS:
+        return [f"its method is {attributes['method']!r}, not one of {', '.join(METHODS)}"]
+    needed = [name for name, field in HISTORY.items() if attributes["method"] in field.methods and not field.optional]
+    if missing := [name for name in needed if name not in history]:
         return [f"/history lacks {', '.join(missing)}"]
-    found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name in history
-             if name in HISTORY and (unit := history[name].attrs.get("unit")) != HISTORY[name].unit]
-    if len({history[name].shape for name in history}) > 1:
+    found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name, column in history.items()
+             if name in HISTORY and (unit := column.attrs.get("unit")) != HISTORY[name].unit]
+    if len({column.shape for column in history.values()}) > 1:
         found.append("the fields of /history differ in length")
-    if file.attrs["finished"] and not len(history["time"]):
+    if attributes["finished"] and not len(history["time"]):
         found.append("it says that it has finished, but its history is empty")
-    if found or not file.attrs["finished"]:
-        return found
-    undefined = MAY_BE_UNDEFINED | (set() if _loaded(file) else OF_A_BOX)
-    for name in set(history) - undefined:
-        if len(wrong := np.flatnonzero(~np.isfinite(history[name][()]))):
-            found.append(f"/history/{name} is {history[name][wrong[0]]} at sample {wrong[0]} ({len(wrong)} of {len(history[name])} samples)")
-    return found
+    found += [f"/snapshots/{number} lacks {name}" for number, group in snapshots.items()
+              for name in [*SNAPSHOT, *SNAPSHOT_ATTRIBUTES] if name not in group and name not in group.attrs]
+    return found or (_undefined(history, snapshots) if attributes["finished"] else [])
+
+
+def _undefined(history, snapshots):
+    """Name what is NaN or infinite in a run that has finished, whether the tables above know it or not."""
+    boxed = np.isfinite(history["gamma"][()]).any()
+    may_be = MAY_BE_UNDEFINED | (set() if boxed else OF_A_BOX | {"box"})
+    found = []
+    for name, column in history.items():
+        if name not in may_be and len(wrong := np.flatnonzero(~np.isfinite(column[()]))):
+            found.append(f"/history/{name} is {column[wrong[0]]} at sample {wrong[0]} ({len(wrong)} of {len(column)} samples)")
+    return found + [f"/snapshots/{number}/{name} is not finite"
+                    for number, group in snapshots.items() for name, values in [*group.items(), *group.attrs.items()]
+                    if name not in may_be and np.asarray(values).dtype.kind == "f" and not np.isfinite(values).all()]

@@ -47,7 +47,7 @@ def replace(path, content):
 
 
 def open_checked(path, mark=b""):
-    """Return the file opened for reading if its checksum matches its content. Raise Damaged otherwise, Foreign if it does not hold the bytes `mark`."""
+    """Return the file opened for reading. Raise Damaged unless its checksum matches its content, Foreign if it does not hold the bytes `mark`."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise Foreign("is not a regular file")

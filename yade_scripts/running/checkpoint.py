@@ -1,24 +1,22 @@
 """Checkpoints of long runs: an interrupted run continues from the last one and ends with the same numbers.
 
-At a checkpoint the run itself goes through O.save and O.load, as a resumed run does, so that both continue from the same bits. Checkpoints are made
-at fixed samples, not at fixed times of the clock. So resumed and uninterrupted runs are equal although YADE does not save everything:
-TriaxialStressController loses its wall stiffness and InsertionSortCollider its bounds. Stored in addition to YADE's file are the dissipation summed by
-the law functor, the functions that the PyRunners call, and numbers kept in Python. Only runs longer than INTERVAL have checkpoints.
-YADE does not save the forces on the bodies. All engines compute them again in the next step, except for CD's sample at the beginning of a step, which
-records the forces of the step before. So a checkpoint is made one step after a sample, and CD with a sample at every step has none.
+At a checkpoint the run itself goes through O.save and O.load, as a resumed run does, so that both continue from the same bits. Checkpoints are
+made at fixed samples, not at fixed times of the clock. So resumed and uninterrupted runs are equal although YADE does not save everything:
+TriaxialStressController loses its wall stiffness and InsertionSortCollider its bounds. Stored in addition to YADE's file are the dissipation summed
+by the law functor, the functions that the PyRunners call, and numbers kept in Python. Only runs longer than INTERVAL have checkpoints.
+YADE does not save the forces on the bodies. All engines compute them again in the next step, except for CD's sample at the beginning of a step,
+which records the forces of the step before. So a checkpoint is made one step after a sample, and CD with a sample at every step has none.
 
-`<result>.checkpoint.zip` holds the scene, the record so far, and the other values as JSON. It is written under another name, flushed to the disk, then
-renamed. Every part has a check sum. A checkpoint that does not fit the run is ignored with a message.
+`<result>.checkpoint.zip` holds the scene, the record so far, and the other values as JSON. It is written under another name, flushed to the disk,
+then renamed. Every part has a check sum. A checkpoint that does not fit the run is ignored with a message.
 """
 import glob
 import io
 import json
 import math
 import pathlib
-import struct
 import sys
 import zipfile
-import zlib
 
 from yade import O, config
 
@@ -26,19 +24,20 @@ from yade_scripts.results import sealed
 from yade_scripts.running import hooks, md, saved_scene
 from yade_scripts.results.provenance import git_commit
 
-# Disks times steps: about ten minutes on one core for MD, two to forty for CD, whose sweeps a step vary. Every published run is shorter and so has none.
+# Disks times steps: about ten minutes on one core for MD, two to forty for CD, whose sweeps a step vary. Every published run is shorter, so it has
+# no checkpoints.
 INTERVAL = {"MD": 2 * 10**9, "CD": 4 * 10**7}
 SCENE, RECORD, MEMORY = "scene.yade", "record.h5", "memory.json"
 
 
-def samples_between(full, scene):
-    """Return the number of samples between two checkpoints; 0 if the run is short or cannot be resumed."""
+def samples_between(full, scene, asked=None):
+    """Return the number of samples between two checkpoints: `asked`, by default that of INTERVAL; 0 if the run is short or cannot be resumed."""
+    if scene.kept is None or full["method"] == "CD" and scene.every == 1:
+        return 0
+    if asked is not None:
+        return asked
     count = math.ceil(INTERVAL[full["method"]] / (full["disks"] * scene.every))
-    return count if resumable(full, scene) and count < scene.samples else 0
-
-
-def resumable(full, scene):
-    return scene.kept is not None and (full["method"] == "MD" or scene.every > 1)
+    return count if count < scene.samples else 0
 
 
 class Checkpoints:
@@ -59,7 +58,7 @@ class Checkpoints:
                 parts = {name: archive.read(name) for name in (SCENE, RECORD, MEMORY)}
             memory = json.loads(parts[MEMORY])
             different = [name for name, value in self.origin.items() if memory["origin"].get(name) != value]
-        except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, RuntimeError, ValueError, KeyError, AttributeError, TypeError) as error:
+        except Exception as error:  # a damaged archive raises exceptions of many types
             reason = f"it is damaged ({error})"
         else:
             if not different:
@@ -82,7 +81,7 @@ class Checkpoints:
     def take(self, recorder):
         """Write a checkpoint, then continue from it."""
         scene, record = saved_scene.take(), recorder.image()
-        memory = {"origin": self.origin, "losses": self.scene.losses.memory() if self.scene.losses else None,
+        memory = {"origin": self.origin, "friction": md.law().plasticDissipation() if self.full["method"] == "MD" else None,
                   "kept": {name: _kept(keeper) for name, keeper in self._keepers(recorder).items()}, "scene": self.scene.kept}
         content = io.BytesIO()
         with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
@@ -96,9 +95,9 @@ class Checkpoints:
         """Load the parts of a checkpoint, including the values that O.load does not restore. The scene of the run must have been built in O."""
         memory = parts[MEMORY]
         saved_scene.restore(parts[SCENE])
-        if self.scene.losses:
+        if self.full["method"] == "MD":
             md.bind(self.full, self.scene)
-            self.scene.losses.remember(memory["losses"])
+            md.law().initPlasticDissipation(memory["friction"])
         for name, keeper in self._keepers(recorder).items():
             for attribute, value in memory["kept"][name].items():
                 setattr(keeper, attribute, value)

@@ -14,14 +14,15 @@ from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_
                           InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
                           Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
 
+import cd_engine
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.running import hooks, walls
-from yade_scripts.running.losses import Losses
 
 
 def contact_engines(full, tangential_law="standard"):
-    """Return the engines up to the contact forces; all contacts, also with walls, have the same stiffness. Packings are prepared with the standard law."""
+    """Return the engines up to the contact forces; all contacts, also those with walls, have the same stiffness. Packings are prepared with the
+    standard law."""
     kn, ratio = (MatchMaker(algo="val", val=value) for value in (parameters.stiffness(full), full["kt_over_kn"]))
     engines = [
         ForceResetter(),
@@ -30,7 +31,6 @@ def contact_engines(full, tangential_law="standard"):
                         [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=kn, kRatio=ratio)],
                         [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()])]
     if tangential_law == "path_independent":
-        import cd_engine
         engines.append(cd_engine.PathIndependentShear())
     return engines
 
@@ -82,16 +82,30 @@ def set_engines(full, scene, goals=None):
     else:
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
-    import cd_engine
     engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)]
     O.engines = engines + loading + [integrator(full)]
-    scene.losses = Losses(full, scene.load is not None)
     bind(full, scene)
 
 
+def law():
+    """Return the law functor in O. Its plasticDissipation(), the energy that friction has dissipated [J], is not stored by O.save."""
+    return hooks.engine("InteractionLoop").lawDispatcher.functors[0]
+
+
+def friction_dissipation(full, boxed):
+    """Return the energy dissipated by friction [J]; NaN if disks slip by PathIndependentShear but walls by the functor.
+
+    boxed: whether the sample is in the biaxial box.
+    """
+    if full["tangential_law"] != "path_independent":
+        return law().plasticDissipation()
+    # PathIndependentShear does not see contacts with walls.
+    return hooks.engine("PathIndependentShear").frictionDissipation if boxed and not full["wall_friction"] else math.nan
+
+
 def bind(full, scene):
-    """Give the scene the law functor and the controller in O; after O.load they are other objects."""
-    scene.losses.bind()
+    """Have the law functor in O sum the dissipation, and give the scene the controller in O; after O.load both are other objects."""
+    law().traceEnergy = True
     if isinstance(scene.load, walls.ServoLoad):
         scene.load.controller = hooks.engine("TriaxialStressController")
 

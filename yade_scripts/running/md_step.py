@@ -52,26 +52,27 @@ def _matrices():
     mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
                      for letter, value in zip("xyZ", (body.state.mass, body.state.mass, body.state.inertia[2]))])
     column = {body.id: 3 * k for k, body in enumerate(free)}
-    along = _relative(contacts, column, lambda normal: (normal[0], normal[1]))
+    along = _relative(contacts, column)
     return mass, along.T @ sparse.diags([contact.phys.cn for contact in contacts]) @ along, stiffness_matrix(contacts, column)
 
 
 def stiffness_matrix(contacts, column):
     """Return K [N/m, N, N m] of the springs for (x, y, spin) of the bodies in column: {body: first of its three}; all contacts stick."""
-    along = _relative(contacts, column, lambda normal: (normal[0], normal[1]))
-    across = _relative(contacts, column, lambda normal: (-normal[1], normal[0]))
+    along, across = _relative(contacts, column), _relative(contacts, column, tangential=True)
     sticking = sparse.diags([contact.phys.ks if contact.phys.tangensOfFrictionAngle > 0 else 0.0 for contact in contacts])
     return along.T @ sparse.diags([contact.phys.kn for contact in contacts]) @ along + across.T @ sticking @ across
 
 
-def _relative(contacts, column, direction):
-    """Return the sparse matrix that turns the velocities of bodies into the relative ones of the contacts, along direction(normal).
+def _relative(contacts, column, tangential=False):
+    """Return the sparse matrix that turns the velocities of bodies into the relative ones of the contacts, along the normal or across it.
 
-    column: body -> the first of its three columns.
+    column: {body: the first of its three columns}.
     """
     rows, columns, values = [], [], []
     for row, contact in enumerate(contacts):
-        x, y = direction(contact.geom.normal)
+        x, y, _ = contact.geom.normal
+        if tangential:
+            x, y = -y, x
         for body, sign in ((contact.id1, -1), (contact.id2, 1)):
             if body in column:
                 arm = contact.geom.contactPoint - O.bodies[body].state.pos

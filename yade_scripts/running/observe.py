@@ -2,35 +2,27 @@
 import math
 
 import numpy as np
-from yade_scripts.results.schema import is_sliding
+
 from yade_scripts.preparing import bodies
 from yade_scripts.running import walls
 
 
-class Contacts:
-    """The contacts that carry a force, as arrays: normal and tangential forces [N], friction coefficient, overlap [m]."""
+def loaded_contacts():
+    """Return four arrays of the contacts that carry a force: normal and tangential forces [N], friction coefficient, overlap [m]."""
+    rows = [(i.phys.normalForce.norm(), i.phys.shearForce.norm(), i.phys.tangensOfFrictionAngle, i.geom.penetrationDepth)
+            for i in bodies.contacts() if i.phys.normalForce.dot(i.geom.normal) > 0]
+    return np.array(rows).reshape(-1, 4).T
 
-    def __init__(self):
-        self._loaded = [i for i in bodies.contacts() if i.phys.normalForce.dot(i.geom.normal) > 0]
-        rows = [(i.phys.normalForce.norm(), i.phys.shearForce.norm(), i.phys.tangensOfFrictionAngle, i.geom.penetrationDepth)
-                for i in self._loaded]
-        self.normal, self.tangential, self.friction, self.overlap = np.array(rows).reshape(-1, 4).T
 
-    def __len__(self):
-        return len(self._loaded)
+def stored_energy():
+    """Return the elastic energy [J] of the springs of eqs. 5 and 6.
 
-    def stored_energy(self):
-        """Return the elastic energy [J] of the springs of eqs. 5 and 6.
-
-        It is computed from the overlap, since the normal force includes the dashpot. An opening contact still has spring energy when its dashpot
-        pulls harder than its spring pushes.
-        """
-        springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in bodies.contacts()
-                            if i.geom.penetrationDepth > 0]).reshape(-1, 4)
-        return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
-
-    def sliding(self):
-        return int(np.count_nonzero(is_sliding(self.normal, self.tangential, self.friction)))
+    It is computed from the overlap, since the normal force includes the dashpot. An opening contact still has spring energy when its dashpot pulls
+    harder than its spring pushes.
+    """
+    springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in bodies.contacts()
+                        if i.geom.penetrationDepth > 0]).reshape(-1, 4)
+    return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
 
 def _plane(vectors):
@@ -38,17 +30,12 @@ def _plane(vectors):
     return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
 
 
-def angle(body):
-    """Return the rotation about z [rad], in (-pi, pi]."""
-    return 2 * math.atan2(body.state.ori[2], body.state.ori[3])
-
-
 def snapshot(boxed):
     """Return all arrays of schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial box are there."""
     disks, contacts = bodies.disks(), bodies.contacts_by_id()
     return {
         "position": _plane(b.state.pos for b in disks),
-        "angle": np.array([angle(b) for b in disks]),
+        "angle": np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in disks]),
         "radius": np.array([b.shape.radius for b in disks]),
         "body_ids": np.array([b.id for b in disks]),
         "contact_ids": np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2),

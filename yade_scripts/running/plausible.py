@@ -28,6 +28,6 @@ def doubts(full):
     if full["scene"] == "biaxial" and full["loading"] != "ramp":
         grain = 2 * full["radius_mean"] * math.sqrt(full["density"] / parameters.pressure(full))
         if full["period"] < BLOW * grain:
-            found.append(f"period = {full['period']:g} s is {full['period'] / grain:.2g} times the {grain:.2g} s in which P0 moves a grain by its size: the load "
-                         f"acts like an impact; use at least {BLOW * grain:.2g} s")
+            found.append(f"period = {full['period']:g} s is {full['period'] / grain:.2g} times the {grain:.2g} s in which P0 moves a grain by its "
+                         f"size: the load acts like an impact; use at least {BLOW * grain:.2g} s")
     return found

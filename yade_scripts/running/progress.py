@@ -12,8 +12,8 @@ class Progress:
 
     def __init__(self, title):
         terminal = sys.stderr.isatty()
-        self.formats = [f"{{desc}} {{percentage:3.0f}} %|{{bar}}| {{elapsed}}<{left}" if terminal else f"{{desc}}: {{percentage:.0f}} %, {left} left\n"
-                        for left in ("?", "{remaining}")]
+        form = "{desc} {percentage:3.0f} %|{bar}| {elapsed}<{remaining}" if terminal else "{desc}: {percentage:.0f} %, {remaining} left\n"
+        self.formats = form.replace("{remaining}", "?"), form
         self.bar = tqdm(total=1.0, desc=title, file=sys.stderr if terminal else sys.stdout, mininterval=0.1 if terminal else SECONDS, miniters=0,
                         bar_format=self.formats[0])
         self.begun = None  # fraction done at the first call

@@ -57,7 +57,7 @@ class Job:
 
 
 def run(jobs, at_once, ended=lambda job: None):
-    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. When this function ends, also by an exception, it ends the runs."""
+    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. However this function ends, it ends the runs."""
     waiting, running, told = list(jobs), [], time.monotonic()
     bar = tqdm(total=len(waiting), unit="run", disable=not sys.stderr.isatty())
     try:

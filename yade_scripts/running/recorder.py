@@ -1,7 +1,7 @@
 """Writes a run's HDF5 file: names, units and meanings are those of yade_scripts/results/schema.py.
 
-The file is built in memory, written as a whole under another name, then renamed. So the file on the disk is readable at every moment, and libhdf5, which
-crashes if a write fails, never meets a full disk. A run of 400 disks takes 1 MB; with 10^5 disks a snapshot takes about 20 MB.
+The file is built in memory, written as a whole under another name, then renamed. So the file on the disk is readable at every moment, and libhdf5,
+which crashes if a write fails, never meets a full disk. A run of 400 disks takes 1 MB; with 10^5 disks a snapshot takes about 20 MB.
 """
 import io
 import json
@@ -16,14 +16,13 @@ from yade import O, config, utils
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies
 from yade_scripts.results import reader, schema, sealed
-from yade_scripts.running import hooks, md_step, observe, walls
+from yade_scripts.running import hooks, md, md_step, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
 from yade_scripts.running.sums import total
 from yade_scripts.running.wall_check import Collapse, LoadCheck
 
-ROWS_AT_ONCE = 50   # into the file in memory
-SECONDS = 30        # between two writes of the unfinished file, for those who want to look
+SECONDS = 30  # between two writes of the unfinished file, for those who want to look
 
 
 def _clocks():
@@ -37,9 +36,8 @@ class Recorder:
     def __init__(self, path, full, scene, progress=lambda fraction: None, record=None, checkpoint_samples=0):
         """record: the file's content so far, of a run that is resumed; None: a new file. checkpoint_samples: samples between checkpoints."""
         self.path, self.full, self.scene, self.progress = pathlib.Path(path), full, scene, progress
-        self.partial = self.path.with_suffix(".partial.h5")
-        other = {"MD": ("residual_max", "unconverged_steps"), "CD": ("friction_dissipation",)}[full["method"]]  # fields of the other method only
-        self.names = [n for n, f in schema.HISTORY.items() if (full["method"] in f.methods or not f.methods) and n not in other]
+        self.partial = self.path.with_suffix(reader.PARTIAL_SUFFIX)
+        self.names = [name for name, field in schema.HISTORY.items() if full["method"] in field.methods]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.bounds = Bounds(full, scene.load is not None)
         self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
@@ -51,7 +49,7 @@ class Recorder:
         else:
             self._new_file(checkpoint_samples)
         self.written = time.monotonic()
-        self._write(self.partial)
+        sealed.write(self.partial, self.image())
 
     def _new_file(self, checkpoint_samples):
         self.file.attrs.update({
@@ -65,16 +63,17 @@ class Recorder:
             column.attrs["unit"] = schema.HISTORY[name].unit
 
     def image(self):
-        """Return the content of the file so far, for a checkpoint."""
-        self._write_rows()
+        """Return the content of the file so far, in bytes."""
+        table = np.array(self.rows, float).reshape(-1, len(self.names))
+        for name, values in zip(self.names, table.T):
+            column = self.file[f"history/{name}"]
+            first = len(column)
+            column.resize((first + len(values),))
+            column[first:] = values
+        self.rows.clear()
         self.file.flush()
         self.seconds, self.started = self._elapsed(), _clocks()
         return self.memory.getvalue()
-
-    def _write(self, path):
-        if self.file:  # not closed yet
-            self.file.flush()
-        sealed.write(path, self.memory.getvalue())
 
     def _elapsed(self):
         """Return (computing time, processor time) [s] of the run, without what an interruption has lost."""
@@ -89,11 +88,8 @@ class Recorder:
         if self.count in self.scene.snapshots:
             self._snapshot(row)
         self.count += 1
-        if len(self.rows) == ROWS_AT_ONCE:
-            self._write_rows()
         if time.monotonic() - self.written > SECONDS:
-            self._write_rows()
-            self._write(self.partial)
+            sealed.write(self.partial, self.image())
             self.written = time.monotonic()
         self.progress((self.count - 1) / self.scene.samples)
         self.bounds.look(row, O.iter, row["max_penetration"] if self.full["method"] == "MD" else hooks.engine("ContactDynamics").deepestPenetration)
@@ -106,12 +102,13 @@ class Recorder:
             raise
 
     def _measure(self):
-        contacts = observe.Contacts()
-        row = {"time": O.time, "cycle": O.time / self.full["period"], "contacts": len(contacts), "sliding_contacts": contacts.sliding(),
+        normal, tangential, friction, overlap = observe.loaded_contacts()
+        row = {"time": O.time, "cycle": O.time / self.full["period"],
+               "contacts": len(normal), "sliding_contacts": int(np.count_nonzero(schema.is_sliding(normal, tangential, friction))),
                "kinetic_energy": utils.kineticEnergy(), "unbalanced_force": utils.unbalancedForce()}
         row |= zip(("wall_clock", "processor_time"), self._elapsed())
         row |= self._box()
-        row |= self._cd(row) if self.full["method"] == "CD" else self._md(row, contacts)
+        row |= self._cd() if self.full["method"] == "CD" else self._md(row) | {"max_penetration": max(overlap, default=0.0)}
         return row
 
     def _box(self):
@@ -126,20 +123,19 @@ class Recorder:
         return {"sigma1": sigma[0], "sigma2": sigma[1], "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": strain[0],
                 "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
 
-    def _md(self, row, contacts):
+    def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""
-        stored, friction = contacts.stored_energy(), self.scene.losses.friction()
-        gone = friction + self.scene.losses.dashpots()
+        stored, friction = observe.stored_energy(), md.friction_dissipation(self.full, self.scene.load is not None)
+        gone = friction + hooks.engine("DashpotWork").work
         if math.isnan(friction):
             weights = self.full["gravity"] * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
             held = stored + row["kinetic_energy"] + weights - row["wall_work"]
             if self.reference is None:
                 self.reference = held
             gone = self.reference - held
-        return {"stored_energy": stored, "dissipated_energy": gone, "friction_dissipation": friction,
-                "max_penetration": max(contacts.overlap, default=0.0)}
+        return {"stored_energy": stored, "dissipated_energy": gone, "friction_dissipation": friction}
 
-    def _cd(self, row):
+    def _cd(self):
         engine = hooks.engine("ContactDynamics")
         return {"stored_energy": 0.0, "dissipated_energy": engine.dissipatedEnergy, "max_penetration": engine.maxPenetration,
                 "iterations": engine.iterations, "residual": engine.residual, "residual_max": engine.largestResidual,
@@ -151,19 +147,8 @@ class Recorder:
         for name, array in observe.snapshot(self.scene.load is not None).items():
             group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
 
-    def _write_rows(self):
-        if not self.rows:
-            return
-        table = np.array(self.rows, float).reshape(-1, len(self.names))
-        for name, values in zip(self.names, table.T):
-            column = self.file[f"history/{name}"]
-            column.resize((column.shape[0] + len(values),))
-            column[-len(values):] = values
-        self.rows.clear()
-
     def close(self, failure=None, collapse=None):
         """End the file with its status; failure, collapse: the exception that ended the run. Return its known numbers, {name: reader.Known}."""
-        self._write_rows()
         for known in () if failure else self.scene.known:
             value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
             value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
@@ -174,7 +159,8 @@ class Recorder:
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
         known = reader.known(self.file)
+        self.image()
         self.file.close()
-        self._write(self.path)
+        sealed.write(self.path, self.memory.getvalue())
         self.partial.unlink(missing_ok=True)
         return known

@@ -2,7 +2,7 @@
 import math
 import random
 
-from yade import O
+from yade import O, Quaternion, utils
 
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies, deposit
@@ -13,7 +13,8 @@ from yade_scripts.scenes import Scene, method
 class Ground:
     """Places disks and boxes of the material `disk`, which has the row's friction.
 
-    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean. time [s]: length of the run. draw: random.Random of the seed.
+    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean. time [s]: length of the run. draw: random.Random of the
+    seed.
     """
 
     def __init__(self, full):
@@ -27,8 +28,9 @@ class Ground:
         return O.bodies[bodies.append_disk(place, radius, mass or bodies.disk_mass(radius, self.full), "disk", velocity, blocked)]
 
     def box(self, centre, half, angle=0.0, material="disk"):
-        """Append a fixed box as bodies.append_box does. Return its id."""
-        return bodies.append_box(centre, half, self.full, angle, material)
+        """Append a fixed box at (x, y) [m] of half sides (x, y) [m], as deep as the disks, turned by `angle` [rad] about z. Return its id."""
+        return O.bodies.append(utils.box((*centre, 0), (*half, self.full["depth"] / 2), Quaternion((0, 0, 1), angle), fixed=True, material=material,
+                                         color=(0.4, 0.4, 0.4)))
 
     def floor(self, length=None):
         """Append a floor with its surface at y = 0, `length` [m] to either side (default: ten mean radii). Return its id."""
@@ -49,23 +51,18 @@ class Ground:
         return force / parameters.stiffness(self.full) if self.full["method"] == "MD" else 0.0
 
 
-def set_step(full, largest):
-    """Set O.dt <= largest [s] so that samples fall on whole steps. Return the number of steps between two samples."""
+def scene(full, lightest=None, **more):
+    """Set O.dt for the bodies in O. Return a Scene that lasts for the cycles of the row.
+
+    lightest: mass [kg] that limits the step of the springs, by default that of the lightest body that can move. more: further attributes of the
+    Scene.
+    """
+    largest = full["cd_dt"]
+    if full["method"] == "MD":
+        lightest = lightest or min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
+        largest = full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
     every, O.dt = parameters.steps(full, largest)
-    return every
-
-
-def largest_step(full):
-    """Return the largest step [s] of the row's method for the bodies in O."""
-    if full["method"] == "CD":
-        return full["cd_dt"]
-    lightest = min(b.state.mass for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
-    return full["md_dt_factor"] * math.sqrt(lightest / parameters.stiffness(full))
-
-
-def scene(full, **more):
-    """Set O.dt for the bodies in O. Return a Scene that lasts for the cycles of the row. more: further attributes of the Scene."""
-    return Scene(every=set_step(full, largest_step(full)), samples=full["records_per_cycle"] * full["cycles"], **more)
+    return Scene(every=every, samples=full["records_per_cycle"] * full["cycles"], **more)
 
 
 def load_walls(full, scene, goals):
@@ -81,7 +78,7 @@ def load_walls(full, scene, goals):
 
 
 def small(full, known, **more):
-    """Set time step and engines for the bodies in O. Return a Scene without loaded walls. known: list of Known. more: further attributes of the Scene."""
+    """Set time step and engines for the bodies in O. Return a Scene without loaded walls. known: list of Known. more: its further attributes."""
     built = scene(full, known=known, **more)
     method(full).set_engines(full, built)
     return built

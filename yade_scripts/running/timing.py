@@ -4,10 +4,9 @@ import time
 from yade import O
 
 from yade_scripts import scenes
-from yade_scripts.running import hooks, walls
+from yade_scripts.running import hooks, md, walls
 
-
-RECORDING = {hooks.SAMPLING, hooks.SUMMING}
+RECORDING = frozenset((hooks.SAMPLING, hooks.SUMMING))
 
 
 def measures():
@@ -15,7 +14,7 @@ def measures():
     return any(engine.label == hooks.MEASURING for engine in O.engines)
 
 
-def run(scene, full, *also, without=frozenset(RECORDING)):
+def run(scene, full, *also, without=RECORDING):
     """Run the scene in O. Return the processor time [s] from the start of its first step to the end of its last.
 
     also: further engines, put first. without: labels of runners to leave out. A loaded sample ends when it collapses, as in a recorded run.
@@ -25,10 +24,17 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
     def clock():
         moments.append(time.thread_time())  # of the thread that makes the steps: what other programs do meanwhile does not count
 
-    if scene.losses is not None:
-        scene.losses.leave()
+    if full["method"] == "MD":
+        md.law().traceEnergy = False
     if scene.load is not None:
-        also += (hooks.runner(_stop_at(full["collapse_strain"], clock), iterPeriod=scene.every),)
+        sides = walls.sides()
+
+        def look():
+            if abs(walls.gamma(sides)) > full["collapse_strain"]:
+                clock()
+                hooks.stop()
+
+        also += (hooks.runner(look, iterPeriod=scene.every),)
     simulation = [engine for engine in O.engines if engine.label not in without]
     O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1), *also, *simulation,
                  hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
@@ -36,14 +42,3 @@ def run(scene, full, *also, without=frozenset(RECORDING)):
     if len(moments) < 2:
         raise RuntimeError(f"the run ended after {O.iter} of {steps} steps, so its time is unknown")
     return moments[-1] - moments[0]
-
-
-def _stop_at(strain, clock):
-    """Return a function that ends the run, and takes the time, once |gamma| of the loaded sample exceeds `strain`."""
-    first = walls.sides()
-
-    def look():
-        if abs(walls.gamma(first)) > strain:
-            clock()
-            hooks.stop()
-    return look

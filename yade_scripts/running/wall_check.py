@@ -8,11 +8,11 @@ TOLERANCE, SAMPLES = 0.05, 5
 LAST_SAMPLES, SHARE = 2, 0.25
 # Change of gamma, while the stress is off, that shows a yielding packing. Vibrating walls cause less (a locked servo 3e-4, see walls.servo).
 COLLAPSE_STEP = 2e-3
-# Once a packing has strained by this share of collapse_strain, walls that are pushed by forces may be off their goal: such walls cannot lock, and a
-# packing that has yielded so far swings back, stops and yields again.
+# Once a packing has strained by this share of collapse_strain, walls that are pushed by forces may be off their goal: such walls cannot lock, and
+# a packing that has yielded so far swings back, stops and yields again.
 GIVEN_WAY = 0.1
-# Largest accepted stress above its goal, in P0. A yielding packing carries less than its goal (the excess stayed below 1 in collapses of 100 disks with
-# both methods); walls that bounce to and fro exceed it by 20 and more if a flight is longer than COLLAPSE_STEP.
+# Largest accepted stress above its goal, in P0. A yielding packing carries less than its goal (the excess stayed below 1 in collapses of 100 disks
+# with both methods); walls that bounce to and fro exceed it by 20 and more if a flight is longer than COLLAPSE_STEP.
 EXCESS = 5
 
 
@@ -27,10 +27,10 @@ class Collapse(Exception):
 class LoadCheck:
     """Checks every sample of the history of a run of `samples` intervals.
 
-    The sample has collapsed if |gamma| exceeds collapse_strain. A wrong stress alone is no collapse, since a yielding packing may stop and carry its load
-    again. The walls do not work if the stress is wrong while gamma stays within its former range, or if the stress is far above its goal. Walls pushed
-    by forces may have a wrong stress while a packing that has yielded accelerates and stops. But the mean of this error has to vanish,
-    since it is the change of the walls' momentum.
+    The sample has collapsed if |gamma| exceeds collapse_strain. A wrong stress alone is no collapse, since a yielding packing may stop and carry its
+    load again. The walls do not work if the stress is wrong while gamma stays within its former range, or if the stress is far above its goal. Walls
+    pushed by forces may have a wrong stress while a packing that has yielded accelerates and stops. But the mean of this error has to vanish, since
+    it is the change of the walls' momentum.
     """
 
     def __init__(self, full, samples):

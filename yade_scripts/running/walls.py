@@ -68,9 +68,9 @@ def stress_error(p0):
 def servo(goal, damping_ratio, mass, kn, max_velocity):
     """Return YADE's TriaxialStressController in 2D, which holds (sigma1, sigma2) = goal [Pa].
 
-    In each step it moves a wall by the stress error over the wall's stiffness. It does not know that dashpots of ratio beta act as a further stiffness
-    of 2 beta tau/dt (tau = sqrt(m/k_n)), which raises its gain. Measured: at a gain of 2.1 the walls reverse their motion for ever at their largest
-    velocity, without visible strain; up to 1.4 they are stable. stressDamping limits the gain to 1 here.
+    In each step it moves a wall by the stress error over the wall's stiffness. It does not know that dashpots of ratio beta act as a further
+    stiffness of 2 beta tau/dt (tau = sqrt(m/k_n)), which raises its gain. Measured: at a gain of 2.1 the walls reverse their motion for ever at their
+    largest velocity, without visible strain; up to 1.4 they are stable. stressDamping limits the gain to 1 here.
     """
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
     length_x, length_y = sides()
@@ -92,60 +92,50 @@ def set_free(mass):
 
 
 class Load:
-    """Applies goals(t) -> (sigma1, sigma2) at every call of `apply` and sums the work done on the sample."""
+    """Applies goals(t) -> (sigma1, sigma2) at every call of `apply` and sums the work done. Forces and positions are those of x-, x+, y-, y+."""
 
-    def __init__(self, goals, lead=0.0):
-        """lead: time [s] ahead of O.time at which the load is evaluated; half a step for an implicit scheme."""
-        self.goals, self.lead = goals, lead
+    def __init__(self, goals, implicit=False):
+        """implicit: of Contact Dynamics, where a load holds throughout its step; it is that of the middle of the step."""
+        self.goals, self.implicit, self.lead = goals, implicit, O.dt / 2 if implicit else 0.0
         self.goal = goals(0.0)
         self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
 
     def apply(self):
         """Apply the load of now, and add the work since the last call."""
-        moved, before = self._moved(), self._forces
         self.goal = self.goals(O.time + self.lead)
-        self._forces = self._push()
-        self._sum, self._positions = self._sum + self._work(before, self._forces, moved), faces()
+        forces = self._push()
+        self._sum += self._work(forces)
+        self._positions, self._forces = faces(), forces
 
-    def _moved(self):
-        """Return the displacements [m] of x-, x+, y-, y+ since the last update."""
-        return [now - before for now, before in zip(faces(), self._positions)]
+    def work(self):
+        """Return the work so far [J]."""
+        return self._sum + self._work(self._now())
+
+    def _work(self, forces):
+        """Return the work [J] since the last call of `apply`, by the trapezoidal rule if not implicit; forces [N]: those of now."""
+        moved = [now - before for now, before in zip(faces(), self._positions)]
+        return total((before if self.implicit else (before + now) / 2) * way for before, now, way in zip(self._forces, forces, moved))
 
 
 class ServoLoad(Load):
-    """Gives the goals to a TriaxialStressController. Its runner stands between the contact loop and the controller."""
+    """Gives the goals to a TriaxialStressController. Its runner stands between contact loop and controller. The work is that on the sample."""
 
     def __init__(self, goals, controller):
         super().__init__(goals)
         self.controller = controller
 
-    @staticmethod
-    def _contact_forces():
-        """Return the forces [N] of the disks on x-, x+, y-, y+."""
-        return [O.forces.f(wall)[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
-
     def _push(self):
         self.controller.goal1, self.controller.goal2 = -self.goal[0], -self.goal[1]
-        return self._contact_forces()
+        return self._now()
 
-    def _work(self, before, after, moved):
-        """Return the work on the sample [J]: trapezoidal rule on the contact forces on the four walls."""
-        return -total((f + g) / 2 * x for f, g, x in zip(before, after, moved))
-
-    def work(self):
-        """Return the work on the sample so far [J]."""
-        return self._sum + self._work(self._forces, self._contact_forces(), self._moved())
+    def _now(self):
+        """Return the forces [N] of the walls on the disks."""
+        return [-O.forces.f(wall)[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
 
 
 class ForceLoad(Load):
-    """Pushes the free walls x+ and y+ by stress times area. Its runner stands before the integrator and acts at every step.
-
-    implicit: of Contact Dynamics, where a push holds throughout its step. In leapfrog it acts from half a step before to half a step after.
-    """
-
-    def __init__(self, goals, implicit=False):
-        super().__init__(goals, lead=O.dt / 2 if implicit else 0.0)
-        self.implicit = implicit
+    """Pushes the free walls x+ and y+ by stress times area. Its runner stands before the integrator and acts at every step. The work is that on the
+    sample and the mass of the walls. In leapfrog a push acts from half a step before to half a step after."""
 
     def _push(self):
         push = [-stress * area for stress, area in zip(self.goal, areas())]
@@ -153,10 +143,5 @@ class ForceLoad(Load):
         O.forces.addF(Y_HIGH, (0, push[1], 0))
         return [0.0, push[0], 0.0, push[1]]
 
-    def _work(self, before, after, moved):
-        """Return the work on the sample and the mass of the walls [J]."""
-        return total((f if self.implicit else (f + g) / 2) * x for f, g, x in zip(before, after, moved))
-
-    def work(self):
-        """Return the work on the sample and the mass of the walls so far [J]."""
-        return self._sum + self._work(self._forces, self._forces, self._moved())
+    def _now(self):
+        return self._forces

@@ -68,8 +68,8 @@ class Scene:
     """A scene that has been built in O and is ready to run.
 
     every: steps between two samples. samples: number of these intervals; the scene ends after every * samples steps (MD makes one more).
-    load: walls.Load, or None if no wall is loaded. losses: losses.Losses, in MD. snapshots: numbers of the samples at which all
-    disks and contacts are stored. known: list of Known.
+    load: walls.Load, or None if no wall is loaded. snapshots: numbers of the samples at which all disks and contacts are
+    stored. known: list of Known.
     extra: quantities of this scene only, {name: (unit, meaning, array)}; a function instead of the array is called after the last
     step. observer: called at every sample. kept: {name: list} of the lists in which the scene's functions collect values; checkpoints store them.
     None if the scene cannot be resumed, because its functions hold objects of YADE or it has permanent forces.
@@ -77,7 +77,6 @@ class Scene:
     every: int
     samples: int
     load: object = None
-    losses: object = None
     state_sha256: str = ""
     snapshots: set = field(default_factory=set)
     known: list = field(default_factory=list)
@@ -111,7 +110,8 @@ def names():
 
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
-    return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"), {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None})
+    return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
+                         {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None, "check": lambda full: None})
 
 
 def method(full):

@@ -19,8 +19,8 @@ TITLE = "Arch of three disks"
 KIND = "piles at rest"
 HORIZON = "About ten times sqrt(R/g), 0.3 s: one arch rests, the other falls as computed, until a lateral error has grown or its key meets the floor."
 LEFT_OUT = "a gradual start of the load: the disks touch without force at time 0. The springs then oscillate, the tangential ones without damping"
-DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, cd_dt=1e-3, records_per_cycle=10,
-                tolerance=1e-12, max_iterations=1000000)
+DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, records_per_cycle=10, tolerance=1e-12,
+                max_iterations=10**6)
 PARAMETERS = (Parameter("arch_margin", 0.05, "1", "by how much one arch needs less than mu and the other more", low=1e-6, high=0.5),)
 CHART = Chart(rolling=True)
 
@@ -76,5 +76,5 @@ def build(full, folder):
     exact = fall(full, flat)
     standing, falling = arch(0, rise(mu * (1 - full["arch_margin"]))), arch(apart, flat)
     return stage.small(full, [
-        Known("standing", "m", 0.0, standing, scale=exact, source="statics, in the scene's own words; against the other arch's fall"),
-        Known("falling", "m", exact, falling, source="dynamics of the key sliding between rolling disks, in the scene's own words")])
+        Known("standing", "m", 0.0, standing, scale=exact, source="statics, see the file of the scene; scale: the other arch's fall"),
+        Known("falling", "m", exact, falling, source="dynamics of the key sliding between rolling disks, see the file of the scene")])

@@ -1,4 +1,4 @@
-"""The paper's experiment: a packing prepared under P0, then sigma2 changed (eqs. 1 and 7, Figs. 3 to 5) while sigma1, or the mean stress, stays P0."""
+"""The paper's experiment: a packing is prepared under P0, then sigma2 changes (eqs. 1 and 7, Figs. 3 to 5); sigma1 or the mean stress stays P0."""
 
 TITLE = "Biaxial test of a dense packing"
 KIND = "dense packings under load"

@@ -6,7 +6,7 @@ TITLE = "Bounce of a disk off a floor"
 KIND = "impacts"
 HORIZON = "Any time after the bounce: nothing acts on the disk any more."
 LEFT_OUT = "gravity and rotation: the impact is central, neither has a part in the speed after it"
-DEFAULTS = dict(method="CD", restitution=0.5, gravity=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+DEFAULTS = dict(method="CD", restitution=0.5, period=0.1, records_per_cycle=10, tolerance=1e-13)
 CHART = Chart(physics=("beta_n",))
 
 

@@ -18,8 +18,7 @@ METHODS = ("CD",)
 HORIZON = "From half a period to a few decay times of the oscillation; then the row is at rest."
 LEFT_OUT = "motion across the row; the scene is about the sweeps of CD, of which springs make none"
 # 200 steps: more than five periods of the row of 50 disks at 40 sweeps.
-DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, cd_dt=1e-3, period=0.2,
-                records_per_cycle=200)
+DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, friction=0.0, fixed_iterations=40, solver_seed=1, period=0.2)
 
 SOURCE = "damped elastic rod of effective_medium.py (Unger et al. 2002), a theory of long waves, good to a few per cent"
 STRAIN = 1e-5  # of the row at rest under the force, small enough for the linear theory

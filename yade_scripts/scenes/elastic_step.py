@@ -30,6 +30,7 @@ def build(full, folder):
     springs = elastic.strain(p0 * full["delta_sigma"])
     scene.known = [
         Known("gamma", "1", springs if full["method"] == "MD" else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
-              source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; both against the former"),
-        Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"], source="the prescribed load; scale: its step")]
+              source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; scale: the strain of the springs"),
+        Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"],
+              source="the prescribed load; scale: its step")]
     return scene

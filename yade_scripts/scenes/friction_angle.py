@@ -15,7 +15,7 @@ TITLE = "Blocks just below and just above the friction angle"
 KIND = "sliding and rolling"
 HORIZON = "Any time: one block rests, the other's acceleration is constant."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
-DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, records_per_cycle=10, tolerance=1e-13)
 PARAMETERS = (Parameter("margin", 0.01, "1", "by how much one body is below the limit of friction and the other above it", low=1e-6, high=0.5),)
 CHART = Chart()
 
@@ -40,5 +40,5 @@ def build(full, folder):
 
     below, above = block(0, math.atan(full["friction"] * (1 - full["margin"]))), block(4 * length, steep)
     return stage.small(full, [
-        Known("below", "m/s^2", 0.0, below, scale=sliding, source="Coulomb: rest while tan t <= mu; against the other block's acceleration"),
+        Known("below", "m/s^2", 0.0, below, scale=sliding, source="Coulomb: rest while tan t <= mu; scale: the other block's acceleration"),
         Known("above", "m/s^2", sliding, above, source="Coulomb: g (sin t - mu cos t)")])

@@ -14,7 +14,7 @@ KIND = "dense packings under load"
 METHODS = ("CD",)
 HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly except the balance of forces."
 LEFT_OUT = "motion; and springs, whose forces are determined by the positions of the grains"
-DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4, records_per_cycle=200)
+DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4)
 
 
 def check(full):

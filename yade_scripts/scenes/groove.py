@@ -22,8 +22,9 @@ TITLE = "Disk in a groove under a torque"
 KIND = "sliding and rolling"
 HORIZON = "Any time: the acceleration is constant. A jammed disk rests because one of the solutions is rest; a disk that already spins need not stop."
 LEFT_OUT = "a gradual start of the torque: it acts fully from time 0. The springs then oscillate, the tangential ones without damping"
-DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-12)
-PARAMETERS = (Parameter("torque_margin", 0.05, "1", "by how much one disk's torque is below the critical one and the other's above it", low=1e-6, high=0.5),)
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, records_per_cycle=10, tolerance=1e-12)
+PARAMETERS = (Parameter("torque_margin", 0.05, "1", "by how much one disk's torque is below the critical one and the other's above it",
+                        low=1e-6, high=0.5),)
 CHART = Chart()
 
 
@@ -73,6 +74,6 @@ def build(full, folder):
 
     below, above = turning(0, 1 - full["torque_margin"]), turning(6 * length, 1 + full["torque_margin"])
     return stage.small(full, [
-        Known("below", "1/s^2", 0.0, below, scale=spinning, source="balance; against the other disk's angular acceleration"),
+        Known("below", "1/s^2", 0.0, below, scale=spinning, source="balance; scale: the other disk's angular acceleration"),
         Known("above", "1/s^2", 0.0 if regime(full) == "jam" else spinning, above, scale=spinning,
-              source="balance with Coulomb's law at sliding contacts, in the scene's own words")])
+              source="balance with Coulomb's law at sliding contacts, see the file of the scene")])

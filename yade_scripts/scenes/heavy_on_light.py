@@ -11,8 +11,8 @@ TITLE = "Heavy disk on a light one"
 KIND = "piles at rest"
 HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after a few 2M/(beta sqrt(m k_n)) from touching without force."
 LEFT_OUT = "motion sideways and rotation, which are blocked, since the column is unstable"
-DEFAULTS = dict(method="CD", disks=2, radius_spread=0.0, friction=0.0, beta_n=0.5, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10,
-                tolerance=1e-12, max_iterations=1000000)
+DEFAULTS = dict(method="CD", disks=2, radius_spread=0.0, friction=0.0, beta_n=0.5, gravity=9.81, period=0.5, records_per_cycle=10, tolerance=1e-12,
+                max_iterations=10**6)
 PARAMETERS = (Parameter("mass_ratio", 100.0, "1", "mass of the upper disk over that of the lower", low=1e-8, high=1e8),)
 CHART = Chart()
 

@@ -7,7 +7,7 @@ TITLE = "Block on a slope"
 KIND = "sliding and rolling"
 HORIZON = "Any time: the acceleration is constant. MD's block swings on its tangential spring, which it loads at the start and nothing damps."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
-DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, records_per_cycle=10, tolerance=1e-13)
 CHART = Chart()
 
 
@@ -27,4 +27,4 @@ def build(full, folder):
     driving, holding = math.sin(t), full["friction"] * math.cos(t)
     exact = full["gravity"] * math.copysign(max(abs(driving) - holding, 0), driving)
     return stage.small(full, [Known("acceleration", "m/s^2", exact, acceleration, scale=full["gravity"] * abs(driving) or 1.0,
-                                    source="Coulomb: g (sin t - mu cos t), 0 where tan t <= mu; against g sin t")])
+                                    source="Coulomb: g (sin t - mu cos t), 0 where tan t <= mu; scale: g sin t")])

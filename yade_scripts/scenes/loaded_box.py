@@ -8,8 +8,7 @@ TITLE = "Square lattice in a loaded box"
 KIND = "piles at rest"
 HORIZON = "Any time: nothing moves."
 LEFT_OUT = "gravity, which the balance of the walls does not need; MD starts with its springs compressed by P0"
-DEFAULTS = dict(method="CD", disks=100, radius_spread=0.0, period=0.1, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-11,
-                max_iterations=1000000)
+DEFAULTS = dict(method="CD", disks=100, radius_spread=0.0, period=0.1, records_per_cycle=10, tolerance=1e-11, max_iterations=10**6)
 CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 

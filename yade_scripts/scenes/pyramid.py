@@ -10,10 +10,11 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Pyramid of disks"
 KIND = "piles at rest"
-HORIZON = "Once the contacts carry the weights, for any time: CD's first step, MD after its normal springs have come to rest from touching without force."
+HORIZON = ("Once the contacts carry the weights, for any time: CD's first step, MD after its normal springs have come to rest from touching "
+           "without force.")
 LEFT_OUT = "the single forces, which are not unique for rigid contacts: any admissible set of them is right"
-DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, cd_dt=1e-3, records_per_cycle=10,
-                tolerance=1e-12, max_iterations=1000000)
+DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, records_per_cycle=10, tolerance=1e-12,
+                max_iterations=10**6)
 PARAMETERS = (Parameter("rows", 5, "1", "of the pyramid that are free, and disks in the lowest of them", low=1, high=100),)
 CHART = Chart(rolling=True)
 
@@ -53,5 +54,6 @@ def build(full, folder):
 
     return stage.small(full, [
         Known("worst_row_error", "1", 0.0, worst_row, source="balance of everything above a row: its weight, no horizontal force"),
-        Known("centre_of_pressure", "m", 0.0, lambda: across(0)[2] / across(0)[1] * radius, scale=radius, source="moment of the weights, which are symmetric"),
+        Known("centre_of_pressure", "m", 0.0, lambda: across(0)[2] / across(0)[1] * radius, scale=radius,
+              source="moment of the weights, which are symmetric"),
         Known("motion", "m", 0.0, moved, scale=radius, source="rigid disks do not give way")])

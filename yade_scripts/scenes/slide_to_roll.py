@@ -5,7 +5,7 @@ TITLE = "Disk that slides, then rolls"
 KIND = "sliding and rolling"
 HORIZON = "From speed/(3 mu g) on, when it rolls, for any time: nothing slows it then."
 LEFT_OUT = "rolling friction, which rigid round contacts do not have"
-DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=1.0, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, records_per_cycle=10, tolerance=1e-13)
 CHART = Chart()
 
 
@@ -17,6 +17,6 @@ def build(full, folder):
     ground.floor(2 * full["speed"] * ground.time + 10 * radius)
     state = ground.disk((0, radius - ground.sag(ground.mass * full["gravity"])), velocity=(full["speed"], 0)).state
     return stage.small(full, [
-        Known("final_speed", "m/s", 2 / 3 * full["speed"], lambda: state.vel[0], scale=full["speed"], source="angular momentum about the contact point, I = m R^2/2"),
-        Known("slip", "m/s", 0.0, lambda: state.vel[0] + radius * state.angVel[2], scale=full["speed"], source="rolling: v = -omega R"),
-    ])
+        Known("final_speed", "m/s", 2 / 3 * full["speed"], lambda: state.vel[0], scale=full["speed"],
+              source="angular momentum about the contact point, I = m R^2/2"),
+        Known("slip", "m/s", 0.0, lambda: state.vel[0] + radius * state.angVel[2], scale=full["speed"], source="rolling: v = -omega R")])

@@ -6,7 +6,7 @@ TITLE = "Stopping distance of a block"
 KIND = "sliding and rolling"
 HORIZON = "From speed/(mu g) on, when it has stopped, for any time."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
-DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=0.5, cd_dt=1e-3, records_per_cycle=10, tolerance=1e-13)
+DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, period=0.5, records_per_cycle=10, tolerance=1e-13)
 CHART = Chart()
 
 
@@ -28,5 +28,4 @@ def build(full, folder):
     state = ground.disk((0, height), velocity=(full["speed"], 0), blocked="zXYZ").state
     return stage.small(full, [
         Known("distance", "m", distance, lambda: state.pos[0], source="work of friction: v^2/(2 mu g)"),
-        Known("speed_at_rest", "m/s", 0.0, lambda: state.vel[0], scale=full["speed"], source="Coulomb: friction stops it and holds it"),
-    ])
+        Known("speed_at_rest", "m/s", 0.0, lambda: state.vel[0], scale=full["speed"], source="Coulomb: friction stops it and holds it")])

@@ -17,14 +17,14 @@ import math
 
 from yade_scripts import parameters
 from yade_scripts.parameters import ParameterError
-from yade_scripts.scenes import Chart, Known, Scene
+from yade_scripts.scenes import Chart, Known
 
 TITLE = "Closed path of two disks"
 KIND = "closed paths"
 METHODS = ("MD",)
 HORIZON = "Whole paths, any number of them while nothing slips."
 LEFT_OUT = "inertia and spins, since the motion of the disks is prescribed; CD, since rigid contacts store no force along a path"
-DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, period=1.0, records_per_cycle=40)
+DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, records_per_cycle=40)
 CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
 SOURCE = "McNamara et al. 2008, and the error of YADE's first-order rotation; see the file of the scene"
@@ -47,10 +47,9 @@ def build(full, folder):
     ground = stage.Ground(full)
     disks = [ground.disk(place, radius=full["radius_mean"] * (1 + sign * full["radius_spread"]), blocked="xyzXYZ")
              for place, sign in (((0, 0), -1), (path.place(0, 0), 1))]
-    every = stage.set_step(full, full["md_dt_factor"] * math.sqrt(min(disk.state.mass for disk in disks) / parameters.stiffness(full)))
-    scene = Scene(every=every, samples=full["records_per_cycle"] * full["cycles"])
+    scene = stage.scene(full, lightest=min(disk.state.mass for disk in disks))
     md.set_engines(full, scene)
-    lead = Lead(O, path, every * full["records_per_cycle"], full["cycles"])
+    lead = Lead(O, path, scene.every * full["records_per_cycle"], full["cycles"])
     # Between the forces and the motion, so that the velocity at the next force is the one that has brought the disk there.
     O.engines = O.engines[:-1] + [hooks.runner(lead.step, iterPeriod=1, initRun=True)] + O.engines[-1:]
     force, work = path.left(lead.steps // 4)

@@ -1,8 +1,8 @@
 """Stiffness, damping and motion of the elastic medium that rigid contacts form under too few Gauss-Seidel sweeps a step. Needs no YADE.
 
-In N_I sweeps a force spreads by diffusion (D = q d^2 a sweep), over a length that is shorter than the sample. For motion that varies slowly over this length
-they change the impulse of a contact in a step by only -q m N_I u_n (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002); Unger and
-Kertesz, cond-mat/0211696). With two kinds of settings this acts as a spring kappa = q m N_I/dt^2 with a dashpot q m N_I/dt:
+In N_I sweeps a force spreads by diffusion (D = q d^2 a sweep), over a length that is shorter than the sample. For motion that varies slowly over
+this length they change the impulse of a contact in a step by only -q m N_I u_n (Unger, Brendel, Wolf and Kertesz, Phys. Rev. E 65, 061305 (2002);
+Unger and Kertesz, cond-mat/0211696). With two kinds of settings this acts as a spring kappa = q m N_I/dt^2 with a dashpot q m N_I/dt:
 
   memory   warm start, gap_correction 0: impulses add up from step to step, as the force of a spring does from its rate
   overlap  cold start, gap_correction 1: the impulse of each step, -q m N_I (u_n + gap/dt), depends on the overlap itself

@@ -10,9 +10,9 @@ from scipy.sparse import linalg
 
 from yade_scripts.preparing import bodies
 from yade_scripts.running import md_step, walls
+from yade_scripts.theory.statics import FREE_WALLS
 
 SOFT = 1e-15  # over the stiffest
-FREE_WALLS = ((walls.X_HIGH, 0), (walls.Y_HIGH, 1))
 
 
 def stiffness_matrix():
