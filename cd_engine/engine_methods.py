@@ -18,7 +18,6 @@ def exportProblem(self, path, bodies=False):
     the scene changes. External forces are gravity and the permanent ones (O.forces.setPermF); what engines add in the course of a step is not
     known before it, and is left out.
     """
-    from yade import O
     if _runs_besides():
         raise RuntimeError("ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
                            "engine of the run (PyRunner)")
