@@ -136,7 +136,8 @@ bool OtherEngines::looks(yade::Scene* scene) const
 			continue;
 		// A periodic engine that has run before may have set itself dead in that step.
 		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;
-		if (hasRun || (!other.dead && (other.before ? isDue(other.engine, iteration + 1, time + scene_dt(scene)) : isDue(other.engine, iteration, time))))
+		const int later = other.before ? 1 : 0; // its turn comes in the next step
+		if (hasRun || (!other.dead && isDue(other.engine, iteration + later, time + later * scene_dt(scene))))
 			return true;
 	}
 	return false;
