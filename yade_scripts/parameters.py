@@ -68,7 +68,7 @@ class Parameter:
 
 
 # Version of what the defaults mean, here and in the scenes: part of the name of every run.
-MEANING = 1
+MEANING = 2
 
 REGISTRY = {p.name: p for p in (
     Parameter("scene", "biaxial", "1", "what is simulated", choices=scenes.names()),
@@ -119,7 +119,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),
     Parameter("cd_dt", 1e-3, "s", "largest CD step", above=0, high=1, method="CD"),
     # The contact solver: attributes of ContactDynamics.
-    Parameter("method_cd", "accelerated", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
+    Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
     Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", above=0, high=1, method="CD"),
     Parameter("max_iterations", 20000, "1", "sweeps after which a CD step counts as not converged", low=1, high=2**31 - 1, method="CD"),
     Parameter("fixed_iterations", 0, "1", "if positive: exactly so many plain sweeps a step without any test, whatever method_cd says (CD that is "

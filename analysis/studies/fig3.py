@@ -16,7 +16,7 @@ ORDER = 2  # in the report
 # gives sigma2 only: sigma1 = P0, as in its eq. 1, or the mean stress P0 are both read from it.
 LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0)
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
-RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-8, method_cd="auto", **LOADING)
+RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-8, **LOADING)
 LOADS = {"mean": (0.1, 0.2, 0.3, 0.4, 0.5), "constant": (0.1, 0.2, 0.3, 0.4, 0.5, 0.8, 1.2)}
 SEEDS = range(1, 6)
 # Cycles after which runs of both methods are compared: as many as the shorter ones have.

@@ -14,7 +14,7 @@ QUESTION = ("Do rigid grains rest under a changed load because many force networ
 ORDER = 8  # in the report
 LOADING = dict(loading="triangle", period=1.0, wall_mass_ratio=1.0)
 LOAD, SMALLER = 0.02, 0.005  # over P0; the smaller one is below the static limits of all packings
-METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, method_cd="auto", **LOADING))
+METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, **LOADING))
 ROWS = {"quick": [row for method in METHODS for row in product(stiffening=(1, 100), friction=0.0, delta_sigma=LOAD, **method)],
         "full": [row for method in METHODS for packings in (dict(stiffening=(1, 10, 100, 600), friction=(0.0, 0.1), delta_sigma=LOAD),
                                                             dict(stiffening=600, friction=0.0, delta_sigma=SMALLER))

@@ -5,7 +5,7 @@ import numpy as np
 import pandas
 
 from analysis import publish, style, summary
-from analysis.studies.flows import COARSE, FINE, QUANTITY, SOFT, STIFF, measured
+from analysis.studies.flows import QUANTITY, SOFT, STIFF, measured
 from yade_scripts import parameters
 from yade_scripts.results import reader
 from yade_scripts.tables import product
@@ -20,8 +20,10 @@ WORDS = {"filling": "filling of a box", "hopper": "a silo runs empty", "drum": "
 FILLING = dict(scene="filling", seed=1)
 SILO, DRUM = dict(scene="hopper", seed=1, slot=100.0), dict(scene="drum", seed=1)
 COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
-# Speeds and depths grow, too: a disk goes as far in 1 ms as one of 5000 disks in 1.8 ms.
-MEDIUM = dict(method="CD", cd_dt=1e-3, tolerance=1e-2)
+# Speeds and depths grow, too: a disk goes as far in 1 ms as one of 5000 disks in 1.8 ms. Newton's method is not tried for so many disks, so that sweeps
+# have to be enough.
+COARSE, MEDIUM, FINE = (dict(method="CD", max_iterations=20000) | dict(cd_dt=step, tolerance=tolerance)
+                        for step, tolerance in ((2e-3, 1e-2), (1e-3, 1e-2), (1e-3, 1e-3)))
 MANY, FEWER = 50000, 5000
 # Springs of 2e7 N/m take more than 1000 s for a second. So they get a window from the start; longer runs of rigid contacts have a sample at its end.
 WINDOW = 0.2  # s

@@ -54,7 +54,7 @@ HISTORY = _table(
     Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
     Field("max_penetration", "m", "largest overlap; in CD beyond the reference gap of the start"),
     Field("wall_clock", "s", "computing time since the start of the run"),
-    Field("processor_time", "s", "processor time since the start of the run, of all threads", optional=True),
+    Field("processor_time", "s", "processor time since the start of the run, of all threads, without that of the samples", optional=True),
     Field("iterations", "1", "sweeps of the step", methods=("CD",)),
     Field("residual", "1", "error e of the step's contact problem", methods=("CD",)),
     Field("sigma1_goal", "Pa", "sigma1 the loading asks for", optional=True),

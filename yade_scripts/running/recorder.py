@@ -81,6 +81,13 @@ class Recorder:
 
     def sample(self):
         """Write one row of the history, at some samples a snapshot. Raise Collapse, StressError or OutOfBounds where the run has to end."""
+        begin = time.process_time()
+        try:
+            self._sample()
+        finally:  # a scene without records would not spend this time
+            self.started = self.started[0], self.started[1] + time.process_time() - begin
+
+    def _sample(self):
         if self.count == 0 and self.full["method"] == "MD":
             md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
         row = self._measure()
