@@ -1,13 +1,21 @@
 """Measures the cost of a step of packings at rest: hexagonal packings under gravity, by Contact Dynamics and by YADE's springs.
 
+    yade -n -x yade_scripts/measuring/benchmark/step.py '{"rows": 20, "columns": 2000, "tolerance": 1e-4, "steps": 100, "order": "built"}'
+
 Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact
 Dynamics comes first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS
 runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and the same runs. Times are processor time, medians over the runs;
-nothing is recorded in them. Each run begins with a search by YADE's collider and ends with writing all contacts to the scene; both count.
+nothing is recorded in them.
+    A run of Contact Dynamics begins with a search by YADE's collider and ends with writing all contacts to the scene. Runs of one step tell what
+    this costs, so that the cost of a step is that of a long run, and the cost of a run stands by itself.
+    Two threads: wall-clock time of the same runs with one thread over that with two, in turn, medians; of the steps and of the solver alone.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
-Memory: what the scene adds to the process per disk, and what engine, collider and interactions add from there on per contact.
+    At rest: as many disks, up to RESTING, lie side by side on a floor and do not touch. A step is timed when all of them sleep.
+Memory: what the scene adds to the process per disk; what YADE's collider and interactions for springs add
+per contact; what Contact Dynamics adds to these, which it uses, too.
 """
 import math
+import os
 import random
 import time
 
@@ -25,62 +33,111 @@ YOUNG = 1e7        # of the springs [Pa]
 RUNS = 5           # over which the median is taken
 SETTLING = 20      # steps
 SETTLED = 1e-6     # tolerance to which a packing settles first, at most
+RESTING = 40000    # most disks of the scene at rest
+
+
+def scene():
+    """Begin a scene with a material and no bodies."""
+    O.reset()
+    O.materials.append(w.FrictMat(young=YOUNG, poisson=0.3, density=1000, frictionAngle=math.atan(FRICTION)))
+
+
+def wall(centre, half):
+    O.bodies.append(utils.box((*centre, 0), (*half, 0.5), fixed=True, material=0))
+
+
+def disk(x, y):
+    body = utils.sphere((x, y, 0), RADIUS, material=0)
+    body.state.mass, body.state.inertia, body.state.blockedDOFs = MASS, (MASS * RADIUS**2 / 2,) * 3, "zXY"
+    O.bodies.append(body)
 
 
 def build(rows, columns, order):
-    """Build the scene: the tray, and the disks row by row or shuffled."""
-    O.reset()
-    O.materials.append(w.FrictMat(young=YOUNG, poisson=0.3, density=1000, frictionAngle=math.atan(FRICTION)))
+    """Build the tray, and the disks row by row or shuffled."""
+    scene()
     width, height = (2 * columns + 1) * RADIUS, rows * math.sqrt(3) * RADIUS + 2 * RADIUS
     for centre, half in (((width / 2, -0.05), (width, 0.05)), ((-0.05, height / 2), (0.05, height)), ((width + 0.05, height / 2), (0.05, height))):
-        O.bodies.append(utils.box((*centre, 0), (*half, 0.5), fixed=True, material=0))
+        wall(centre, half)
     places = [((2 * c + 1 + r % 2) * RADIUS, RADIUS + r * math.sqrt(3) * RADIUS) for r in range(rows) for c in range(columns)]
     if order == "shuffled":
         random.Random(1).shuffle(places)
     for place in places:
-        disk = utils.sphere((*place, 0), RADIUS, material=0)
-        disk.state.mass, disk.state.inertia, disk.state.blockedDOFs = MASS, (MASS * RADIUS**2 / 2,) * 3, "zXY"
-        O.bodies.append(disk)
+        disk(*place)
 
 
-def springs():
-    return [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb()], verletDist=0.1 * RADIUS),
-            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
-                              [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+def springs(reach=1):
+    """Return YADE's engines for springs. reach: distance of two disks, over the sum of their radii, up to which they get an interaction."""
+    return [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=reach), w.Bo1_Box_Aabb()], verletDist=0.1 * RADIUS),
+            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=reach), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                              [w.Law2_ScGeom_FrictPhys_CundallStrack(neverErase=reach > 1)]),
             w.NewtonIntegrator(damping=0.3, gravity=(0, -GRAVITY, 0))]
 
 
-def seconds(steps):
-    """Make `steps` steps. Return the processor time of one [s]."""
-    begin = time.process_time()
+def seconds(steps, clock=time.process_time):
+    """Make `steps` steps in one run. Return its time [s]."""
+    begin = clock()
     O.run(steps, True)
-    return (time.process_time() - begin) / steps
+    return clock() - begin
+
+
+def two_threads(engine, each):
+    """Return the wall-clock time with one thread over that with two, of the steps and of the solver; NaN on a machine with one core."""
+    if os.cpu_count() < 2:
+        return math.nan, math.nan
+    taken = {1: [], 2: []}
+    for _ in range(RUNS):
+        for engine.threads, found in taken.items():
+            before = engine.solveTime
+            found.append((seconds(each, time.perf_counter), engine.solveTime - before))
+    engine.threads = 1
+    return np.median(taken[1], axis=0) / np.median(taken[2], axis=0)
+
+
+def at_rest(disks):
+    """Return the processor time of a step in which all disks sleep, per disk [ns]; NaN if they do not fall asleep."""
+    scene()
+    wall((1.5 * disks * RADIUS, -0.05), (1.5 * disks * RADIUS, 0.05))
+    for k in range(disks):
+        disk((3 * k + 1.5) * RADIUS, RADIUS)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -GRAVITY, 0)), STEP
+    O.run(10 * SETTLING, True)
+    if O.engines[-1].sleeping < disks:
+        return math.nan
+    each = max(2, 2000000 // disks)
+    return 1e9 * np.median([(seconds(each) - seconds(1)) / (each - 1) for _ in range(RUNS)]) / disks
 
 
 def main(rows, columns, tolerance, steps, order):
-    empty = resident()
+    disks, empty = rows * columns, resident()
     build(rows, columns, order)
     loaded = resident()
-    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * tolerance), reduce=False)
+    O.engines, O.dt = springs(1 + 1e-6), 1e-12  # nothing moves, but YADE makes the interactions of all contacts
+    O.run(1, True)
+    with_interactions = resident()
+    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * tolerance), reduce=False, threads=1)
     engine, O.dt = O.engines[-1], STEP
     O.run(SETTLING, True)
     engine.tolerance = tolerance
     O.run(SETTLING, True)
     missed = engine.unconvergedSteps
-    each, made = max(1, steps // RUNS), []
+    each, made = max(2, steps // RUNS), []
     for _ in range(RUNS):
-        before = engine.solveTime, engine.totalIterations
-        made.append((seconds(each), (engine.solveTime - before[0]) / each, (engine.totalIterations - before[1]) / each))
-    whole, solver, sweeps = np.median(made, axis=0)
-    memory = resident() - loaded
-    contacts, missed = engine.contacts, engine.unconvergedSteps - missed
+        before, short = engine.solveTime, seconds(1)
+        first, sweeps = engine.solveTime, engine.totalIterations
+        whole = (seconds(each) - short) / (each - 1)
+        made.append((whole, short - whole, (engine.solveTime - first - (first - before)) / (each - 1), (engine.totalIterations - sweeps) / each))
+    whole, around, solver, sweeps = np.median(made, axis=0)
+    memory, contacts, missed = resident() - with_interactions, engine.contacts, engine.unconvergedSteps - missed
+    faster, solved_faster = two_threads(engine, each)
     cd_engine.release()
     O.engines, O.dt = springs(), 0.3 * math.sqrt(MASS / YOUNG)
     O.run(SETTLING, True)
-    spring = np.median([seconds(each) for _ in range(RUNS)])
-    disks = rows * columns
+    spring = np.median([seconds(each) for _ in range(RUNS)]) / each
+    peak, resting = resident(), at_rest(min(disks, RESTING))
     return {
         "status": "measured", "disks": disks, "contacts": contacts, "order": order, "tolerance": tolerance, "steps": each * RUNS,
-        "steps_missed": missed, "sweeps_a_step": sweeps, "seconds_a_step": whole, "seconds_of_the_solver": solver,
+        "steps_missed": missed, "sweeps_a_step": sweeps, "seconds_a_step": whole, "seconds_of_the_solver": solver, "seconds_around_a_run": around,
         "ns_a_contact": 1e9 * whole / contacts, "seconds_of_springs": spring, "over_springs": whole / spring,
-        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_engine": memory / contacts, "yade": yade.config.version}
+        "two_threads_step": faster, "two_threads_solver": solved_faster, "ns_a_disk_at_rest": resting,
+        "bytes_a_disk_in_yade": (loaded - empty) / disks, "bytes_a_contact_of_interactions": (with_interactions - loaded) / contacts,
+        "bytes_a_contact_of_engine": memory / contacts, "bytes_in_all": peak, "yade": yade.config.version}

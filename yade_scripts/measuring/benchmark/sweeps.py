@@ -41,6 +41,12 @@ def plain(problem, sweeps):
     return core.solve(problem, fixed_iterations=sweeps)
 
 
+def of_a_look(problem, sweeps):
+    """Return the seconds of one look at the error: `sweeps` sweeps with looks between them, less the same without."""
+    looking, blind = core.solve(problem, "nsgs", 1e-300, sweeps, trace=True), plain(problem, sweeps)
+    return (looking.seconds - blind.seconds) / (len(looking.trace) - 1)  # without looks the error is computed once, at the end
+
+
 def ahead(problem, sweeps):
     """Return the report of a solution by sweeps with momentum."""
     return core.solve(problem, "accelerated", 1e-300, sweeps)
@@ -53,7 +59,7 @@ def of_a_sweep(solution, problem, sweeps, first):
 
 
 def measure(folder, disks, copies, rounds, peer):
-    """Return one row: ns per contact of every kind of sweep (medians over the rounds) and of the set-up, and the bound by memory.
+    """Return one row: ns per contact of every kind of sweep (medians over the rounds), a look and the set-up, and the bound by memory.
 
     The problem is `copies` copies of a packing of `disks` disks, with friction 0.5. peer: measure Siconos's sweeps of a single copy, too.
     """
@@ -63,7 +69,7 @@ def measure(folder, disks, copies, rounds, peer):
     theirs = siconos.Peer(problem) if peer and copies == 1 else None
     sweeps = int(min(MOST, max(FEWEST, WORK / problem.contacts)))
     sets = core.instruction_sets()
-    times = {key: [] for key in [f"plain_{s}" for s in sets] + ["accelerated", "siconos", "setup", "setup_anew"]}
+    times = {key: [] for key in [f"plain_{s}" for s in sets] + ["accelerated", "look", "siconos", "setup", "setup_anew"]}
     speeds, long = [], (np.ones(LONG), np.ones(LONG))
     for _ in range(rounds):
         speeds.append(bandwidth(*long))
@@ -73,6 +79,7 @@ def measure(folder, disks, copies, rounds, peer):
         # Few sweeps count here, so small problems are solved repeatedly until the clock can resolve the time.
         times["accelerated"].append(statistics.mean(
             of_a_sweep(ahead, problem, AHEAD, AHEAD * 5 // 6) for _ in range(max(1, min(20, round(WORK / AHEAD / problem.contacts))))))
+        times["look"].append(of_a_look(problem, FEWEST))
         # A solution of one sweep with set-up and error, of contacts as before; then after `other`, which has other contacts.
         for key, before in (("setup", problem), ("setup_anew", other)):
             plain(before, 1)
