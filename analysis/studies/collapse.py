@@ -13,15 +13,18 @@ QUESTION = ("With the mean stress held, springs and rigid contacts both collapse
 ORDER = 5  # in the report
 LOADING = dict(cycles=40, stress_path="mean")
 SPRINGS, RIGID = fig3.SPRINGS | LOADING, fig3.RIGID | LOADING
-SLOW = dict(period=2.0, records_per_cycle=40, cycles=10)
+SLOW = dict(period=2.0, records_per_cycle=400, cycles=10)
+STIFF, ANOTHER_LAW = dict(stiffening=10.0), dict(tangential_law="path_independent")
+RIGID_CHANGES = {"tolerance 1e-6": dict(tolerance=1e-6), "step / 5": dict(cd_dt=5e-4), "other forces": dict(network_seed=1)}
 # What is changed of springs and of rigid contacts; the packings of 10 k_n are the same ones, stiffened.
 CASES = {name: SPRINGS | change for name, change in {
-    "springs": {}, "springs, 10 k_n": dict(stiffening=10.0), "springs, step / 3": dict(md_dt_factor=0.1),
-    "springs, path-independent law": dict(tangential_law="path_independent"), "springs, servo for walls": dict(md_walls="servo"),
+    "springs": {}, "springs, 10 k_n": STIFF, "springs, 10 k_n, path-independent law": STIFF | ANOTHER_LAW, "springs, step / 3": dict(md_dt_factor=0.1),
+    "springs, path-independent law": ANOTHER_LAW, "springs, servo for walls": dict(md_walls="servo"),
+    "springs, damping x 3": dict(damping_factor=3.0, md_dt_factor=0.1),
     "springs, 2 s": SLOW}.items()}
 CASES |= {name: RIGID | change for name, change in {
-    "rigid": {}, "rigid, packing of 10 k_n": dict(stiffening=10.0), "rigid, tolerance 1e-6": dict(tolerance=1e-6),
-    "rigid, step / 5": dict(cd_dt=5e-4), "rigid, other forces": dict(network_seed=1), "rigid, 2 s": SLOW}.items()}
+    "rigid": {}, "rigid, 2 s": SLOW, **{f"rigid{words}, {name}": base | change for words, base in (("", {}), (", packing of 10 k_n", STIFF))
+                                        for name, change in RIGID_CHANGES.items()}, "rigid, packing of 10 k_n": STIFF}.items()}
 LOADS, SEEDS = (0.3, 0.4), range(1, 7)
 ROWS = {"quick": product(delta_sigma=0.4, **SPRINGS) + product(delta_sigma=0.4, **RIGID),
         "full": [row for settings in CASES.values() for row in product(**settings, delta_sigma=LOADS, seed=SEEDS)]}
@@ -29,7 +32,7 @@ ROWS = {"quick": product(delta_sigma=0.4, **SPRINGS) + product(delta_sigma=0.4, 
 
 def case(full):
     """Return the name of what is changed in a run of these parameters."""
-    usual = dict(stiffening=1.0, tangential_law="standard", network_seed=0)
+    usual = dict(stiffening=1.0, tangential_law="standard", network_seed=0, damping_factor=1.0)
     return next(name for name, settings in CASES.items() if all(full.get(key, value) == value for key, value in (usual | settings).items()))
 
 

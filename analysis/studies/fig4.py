@@ -16,8 +16,8 @@ LOADING = dict(loading="triangle", delta_sigma=0.2, period=4.0, md_load_every=1)
 YIELDING = dict(tolerance=1e-7)
 ROWS = {"quick": product(seed=1, method=("MD", "CD"), **LOADING),
         "full": product(seed=range(1, 11), method=("MD", "CD"), **LOADING)
-        + product(seed=range(1, 11), method="MD", stress_path="mean", **LOADING)
-        + product(seed=range(1, 11), method="CD", stress_path="mean", **LOADING, **YIELDING)}
+        + product(seed=range(1, 11), method="MD", stress_path="mean", md_walls="force", wall_mass_ratio=1.0, **LOADING)
+        + product(seed=range(1, 11), method="CD", stress_path="mean", wall_mass_ratio=1.0, **LOADING, **YIELDING)}
 
 
 @summary.each

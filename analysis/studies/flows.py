@@ -23,7 +23,7 @@ FINE = dict(method="CD", cd_dt=1e-3, tolerance=1e-3)
 COARSER = dict(method="CD", cd_dt=2e-3, tolerance=1e-3)
 COARSE = dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
 PROPOSED = dict(method="CD", cd_dt=5e-4, tolerance=1e-4)  # about what cd_engine.timeStep() gives here, and the tolerance of README's example
-SPRINGS = dict(method="MD", md_dt_factor=0.3)
+SPRINGS = dict(method="MD", md_dt_factor=0.3, md_energies=False)
 SOFT, MIDDLE, STIFF = (SPRINGS | {"kn": kn} for kn in (2e6, 5e6, 2e7))
 
 
@@ -36,10 +36,13 @@ def _flow(scene, disks, settings, seeds):
             for row in product(**dict(scene=scene, disks=disks, period=round(PERIOD[scene] * size**0.25, 3), seed=seeds) | more | setting)]
 
 
-SMALL_SETTINGS = [FINEST, PROPOSED, FINE, COARSE, COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT, MIDDLE, STIFF]
+COMPARED = [FINEST, FINE, COARSER, COARSE, MIDDLE, STIFF]  # with more seeds where one run differs much from another
+OTHERS = [PROPOSED, COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT]
+SEEDS = {"hopper": range(1, 37), "drum": range(1, 37), "filling": range(1, 13), "collapse": range(1, 37)}  # of 500 disks
 ROWS = {"quick": _flow("filling", SMALL, [COARSE, SOFT], 1),
         "full": [row for scene in QUANTITY
-                 for row in _flow(scene, SMALL, SMALL_SETTINGS, range(1, 13)) + _flow(scene, 5000, [FINER, FINE, COARSER, COARSE, SOFT, MIDDLE, STIFF], LARGE_SEEDS)]}
+                 for row in _flow(scene, SMALL, COMPARED, SEEDS[scene]) + _flow(scene, SMALL, OTHERS, range(1, 13))
+                 + _flow(scene, 5000, [FINER, FINE, COARSER, COARSE, SOFT, MIDDLE, STIFF], LARGE_SEEDS)]}
 
 
 def _key(run):
@@ -94,6 +97,17 @@ def gains(rows, disks):
     """Return {scene: cost of the cheapest springs over that of the cheapest rigid contacts}, both within 2 % of the rigid answer, or else the nearest."""
     pairs = {scene: [cheapest(rows, scene, disks, method) for method in ("MD", "CD")] for scene in QUANTITY}
     return {scene: md["seconds"] / cd["seconds"] for scene, (md, cd) in pairs.items() if md and cd}
+
+
+def gain_ranges(rows, disks, draws=2000):
+    """Return {scene: (low, high)}: 95 % of the gains if all means are drawn again from normal distributions with their standard errors."""
+    dice, found = np.random.default_rng(1), []
+    known = [row for row in rows if row["disks"] == disks]
+    for _ in range(draws):
+        drawn = [row | {"value": dice.normal(row["value"], row["deviation"])} for row in known]
+        truth = {row["scene"]: row["value"] for row in drawn if row["is_rigid_answer"]}
+        found.append(gains([row | {"error": row["value"] / truth[row["scene"]] - 1} for row in drawn], disks))
+    return {scene: tuple(np.percentile([gain[scene] for gain in found], (2.5, 97.5))) for scene in found[0]}
 
 
 def draw(runs, rows, path):

@@ -15,7 +15,7 @@ ORDER = 4  # in the report
 BASE = SPRINGS | dict(cycles=10, delta_sigma=0.4)
 # Springs with strong damping need shorter steps.
 PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4, md_dt_factor=0.08),
-            dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
+            dict(damping_factor=0.2), dict(damping_factor=4.0, md_dt_factor=0.08), dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
             dict(preparation_friction=0.1),
             dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))

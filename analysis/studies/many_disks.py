@@ -5,7 +5,8 @@ import numpy as np
 import pandas
 
 from analysis import publish, style, summary
-from analysis.studies.flows import QUANTITY, SOFT, STIFF, measured
+from analysis.studies import flows
+from analysis.studies.flows import QUANTITY, measured
 from yade_scripts import parameters
 from yade_scripts.results import reader
 from yade_scripts.tables import product
@@ -24,6 +25,7 @@ COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
 # have to be enough.
 COARSE, MEDIUM, FINE = (dict(method="CD", max_iterations=20000) | dict(cd_dt=step, tolerance=tolerance)
                         for step, tolerance in ((2e-3, 1e-2), (1e-3, 1e-2), (1e-3, 1e-3)))
+SOFT, STIFF = (springs | {"md_energies": True} for springs in (flows.SOFT, flows.STIFF))
 MANY, FEWER = 50000, 5000
 # Springs of 2e7 N/m take more than 1000 s for a second. So they get a window from the start; longer runs of rigid contacts have a sample at its end.
 WINDOW = 0.2  # s

@@ -12,21 +12,26 @@ QUESTION = ("What does one load cycle of 400 disks cost by each method for a giv
 ORDER = 19  # in the report
 # Few samples, since their recording counts as time of computing.
 CYCLE = dict(loading="cosine", period=1.0, records_per_cycle=20, wall_mass_ratio=1.0, delta_sigma=0.2)
-SPRINGS, RIGID = dict(method="MD", md_walls="force", **CYCLE), dict(method="CD", **CYCLE)
+SPRINGS, RIGID = dict(method="MD", md_walls="force", md_energies=False, **CYCLE), dict(method="CD", **CYCLE)
 SEEDS = (1, 2, 3)
 STIFFER, STEPS, FINER, FINEST = (1, 10, 100), (0.4, 0.3, 0.1), 0.03, 0.003  # beyond 0.45 to 0.5 the springs are unstable
+# Stiffer springs answer faster, as 1/sqrt(k_n), so that their cycle may be shorter [s]; rigid grains that rest, rest at any rate.
+FASTER = {10: 0.316, 100: 0.1}
 # Sweeps a step and steps whose contacts are as stiff as springs of k_n: see the study of the stiffness.
 PAIRS = ((75, 5e-3), (19, 2.5e-3), (5, 1.25e-3))
 # 500 disks fall into a box: here nothing is at rest to begin with. The first of the settings of CD is the rigid truth.
 FILLING = dict(scene="filling", disks=500, period=1.0, seed=range(1, 9))
 FILLED = ((2.5e-4, 1e-3), (5e-4, 1e-4), (1e-3, 1e-3), (2e-3, 1e-2), (4e-3, 1e-2))
 ROWS = {"quick": product(md_dt_factor=STEPS[:2], **SPRINGS) + product(tolerance=(1e-2, 1e-6), cd_dt=5e-3, **RIGID),
-        "full": product(stiffening=STIFFER, md_dt_factor=STEPS, seed=SEEDS, **SPRINGS) + product(md_dt_factor=FINER, seed=SEEDS, **SPRINGS)
+        "full": [row for stiffness, period in FASTER.items()
+                 for row in product(stiffening=stiffness, md_dt_factor=STEPS, seed=SEEDS, **SPRINGS | dict(period=period))]
+        + product(cd_dt=5e-3, tolerance=(1e-4, 1e-6, 1e-8), seed=SEEDS, **RIGID | dict(period=FASTER[100]))
+        + product(stiffening=STIFFER, md_dt_factor=STEPS, seed=SEEDS, **SPRINGS) + product(md_dt_factor=FINER, seed=SEEDS, **SPRINGS)
         + product(md_dt_factor=FINEST, seed=SEEDS, **SPRINGS | dict(records_per_cycle=200))
         + product(cd_dt=(5e-3, 1e-3), tolerance=(1e-2, 1e-4, 1e-6, 1e-8), seed=SEEDS, **RIGID)
         + [row for sweeps, step in PAIRS
            for row in product(fixed_iterations=sweeps, cd_dt=step, solver_seed=1, reference_overlaps=False, seed=SEEDS, **RIGID)]
-        + product(method="MD", kn=(2e6, 5e6, 2e7), md_dt_factor=0.3, **FILLING)
+        + product(method="MD", kn=(2e6, 5e6, 2e7), md_dt_factor=0.3, md_energies=False, **FILLING)
         + [row for step, tolerance in FILLED for row in product(method="CD", cd_dt=step, tolerance=tolerance, **FILLING)]}
 CYCLE_SCENE, FILLING_SCENE = "biaxial", "filling"
 
@@ -47,11 +52,11 @@ def summarize(runs):
 
 
 def _key(run):
-    """Return what tells settings apart: method, stiffness of the springs over 2e6 N/m, step, tolerance, sweeps a step."""
+    """Return what tells settings apart: method, period [s], stiffness of the springs over 2e6 N/m, step, tolerance, sweeps a step."""
     row = run.parameters
     if run.method == "MD":
-        return "MD", row["stiffening"] * row["kn"] / 2e6, row["md_dt_factor"], 0.0, 0
-    return ("CD", 0.0, row["cd_dt"], *((0.0, row["fixed_iterations"]) if row["fixed_iterations"] else (row["tolerance"], 0)))
+        return "MD", row["period"], row["stiffening"] * row["kn"] / 2e6, row["md_dt_factor"], 0.0, 0
+    return ("CD", row["period"], 0.0, row["cd_dt"], *((0.0, row["fixed_iterations"]) if row["fixed_iterations"] else (row["tolerance"], 0)))
 
 
 def _strain(run):
@@ -60,8 +65,8 @@ def _strain(run):
 
 
 def _named(scene, key, group):
-    method, stiffness, step, tolerance, sweeps = key
-    return {"scene": scene, "method": method, "springs over k_n": stiffness or "", "step": step, "tolerance": tolerance or "",
+    method, period, stiffness, step, tolerance, sweeps = key
+    return {"scene": scene, "method": method, "period": period, "springs over k_n": stiffness or "", "step": step, "tolerance": tolerance or "",
             "sweeps a step": sweeps or "", "runs": len(group),
             "seconds": float(np.median([run.values("processor_time")[-1] for run in group]))}
 
@@ -76,7 +81,7 @@ def _cycle(key, group, truth):
 
 
 def _filling(key, group, filled):
-    heights = {run.parameters["seed"]: float(run.extra["height"]) for run in filled if _key(run) == ("CD", 0.0, *FILLED[0], 0)}
+    heights = {run.parameters["seed"]: float(run.extra["height"]) for run in filled if _key(run) == ("CD", FILLING["period"], 0.0, *FILLED[0], 0)}
     pairs = np.array([float(run.extra["height"]) / heights.get(run.parameters["seed"], np.nan) - 1 for run in group])
     deviation = float(pairs.std(ddof=1) / np.sqrt(len(pairs))) if len(pairs) > 1 else np.nan
     return _named(FILLING_SCENE, key, group) | {"rigid error": float(pairs.mean()), "standard error": deviation}

@@ -61,8 +61,8 @@ HISTORY = _table(
     Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", optional=True),
     Field("wall_work", "J", "work of the wall loads on the sample since the start", optional=True),
     Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", optional=True),
-    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots; NaN where contacts with "
-          "walls slip under another law than those between disks", methods=("MD",), optional=True),
+    Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots; NaN without md_energies and "
+          "where contacts with walls slip under another law than those between disks", methods=("MD",), optional=True),
     Field("residual_max", "1", "largest error e of all steps so far", methods=("CD",), optional=True),
     Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=("CD",), optional=True),
 )

@@ -82,7 +82,7 @@ def set_engines(full, scene, goals=None):
     else:
         scene.load = walls.ForceLoad(goals)
         loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
-    engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)]
+    engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)] * full["md_energies"]
     O.engines = engines + loading + [integrator(full)]
     bind(full, scene)
 
@@ -93,10 +93,12 @@ def law():
 
 
 def friction_dissipation(full, boxed):
-    """Return the energy dissipated by friction [J]; NaN if disks slip by PathIndependentShear but walls by the functor.
+    """Return the energy dissipated by friction [J]; NaN if it is not summed, or if disks slip by PathIndependentShear but walls by the functor.
 
     boxed: whether the sample is in the biaxial box.
     """
+    if not full["md_energies"]:
+        return math.nan
     if full["tangential_law"] != "path_independent":
         return law().plasticDissipation()
     # PathIndependentShear does not see contacts with walls.
@@ -105,7 +107,7 @@ def friction_dissipation(full, boxed):
 
 def bind(full, scene):
     """Have the law functor in O sum the dissipation, and give the scene the controller in O; after O.load both are other objects."""
-    law().traceEnergy = True
+    law().traceEnergy = full["md_energies"]
     if isinstance(scene.load, walls.ServoLoad):
         scene.load.controller = hooks.engine("TriaxialStressController")
 

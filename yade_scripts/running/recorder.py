@@ -133,7 +133,7 @@ class Recorder:
     def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""
         stored, friction = observe.stored_energy(), md.friction_dissipation(self.full, self.scene.load is not None)
-        gone = friction + hooks.engine("DashpotWork").work
+        gone = friction + hooks.engine("DashpotWork").work if self.full["md_energies"] else friction
         if math.isnan(friction):
             weights = self.full["gravity"] * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
             held = stored + row["kinetic_energy"] + weights - row["wall_work"]

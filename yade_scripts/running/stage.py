@@ -6,7 +6,7 @@ from yade import O, Quaternion, utils
 
 from yade_scripts import parameters
 from yade_scripts.preparing import bodies, deposit
-from yade_scripts.running import md_step, walls
+from yade_scripts.running import md, md_step, walls
 from yade_scripts.scenes import Scene, method
 
 
@@ -73,6 +73,8 @@ def load_walls(full, scene, goals):
     if full["method"] == "CD" or full["md_walls"] == "force":
         walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
     if full["method"] == "MD":
+        if full["damping_factor"] != 1:
+            md.set_damping(full["beta_n"] * full["damping_factor"])
         md_step.check(full)
     method(full).set_engines(full, scene, goals)
 
