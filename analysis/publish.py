@@ -86,14 +86,9 @@ def origin(collection):
         "packings": len({run.attributes["state_sha256"] for run in runs} - {""}),
         "computing_seconds": round(float(sum(run.values("wall_clock")[-1] for run in runs)), 1),
         "unsolved_steps": sum(observables.unconverged_steps(run) for run in runs if run.method == "CD"), "energy_balance": energy_balance(runs),
-        "commits": sorted({run.attributes["git_commit"] for run in runs}), "commits_by_method": commits_by_method(runs),
+        "commits": sorted({run.attributes["git_commit"] for run in runs}),
         "yade": sorted({str(run.attributes["yade_version"]) for run in runs}),
         "run_command": command("study", collection), "parameters": constant, "varied": varied} | machine()
-
-
-def commits_by_method(runs):
-    """Return {method: its commits}: the springs of long flows may be older than the rigid contacts."""
-    return {method: sorted({run.attributes["git_commit"] for run in runs if run.method == method}) for method in sorted({run.method for run in runs})}
 
 
 def machine():
