@@ -130,10 +130,10 @@ R in CD and 4e-3 R in MD (medians).
 """
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
-    (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "disagrees",
-     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor does CD need many networks: "
-     "without friction it rests on packings whose forces are unique, or free in one direction only (study isostatic). One admissible network is "
-     "enough."),
+    (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "agrees in part",
+     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. How much freedom the forces have does "
+     "matter: the less there is, the nearer is the static limit to the load at rest, and where there is none, rigid contacts strain nearly as far as "
+     "springs (study isostatic)."),
     (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
      "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most "
      "moves by 4.8e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % before the "

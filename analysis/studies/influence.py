@@ -79,8 +79,8 @@ ANSWER = """
 At dSigma = 0.4, sigma1 held, 6 packings prepared alike strain by 1.2e-3 to 3.8e-3 in 10 cycles. Of the parameters that the paper does not give, the
 preparation changes the strain most: with friction of 0.1 during the preparation, as in the paper, packings strain 13 times as far (median; 2.4 to
 36), mostly because their static limit is lower: this load is above the limits of such loose packings and below those of the dense ones (study fig3).
-Another distribution of sizes, which makes other packings, gives 0.24 to 5.7 times the strain. Weak damping (beta_n = 0.02) gives 0.31 to 3.7 times,
-strong damping (0.4) 0.37 to 6.7 times. The stiffness of the tangential springs changes the strain by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at
+Another distribution of sizes and another damping during the preparation make other packings. The sizes give 0.24 to 5.7 times the strain, weak
+damping (beta_n = 0.02) 0.31 to 3.7 times, strong damping (0.4) 0.37 to 6.7 times. The stiffness of the tangential springs changes the strain by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at
 most a fifth between 0.25 and 1.0. Heavy walls (200 disk masses) strain every packing further, 1.3 times (1.1 to 1.6), a servo for walls every one
 less, 0.82 times (0.62 to 0.91).
 
