@@ -23,7 +23,7 @@ ANEW, TOLERANCE = "closed_path", 1e-9
 
 # Studies whose rows have changed since their tables were made, as two critical readings asked. They are run anew one after the other, and leave this
 # list when their new tables are here.
-REMADE_NEXT = set(PUBLISHED)
+REMADE_NEXT = set(PUBLISHED) - {"speed"}
 
 
 def said(name):
@@ -92,7 +92,7 @@ SHORT_ANSWER = (
     ("isostatic", "1.40 1.60 0.1 5 1.01 1.04 1e-6 0.92 0.67 0.98 8 4 0.06 0.001 1.3"), ("fig3", "0.5 39 35 55"),
     ("ratcheting", "0.96 -0.76 0.09 4 -0.98 0.13 13 7 -0.42 0.17 0.96"), ("thousand", "3 1000 0.5 500 1.5e-8 5.5e-7 200"), ("ratcheting", "0.98 19 19 0.98 3 7"),
     ("collapse", "0.5 2.02 0.3 1.29 0.4 6 1.08 10 1.05 1.06 0.68 3.08 1"))
-ADVICE = ("flows", "500 4.2 6.9 2"), ("speed", "34 100 0.017 0.012"), ("ratcheting", "0.5 2 2e6 3.1 10 0.4 5.6 100 1.06 1.19 3")
+ADVICE = ("flows", "500 4.2 6.9 2"), ("speed", "8.4 100 0.017 0.012"), ("ratcheting", "0.5 2 2e6 3.1 10 0.4 5.6 100 1.06 1.19 3")
 ELSEWHERE = {"2e6"}  # k_n itself, in N/m
 
 
