@@ -37,6 +37,8 @@ def timeStep(gravity=None, speed=None, share=SHARE):
         g = math.nan
     if not math.isfinite(g):
         raise ValueError(f"timeStep: gravity={down!r} is not a vector of finite numbers, such as (0, -9.81, 0)")
+    if any(tuple(down)[2:]):
+        raise ValueError(f"timeStep: gravity={tuple(down)} m/s^2 points out of the plane of the disks. Set its z component to 0, as ContactDynamics asks")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
     if not movable:
         raise ValueError("timeStep: no disk in the scene can move. Append the disks first")

@@ -20,10 +20,13 @@ def install(plugin):
 
     def step(self):
         check()
+        plugin.run_begins()
         try:
             originals["step"](self)
         finally:
-            plugin.take_error()  # YADE itself has raised it, if there is one
+            error = plugin.take_error()  # YADE itself raises it but for that of stopUnsolved
+        if error:
+            raise RuntimeError(error)
 
     def wait(self):
         waited(originals["wait"], self)
@@ -35,7 +38,7 @@ def install(plugin):
         finally:
             plugin.wait_ends()
             error = plugin.take_error()
-        if error:  # the run had ended before YADE began to wait; then YADE raises nothing
+        if error:  # the run had ended before YADE began to wait, or has ended by stopUnsolved; then YADE raises nothing
             raise RuntimeError(error)
 
     def pause(self):
@@ -49,11 +52,16 @@ def install(plugin):
 
 
 class _EngineCheck:
-    """Refuses lists of engines with which YADE would crash, would ask for a NewtonIntegrator, or would use springs without stiffness."""
+    """Refuses lists of engines with which YADE would crash, would ask for a NewtonIntegrator, or would use springs without stiffness.
+
+    When springs and ContactDynamics take over from each other, colliders begin anew, and overlaps left by the springs count as touching again.
+    """
 
     def __init__(self, O):
         self.O = O
         self.passed = []  # the engines of springs that ran last; none if ContactDynamics ran last
+        self.rigid = False  # whether ContactDynamics ran last
+        self.takers = []  # engines of ContactDynamics that take over overlaps
 
     def __call__(self):
         live = [engine for engine in self.O.engines if not engine.dead]
@@ -66,10 +74,18 @@ class _EngineCheck:
             if not integrator and any(getattr(engine, "verletDist", 0) != 0 for engine in live):
                 raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
                                    "of cd_engine.engines()")
-            self.passed = []
+            engine = live[names.index("ContactDynamics")]
+            if engine.handover:
+                self.takers = [engine]
+            elif self.passed and engine in self.takers:
+                engine.handover = True
+            self.passed, self.rigid = [], True
         elif "InteractionLoop" in names and live != self.passed:
             self._check_stiffness()
-            self.passed = live
+            for engine in live:
+                if self.rigid and hasattr(engine, "doSort"):
+                    engine.doSort = True  # or a collider that springs had before would not find what came together since
+            self.passed, self.rigid = live, False
 
     def _check_stiffness(self):
         """RuntimeError if springs find contacts of ContactDynamics. A material with young = 0 gives contacts that look the same."""

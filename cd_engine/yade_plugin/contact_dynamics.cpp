@@ -95,6 +95,7 @@ void ContactDynamics::action()
 		advance();
 	} catch (...) {
 		link.catchUp(scene, step);
+		scene_forces(scene).sync(); // else ForceResetter would leave what other engines have added in this step
 		others.wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 		last = {};
 		try {
@@ -160,7 +161,7 @@ void ContactDynamics::advance()
 		show();
 		return;
 	}
-	others.check(this, scene);
+	others.check(this, scene, gravity != Vector3r::Zero());
 	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);

@@ -52,7 +52,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
 	visit("handover", &C::handover, setting,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
-	    "Reset to False by that step; set it again after an interlude with springs.");
+	    "Reset to False by that step, and set again when springs have run.");
 	visit("searchMargin", &C::searchMargin, within(0, 10),
 	    "How far around slow bodies near pairs are listed, at least, as a fraction of the smallest radius [1]; around fast ones as far as a step "
 	    "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, never its result.");

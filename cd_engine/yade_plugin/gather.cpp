@@ -68,7 +68,8 @@ void SceneLink::tellOfFalls()
 			// The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
 			// and a piston with clearance not at all.
 			const int axis = overlap[0] < overlap[1] ? 0 : 1;
-			if (overlap[axis] < -margin || a.inverseMass[axis] == 0 || !(overlap[1 - axis] > 0))
+			const bool cross = overlap[axis] == cd::endless; // two Walls at right angles, each endless along itself
+			if (cross || overlap[axis] < -margin || a.inverseMass[axis] == 0 || !(overlap[1 - axis] > 0))
 				continue;
 			const bool falls = way[axis] * gravity[axis] > 0;
 			if (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))

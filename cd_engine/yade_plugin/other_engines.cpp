@@ -11,11 +11,13 @@ namespace {
 	Kind isPeriodic { "PeriodicEngine" };
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
-	// ForceResetter stands before it.
-	std::string refusal(const std::string& name, bool before, bool reset)
+	// ForceResetter stands before it. weighs: Contact Dynamics adds the weights.
+	std::string refusal(const std::string& name, bool before, bool reset, bool weighs)
 	{
 		const std::string remove = " Remove it or set its dead=True";
-		if (name == "NewtonIntegrator" || name == "InteractionLoop" || name == "ContactDynamics")
+		if (name == "NewtonIntegrator") // even a dead one: utils.unbalancedForce() adds its gravity to forces that contain the weights
+			return "NewtonIntegrator is also among O.engines and would move the bodies a second time. Remove it";
+		if (name == "InteractionLoop" || name == "ContactDynamics")
 			return name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
 			    + " the bodies a second time." + remove;
 		if (isA(name, "ParallelEngine"))
@@ -33,6 +35,8 @@ namespace {
 				return name + " stands " + (before ? "before ForceResetter" : "after it")
 				    + ", so its forces are cleared before they can act. Put it between ForceResetter and ContactDynamics in "
 				      "O.engines";
+		if (name == "GravityEngine" && weighs)
+			return "GravityEngine adds the weights a second time, beside the attribute `gravity`." + remove + ", or set gravity=(0, 0, 0)";
 		return "";
 	}
 
@@ -67,7 +71,7 @@ bool OtherEngines::changed(const std::vector<Shared<yade::Engine>>& engines) con
 	return !std::equal(engines.begin(), engines.end(), others.begin(), others.end(), same);
 }
 
-void OtherEngines::check(const yade::Engine* self, yade::Scene* scene)
+void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weighs)
 {
 	const auto& engines = scene_engines(scene);
 	if (!changed(engines))
@@ -88,7 +92,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene)
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
-			if (const std::string reason = refusal(name, before, resets); !reason.empty())
+			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
 				problem = reason;
 		}
 		others.push_back(other);

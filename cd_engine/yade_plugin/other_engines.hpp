@@ -18,7 +18,8 @@ class OtherEngines {
 	~OtherEngines() { wake(); }
 
 	// Checks the list of engines if it has changed since the last check. Throws SceneError for engines that cannot be used with Contact Dynamics.
-	void check(const yade::Engine* self, yade::Scene*);
+	// weighs: it adds the weights itself.
+	void check(const yade::Engine* self, yade::Scene*, bool weighs);
 	// Whether one of them runs between this step of `self` and the next one, or has run before `self` in this step; what that one has added to
 	// O.forces ends with this step.
 	// Engines that only set velocities of bodies do not count; `drivenBodies` has them.

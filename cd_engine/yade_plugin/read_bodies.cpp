@@ -277,6 +277,7 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 		world.masks[id] = 0;
 		return;
 	}
+	known.fresh = !same;
 	if (!same)
 		known.identity = body;
 	known.body = body.get();

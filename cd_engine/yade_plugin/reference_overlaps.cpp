@@ -28,23 +28,28 @@ std::string SceneLink::behindWall(const cd::Pair& pair) const
 
 void SceneLink::takeOverlaps()
 {
+	struct Worst {
+		const cd::Pair* pair = nullptr;
+		double share = 0; // its overlap over the radius
+	} worst, unpressed;
 	for (cd::Pair& pair : world.pairs) {
 		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
 		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
-		const double radius = world.bodies[pair.b].radius;
-		const auto what = [&] {
-			return text("bodies #", pair.a, " and #", pair.b, " overlap by ", std::to_string(pair.reference / radius),
-			    " of a radius at the start");
-		};
-		if (!(pair.reference <= mostOverlap * radius)) {
-			const std::string reason = behindWall(pair);
-			throw SceneError(
-			    "ContactDynamics: " + (reason.empty() ? what() + ", more than springs leave behind. Move them apart" : reason));
-		}
-		if (pair.reference > visible * radius && !world.carried[&pair - world.pairs.data()].any() && told.insert("overlap").second)
-			tell(what() + ", and no springs press them. This overlap is kept: it counts as touching.",
-			    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
+		const double share = pair.reference / world.bodies[pair.b].radius;
+		for (Worst* const of : { &worst, &unpressed })
+			if (!(share <= of->share) && (of == &worst || !world.carried[&pair - world.pairs.data()].any()))
+				*of = { &pair, share };
 	}
+	const auto what = [](const Worst& of) {
+		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", std::to_string(of.share), " of a radius at the start");
+	};
+	if (!(worst.share <= mostOverlap)) {
+		const std::string reason = behindWall(*worst.pair);
+		throw SceneError("ContactDynamics: " + (reason.empty() ? what(worst) + ", more than springs leave behind. Move them apart" : reason));
+	}
+	if (unpressed.share > visible && told.insert("overlap").second)
+		tell(what(unpressed) + ", and no springs press them. This overlap is kept: it counts as touching.",
+		    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
 }
 
 const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const

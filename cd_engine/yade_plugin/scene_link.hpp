@@ -49,6 +49,7 @@ struct KnownBody {
 	bool exists = false;
 	bool inPlane = false; // in the plane of the disks: takes part in contacts
 	bool boundary = false;
+	bool fresh = false; // was not there when the bodies were last read
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
 };
@@ -85,6 +86,7 @@ class SceneLink {
 	// Writes positions and velocities of boundaries whose velocities others will set, and reads these before the next step.
 	void publishMotion(const std::vector<int>& ids);
 	bool areBoundaries(const std::vector<int>& ids) const;
+	bool isNew(int id) const { return bodies[id].fresh; }
 	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
 	void catchUp(yade::Scene*, cd::TimeStep&);
 	// Tells how fast bodies are and which is lost.

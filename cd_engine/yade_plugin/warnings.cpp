@@ -1,5 +1,6 @@
 // What the engine tells the user of a step, once a run.
 #include "contact_dynamics.hpp"
+#include "waiting.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -36,7 +37,13 @@ void ContactDynamics::warn()
 	if (stopUnsolved) {
 		if (link.ahead())
 			link.publish(scene, step);
-		throw SceneError(unsolved() + " (stopUnsolved is set; the step has been made)");
+		// Not thrown here: the other engines and the clock have to make this step, too.
+		const std::string error = unsolved() + " (stopUnsolved is set; the step has been made)";
+		scene_stopAtIter(scene) = scene_iter(scene) + 1;
+		exchangeError(error);
+		if (waiting == 0)
+			std::cerr << error << '\n';
+		return;
 	}
 	if (warned)
 		return;
@@ -86,7 +93,8 @@ void ContactDynamics::watchPenetration(double before) const
 	const cd::Pair& deepest = link.deepest(step);
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
-	const double way = 2 * link.pairSearch().longestWay() * smallest; // that two bodies can approach each other in the step
+	// That two bodies can approach each other in the step; one that has come with it approaches none.
+	const double way = link.isNew(deepest.a) || link.isNew(deepest.b) ? 0 : 2 * link.pairSearch().longestWay() * smallest;
 	if (const std::string behind = link.behindWall(deepest); atOnce && maxPenetration - before > way && !behind.empty())
 		remedy = "No speed explains it: " + behind;
 	else if (atOnce && maxPenetration - before > way)
@@ -112,8 +120,8 @@ void ContactDynamics::watchPenetration(double before) const
 			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
 	else
 		remedy
-		    = "It grew step by step by more than gapCorrection pushes out: lower tolerance (heavy bodies on light ones need about the ratio "
-		      "of their masses less) or take a smaller O.dt";
+		    = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance (heavy bodies on light ones "
+		      "need about the ratio of their masses less)";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
 		  << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy

@@ -75,6 +75,23 @@ def test_an_engine_of_the_run_may_export(O, tmp_path, place):
     assert len(ids(tmp_path / "a")) == 500
 
 
+def test_a_velocity_set_beside_a_run_holds(O):
+    """Of a boundary, whose velocity the engine only reads. A step that was under way must not write back the one it began with."""
+    cd = columns(O)
+    O.bodies[0].state.blockedDOFs = "xyzXYZ"
+    O.run(10**9)
+    try:
+        for k in range(20):
+            O.bodies[0].state.vel = (1e-6 * (k + 1), 0, 0)
+            begin, deadline = cd.steps, time.monotonic() + 60
+            while cd.steps < begin + 3 and time.monotonic() < deadline:
+                time.sleep(0.001)
+            assert cd.steps >= begin + 3 and O.bodies[0].state.vel[0] == 1e-6 * (k + 1)
+    finally:
+        O.pause()
+        O.wait()
+
+
 def test_attributes_are_read_whole_beside_a_run(O):
     """Also texts and lists, which a step rewrites while they are copied. The thread sanitizer checks this test in `make soak`."""
     cd = columns(O)

@@ -36,6 +36,18 @@ def test_engines_that_do_not_go_with_it(O, engine, said):
     O.run(1, True)
 
 
+def test_gravity_of_two_engines(O):
+    """GravityEngine alone is fine."""
+    reset, collider, cd = one_disk()
+    O.engines = [reset, collider, wrapper.GravityEngine(gravity=(1, 0, 0)), cd]
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match=r"GravityEngine adds the weights a second time.*gravity=\(0, 0, 0\)"):
+        O.run(1, True)
+    cd.gravity = (0, 0, 0)
+    O.run(10, True)
+    assert O.bodies[1].state.vel[0] == pytest.approx(1 * 10 * 1e-3)
+
+
 def test_forces_that_are_cleared_at_once(O):
     O.engines = [wrapper.ForceEngine(ids=[1], force=(1, 0, 0))] + one_disk()
     O.dt = 1e-3
@@ -55,7 +67,7 @@ def test_lists_at_which_yade_would_end(O, go):
     O.engines = [reset, far_looking, cd]
     with pytest.raises(RuntimeError, match="give it verletDist=0"):
         go(O)
-    O.engines = [reset, far_looking, cd, wrapper.NewtonIntegrator(dead=True)]  # as the refusal of a living one advises
+    O.engines = [reset, far_looking, cd, wrapper.NewtonIntegrator(dead=True)]
     go(O)
     assert cd.steps == 1
 
@@ -166,6 +178,32 @@ def test_overlaps_that_no_springs_have_left(O, capfd):
     assert "were there at the start" in engine_methods.text(O.engines[-1])
 
 
+def test_the_deepest_of_the_overlaps_at_the_start_is_named(O, capfd):
+    mat = plane.material()
+    plane.floor(mat)
+    for x, overlap in ((0, 0.0005), (0.1, 0.0015), (0.2, 0.001)):
+        plane.disk((x, 0.01), 0.01, mat=mat)
+        plane.disk((x, 0.03 - overlap), 0.01, mat=mat)
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
+    O.dt = 1e-3
+    line, = said_by(O, capfd)
+    assert "bodies #3 and #4 overlap by 0.15" in line
+    O.bodies[2].state.pos = (0, 0.025, 0)
+    O.bodies[6].state.pos = (0.2, 0.024, 0)
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
+    with pytest.raises(RuntimeError, match="bodies #5 and #6 overlap by 0.6"):
+        O.run(1, True)
+
+
+def test_a_disk_appended_into_another_is_no_matter_of_the_step(O, capfd):
+    O.engines = one_disk()
+    O.dt = 1e-3
+    assert said_by(O, capfd) == []
+    plane.disk((0.0, 0.0295), 0.01)
+    line, = said_by(O, capfd)
+    assert "overlap" in line and "bodies were put there" in line and "O.dt" not in line
+
+
 def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     """Told of once, with the body and what proposes a step."""
     mat = plane.material()
@@ -241,6 +279,18 @@ def test_nothing_is_said_of_a_lid_that_disks_hold(O, capfd):
     for x in (0.9, 1.7):
         plane.box((x, 0.5), (0.1, 0.5))
     assert said_by(O, capfd) == []
+
+
+def test_nothing_is_said_of_a_wall_as_a_lid_between_walls(O, capfd):
+    """Each Wall is endless along itself, and these cross at right angles."""
+    O.engines = one_disk()
+    O.dt = 1e-3
+    for x in (-0.1, 0.1):
+        O.bodies.append(utils.wall(x, axis=0, material=0))
+    lid = O.bodies.append(utils.wall(0.02, axis=1, material=0))
+    O.bodies[lid].state.mass, O.bodies[lid].state.blockedDOFs = 1, "xzXYZ"
+    assert said_by(O, capfd, 50) == []
+    assert O.bodies[lid].state.pos[1] == pytest.approx(0.02, abs=1e-5)
 
 
 def test_nothing_is_said_of_a_scene_that_is_well(O, capfd):

@@ -36,7 +36,8 @@ def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tol
 
 
 def test_a_run_may_be_ended_by_it(O):
-    """stopUnsolved ends the run at the unsolved step, which is made and counted. The run can continue when the press has gone."""
+    """stopUnsolved ends the run at the unsolved step, which is made and counted, by all engines and by the clock. The run can continue when the press
+    has gone."""
     engine = press(O, speed=0)
     engine.stopUnsolved = True
     O.run(5, True)
@@ -44,7 +45,7 @@ def test_a_run_may_be_ended_by_it(O):
     lid = O.bodies[2].state.pos[1]
     with pytest.raises(RuntimeError, match=r"step 6 is not solved \(no_solution .* bodies #\d and #\d .*stopUnsolved"):
         O.run(5, True)
-    assert engine.unconvergedSteps == 1 and engine.steps == 7
+    assert engine.unconvergedSteps == 1 and engine.steps == O.iter == 7 and O.time == pytest.approx(7 * O.dt)
     assert O.bodies[2].state.pos[1] == pytest.approx(lid - 0.1 * O.dt, abs=1e-15)
     O.bodies[2].state.vel = (0, 0.1, 0)
     O.run(5, True)

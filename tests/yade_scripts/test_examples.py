@@ -56,3 +56,4 @@ def test_rows_of_a_table_set_them(root, tmp_path):
     done = subprocess.run(["env", f"YADE_BATCH={tmp_path / 'table.txt'}:2", "yade", "-n", "-x", "-j1", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL,
                           capture_output=True, text=True, timeout=600)
     assert "of 40 disks left the hopper in 0.20 s" in done.stdout, done.stdout + done.stderr
+    assert [path.name.startswith("hopper-disks=40,seconds=0.2.") for path in tmp_path.glob("*.png")] == [True]  # another row would write another file

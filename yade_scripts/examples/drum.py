@@ -19,6 +19,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
     settings[name] = type(settings[name])(value)
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
+name = f"drum-{O.tags['d.id']}" if runningInBatch() else "drum"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, gravity, spin, sides = 0.005, (0, -9.81, 0), 1.0, 32                              # m, m/s^2, rad/s
@@ -65,7 +66,7 @@ plot.plots = {"t": "slope"}
 
 start = time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig("drum.png")
+plot.plot(noShow=True).savefig(f"{name}.png")
 last = plot.data["slope"][len(plot.data["slope"]) // 2:]
 inside = sum(b.state.pos.norm() < inner for b in grains)
 print(f"slope of the surface: {sum(last) / len(last):.1f} degrees; {inside} of {disks} disks in the drum; "

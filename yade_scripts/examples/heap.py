@@ -18,6 +18,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
     settings[name] = type(settings[name])(value)
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
+name = f"heap-{O.tags['d.id']}" if runningInBatch() else "heap"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, gravity, friction = 0.005, (0, -9.81, 0), 0.5                                     # m, m/s^2, coefficient
@@ -59,10 +60,10 @@ plot.plots = {"t": "energy"}
 
 start = time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig("heap.png")
+plot.plot(noShow=True).savefig(f"{name}.png")
 print(f"slope of the heap: {slope():.1f} degrees, friction {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
       f"at most {max(plot.data['energy']):.2g} J; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
-O.save("heap.yade.gz")
-O.load("heap.yade.gz")                                                                    # another script can load it, too, after `import cd_engine`
+O.save(f"{name}.yade.gz")
+O.load(f"{name}.yade.gz")                                                                    # another script can load it, too, after `import cd_engine`
 O.run(100, True)
 print(f"saved, loaded and 100 steps on: slope {slope():.1f} degrees, kinetic energy {kineticEnergy():.2g} J")

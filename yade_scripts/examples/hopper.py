@@ -18,6 +18,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
     settings[name] = type(settings[name])(value)
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
+name = f"hopper-{O.tags['d.id']}" if runningInBatch() else "hopper"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, opening, gravity = 0.005, 0.06, (0, -9.81, 0)                                     # m, m, m/s^2
@@ -59,6 +60,6 @@ plot.plots = {"t": "left"}
 
 mass, start = sum(b.state.mass for b in O.bodies), time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig("hopper.png")
+plot.plot(noShow=True).savefig(f"{name}.png")
 print(f"{len(left)} of {disks} disks left the hopper in {O.time:.2f} s; mass left and remaining / mass at the start: "
       f"{(sum(left) + sum(b.state.mass for b in O.bodies)) / mass:.6f}; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")

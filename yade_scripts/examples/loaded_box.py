@@ -19,6 +19,7 @@ for name, value in (word.split("=") for word in sys.argv[1:]):
     settings[name] = type(settings[name])(value)
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]
+name = f"loaded_box-{O.tags['d.id']}" if runningInBatch() else "loaded_box"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
 radius, row = 0.005, max(5, round(math.sqrt(disks)))                                      # m; disks in a row
@@ -54,7 +55,7 @@ O.engines = O.engines + [
     PyRunner(command="plot.addData(t=O.time, height=O.bodies[lid].state.pos[1], floor=-O.forces.f(floor)[1])", virtPeriod=0.01),
     PyRunner(command="draw_in_space()", virtPeriod=0.25 * seconds),
 ]
-pictures = export.VTKExporter("loaded_box")  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 
 
 def draw_in_space():
@@ -66,7 +67,7 @@ plot.plots = {"t": ("height", None, "floor")}
 
 start = time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig("loaded_box.png")
+plot.plot(noShow=True).savefig(f"{name}.png")
 last = plot.data["floor"][-20:]
 print(f"the floor carries {sum(last) / len(last):.4g} N of {load:g} N; the lid is pushed by {O.forces.f(lid)[1]:.2g} N more than it is held; "
       f"{time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")

@@ -1,0 +1,78 @@
+"""Springs and rigid contacts take over from each other again and again, each with the same list of engines."""
+import math
+
+import pytest
+from yade import wrapper as w
+
+import cd_engine
+
+from . import plane
+
+RADIUS = 0.01
+
+
+def box_of_disks(O):
+    """Sixty disks at rest in a box, by springs that stay soft enough to overlap visibly. Return the two lists of engines and both time steps."""
+    mat = O.materials.append(w.FrictMat(young=1e6, poisson=0.3, density=1000, frictionAngle=math.atan(0.3)))
+    for centre, half in (((0.1, -0.05), (0.3, 0.05)), ((-0.05, 0.2), (0.05, 0.3)), ((0.21, 0.2), (0.05, 0.3))):
+        plane.box(centre, half, mat=mat)
+    for k in range(60):
+        plane.disk((0.011 + 0.0215 * (k % 7), 0.011 + 0.021 * (k // 7)), RADIUS, mass=0.05, mat=mat)
+    springs = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb()]),
+               w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                 [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+               w.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.5)]
+    rigid = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-8)
+    slow, fast = 1e-3, 0.2 * math.sqrt(0.05 / 1e4)
+    O.engines, O.dt = springs, fast
+    O.run(4000, True)
+    return springs, rigid, fast, slow
+
+
+def deepest(O, found_only):
+    """Deepest overlap of two disks [m]; found_only: of pairs that have an interaction."""
+    disks = [b for b in O.bodies if isinstance(b.shape, w.Sphere)]
+    return max(2 * RADIUS - (one.state.pos - other.state.pos).norm() for k, one in enumerate(disks) for other in disks[:k]
+               if not found_only or O.interactions.has(one.id, other.id, True))
+
+
+def test_a_collider_used_before_finds_what_came_together_meanwhile(O):
+    """The springs' collider notices only bounds that begin to overlap, so that it has to begin anew: else disks sink into each other."""
+    springs, rigid, fast, slow = box_of_disks(O)
+    at_rest = deepest(O, False)
+    for tilt in (3, -3):
+        O.engines, O.dt = rigid, slow
+        rigid[-1].gravity = (tilt, -9.81, 0)
+        O.run(300, True)
+        cd_engine.release()
+        O.engines, O.dt = springs, fast
+        O.run(3000, True)
+        assert deepest(O, True) == deepest(O, False) < 1.5 * at_rest
+
+
+def test_nothing_moves_at_any_handover(O):
+    """Not only at the first one: overlaps that springs have left count as touching each time, those of the time before no longer."""
+    springs, rigid, fast, slow = box_of_disks(O)
+    for weight in (9.81, 4, 9.81):
+        springs[-1].gravity = rigid[-1].gravity = (0, -weight, 0)
+        O.run(4000, True)
+        overlap, places = deepest(O, False), [b.state.pos for b in O.bodies]
+        O.engines, O.dt = rigid, slow
+        O.run(50, True)
+        # What springs have not settled moves on; an overlap pushed out would be as large as the overlaps, a contact lost even larger.
+        assert max((b.state.pos - place).norm() for b, place in zip(O.bodies, places)) < 0.05 * overlap
+        assert overlap < rigid[-1].handoverOverlap < 1.5 * overlap and rigid[-1].maxPenetration < 0.05 * overlap
+        cd_engine.release()
+        O.engines, O.dt = springs, fast
+
+
+def test_who_wants_no_handover_gets_none(O):
+    springs, _, fast, slow = box_of_disks(O)
+    rigid = cd_engine.engines(gravity=(0, -9.81, 0), handover=False)
+    for _ in range(2):
+        O.engines, O.dt = rigid, slow
+        O.run(2, True)
+        assert rigid[-1].handoverOverlap == 0
+        cd_engine.release()
+        O.engines, O.dt = springs, fast
+        O.run(100, True)
