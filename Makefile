@@ -20,7 +20,7 @@ site     = $(shell $(PYTHON) -m site --user-site)
 cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/core/*.inl tests/core/*.cpp)
 packages = cd_engine yade_scripts analysis tests
 # What plain YADE scripts find defined.
-yade     = O,box,sphere,readParamsFromTable,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
+yade     = O,box,sphere,readParamsFromTable,runningInBatch,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
            Bo1_Sphere_Aabb,Bo1_Box_Aabb,InteractionLoop,Ig2_Sphere_Sphere_ScGeom,Ig2_Box_Sphere_ScGeom,Ip2_FrictMat_FrictMat_MindlinPhys,$\
            Law2_ScGeom_MindlinPhys_Mindlin,NewtonIntegrator,PyRunner,RotationEngine,VTKRecorder
 

@@ -9,7 +9,11 @@ def install(plugin):
     """
     from yade import O
     originals = {name: getattr(type(O), name) for name in ("run", "step", "wait", "pause")}
-    check = _EngineCheck(O)
+    checks = {}  # by the number of the scene
+
+    def check():
+        O.stopAtIter = plugin.former_stop(O.stopAtIter)
+        checks.setdefault(O.thisScene, _EngineCheck(O))()
 
     def run(self, nSteps=-1, wait=False):
         check()
@@ -20,10 +24,11 @@ def install(plugin):
 
     def step(self):
         check()
-        plugin.run_begins()
+        plugin.take_error()
         try:
             originals["step"](self)
         finally:
+            plugin.settle()
             error = plugin.take_error()  # YADE itself raises it but for that of stopUnsolved
         if error:
             raise RuntimeError(error)
@@ -31,12 +36,13 @@ def install(plugin):
     def wait(self):
         waited(originals["wait"], self)
 
-    def waited(original, *arguments):
+    def waited(original, self, *arguments):
         plugin.wait_begins()
         try:
-            original(*arguments)
+            original(self, *arguments)
         finally:
             plugin.wait_ends()
+            self.stopAtIter = plugin.former_stop(self.stopAtIter)
             error = plugin.take_error()
         if error:  # the run had ended before YADE began to wait, or has ended by stopUnsolved; then YADE raises nothing
             raise RuntimeError(error)
@@ -61,7 +67,7 @@ class _EngineCheck:
         self.O = O
         self.passed = []  # the engines of springs that ran last; none if ContactDynamics ran last
         self.rigid = False  # whether ContactDynamics ran last
-        self.takers = []  # engines of ContactDynamics that take over overlaps
+        self.takers = []  # engines of ContactDynamics that have taken overlaps over; those of a loaded scene tell by handoverOverlap
 
     def __call__(self):
         live = [engine for engine in self.O.engines if not engine.dead]
@@ -75,9 +81,9 @@ class _EngineCheck:
                 raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
                                    "of cd_engine.engines()")
             engine = live[names.index("ContactDynamics")]
-            if engine.handover:
-                self.takers = [engine]
-            elif self.passed and engine in self.takers:
+            if engine.handover and engine not in self.takers:
+                self.takers.append(engine)
+            elif self.passed and (engine in self.takers or engine.handoverOverlap > 0):
                 engine.handover = True
             self.passed, self.rigid = [], True
         elif "InteractionLoop" in names and live != self.passed:

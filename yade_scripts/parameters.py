@@ -117,10 +117,10 @@ REGISTRY = {p.name: p for p in (
     # Time stepping.
     Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", above=0, high=1, method="MD"),
     Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),
-    Parameter("damping_factor", 1.0, "1", "once the packing is prepared, beta_n is multiplied by this: the same packing, with other dashpots",
+    Parameter("damping_factor", 1.0, "1", "beta_n is multiplied by this once a packing is prepared: the same packing, with other dashpots",
               low=0, high=1000, method="MD"),
-    Parameter("md_energies", True, "1", "sum the work of friction and dashpots in every step; without it a step costs 5 to 10 % less, and only their sum "
-              "is known, from the energy balance", method="MD"),
+    Parameter("md_energies", True, "1", "sum the work of friction and dashpots in every step; without it a step costs 5 to 10 % less, and the "
+              "dissipated energy is unknown (NaN)", method="MD"),
     Parameter("cd_dt", 1e-3, "s", "largest CD step", above=0, high=1, method="CD"),
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),

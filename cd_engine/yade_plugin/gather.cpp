@@ -68,7 +68,8 @@ void SceneLink::tellOfFalls()
 			// The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
 			// and a piston with clearance not at all.
 			const int axis = overlap[0] < overlap[1] ? 0 : 1;
-			const bool cross = overlap[axis] == cd::endless; // two Walls at right angles, each endless along itself
+			// A Wall is endless along itself: it crosses others at right angles, and what stands on both of its sides.
+			const bool cross = overlap[axis] == cd::endless || (world.shapes[upper].kind == cd::ShapeKind::wall && overlap[axis] > margin);
 			if (cross || overlap[axis] < -margin || a.inverseMass[axis] == 0 || !(overlap[1 - axis] > 0))
 				continue;
 			const bool falls = way[axis] * gravity[axis] > 0;

@@ -33,6 +33,7 @@ namespace {
 		py::def(
 		    "pause_begins", +[] { paused = true; },
 		    "Another thread has paused the run and looks at the scene: until the next run begins, it has to see the last step.");
+		py::def("former_stop", formerStop, "O.stopAtIter as it was before stopUnsolved ended a run, given the present one.");
 		py::def("next_problem", &ContactDynamics::nextProblem, "What exportProblem writes.");
 		py::def("settle", ContactDynamics::settleLatest, "Bring the scene up to date.");
 		py::def(

@@ -36,7 +36,7 @@ namespace {
 				    + ", so its forces are cleared before they can act. Put it between ForceResetter and ContactDynamics in "
 				      "O.engines";
 		if (name == "GravityEngine" && weighs)
-			return "GravityEngine adds the weights a second time, beside the attribute `gravity`." + remove + ", or set gravity=(0, 0, 0)";
+			return "GravityEngine adds to the attribute `gravity`, so that bodies would weigh twice." + remove + ", or set gravity=(0, 0, 0)";
 		return "";
 	}
 
@@ -74,8 +74,9 @@ bool OtherEngines::changed(const std::vector<Shared<yade::Engine>>& engines) con
 void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weighs)
 {
 	const auto& engines = scene_engines(scene);
-	if (!changed(engines))
+	if (weighs == weighed && !changed(engines))
 		return;
+	weighed = weighs;
 	changedAt = scene_iter(scene);
 	others.clear();
 	std::string problem;

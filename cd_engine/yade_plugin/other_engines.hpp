@@ -48,6 +48,7 @@ class OtherEngines {
 	bool changed(const std::vector<Shared<yade::Engine>>&) const;
 
 	std::vector<Other> others; // all engines, at the last check
+	bool weighed = false; // whether Contact Dynamics added the weights then
 	std::vector<int> driven;
 	long changedAt = -1; // iteration of the last check that found a changed list
 	Shared<yade::Engine> collider;

@@ -265,7 +265,7 @@ void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
 }
 
 // Reads all that a step needs to know of a body. Every step looks at all of it, since anybody may have changed it.
-void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceContainer& forces)
+void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceContainer& forces, long step)
 {
 	KnownBody& known = bodies[id];
 	const bool same = known.exists && isSame(known.identity, body);
@@ -277,9 +277,10 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 		world.masks[id] = 0;
 		return;
 	}
-	known.fresh = !same;
-	if (!same)
+	if (!same) {
 		known.identity = body;
+		known.came = step;
+	}
 	known.body = body.get();
 	known.state = body_state(body).get();
 	known.shape = body_shape(body).get();
@@ -321,7 +322,7 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 			prefetchBody(bodies[id + ahead]);
 		const KnownBody& known = bodies[id];
 		const bool boundary = known.boundary, inPlane = known.inPlane;
-		readBody(id, container[id], forces);
+		readBody(id, container[id], forces, scene_iter(scene));
 		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
 	}
 	outdated = changed || !gone.empty();

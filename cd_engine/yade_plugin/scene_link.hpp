@@ -49,7 +49,7 @@ struct KnownBody {
 	bool exists = false;
 	bool inPlane = false; // in the plane of the disks: takes part in contacts
 	bool boundary = false;
-	bool fresh = false; // was not there when the bodies were last read
+	long came = -1; // step in which it was first read
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
 };
@@ -86,7 +86,7 @@ class SceneLink {
 	// Writes positions and velocities of boundaries whose velocities others will set, and reads these before the next step.
 	void publishMotion(const std::vector<int>& ids);
 	bool areBoundaries(const std::vector<int>& ids) const;
-	bool isNew(int id) const { return bodies[id].fresh; }
+	bool cameIn(long step, int id) const { return bodies[id].came == step; }
 	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
 	void catchUp(yade::Scene*, cd::TimeStep&);
 	// Tells how fast bodies are and which is lost.
@@ -112,7 +112,7 @@ class SceneLink {
 	void gatherBodies(yade::Scene*);
 	void findLayer(yade::BodyContainer&);
 	static int kindOf(const void* shape);
-	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&);
+	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
 	void readVelocity(int id, cd::Body&) const;
 	void readShape(int id, cd::Body&);

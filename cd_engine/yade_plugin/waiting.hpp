@@ -24,4 +24,25 @@ inline std::string exchangeError(const std::string& next)
 	return std::exchange(error, next);
 }
 
+// O.stopAtIter as the engine has set it to end a run, and what it replaced; below 0: nothing.
+inline std::atomic<long> stopSet { -1 }, stopBefore { -1 };
+
+// Lets the run end when the clock shows `at`, with this error, unless another one is kept.
+inline void stopAfter(long at, long& stopAtIter, const std::string& error)
+{
+	if (const std::string first = exchangeError(error); !first.empty())
+		exchangeError(first);
+	if (stopSet < 0)
+		stopBefore = stopAtIter;
+	stopSet = stopAtIter = at;
+}
+
+// Returns the O.stopAtIter that holds again after such a run, given the present one. YADE sets it to -1 where it stops.
+inline long formerStop(long now)
+{
+	const bool ours = stopSet >= 0 && (now == stopSet || now < 0);
+	stopSet = -1;
+	return ours ? stopBefore.load() : now;
+}
+
 } // namespace cd_engine

@@ -39,8 +39,9 @@ void ContactDynamics::warn()
 			link.publish(scene, step);
 		// Not thrown here: the other engines and the clock have to make this step, too.
 		const std::string error = unsolved() + " (stopUnsolved is set; the step has been made)";
-		scene_stopAtIter(scene) = scene_iter(scene) + 1;
-		exchangeError(error);
+		stopAfter(scene_iter(scene) + 1, scene_stopAtIter(scene), error);
+		others.wake();
+		toldOfUnsolvable = !unsolvableContact.empty();
 		if (waiting == 0)
 			std::cerr << error << '\n';
 		return;
@@ -94,7 +95,7 @@ void ContactDynamics::watchPenetration(double before) const
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
 	// That two bodies can approach each other in the step; one that has come with it approaches none.
-	const double way = link.isNew(deepest.a) || link.isNew(deepest.b) ? 0 : 2 * link.pairSearch().longestWay() * smallest;
+	const double way = link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b) ? 0 : 2 * link.pairSearch().longestWay() * smallest;
 	if (const std::string behind = link.behindWall(deepest); atOnce && maxPenetration - before > way && !behind.empty())
 		remedy = "No speed explains it: " + behind;
 	else if (atOnce && maxPenetration - before > way)

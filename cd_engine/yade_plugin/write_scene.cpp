@@ -132,11 +132,13 @@ void SceneLink::writeMotion(std::size_t id)
 	void* const state = bodies[id].state;
 	const cd::Body& body = world.bodies[id];
 	state_pos(state).head<2>() << body.x, body.y;
-	// Blocked freedoms keep the velocity that was read. Somebody may have set another one meanwhile, at the console of a run in the background.
-	for (int k = 0; k < 2; k++)
-		if (body.inverseMass[k] > 0)
-			state_vel(state)[k] = body.v[k];
-	if (body.inverseMass[2] > 0)
+	// Blocked freedoms keep their velocity. Somebody may have blocked them, or set another velocity, meanwhile, at the console of a run.
+	const unsigned blocked = state_blockedDOFs(state);
+	if (body.inverseMass[0] > 0 && !(blocked & dofX))
+		state_vel(state)[0] = body.v[0];
+	if (body.inverseMass[1] > 0 && !(blocked & dofY))
+		state_vel(state)[1] = body.v[1];
+	if (body.inverseMass[2] > 0 && !(blocked & rotZ))
 		state_angVel(state)[2] = body.v[2];
 	std::copy_n(orientations[id].data(), 4, &state_ori(state));
 }

@@ -12,7 +12,7 @@ import pytest
 from analysis import charts, publish, report, studies
 from yade_scripts.results import reader
 from tests import numbers
-from yade_scripts import parameters, results, scenes
+from yade_scripts import parameters, results
 
 FOLDER = reader.RESULTS.parent / "analysis" / "published"
 PUBLISHED = sorted(path.stem for path in FOLDER.glob("*.json"))

@@ -1,7 +1,6 @@
 """Springs and rigid contacts take over from each other again and again, each with the same list of engines."""
 import math
 
-import pytest
 from yade import wrapper as w
 
 import cd_engine

@@ -41,11 +41,14 @@ def test_gravity_of_two_engines(O):
     reset, collider, cd = one_disk()
     O.engines = [reset, collider, wrapper.GravityEngine(gravity=(1, 0, 0)), cd]
     O.dt = 1e-3
-    with pytest.raises(RuntimeError, match=r"GravityEngine adds the weights a second time.*gravity=\(0, 0, 0\)"):
+    with pytest.raises(RuntimeError, match=r"GravityEngine adds to the attribute `gravity`.*gravity=\(0, 0, 0\)"):
         O.run(1, True)
     cd.gravity = (0, 0, 0)
     O.run(10, True)
     assert O.bodies[1].state.vel[0] == pytest.approx(1 * 10 * 1e-3)
+    cd.gravity = (0, -9.81, 0)
+    with pytest.raises(RuntimeError, match="would weigh twice"):
+        O.run(1, True)
 
 
 def test_forces_that_are_cleared_at_once(O):

@@ -52,6 +52,20 @@ def test_a_run_may_be_ended_by_it(O):
     assert engine.converged and engine.unconvergedSteps == 1
 
 
+@pytest.mark.parametrize("wait", [True, False], ids=["waited", "background"])
+def test_what_it_leaves_after_that_run(O, wait):
+    """O.stopAtIter as somebody has set it, and a collider that springs or YADE's tools can use."""
+    engine = press(O, speed=0.1)
+    engine.stopUnsolved = True
+    O.stopAtIter = 100
+    with pytest.raises(RuntimeError, match="stopUnsolved"):
+        O.run(-1, True) if wait else (O.run(), [None for _ in iter(lambda: O.running, False)], O.wait())
+    assert O.stopAtIter == 100 and O.iter < 100 and not O.engines[1].dead
+    engine.stopUnsolved = False
+    O.run(-1, True)
+    assert O.iter == 100
+
+
 def test_the_error_of_a_run_that_has_ended_is_told_to_who_waits(O):
     """YADE itself says nothing if the run has ended before somebody waits."""
     engine = press(O, speed=0.1)

@@ -69,20 +69,22 @@ def test_energy_balance_of_springs_closes(yade60, law, walls):
     assert np.abs(missing).max() < 1e-3 * gone[-1]
 
 
-def test_without_sums_the_motion_is_the_same_and_the_balance_tells_what_is_gone(yade60):
-    """md_energies=False: every bit of the motion as with the sums; the dissipated energy follows from the balance, its parts are unknown."""
+def test_without_sums_the_motion_is_the_same(yade60):
+    """md_energies=False: every bit of the motion as with the sums; the dissipated energy is unknown."""
     row = dict(method="MD", loading="cosine", period=0.5, md_walls="force")
     summed, quiet = (yade60.run(**row, md_energies=sums)["history"] for sums in (True, False))
     for name in ("gamma", "sigma2", "kinetic_energy", "stored_energy", "wall_work"):
         assert np.array_equal(summed[name][:], quiet[name][:]), name
-    assert np.isnan(quiet["friction_dissipation"][:]).all()
-    assert np.abs(quiet["dissipated_energy"][:] - summed["dissipated_energy"][:]).max() < 1e-3 * summed["dissipated_energy"][-1]  # as the balance above
+    assert all((np.diff(history["processor_time"][:]) > 0).all() for history in (summed, quiet))  # though samples do not count
+    assert all(np.isnan(quiet[name][:]).all() and np.isfinite(summed[name][:]).all() for name in ("friction_dissipation", "dissipated_energy"))
 
 
-def test_damping_of_the_loading_leaves_the_packing_alone(yade60):
+@pytest.mark.parametrize("walls", ["force", "servo"])
+def test_damping_of_the_loading_leaves_the_packing_alone(yade60, walls):
     """damping_factor: the same prepared packing, another loss of energy in dashpots while it is loaded."""
-    row = dict(method="MD", loading="cosine", period=0.2, md_walls="force")
+    row = dict(method="MD", loading="cosine", period=0.2, md_walls=walls)
     usual, strong = (yade60.run(**row, damping_factor=factor) for factor in (1.0, 5.0))
+    assert strong.attrs["finished"]
     assert usual.attrs["state_sha256"] == strong.attrs["state_sha256"]
     assert np.array_equal(usual["snapshots/0/position"][:], strong["snapshots/0/position"][:])
     in_dashpots = [file["history/dissipated_energy"][-1] - file["history/friction_dissipation"][-1] for file in (usual, strong)]

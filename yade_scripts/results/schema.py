@@ -50,7 +50,7 @@ HISTORY = _table(
     Field("contacts", "1", "contacts that carry a force, walls included"),
     Field("sliding_contacts", "1", "contacts at the Coulomb limit, see is_sliding"),
     Field("kinetic_energy", "J", "translation and rotation of the disks and of moving walls"),
-    Field("dissipated_energy", "J", "dissipated since the start by friction, damping and impacts"),
+    Field("dissipated_energy", "J", "dissipated since the start by friction, damping and impacts; NaN without md_energies"),
     Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
     Field("max_penetration", "m", "largest overlap; in CD beyond the reference gap of the start"),
     Field("wall_clock", "s", "computing time since the start of the run"),
@@ -138,7 +138,7 @@ def is_sliding(force_normal, force_tangential, friction):
 
 # History fields that may be NaN: there is no contact force to divide by, or a law does not sum its friction. Without a loaded box stresses and
 # strains are undefined, too.
-MAY_BE_UNDEFINED = {"unbalanced_force", "friction_dissipation"}
+MAY_BE_UNDEFINED = {"unbalanced_force", "dissipated_energy", "friction_dissipation"}
 OF_A_BOX = {"sigma1", "sigma2", "sigma1_goal", "sigma2_goal", "strain1", "strain2", "gamma"}
 
 

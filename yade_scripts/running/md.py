@@ -48,6 +48,11 @@ def set_friction(disks, wall):
         contact.phys.tangensOfFrictionAngle = min(math.tan(O.bodies[k].mat.frictionAngle) for k in (contact.id1, contact.id2))
 
 
+def damping(full):
+    """Return the damping ratio beta_n of the contacts while they are loaded."""
+    return full["beta_n"] * full["damping_factor"]
+
+
 def set_damping(ratio):
     """Give the materials, and the contacts that exist, this damping ratio beta_n."""
     for material in O.materials:
@@ -74,7 +79,7 @@ def set_engines(full, scene, goals=None):
     if goals is None:
         loading = [observer]
     elif full["md_walls"] == "servo":
-        controller = walls.servo(goals(0.0), full["beta_n"], bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
+        controller = walls.servo(goals(0.0), damping(full), bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
         scene.load = walls.ServoLoad(goals, controller)
         # A divisor, so that the work of the walls is up to date at every sample.
         every = max(n for n in range(1, full["md_load_every"] + 1) if scene.every % n == 0)
@@ -93,12 +98,10 @@ def law():
 
 
 def friction_dissipation(full, boxed):
-    """Return the energy dissipated by friction [J]; NaN if it is not summed, or if disks slip by PathIndependentShear but walls by the functor.
+    """Return the energy dissipated by friction [J]; NaN if disks slip by PathIndependentShear but walls by the functor.
 
     boxed: whether the sample is in the biaxial box.
     """
-    if not full["md_energies"]:
-        return math.nan
     if full["tangential_law"] != "path_independent":
         return law().plasticDissipation()
     # PathIndependentShear does not see contacts with walls.

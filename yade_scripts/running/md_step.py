@@ -26,7 +26,7 @@ def check(full):
     if largest >= 4:
         most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
         raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the time integration of the springs is unstable from {most:.3g} on "
-                        f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n']}); take at most half of that, better the default")
+                        f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n'] * full['damping_factor']:g}); take at most half of that")
 
 
 def limit():

@@ -81,16 +81,16 @@ class Recorder:
 
     def sample(self):
         """Write one row of the history, at some samples a snapshot. Raise Collapse, StressError or OutOfBounds where the run has to end."""
-        begin = time.process_time()
+        begin, elapsed = time.process_time(), self._elapsed()
         try:
-            self._sample()
+            self._sample(elapsed)
         finally:  # a scene without records would not spend this time
             self.started = self.started[0], self.started[1] + time.process_time() - begin
 
-    def _sample(self):
+    def _sample(self, elapsed):
         if self.count == 0 and self.full["method"] == "MD":
             md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
-        row = self._measure()
+        row = self._measure() | dict(zip(("wall_clock", "processor_time"), elapsed))
         self.rows.append([row[name] for name in self.names])
         if self.count in self.scene.snapshots:
             self._snapshot(row)
@@ -113,7 +113,6 @@ class Recorder:
         row = {"time": O.time, "cycle": O.time / self.full["period"],
                "contacts": len(normal), "sliding_contacts": int(np.count_nonzero(schema.is_sliding(normal, tangential, friction))),
                "kinetic_energy": utils.kineticEnergy(), "unbalanced_force": utils.unbalancedForce()}
-        row |= zip(("wall_clock", "processor_time"), self._elapsed())
         row |= self._box()
         row |= self._cd() if self.full["method"] == "CD" else self._md(row) | {"max_penetration": max(overlap, default=0.0)}
         return row
@@ -132,8 +131,11 @@ class Recorder:
 
     def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""
-        stored, friction = observe.stored_energy(), md.friction_dissipation(self.full, self.scene.load is not None)
-        gone = friction + hooks.engine("DashpotWork").work if self.full["md_energies"] else friction
+        stored = observe.stored_energy()
+        if not self.full["md_energies"]:
+            return {"stored_energy": stored, "dissipated_energy": math.nan, "friction_dissipation": math.nan}
+        friction = md.friction_dissipation(self.full, self.scene.load is not None)
+        gone = friction + hooks.engine("DashpotWork").work
         if math.isnan(friction):
             weights = self.full["gravity"] * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
             held = stored + row["kinetic_energy"] + weights - row["wall_work"]

@@ -72,15 +72,21 @@ def load_walls(full, scene, goals):
     """
     if full["method"] == "CD" or full["md_walls"] == "force":
         walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
+    _damp(full)
     if full["method"] == "MD":
-        if full["damping_factor"] != 1:
-            md.set_damping(full["beta_n"] * full["damping_factor"])
         md_step.check(full)
     method(full).set_engines(full, scene, goals)
+
+
+def _damp(full):
+    """Give the springs the damping of the row; what was prepared has that of the preparation."""
+    if full["method"] == "MD" and full["damping_factor"] != 1:
+        md.set_damping(md.damping(full))
 
 
 def small(full, known, **more):
     """Set time step and engines for the bodies in O. Return a Scene without loaded walls. known: list of Known. more: its further attributes."""
     built = scene(full, known=known, **more)
+    _damp(full)
     method(full).set_engines(full, built)
     return built
