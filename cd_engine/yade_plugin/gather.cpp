@@ -69,7 +69,8 @@ void SceneLink::tellOfFalls()
 			// and a piston with clearance not at all.
 			const int axis = overlap[0] < overlap[1] ? 0 : 1;
 			// A Wall is endless along itself: it crosses others at right angles, and what stands on both of its sides.
-			const bool cross = overlap[axis] == cd::endless || (world.shapes[upper].kind == cd::ShapeKind::wall && overlap[axis] > margin);
+			const bool cross
+			    = overlap[axis] == cd::endless || (world.shapes[upper].kind == cd::ShapeKind::wall && overlap[axis] > margin);
 			if (cross || overlap[axis] < -margin || a.inverseMass[axis] == 0 || !(overlap[1 - axis] > 0))
 				continue;
 			const bool falls = way[axis] * gravity[axis] > 0;

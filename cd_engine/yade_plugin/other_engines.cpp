@@ -36,7 +36,8 @@ namespace {
 				    + ", so its forces are cleared before they can act. Put it between ForceResetter and ContactDynamics in "
 				      "O.engines";
 		if (name == "GravityEngine" && weighs)
-			return "GravityEngine adds to the attribute `gravity`, so that bodies would weigh twice." + remove + ", or set gravity=(0, 0, 0)";
+			return "GravityEngine adds to the attribute `gravity`, so that bodies would weigh twice." + remove
+			    + ", or set gravity=(0, 0, 0)";
 		return "";
 	}
 

@@ -95,7 +95,9 @@ void ContactDynamics::watchPenetration(double before) const
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
 	// That two bodies can approach each other in the step; one that has come with it approaches none.
-	const double way = link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b) ? 0 : 2 * link.pairSearch().longestWay() * smallest;
+	const double way = link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b)
+	    ? 0
+	    : 2 * link.pairSearch().longestWay() * smallest;
 	if (const std::string behind = link.behindWall(deepest); atOnce && maxPenetration - before > way && !behind.empty())
 		remedy = "No speed explains it: " + behind;
 	else if (atOnce && maxPenetration - before > way)
@@ -120,9 +122,9 @@ void ContactDynamics::watchPenetration(double before) const
 		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
 			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
 	else
-		remedy
-		    = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance (heavy bodies on light ones "
-		      "need about the ratio of their masses less)";
+		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance (heavy bodies on light "
+			 "ones "
+			 "need about the ratio of their masses less)";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
 		  << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy
