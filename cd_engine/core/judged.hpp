@@ -247,18 +247,25 @@ namespace judging {
 			verdict = { Finding::doubtful, strongest(system), verdict.growth };
 		}
 
-		// Solves to smaller tolerances as long as there are doubts.
+		// Solves to smaller tolerances as long as there are doubts. Most vanish after a few more sweeps, which cost less than a proof among
+		// many contacts. So there is a look after twice as many sweeps, and again, and proofs are tried in earnest only once a tolerance is
+		// reached or no sweeps are left. Newton's method waits until then, too.
 		void clearDoubts()
 		{
+			constexpr auto newtonToo = static_cast<Method<System>>(automatic), sweeps = static_cast<Method<System>>(accelerated);
+			bool reached = true; // the last tolerance
 			while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
 				const bool first = !proofTried;
 				const double growth = verdict.growth;
-				part.tolerance = std::max(finest, refinement * part.tolerance);
+				if (reached)
+					part.tolerance = std::max(finest, refinement * part.tolerance);
 				part.maxIterations = settings.maxIterations;
-				if (first) // most doubts vanish after a few more sweeps, which cost less than a proof among many contacts
+				if (first)
 					part.maxIterations = std::min(part.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
-				report = goOn<System>(system, start, part, report, method);
-				proofTried = true;
+				const bool last = part.maxIterations == settings.maxIterations;
+				report = goOn<System>(system, start, part, report, method == newtonToo && !last ? sweeps : method);
+				reached = report.status == Status::converged;
+				proofTried = reached || last;
 				look();
 				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
 					verdict.finding = Finding::doubtful;
