@@ -16,7 +16,6 @@ namespace judging {
 	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // smallest tolerance; below is the round-off of a sum
 	constexpr double stillGrowing = 3; // growth of impulses by a refinement that counts as still growing; in a press it is tenfold
-	constexpr double slightly = 1.5; // the same as long as the smaller tolerance is not reached; more sweeps then tell
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from zero are kept instead of those found from an unsolved step
 	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // reserved for the question whether there is a solution; at most a tenth of all
@@ -203,7 +202,7 @@ namespace judging {
 					beginFromNothing(system, start, settings, report);
 				return report;
 			}
-			proofTried = triedAll = report.status != Status::converged;
+			proofTried = report.status != Status::converged;
 			look();
 			clearDoubts();
 			if (settings.guessPressed && report.status == Status::converged && verdict.finding == Finding::nothing)
@@ -248,41 +247,23 @@ namespace judging {
 			verdict = { Finding::doubtful, strongest(system), verdict.growth };
 		}
 
-		// Solves to smaller tolerances as long as there are doubts. Most vanish after a few more sweeps, which cost less than a proof among
-		// many contacts. So there is a look after twice as many sweeps, and again, and proofs are tried in earnest only once a tolerance is
-		// reached or no sweeps are left. Newton's method waits until then, too.
+		// Solves to smaller tolerances as long as there are doubts.
 		void clearDoubts()
 		{
-			constexpr auto newtonToo = static_cast<Method<System>>(automatic), sweeps = static_cast<Method<System>>(accelerated);
-			bool reached = true; // the last tolerance
-			double growth = 0;
 			while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
-				if (reached) {
-					growth
-					    = verdict.growth; // of impulses to the last tolerance: a few more sweeps let those of a press grow little
-					part.tolerance = std::max(finest, refinement * part.tolerance);
-				}
+				const bool first = !proofTried;
+				const double growth = verdict.growth;
+				part.tolerance = std::max(finest, refinement * part.tolerance);
 				part.maxIterations = settings.maxIterations;
-				if (!triedAll)
+				if (first) // most doubts vanish after a few more sweeps, which cost less than a proof among many contacts
 					part.maxIterations = std::min(part.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
-				const bool last = part.maxIterations == settings.maxIterations;
-				if (last && !reached) // no sweeps are left to aim at one tolerance after the other
-					part.tolerance = std::max(finest, refinement * part.tolerance);
-				const bool withoutNewton = method == newtonToo && !last;
-				report = goOn<System>(system, start, part, report, withoutNewton ? sweeps : method);
-				reached = report.status == Status::converged;
-				triedAll = last || report.status != Status::max_iterations;
-				// whether the method has more to try: only the sweeps granted so far have ended, or Newton's method has waited
-				const bool cut = !triedAll || (withoutNewton && report.status == Status::stagnated);
-				proofTried = proofTried || triedAll || settings.guessPressed || report.iterations >= sweepsToTell;
+				report = goOn<System>(system, start, part, report, method);
+				proofTried = true;
 				look();
-				if (verdict.finding == Finding::nothing && verdict.growth > (cut ? slightly : stillGrowing) * growth)
+				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
 					verdict.finding = Finding::doubtful;
-				const bool goesOn = verdict.finding == Finding::nothing || (cut && verdict.finding == Finding::doubtful);
-				if (cut && goesOn && report.error > settings.tolerance)
-					verdict.finding = Finding::doubtful; // interrupted on its way
-				if ((cut || report.error <= settings.tolerance)
-				    && goesOn) // the requested tolerance is met, the finer one does not matter
+				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
+				if (report.error <= settings.tolerance && goesOn) // the requested tolerance is met, the finer one does not matter
 					report.status = Status::converged;
 			}
 		}
@@ -309,7 +290,7 @@ namespace judging {
 		SolverSettings part; // settings of the next call of the method
 		SolverReport report;
 		Verdict verdict;
-		bool proofTried = false, triedAll = false;
+		bool proofTried = false;
 	};
 
 	template <class System, Method<System> method> SolverReport judged(System& system, const SolverSettings& settings)
