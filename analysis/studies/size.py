@@ -68,7 +68,7 @@ def draw(runs, rows, path):
         axis.minorticks_off()
         if len(several) > 1:
             axis.legend()
-    style.finish(fig, path, "A point a packing, a line the median of a size. Cycles of 0.5 s.", runs)
+    style.finish(fig, path, "A point a packing, a line the median of a size. Cycles get slower with the number of disks, in full runs.", runs)
 
 
 ANSWER = """
