@@ -112,15 +112,14 @@ def release():
     """Remove the contacts that Contact Dynamics made, so that the scene can go on with springs.
 
     These contacts have a FrictPhys without stiffness, which YADE's Ip2 functors would not replace. Call this function before you set the engines of
-    the springs. Give these engines a collider of their own, which finds the contacts again. Call it between runs: ContactDynamics takes over the overlaps
-    that springs leave when a run begins.
+    the springs. Give these engines a collider of their own, which finds the contacts again. Raises RuntimeError while a run goes on: colliders begin
+    anew, and overlaps are taken over, when a run begins.
     """
-    _plugin().settle()  # a run that goes on may have put the collider to rest
-    _let_colliders_begin()
+    _plugin()
     from yade import O
-    for engine in O.engines:
-        if hasattr(engine, "doSort"):
-            engine.doSort = True
+    if O.running:
+        raise RuntimeError("cd_engine.release: a run goes on. Let it end, call release() and set the engines of the springs, then start the next run")
+    _let_colliders_begin()
     for contact in list(O.interactions):
         if contact.isReal and type(contact.phys).__name__ == "FrictPhys" and contact.phys.kn == 0:
             O.interactions.erase(contact.id1, contact.id2)

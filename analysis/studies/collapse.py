@@ -72,9 +72,9 @@ distinguished from those of springs of 10 k_n. Springs of k_n collapse on all of
 stiffened they stand 1.05 times as many cycles as springs of 10 k_n under 0.3 (0.68 to 3.08) and 1.06 times under 0.4 (0.98 to 1.39). Over both loads
 that is 1.46 times as many as springs of k_n, and 1.06 times as many as springs of 10 k_n (medians of 12 pairs from 6 packings). With six packings
 1.06 cannot be distinguished from 1, and whether the methods differ less with stiffer springs cannot be shown either: packing by packing they do in 9
-of 12 pairs, which chance often gives. How much of that would be due to the stiffness itself is also open:
-springs of 10 k_n stand 1.59 times as long as springs of k_n under 0.3, but 1.01 times under 0.4, where rigid contacts stand 0.90 times as long on the
-stiffened packings. These are no longer quite the same packings.
+of 12 pairs, which chance often gives. How much of that would be due to the stiffness itself is also open: springs of 10 k_n stand 1.59 times as long
+as springs of k_n under 0.3, but 1.01 times under 0.4, where rigid contacts stand 0.90 times as long on the stiffened packings. These are no longer
+quite the same packings.
 
 Of tolerance, step, force network, tangential law and walls only the walls have an effect that is more than chance. Under 0.3 the medians are, of
 rigid contacts, 0.95 times with a tolerance of 1e-6, 1.00 with steps a fifth as long and 0.92 from another force network; of springs, 0.92 with steps
@@ -132,7 +132,8 @@ def numbers(table):
             "2": np.isinf(soft.loc[0.3]).sum(), **summary.stated("1.29 1.08 1.49", soft.loc[0.4], "median min max"),
             "1.05": [hard.loc[0.3].median(), slow.median()], **summary.stated("0.68 3.08", hard.loc[0.3]),
             "1.06": [hard.loc[0.4].median(), hard.median()], **summary.stated("0.98 1.39", hard.loc[0.4]),
-            "1.46": soft.median(), "12": [len(soft), len(hard), (servo > 1).sum()], "9": (soft > hard).sum(), "1.59": stiffer[0][0.3], "1.01": stiffer[0][0.4], "0.90": stiffer[1][0.4],
+            "1.46": soft.median(), "12": [len(soft), len(hard), (servo > 1).sum()], "9": (soft > hard).sum(), "1.59": stiffer[0][0.3],
+            "1.01": stiffer[0][0.4], "0.90": stiffer[1][0.4],
             "0.95": medians.loc[0.3].iloc[0], "1.00": medians.loc[0.3].iloc[1], "0.92": medians.loc[0.3].iloc[2:4], "0.88": medians.loc[0.3].iloc[4],
             **summary.stated("0.37 2.41", changes.loc[0.3]), **summary.stated("0.97 1.02", medians.loc[0.4]),
             **summary.stated("0.79 1.26", changes.loc[0.4]), "1.30": servo.median(), "3": np.isinf(servo).sum(),

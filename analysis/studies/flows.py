@@ -146,25 +146,27 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Rigid contacts cost less than springs but for a drum of 5000 disks, by a factor that the scene, the size and, in all but the filling, chance decide. A setting
-counts if its mean, and that of all finer settings, lies within 2 % of the rigid answer and no disks overlap by more than 0.1 radii. Of 500 disks the
-cheapest springs that count cost 5.5 times as much as the cheapest rigid contacts in the silo, 2.9 times in the drum and 5.9 times in the filling. The
-means have standard errors of up to 1.9 % (12 or 36 seeds), and which setting is the cheapest depends on them: if the means are drawn again with these
-errors, 95 % of the factors lie between 1.4 and 5.5, between 0.4 and 4.3 and between 5.9 and 9.4. In the collapse no springs came within 2 %; the
-nearest, off by 2.7 % (standard error 0.7 %), cost 4.5 times as much as rigid contacts (0.5 to 5.0).
+Rigid contacts cost less than springs but for a drum of 5000 disks, by a factor that the scene, the size and, in all but the filling, chance decide. A
+setting counts if its mean, and that of all finer settings, lies within 2 % of the rigid answer and no disks overlap by more than 0.1 radii. Of 500
+disks the cheapest springs that count cost 5.5 times as much as the cheapest rigid contacts in the silo, 2.9 times in the drum and 5.9 times in the
+filling. The means have standard errors of up to 1.9 % (12 or 36 seeds), and which setting is the cheapest depends on them: if the means are drawn
+again with these errors, 95 % of the factors lie between 1.4 and 5.5, between 0.4 and 4.3 and between 5.9 and 9.4. In the collapse no springs came
+within 2 %; the nearest, off by 2.7 % (standard error 0.7 %), cost 4.5 times as much as rigid contacts (0.5 to 5.0).
 
-Of 5000 disks, with 3 seeds and so with rough errors, the factors are 3.5 in the silo (2.5 to 3.5) and 20.7 in the filling (12.4 to 20.7). In the drum rigid contacts
-cost more than springs: the nearest, off by 2.1 % (standard error 0.6 %), take 119 s and springs within 2 % 95 s, a factor of 0.8 (0.8 to 1.7). Its walls
-move, so that steps may look as if they pressed something, and to rule this out takes half of the time or more. In the collapse the nearest springs, off by 4.5 % (0.4 %), cost 3.7 times as much as rigid contacts within 2 %.
+Of 5000 disks, with 3 seeds and so with rough errors, the factors are 3.5 in the silo (2.5 to 3.5) and 20.7 in the filling (12.4 to 20.7). In the drum
+rigid contacts cost more than springs: the nearest, off by 2.1 % (standard error 0.6 %), take 119 s and springs within 2 % 95 s, a factor of 0.8 (0.8
+to 1.7). Its walls move, so that steps may look as if they pressed something, and to rule this out takes half of the time or more. In the collapse the
+nearest springs, off by 4.5 % (0.4 %), cost 3.7 times as much as rigid contacts within 2 %.
 
-Which steps and tolerance do it? Of 500 disks steps of 2 ms to 1e-3 are off by 0.6 to 3.2 % and 1 ms to 1e-3 by 0.2 to 2.6 %, most in the collapse. With
-1e-2 in place of 1e-3 disks overlap by up to 0.12 radii, not 0.03, and the time is 0.7 to 1.5 times as long. Steps of 4 ms are off by 2.3 to 3.7 %, and
-disks overlap by up to 0.34 radii. Steps of 0.5 ms to 1e-4, about what timeStep() proposes, are off by at most 1.4 % and cost 0.5 to 6.6 s, 0.6 to 2.7
-times as much as those springs. gapCorrection of 0.1 costs 1.7 to 4.9 times as much as the same without, and is no more accurate: a smaller step is a
-better use of the time. 5000 disks fall further: with 2 ms to 1e-2 the drum is off by 14.2 % and the filling by 5.7 %, to 1e-3 by 2.1 and 0.6 %.
+Which steps and tolerance do it? Of 500 disks steps of 2 ms to 1e-3 are off by 0.6 to 3.2 % and 1 ms to 1e-3 by 0.2 to 2.6 %, most in the collapse.
+With 1e-2 in place of 1e-3 disks overlap by up to 0.12 radii, not 0.03, and the time is 0.7 to 1.5 times as long. Steps of 4 ms are off by 2.3 to 3.7
+%, and disks overlap by up to 0.34 radii. Steps of 0.5 ms to 1e-4, about what timeStep() proposes, are off by at most 1.4 % and cost 0.5 to 6.6 s, 0.6
+to 2.7 times as much as those springs. gapCorrection of 0.1 costs 1.7 to 4.9 times as much as the same without, and is no more accurate: a smaller
+step is a better use of the time. 5000 disks fall further: with 2 ms to 1e-2 the drum is off by 14.2 % and the filling by 5.7 %, to 1e-3 by 2.1 and
+0.6 %.
 
-Times are processor times without the samples, and without sums of the springs' energies; other runs used the machine's second core. Of three settings of
-5000 disks up to 0.15 % of the steps missed their tolerance within 2000 iterations.
+Times are processor times without the samples, and without sums of the springs' energies; other runs used the machine's second core. Of three settings
+of 5000 disks up to 0.15 % of the steps missed their tolerance within 2000 iterations.
 """
 GIVEN = ("2", "500", "12", "36", "5000", "3", "1e-2", "1", "4", "1e-4", "0.1", "1e-3", "2000")
 

@@ -15,7 +15,8 @@ ORDER = 4  # in the report
 BASE = SPRINGS | dict(cycles=10, delta_sigma=0.4)
 # Springs with strong damping need shorter steps.
 PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), dict(beta_n=0.02), dict(beta_n=0.4, md_dt_factor=0.08),
-            dict(damping_factor=0.2), dict(damping_factor=4.0, md_dt_factor=0.08), dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
+            dict(damping_factor=0.2), dict(damping_factor=4.0, md_dt_factor=0.08),
+            dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
             dict(preparation_friction=0.1),
             dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))
@@ -80,9 +81,9 @@ At dSigma = 0.4, sigma1 held, 6 packings prepared alike strain by 1.2e-3 to 3.8e
 preparation changes the strain most: with friction of 0.1 during the preparation, as in the paper, packings strain 13 times as far (median; 2.4 to
 36), mostly because their static limit is lower: this load is above the limits of such loose packings and below those of the dense ones (study fig3).
 Another distribution of sizes and another damping during the preparation make other packings. The sizes give 0.24 to 5.7 times the strain, weak
-damping (beta_n = 0.02) 0.31 to 3.7 times, strong damping (0.4) 0.37 to 6.7 times. The stiffness of the tangential springs changes the strain by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at
-most a fifth between 0.25 and 1.0. Heavy walls (200 disk masses) strain every packing further, 1.3 times (1.1 to 1.6), a servo for walls every one
-less, 0.82 times (0.62 to 0.91).
+damping (beta_n = 0.02) 0.31 to 3.7 times, strong damping (0.4) 0.37 to 6.7 times. The stiffness of the tangential springs changes the strain by 0.63
+to 1.6 times (k_t/k_n = 0.1), and by at most a fifth between 0.25 and 1.0. Heavy walls (200 disk masses) strain every packing further, 1.3 times (1.1
+to 1.6), a servo for walls every one less, 0.82 times (0.62 to 0.91).
 
 The period matters at this load: with 2 s instead of 0.5 s 3 packings strain 0.56 to 0.88 times as far. So cycles of 0.5 s are not quasi-static where
 packings rearrange. The time step does not matter for the strain below the limit: a third of it changes the strain by 0.9 % at most. But it changes

@@ -90,12 +90,11 @@ Far below the limit packings with springs strain from cycle to cycle mostly beca
 over the limit, the strain of the first cycle goes as k_n to the power -1.03 (standard error 0.05) and that of a late cycle to the power -0.98 (0.13),
 over 13 runs from 7 seeds. Three of these seeds have springs of k_n only, and the highest rates. Within the 4 seeds that have several stiffnesses
 there the powers are -1.00 (0.04) and -0.76 (0.09). So the strain of the first cycle is deformation of the contacts, type I. That of a late cycle is
-mostly so; whether wholly, 4 seeds cannot tell. Between 0.96 and the limit the stiffness matters
-less: the powers are -0.76 (0.19) and -0.42 (0.17), over 13 runs from 8 seeds, as rearrangements, type II, add to the strain. Over all 26 runs below
-the limit, of 10 seeds, they are -0.92 (0.09) and -0.75 (0.14), within the seeds -0.81 (0.11) and -0.47 (0.13); from k_n to 10 k_n the late cycle has
--0.78 (0.22), from 10 to 100 k_n -0.62 (0.17). The bound of 0.96 was chosen after the runs. The stiffness was not varied on exactly the same packing,
-since a stiffened packing has other contacts and is nearer to its limit. Most rates still fall: over the last five cycles they are 0.74 times those of
-the five before (median; quartiles 0.60 and 0.89).
+mostly so; whether wholly, 4 seeds cannot tell. Between 0.96 and the limit the stiffness matters less: the powers are -0.76 (0.19) and -0.42 (0.17),
+over 13 runs from 8 seeds, as rearrangements, type II, add to the strain. Over all 26 runs below the limit, of 10 seeds, they are -0.92 (0.09) and
+-0.75 (0.14), within the seeds -0.81 (0.11) and -0.47 (0.13); from k_n to 10 k_n the late cycle has -0.78 (0.22), from 10 to 100 k_n -0.62 (0.17). The
+bound of 0.96 was chosen after the runs. The stiffness was not varied on exactly the same packing, since a stiffened packing has other contacts and is
+nearer to its limit. Most rates still fall: over the last five cycles they are 0.74 times those of the five before (median; quartiles 0.60 and 0.89).
 
 Cycles have to be slow. With 0.5 s instead of 2 s springs of k_n lag behind the load, and a late cycle strains them 3.1 times as far (median of 10
 packings; 0.4 to 5.6), the first one 1.15 times. Springs of 10 k_n strain 1.05 times as far with 0.5 s as with 0.63 s.

@@ -15,7 +15,8 @@ namespace {
 	std::string refusal(const std::string& name, bool before, bool reset, bool weighs)
 	{
 		const std::string remove = " Remove it or set its dead=True";
-		if (name == "NewtonIntegrator") // even a dead one: utils.unbalancedForce() adds its gravity to forces that contain the weights
+		// No advice to set this one dead: utils.unbalancedForce() adds its gravity to forces that contain the weights.
+		if (name == "NewtonIntegrator")
 			return "NewtonIntegrator is also among O.engines and would move the bodies a second time. Remove it";
 		if (name == "InteractionLoop" || name == "ContactDynamics")
 			return name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")

@@ -36,9 +36,10 @@ void SceneLink::takeOverlaps()
 		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
 		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
 		const double share = pair.reference / world.bodies[pair.b].radius;
-		for (Worst* const of : { &worst, &unpressed })
-			if (!(share <= of->share) && (of == &worst || !world.carried[&pair - world.pairs.data()].any()))
-				*of = { &pair, share };
+		if (!(share <= worst.share))
+			worst = { &pair, share };
+		if (!(share <= unpressed.share) && !world.carried[&pair - world.pairs.data()].any())
+			unpressed = { &pair, share };
 	}
 	const auto what = [](const Worst& of) {
 		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", std::to_string(of.share), " of a radius at the start");

@@ -122,9 +122,8 @@ void ContactDynamics::watchPenetration(double before) const
 		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
 			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
 	else
-		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance (heavy bodies on light "
-			 "ones "
-			 "need about the ratio of their masses less)";
+		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance (heavy bodies on "
+			 "light ones need about the ratio of their masses less)";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
 		  << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy

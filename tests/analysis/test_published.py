@@ -23,7 +23,8 @@ ANEW, TOLERANCE = "closed_path", 1e-9
 
 # Studies whose rows have changed since their tables were made, as two critical readings asked. They are run anew one after the other, and leave this
 # list when their new tables are here.
-REMADE_NEXT = set(PUBLISHED) - {"speed"}
+REMADE_NEXT = {"chain", "collapse", "critical_load", "fig3", "fig4", "fig5", "force_networks", "indeterminacy", "influence", "isostatic", "many_disks",
+               "ratcheting", "size", "stiffness", "thousand", "tolerance"}
 
 
 def said(name):
@@ -67,7 +68,7 @@ def _of_other_rows(name):
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_the_published_runs_had_the_parameters_of_today(name):
     """All but those that are run anew next."""
-    assert name in REMADE_NEXT or not _of_other_rows(name)
+    assert _of_other_rows(name) == (name in REMADE_NEXT)
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
@@ -174,13 +175,15 @@ def stored_at(root, commit):
 
 
 def test_no_study_is_older_than_the_bits_of_its_scenes(root):
-    """Since its commit the stored hashes of its scenes have not changed, and all studies come from one commit but those that are run anew next."""
-    today, commits = json.loads((root / "tests" / "yade_scripts" / "digests.json").read_bytes())["all"], set()
-    for name in set(PUBLISHED) - REMADE_NEXT:
+    """Since its commit the stored hashes of its scenes have not changed; those of many_disks have, of its rigid contacts."""
+    today = json.loads((root / "tests" / "yade_scripts" / "digests.json").read_bytes())["all"]
+    for name in set(PUBLISHED) - {"many_disks"}:
         found = said(name)
-        commits.update(found["commits"])
-        rows = [parameters.complete(row) for row in studies.rows(name, True)]
-        for scene, method in {(row["scene"], row["method"]) for row in rows}:
+        for scene, method in {(row["scene"], row["method"]) for row in map(parameters.complete, studies.rows(name, True))}:
             for commit in found["commits"]:
                 assert stored_at(root, commit)[f"{scene} {method}"] == today[f"{scene} {method}"], f"{name}: {scene} {method} of {commit}"
-    assert len(commits) == 1
+
+
+@pytest.mark.xfail(strict=True, reason="studies are being made anew, one after the other")
+def test_all_studies_come_from_one_commit():
+    assert len({commit for name in PUBLISHED for commit in said(name)["commits"]}) == 1

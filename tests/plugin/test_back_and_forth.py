@@ -1,6 +1,7 @@
 """Springs and rigid contacts take over from each other again and again, each with the same list of engines."""
 import math
 
+import pytest
 from yade import wrapper as w
 
 import cd_engine
@@ -63,6 +64,18 @@ def test_nothing_moves_at_any_handover(O):
         assert overlap < rigid[-1].handoverOverlap < 1.5 * overlap and rigid[-1].maxPenetration < 0.05 * overlap
         cd_engine.release()
         O.engines, O.dt = springs, fast
+
+
+def test_no_release_in_the_middle_of_a_run(O):
+    """The takeover is prepared where a run begins."""
+    _, rigid, _, slow = box_of_disks(O)
+    O.engines, O.dt = rigid, slow
+    O.run(10**9)
+    with pytest.raises(RuntimeError, match="a run goes on.*call release"):
+        cd_engine.release()
+    O.pause()
+    O.wait()
+    cd_engine.release()
 
 
 def test_who_wants_no_handover_gets_none(O):

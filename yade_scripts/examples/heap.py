@@ -64,6 +64,6 @@ plot.plot(noShow=True).savefig(f"{name}.png")
 print(f"slope of the heap: {slope():.1f} degrees, friction {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
       f"at most {max(plot.data['energy']):.2g} J; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 O.save(f"{name}.yade.gz")
-O.load(f"{name}.yade.gz")                                                                    # another script can load it, too, after `import cd_engine`
+O.load(f"{name}.yade.gz")                                                                # another script can load it, too, after `import cd_engine`
 O.run(100, True)
 print(f"saved, loaded and 100 steps on: slope {slope():.1f} degrees, kinetic energy {kineticEnergy():.2g} J")
