@@ -18,7 +18,7 @@ def exportProblem(self, path, bodies=False):
     the scene changes. External forces are gravity and the permanent ones (O.forces.setPermF); what engines add in the course of a step is not
     known before it, and is left out.
     """
-    if _runs_besides():
+    if runs_besides():
         raise RuntimeError("ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
                            "engine of the run (PyRunner)")
     from ._yade_plugin import next_problem
@@ -52,7 +52,7 @@ def text(engine):
     return "\n".join(lines)
 
 
-def _runs_besides():
+def runs_besides():
     """Return whether a run in the background changes the scene meanwhile. Code that an engine of the run calls (PyRunner) blocks the run, so it is
     safe: it runs in a thread of YADE's own. Python's threading module knows this thread only as a dummy, and Python code begins there with a
     command; in a thread made by _thread it begins with a function."""

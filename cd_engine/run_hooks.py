@@ -1,4 +1,10 @@
-"""Extends O.run, O.step, O.wait and O.pause: they check the list of engines and tell the plug-in when the scene may be read."""
+"""Extends O.run, O.step, O.wait and O.pause: they check the list of engines and tell the plug-in when the scene may be read.
+
+O.pause() returns when the last step has ended.
+"""
+import time
+
+from . import engine_methods
 
 
 def install(plugin):
@@ -49,6 +55,12 @@ def install(plugin):
 
     def pause(self):
         plugin.pause_begins()
+        former = self.stopAtIter
+        while self.running and engine_methods.runs_besides():
+            self.stopAtIter = self.iter + 1  # YADE's own O.pause() returns while the last step still changes the scene
+            time.sleep(1e-3)
+        if former > self.iter:
+            self.stopAtIter = former
         originals["pause"](self)
         plugin.settle()
 

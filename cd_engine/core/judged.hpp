@@ -16,6 +16,7 @@ namespace judging {
 	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // smallest tolerance; below is the round-off of a sum
 	constexpr double stillGrowing = 3; // growth of impulses by a refinement that counts as still growing; in a press it is tenfold
+	constexpr double mostClosing = 10; // tolerances by which contacts may close, relative to the fastest closing, once there has been a doubt
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from zero are kept instead of those found from an unsolved step
 	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // reserved for the question whether there is a solution; at most a tenth of all
@@ -202,7 +203,7 @@ namespace judging {
 					beginFromNothing(system, start, settings, report);
 				return report;
 			}
-			proofTried = report.status != Status::converged;
+			proofTried = triedAll = report.status != Status::converged;
 			look();
 			clearDoubts();
 			if (settings.guessPressed && report.status == Status::converged && verdict.finding == Finding::nothing)
@@ -247,23 +248,37 @@ namespace judging {
 			verdict = { Finding::doubtful, strongest(system), verdict.growth };
 		}
 
-		// Solves to smaller tolerances as long as there are doubts.
+		// Solves to smaller tolerances as long as there are doubts. Most vanish after a few more sweeps, which cost less than a proof among
+		// many contacts. So there is a look after twice as many sweeps, and again, and proofs are tried in earnest only once a tolerance is
+		// reached or no sweeps are left. Newton's method waits until then, too.
 		void clearDoubts()
 		{
-			while (doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations) {
-				const bool first = !proofTried;
-				const double growth = verdict.growth;
-				part.tolerance = std::max(finest, refinement * part.tolerance);
+			constexpr auto newtonToo = static_cast<Method<System>>(automatic), sweeps = static_cast<Method<System>>(accelerated);
+			double growth = 0; // of the impulses to the last tolerance reached; a few more sweeps let those of a press grow little
+			for (bool reached = true; doubtful() && part.tolerance > finest && report.iterations < settings.maxIterations;) {
+				if (reached)
+					growth = verdict.growth;
 				part.maxIterations = settings.maxIterations;
-				if (first) // most doubts vanish after a few more sweeps, which cost less than a proof among many contacts
+				if (!triedAll)
 					part.maxIterations = std::min(part.maxIterations, report.iterations + std::max(fewSweeps, report.iterations));
-				report = goOn<System>(system, start, part, report, method);
-				proofTried = true;
+				const bool last = part.maxIterations == settings.maxIterations;
+				if (reached || last) // in the end, no sweeps are left to aim at one tolerance after the other
+					part.tolerance = std::max(finest, refinement * part.tolerance);
+				const bool withoutNewton = method == newtonToo && !last;
+				report = goOn<System>(system, start, part, report, withoutNewton ? sweeps : method);
+				reached = report.status == Status::converged;
+				triedAll = last || report.status != Status::max_iterations;
+				// Whether the method has more to try: only the sweeps granted so far have ended, or Newton's method has waited.
+				const bool cut = !triedAll || (withoutNewton && report.status == Status::stagnated);
+				proofTried = proofTried || triedAll || settings.guessPressed || report.iterations >= sweepsToTell;
 				look();
-				if (verdict.finding == Finding::nothing && verdict.growth > stillGrowing * growth)
+				const bool grows = verdict.growth > stillGrowing * growth,
+					   closes = verdict.closing > mostClosing * settings.tolerance;
+				const bool interrupted = cut && report.error > settings.tolerance;
+				if (verdict.finding == Finding::nothing && (grows || closes || interrupted))
 					verdict.finding = Finding::doubtful;
-				const bool goesOn = verdict.finding == Finding::nothing || (first && verdict.finding == Finding::doubtful);
-				if (report.error <= settings.tolerance && goesOn) // the requested tolerance is met, the finer one does not matter
+				const bool goesOn = verdict.finding == Finding::nothing || (cut && verdict.finding == Finding::doubtful);
+				if (goesOn && (cut || report.error <= settings.tolerance)) // the finer tolerance does not matter
 					report.status = Status::converged;
 			}
 		}
@@ -290,7 +305,7 @@ namespace judging {
 		SolverSettings part; // settings of the next call of the method
 		SolverReport report;
 		Verdict verdict;
-		bool proofTried = false;
+		bool proofTried = false, triedAll = false;
 	};
 
 	template <class System, Method<System> method> SolverReport judged(System& system, const SolverSettings& settings)

@@ -62,6 +62,7 @@ namespace {
 				return { Finding::not_finite, infinite, std::numeric_limits<double>::infinity() };
 			Verdict v;
 			v.growth = growthOf(*form);
+			v.closing = acting > 0 ? fastest / acting : 0;
 			const bool more = std::sqrt(square) > 10 * guess,
 				   grown = more && v.growth > mostOfEqual && v.growth > std::min(mostGrowth, mostOfEqual * form->massRatio());
 			const bool doubted = grown || (more && v.growth * tolerance > drowned) || (v.growth > least && looksPressed(v.growth));
@@ -85,7 +86,7 @@ namespace {
 		{
 			form->product(p, u, sizes);
 			velocity.resize(2 * n);
-			square = kept = closing = given = dragging = pushing = coming = energy = terms = 0;
+			square = kept = closing = given = dragging = pushing = coming = energy = terms = fastest = acting = 0;
 			double largest = -1, mostKept = 0;
 			for (std::size_t i = 0; i < n; i++) {
 				const double own = form->own(i), pn = p[2 * i], pt = p[2 * i + 1];
@@ -94,6 +95,8 @@ namespace {
 				if (!std::isfinite(un) || !std::isfinite(ut) || !std::isfinite(strength))
 					return form->row(i);
 				square += strength;
+				fastest = std::max(fastest, -un);
+				acting = std::max({ acting, -form->q[2 * i], std::abs(form->prescribed[2 * i]) });
 				energy += pn * u[2 * i] + pt * u[2 * i + 1];
 				terms += std::abs(pn) * sizes[2 * i] + std::abs(pt) * sizes[2 * i + 1];
 				// At a sliding contact, the tangential power is friction's and does not count.
@@ -280,6 +283,7 @@ namespace {
 		       pushing = 0; // power of the prescribed motion: net, and only of the contacts at which it opposes the impulses [J]
 		double coming = 0; // power of approaching boundaries and biases against the normal impulses [J]
 		double dragging = 0; // friction power of sliding contacts, by the motion of the bodies there [J]
+		double fastest = 0, acting = 0; // closing of a contact, with the impulses, and without or by the prescribed motion [m/s]
 		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
 		std::size_t worst = 0; // contact with the largest missed power, or with the largest impulse
 		std::vector<double> p, u, sizes;

@@ -6,7 +6,8 @@
 // press all loaded contacts give way together, with the power that the prescribed motion puts in, however exactly the problem is solved. The
 // prescribed motion is that of blocked freedoms and the biases, without gravity, which has no power on impulses that balance each other.
 // A loosely solved pile may look the same. A problem with doubtful impulses is therefore solved ten times more exactly, and again, until the doubt is
-// gone or the bound on the work is reached.
+// gone or the bound on the work is reached. Impulses far larger than those that must stop something, as in a nearly straight column, hide velocities
+// of many tolerances, so after a doubt the velocities of closing contacts count, too.
 // The proof that no impulses solve a problem is a self-stress: impulses d within friction whose velocities W d vanish, with d . q < 0. For every p
 // then d . (W p + q) = d . q is negative, which no contact law allows as long as nothing slides. (With friction, a motion in which contacts of d
 // slide could be a solution. So only the part of d . q without sliding counts, and these contacts must give way to it.) Conjugate gradients find d:
@@ -34,6 +35,7 @@ struct Verdict {
 	Finding finding = Finding::nothing;
 	int32_t contact = -1; // row of the system; of those that speak against the impulses the one with the most power, or with the largest impulse
 	double growth = 0; // |p| relative to the impulses which would stop each closing contact alone, both weighted by W_nn
+	double closing = 0; // fastest closing of a contact over the fastest that there is without impulses or by the prescribed motion
 };
 
 // Judges the impulses in system.contacts. freeVelocity: as in residual.hpp. guess: |p| of the first guess weighted by W_nn, sqrt(sum W_nn |p|^2); a

@@ -102,6 +102,48 @@ TEST_CASE("a self-stress that was there and has nothing to carry is no sign agai
 	}
 }
 
+TEST_CASE("a nearly straight column that a boundary presses gives way to the side: its contacts close by ten tolerances at most")
+{
+	// Impulses a hundred times those of the push keep the column straight, and an error that is small beside them is large beside the push.
+	for (const std::string method : { "accelerated", "auto" })
+		for (const double tolerance : { 1e-3, 1e-4, 1e-5 }) {
+			ContactSystem s;
+			s.bodies.resize(5); // floor, three disks of mass 1, and what presses
+			s.bodies[0].v[0] = 0.3;
+			s.bodies[4].v[1] = -0.18;
+			const double tilt[] = { 0, -0.0073, 0.0013, 0.00033 };
+			for (int i = 0; i < 4; i++) {
+				if (i > 0) {
+					s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
+					s.bodies[i].w[2] = 2;
+					s.bodies[i].v[1] = -0.01;
+				}
+				ContactRow c {};
+				c.a = i;
+				c.b = i + 1;
+				c.nx = tilt[i];
+				c.ny = std::sqrt(1 - tilt[i] * tilt[i]);
+				c.at = 1;
+				c.bt = -1;
+				c.mu = 0.3;
+				s.contacts.push_back(c);
+			}
+			s.assembleBlocks();
+			CAPTURE(method);
+			CAPTURE(tolerance);
+			const SolverReport r = findSolver(method)(s, tests::to(tolerance));
+			REQUIRE(name(r.status) == std::string("converged"));
+			double closing = 0;
+			for (const ContactRow& c : s.contacts) {
+				const double *a = s.bodies[c.a].v, *b = s.bodies[c.b].v;
+				closing = std::max(closing, (a[0] - b[0]) * c.nx + (a[1] - b[1]) * c.ny);
+			}
+			CAPTURE(closing / 0.18 / tolerance);
+			CAPTURE(r.iterations);
+			CHECK(closing <= 10 * tolerance * 0.18);
+		}
+}
+
 TEST_CASE("the judgement alone: nothing, doubtful, no solution, numbers that are none")
 {
 	ContactSystem s = squeezed(2, 0);

@@ -1,6 +1,7 @@
 """Springs and rigid contacts take over from each other again and again, each with the same list of engines."""
 import builtins
 import math
+import time
 
 from yade import wrapper as w
 
@@ -82,6 +83,19 @@ def test_no_release_in_the_middle_of_a_run(O):
     O.run(2, True)
     assert len(said) == 2 and "a run goes on" in said[0]
     cd_engine.release()
+
+
+def test_a_paused_run_has_ended_its_last_step(O):
+    """release() erases what such a step would still use."""
+    _, rigid, _, slow = box_of_disks(O)
+    O.engines, O.dt = rigid, slow
+    for k in range(40):
+        O.run(10**9)
+        stop = O.stopAtIter
+        time.sleep(1e-3 * (k % 5))
+        O.pause()
+        assert O.stopAtIter == stop
+        cd_engine.release()
 
 
 def test_who_wants_no_handover_gets_none(O):
