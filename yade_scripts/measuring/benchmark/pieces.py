@@ -104,7 +104,7 @@ def full(files):
                       product(disks=40000, tolerance=1e-4, steps=20, mu=problems.FRICTION, most_sweeps=10000),
                       product(disks=40000, tolerance=1e-6, steps=8, mu=problems.FRICTION, most_sweeps=10000))
             + _pieces("step", *(product(**step, columns=columns, steps=steps, tolerance=(1e-4, 1e-6))
-                                for columns, steps in ((20, 2000), (200, 500), (2000, 200), (12500, 100))),
-                      product(**step | {"order": "shuffled"}, columns=2000, steps=200, tolerance=1e-4),
-                      product(**step, columns=50000, steps=50, tolerance=1e-4))
+                                for columns, steps in ((20, 2000), (200, 500), (2000, 500), (12500, 500))),
+                      product(**step | {"order": "shuffled"}, columns=2000, steps=500, tolerance=1e-4),
+                      product(**step, columns=50000, steps=150, tolerance=1e-4))
             + _solve(_packings(40000, 1, BOTH), targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer))

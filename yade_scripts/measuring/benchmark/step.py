@@ -4,7 +4,7 @@
 
 Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact
 Dynamics comes first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS
-runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and the same runs. Times are processor time, medians over the runs;
+runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and as many runs. Times are processor time, medians over the runs;
 nothing is recorded in them.
     A run of Contact Dynamics begins with a search by YADE's collider and ends with writing all contacts to the scene. Runs of one step tell what
     this costs, so that the cost of a step is that of a long run, and the cost of a run stands by itself.
@@ -32,6 +32,7 @@ STEP = 1e-3        # of Contact Dynamics [s]
 YOUNG = 1e7        # of the springs [Pa]
 RUNS = 5           # over which the median is taken
 SETTLING = 20      # steps
+LEAST, MEASURED = 10, 2000000  # steps of a run of springs or at rest at least, and if there is time, times the disks
 SETTLED = 1e-6     # tolerance to which a packing settles first, at most
 RESTING = 40000    # most disks of the scene at rest
 
@@ -73,24 +74,30 @@ def springs(reach=1):
             w.NewtonIntegrator(damping=0.3, gravity=(0, -GRAVITY, 0))]
 
 
-def seconds(steps, clock=time.process_time):
-    """Make `steps` steps in one run. Return its time [s]."""
-    begin = clock()
+def seconds(steps):
+    """Make `steps` steps in one run. Return its processor time [s]."""
+    begin = time.process_time()
     O.run(steps, True)
-    return clock() - begin
+    return time.process_time() - begin
 
 
-def two_threads(engine, each):
-    """Return the wall-clock time with one thread over that with two, of the steps and of the solver; NaN on a machine with one core."""
-    if os.cpu_count() < 2:
-        return math.nan, math.nan
-    taken = {1: [], 2: []}
+def costs(engine, steps):
+    """Return the median cost of a step of long runs, by the number of threads: {threads: [processor time, wall-clock time, wall-clock time in the
+    solver, sweeps, processor time of a run beside its steps]}, times in [s]. Both numbers of threads in turn; one alone where there is but one core."""
+    made = {threads: [] for threads in ((1, 2) if os.cpu_count() > 1 else (1,))}
+
+    def run(count):
+        before = np.array([time.process_time(), time.perf_counter(), engine.solveTime, engine.totalIterations])
+        O.run(count, True)
+        return np.array([time.process_time(), time.perf_counter(), engine.solveTime, engine.totalIterations]) - before
+
     for _ in range(RUNS):
-        for engine.threads, found in taken.items():
-            before = engine.solveTime
-            found.append((seconds(each, time.perf_counter), engine.solveTime - before))
+        for engine.threads, found in made.items():
+            short, whole = run(1), run(steps)
+            step = (whole - short) / (steps - 1)
+            found.append([*step, short[0] - step[0]])
     engine.threads = 1
-    return np.median(taken[1], axis=0) / np.median(taken[2], axis=0)
+    return {threads: np.median(found, axis=0) for threads, found in made.items()}
 
 
 def at_rest(disks):
@@ -103,7 +110,7 @@ def at_rest(disks):
     O.run(10 * SETTLING, True)
     if O.engines[-1].sleeping < disks:
         return math.nan
-    each = max(2, 2000000 // disks)
+    each = max(LEAST, MEASURED // disks)
     return 1e9 * np.median([(seconds(each) - seconds(1)) / (each - 1) for _ in range(RUNS)]) / disks
 
 
@@ -119,23 +126,20 @@ def main(rows, columns, tolerance, steps, order):
     O.run(SETTLING, True)
     engine.tolerance = tolerance
     O.run(SETTLING, True)
-    missed = engine.unconvergedSteps
-    each, made = max(2, steps // RUNS), []
-    for _ in range(RUNS):
-        before, short = engine.solveTime, seconds(1)
-        first, sweeps = engine.solveTime, engine.totalIterations
-        whole = (seconds(each) - short) / (each - 1)
-        made.append((whole, short - whole, (engine.solveTime - first - (first - before)) / (each - 1), (engine.totalIterations - sweeps) / each))
-    whole, around, solver, sweeps = np.median(made, axis=0)
-    memory, contacts, missed = resident() - with_interactions, engine.contacts, engine.unconvergedSteps - missed
-    faster, solved_faster = two_threads(engine, each)
+    memory = resident() - with_interactions
+    missed, made, each = engine.unconvergedSteps, engine.steps, max(2, steps // RUNS)
+    cost = costs(engine, each)
+    whole, wall, solver, sweeps, around = cost[1]
+    faster, solved_faster = (wall, solver) / cost[2][1:3] if 2 in cost else (math.nan, math.nan)
+    contacts, missed, made = engine.contacts, engine.unconvergedSteps - missed, engine.steps - made
     cd_engine.release()
     O.engines, O.dt = springs(), 0.3 * math.sqrt(MASS / YOUNG)
     O.run(SETTLING, True)
-    spring = np.median([seconds(each) for _ in range(RUNS)]) / each
+    few = min(each, max(LEAST, MEASURED // disks))
+    spring = np.median([seconds(few) for _ in range(RUNS)]) / few
     peak, resting = resident(), at_rest(min(disks, RESTING))
     return {
-        "status": "measured", "disks": disks, "contacts": contacts, "order": order, "tolerance": tolerance, "steps": each * RUNS,
+        "status": "measured", "disks": disks, "contacts": contacts, "order": order, "tolerance": tolerance, "steps": made,
         "steps_missed": missed, "sweeps_a_step": sweeps, "seconds_a_step": whole, "seconds_of_the_solver": solver, "seconds_around_a_run": around,
         "ns_a_contact": 1e9 * whole / contacts, "seconds_of_springs": spring, "over_springs": whole / spring,
         "two_threads_step": faster, "two_threads_solver": solved_faster, "ns_a_disk_at_rest": resting,
