@@ -56,7 +56,7 @@ def install(plugin):
     def pause(self):
         plugin.pause_begins()
         former = self.stopAtIter
-        while self.running and engine_methods.runs_besides():
+        while engine_methods.runs_besides():
             self.stopAtIter = self.iter + 1  # YADE's own O.pause() returns while the last step still changes the scene
             time.sleep(1e-3)
         if former > self.iter:

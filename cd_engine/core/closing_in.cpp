@@ -1,5 +1,5 @@
 #include "closing_in.hpp"
-#include "vector.hpp"
+#include "rigid_motion.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
@@ -102,43 +102,15 @@ namespace {
 		// drum, a shaken box.
 		void tryRigidMotion(const std::vector<double>& free)
 		{
-			if (system->places.empty())
+			const RigidMotion rigid(*system, free, touched);
+			if (!rigid.any())
 				return;
-			const auto prescribed = [&](int32_t i) { return system->bodies[i].w[0] == 0 && system->bodies[i].w[1] == 0; };
-			const auto place = [&](std::size_t i) { return Vector { system->places[i][0], system->places[i][1] }; };
-			const auto velocity = [&](std::size_t i) { return Vector { free[3 * i], free[3 * i + 1] }; };
-			touched.assign(system->bodies.size(), 0);
-			Vector centre { 0, 0 }, v { 0, 0 };
-			double spin = 0, turn = 0, spread = 0;
-			int count = 0;
-			for (const int32_t row : rows)
-				for (const int32_t i : { system->contacts[row].a, system->contacts[row].b }) {
-					if (!prescribed(i) || touched[i])
-						continue;
-					touched[i] = 1;
-					count++;
-					centre = centre + place(i);
-					v = v + velocity(i);
-					spin += free[3 * i + 2];
-				}
-			if (count == 0)
-				return;
-			centre = { centre.x / count, centre.y / count };
-			v = { v.x / count, v.y / count };
-			for (std::size_t i = 0; i < touched.size(); i++)
-				if (touched[i]) {
-					const Vector arm = place(i) - centre;
-					turn += cross(arm, velocity(i) - v);
-					spread += dot(arm, arm);
-				}
-			spin = spread > 0 ? turn / spread : spin / count;
 			motion = free;
 			for (std::size_t i = 0; i < touched.size(); i++) {
-				const Vector arm = place(i) - centre;
-				const double rigid[3] = { v.x - spin * arm.y, v.y + spin * arm.x, spin };
+				const std::array<double, 3> along = rigid.of(system->places[i]);
 				for (int k = 0; k < 3; k++)
 					if (system->bodies[i].w[k] > 0)
-						motion[3 * i + k] = rigid[k];
+						motion[3 * i + k] = along[k];
 			}
 			w.clear();
 			for (const int32_t row : rows) {

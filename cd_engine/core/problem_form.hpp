@@ -3,6 +3,7 @@
 
 #include "contact_system.hpp"
 #include "delassus_system.hpp"
+#include "rigid_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,8 @@ class BodyForm {
 	static constexpr double ofProof = std::numeric_limits<double>::infinity(); // large impulses alone start no proof, since power reveals a press
 	static constexpr double ofTerms = 1e-8; // the work against a self-stress must exceed this share of the terms of its sum
 
+	static constexpr double ofFrame = 0.1; // share of the boundaries' velocities that may be missing in a motion that they have in common
+
 	const BodyForm& of(const ContactSystem& s, const std::vector<double>& free)
 	{
 		system = &s;
@@ -34,9 +37,13 @@ class BodyForm {
 		collect(q, sums);
 		for (std::size_t i = 0; i < rows.size(); i++)
 			data[i] = std::max(sums[2 * i], sums[2 * i + 1]) + std::abs(s.contacts[rows[i]].bias);
-		for (std::size_t i = 0; i < v.size(); i++)
-			if (s.bodies[i / 3].w[i % 3] > 0)
-				v[i] = 0;
+		const RigidMotion frame(s, free, touched);
+		const bool moves = frame.fits(ofFrame);
+		for (std::size_t i = 0; i < s.bodies.size(); i++) {
+			const std::array<double, 3> along = moves ? frame.of(s.places[i]) : std::array<double, 3> {};
+			for (int k = 0; k < 3; k++)
+				v[3 * i + k] = s.bodies[i].w[k] > 0 ? 0 : v[3 * i + k] - along[k];
+		}
 		collect(prescribed, sums);
 		for (std::size_t i = 0; i < rows.size(); i++) {
 			q[2 * i] += s.contacts[rows[i]].bias;
@@ -79,7 +86,9 @@ class BodyForm {
 	}
 
 	std::vector<double> q;
-	std::vector<double> prescribed; // the part of q that no impulse can change: from blocked freedoms and from the biases
+	// The part of q that no impulse can change: from blocked freedoms and from the biases. Of boundaries that move together, as those of a drum,
+	// it is what an observer who moves along sees.
+	std::vector<double> prescribed;
 	std::vector<double> data; // magnitude of the terms of q, one number a contact
 
     private:
@@ -111,6 +120,7 @@ class BodyForm {
 	const ContactSystem* system = nullptr;
 	std::vector<int32_t> rows;
 	mutable std::vector<double> v, size; // of the bodies
+	std::vector<char> touched; // scratch
 	std::vector<double> sums;
 };
 

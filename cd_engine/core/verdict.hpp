@@ -4,7 +4,8 @@
 // before: e falls below every tolerance, and nothing is solved. This is called a press. A power reveals it. At a solution, loaded contacts do not
 // close, and sticking ones do not slide, so p . u is only what friction dissipates; the errors of sweeps have either sign and mostly cancel. In a
 // press all loaded contacts give way together, with the power that the prescribed motion puts in, however exactly the problem is solved. The
-// prescribed motion is that of blocked freedoms and the biases, without gravity, which has no power on impulses that balance each other.
+// prescribed motion is that of blocked freedoms and the biases, without gravity, which has no power on impulses that balance each other. Boundaries
+// that move together, as those of a drum, are judged as an observer sees them who moves along (rigid_motion.hpp).
 // A loosely solved pile may look the same. A problem with doubtful impulses is therefore solved ten times more exactly, and again, until the doubt is
 // gone or the bound on the work is reached. Impulses far larger than those that must stop something, as in a nearly straight column, hide velocities
 // of many tolerances, so after a doubt the velocities of closing contacts count, too.
