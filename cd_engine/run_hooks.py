@@ -1,6 +1,6 @@
 """Extends O.run, O.step, O.wait and O.pause: they check the list of engines and tell the plug-in when the scene may be read.
 
-O.pause() returns when the last step has ended.
+O.pause() returns when the last step has ended (where the run's own stop is not a few steps away).
 """
 import time
 
@@ -55,13 +55,22 @@ def install(plugin):
 
     def pause(self):
         plugin.pause_begins()
-        former = self.stopAtIter
-        while engine_methods.runs_besides():
-            self.stopAtIter = self.iter + 1  # YADE's own O.pause() returns while the last step still changes the scene
-            time.sleep(1e-3)
-        if former > self.iter:
-            self.stopAtIter = former
-        originals["pause"](self)
+        former, lead, moved = self.stopAtIter, 1, False
+        try:
+            # YADE's own O.pause() returns while the last step still changes the scene. A run that stops by itself has ended its step.
+            while engine_methods.runs_besides():
+                stop = self.iter + lead
+                if 0 < former <= stop + lead:
+                    break  # its own stop is as near
+                self.stopAtIter, moved = stop, True
+                if self.iter >= stop:  # passed before it was set
+                    lead *= 2
+                else:
+                    time.sleep(1e-3)
+        finally:
+            originals["pause"](self)
+            if moved:
+                self.stopAtIter = former if former > self.iter else -1
         plugin.settle()
 
     for told in (run, step, wait, pause):

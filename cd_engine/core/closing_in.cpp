@@ -12,7 +12,7 @@ namespace {
 	constexpr int rounds = 30; // of Newton's method, at most; each finds which contacts close
 	constexpr int halvings = 50; // bisections in the line search of a Newton step
 	constexpr double solved = 1e-15; // a gradient below this share of its terms is round-off
-	// In a step that counts as solved, contacts together may close by this many tolerances. (The tests allow ten at a single contact.)
+	// In a step that counts as solved, contacts together may close by this many tolerances. (A single contact may by ten, see judged.hpp.)
 	constexpr double missed = 3;
 	constexpr double share = 1e-8; // the work b . y must exceed this share of its terms
 

@@ -16,7 +16,7 @@ namespace judging {
 	constexpr double refinement = 0.1;
 	constexpr double finest = 1e-15; // smallest tolerance; below is the round-off of a sum
 	constexpr double stillGrowing = 3; // growth of impulses by a refinement that counts as still growing; in a press it is tenfold
-	constexpr double mostClosing = 10; // tolerances by which contacts may close, relative to the fastest closing, once there has been a doubt
+	constexpr double mostClosing = 10; // tolerances by which Verdict::closing may exceed 0 once there has been a doubt
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from zero are kept instead of those found from an unsolved step
 	constexpr int fewSweeps = 64, fewProducts = 16;
 	constexpr int sweepsToTell = 1000; // reserved for the question whether there is a solution; at most a tenth of all
@@ -278,7 +278,7 @@ namespace judging {
 				if (verdict.finding == Finding::nothing && (grows || closes || interrupted))
 					verdict.finding = Finding::doubtful;
 				const bool goesOn = verdict.finding == Finding::nothing || (cut && verdict.finding == Finding::doubtful);
-				if (goesOn && (cut || report.error <= settings.tolerance)) // the finer tolerance does not matter
+				if (goesOn && (cut || report.error <= settings.tolerance)) // the asked tolerance is met, or the loop goes on
 					report.status = Status::converged;
 			}
 		}

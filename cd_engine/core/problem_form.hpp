@@ -21,8 +21,6 @@ class BodyForm {
 	static constexpr double ofProof = std::numeric_limits<double>::infinity(); // large impulses alone start no proof, since power reveals a press
 	static constexpr double ofTerms = 1e-8; // the work against a self-stress must exceed this share of the terms of its sum
 
-	static constexpr double ofFrame = 0.1; // share of the boundaries' velocities that may be missing in a motion that they have in common
-
 	const BodyForm& of(const ContactSystem& s, const std::vector<double>& free)
 	{
 		system = &s;
@@ -38,7 +36,7 @@ class BodyForm {
 		for (std::size_t i = 0; i < rows.size(); i++)
 			data[i] = std::max(sums[2 * i], sums[2 * i + 1]) + std::abs(s.contacts[rows[i]].bias);
 		const RigidMotion frame(s, free, touched);
-		const bool moves = frame.fits(ofFrame);
+		const bool moves = frame.ofAll();
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
 			const std::array<double, 3> along = moves ? frame.of(s.places[i]) : std::array<double, 3> {};
 			for (int k = 0; k < 3; k++)
@@ -120,7 +118,7 @@ class BodyForm {
 	const ContactSystem* system = nullptr;
 	std::vector<int32_t> rows;
 	mutable std::vector<double> v, size; // of the bodies
-	std::vector<char> touched; // scratch
+	std::vector<char> touched; // whether a body is a boundary that has a contact
 	std::vector<double> sums;
 };
 

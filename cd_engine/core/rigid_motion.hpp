@@ -5,6 +5,7 @@
 #include "contact_system.hpp"
 #include "vector.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -12,7 +13,8 @@ namespace cd {
 
 class RigidMotion {
     public:
-	// Fits the velocities of the bodies that cannot be moved and that contacts touch. freeVelocity: three numbers a body.
+	// Fits the velocities of the bodies that cannot be moved and that contacts touch. freeVelocity: three numbers a body. Marks these bodies in
+	// `touched`.
 	RigidMotion(const ContactSystem& system, const std::vector<double>& freeVelocity, std::vector<char>& touched)
 	{
 		if (system.places.empty())
@@ -43,36 +45,42 @@ class RigidMotion {
 				spread += dot(arm, arm);
 			}
 		spin = spread > 0 ? turn / spread : spin / boundaries;
+		double fastest = dot(velocityThere, velocityThere), turning = spin * spin; // squares
+		for (std::size_t i = 0; i < touched.size(); i++)
+			if (touched[i]) {
+				fastest = std::max(fastest, dot(velocity(i), velocity(i)));
+				turning = std::max(turning, freeVelocity[3 * i + 2] * freeVelocity[3 * i + 2]);
+			}
+		if (spread > 0 && spin * spin * spread <= roundOff * boundaries * fastest)
+			spin = 0;
+		together = fastest > 0 || turning > 0;
 		for (std::size_t i = 0; i < touched.size(); i++)
 			if (touched[i]) {
 				const auto [x, y, omega] = of(system.places[i]);
 				const Vector v = velocity(i), miss = v - Vector { x, y };
-				const double turns = freeVelocity[3 * i + 2], turnsElse = turns - omega;
-				all += dot(v, v);
-				missed += dot(miss, miss);
-				allTurns += turns * turns;
-				missedTurns += turnsElse * turnsElse;
+				const double turns = freeVelocity[3 * i + 2], otherwise = turns - omega;
+				together = together && dot(miss, miss) <= nearly * dot(v, v) + roundOff * fastest
+				    && otherwise * otherwise <= nearly * turns * turns + roundOff * turning;
 			}
 	}
 
-	// Whether there are boundaries and they move so, but for this share of their velocities.
-	bool fits(double share) const
-	{
-		return boundaries > 0 && missed <= share * share * all && missedTurns <= share * share * allTurns && (all > 0 || allTurns > 0);
-	}
+	bool any() const { return boundaries > 0; }
+	// Whether each of the boundaries moves so, but for a tenth of its own velocity. A sum over all would let a few that press pass beside many
+	// others.
+	bool ofAll() const { return together; }
 	// The velocity of a body that moves along, and its angular velocity.
 	std::array<double, 3> of(const std::array<double, 2>& place) const
 	{
 		const Vector arm = Vector { place[0], place[1] } - centre;
 		return { velocityThere.x - spin * arm.y, velocityThere.y + spin * arm.x, spin };
 	}
-	bool any() const { return boundaries > 0; }
 
     private:
 	int boundaries = 0;
 	Vector centre { 0, 0 }, velocityThere { 0, 0 };
 	double spin = 0; // [rad/s]
-	double all = 0, missed = 0, allTurns = 0, missedTurns = 0; // sums of squares
+	static constexpr double nearly = 0.01, roundOff = 1e-18; // shares of squares
+	bool together = false;
 };
 
 } // namespace cd

@@ -283,7 +283,8 @@ namespace {
 		       pushing = 0; // power of the prescribed motion: net, and only of the contacts at which it opposes the impulses [J]
 		double coming = 0; // power of approaching boundaries and biases against the normal impulses [J]
 		double dragging = 0; // friction power of sliding contacts, by the motion of the bodies there [J]
-		double fastest = 0, acting = 0; // closing of a contact, with the impulses, and without or by the prescribed motion [m/s]
+		double fastest = 0,
+		       acting = 0; // normal velocities: the fastest closing; the largest prescribed one or closing without impulses [m/s]
 		double energy = 0, terms = 0; // p . W p, and the sum of the sizes of its terms
 		std::size_t worst = 0; // contact with the largest missed power, or with the largest impulse
 		std::vector<double> p, u, sizes;

@@ -36,7 +36,7 @@ struct Verdict {
 	Finding finding = Finding::nothing;
 	int32_t contact = -1; // row of the system; of those that speak against the impulses the one with the most power, or with the largest impulse
 	double growth = 0; // |p| relative to the impulses which would stop each closing contact alone, both weighted by W_nn
-	double closing = 0; // fastest closing of a contact over the fastest that there is without impulses or by the prescribed motion
+	double closing = 0; // fastest closing of a contact over the largest normal velocity that is prescribed or that closes one without impulses
 };
 
 // Judges the impulses in system.contacts. freeVelocity: as in residual.hpp. guess: |p| of the first guess weighted by W_nn, sqrt(sum W_nn |p|^2); a

@@ -2,6 +2,7 @@
 #include "allocations.hpp"
 #include "lattice.hpp"
 #include "residual.hpp"
+#include "rigid_motion.hpp"
 #include "verdict.hpp"
 #include "workspace.hpp"
 
@@ -144,8 +145,9 @@ TEST_CASE("a nearly straight column that a boundary presses gives way to the sid
 
 TEST_CASE("an observer who moves along with all boundaries sees the same: as many sweeps, and the same press")
 {
-	const auto moved = [](ContactSystem s, double x, double y) {
-		s.places.assign(s.bodies.size(), { 0, 0 });
+	const auto moved = [](ContactSystem s, std::vector<std::array<double, 2>> boundaries, double x, double y) {
+		s.places.assign(s.bodies.size() - boundaries.size(), { 0, 0 }); // those of bodies that move do not matter
+		s.places.insert(s.places.end(), boundaries.begin(), boundaries.end());
 		for (BodyVelocity& b : s.bodies) {
 			b.v[0] += x;
 			b.v[1] += y;
@@ -159,14 +161,54 @@ TEST_CASE("an observer who moves along with all boundaries sees the same: as man
 		CHECK(one.status == Status::converged);
 		for (const double speed : { 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1. }) { // at one, its power is that of the errors
 			CAPTURE(speed);
-			ContactSystem moves = moved(tests::lattice(8, 0.5, 1, true), speed, -speed);
+			ContactSystem moves = moved(tests::lattice(8, 0.5, 1, true), { { 8, -1 }, { -1, 8 }, { 17, 8 } }, speed, -speed);
 			const SolverReport other = findSolver(method)(moves, tests::to(1e-4));
 			CHECK(other.status == Status::converged);
 			CHECK(other.iterations == one.iterations);
 		}
-		ContactSystem press = moved(squeezed(4, 0.5), 0, 50);
+		ContactSystem press = moved(squeezed(4, 0.5), { { 9, 0 } }, 0, 50);
 		CHECK(name(findSolver(method)(press, tests::to(1e-6)).status) == std::string("no_solution"));
 	}
+}
+
+TEST_CASE("boundaries move together if each of them does")
+{
+	// As many boundaries, each with a disk; a boundary's velocity is that of a common motion, and the last one's is `other` times that.
+	const auto together = [](int boundaries, double x, double y, double spin, double other) {
+		ContactSystem s;
+		std::vector<double> free;
+		for (int i = 0; i < 2 * boundaries; i++) {
+			const double px = 0.37 * (i % 7), py = 0.53 * (i / 7), factor = i + 1 < 2 * boundaries ? 1 : other;
+			s.places.push_back({ px, py });
+			s.bodies.push_back({});
+			free.insert(free.end(), { factor * (x - spin * py), factor * (y + spin * px), factor * spin });
+			if (i % 2 == 0)
+				std::fill_n(s.bodies.back().w, 3, 1.);
+			else {
+				ContactRow c {};
+				c.a = i;
+				c.b = i - 1;
+				c.wnn = 1;
+				s.contacts.push_back(c);
+			}
+		}
+		std::vector<char> touched;
+		return RigidMotion(s, free, touched).ofAll();
+	};
+	for (const int boundaries : { 1, 2, 3, 5, 7, 50, 500 })
+		for (const double speed : { 1e-9, 0.7, 3. }) {
+			CAPTURE(boundaries);
+			CAPTURE(speed);
+			CHECK(together(boundaries, speed, -0.1 * speed, 0, 1));
+			CHECK(together(boundaries, 0.3, 0, speed, 1));
+			CHECK(together(boundaries, 0, 0, speed, 1));
+			CHECK(!together(boundaries, 0, 0, 0, 1)); // they rest
+			for (const double other : { -1., 0., 0.5, 3. })
+				if (boundaries > 2) { // two of them may turn
+					CHECK(!together(boundaries, speed, -0.1 * speed, 0, other));
+					CHECK(!together(boundaries, 0, 0, speed, other));
+				}
+		}
 }
 
 TEST_CASE("the judgement alone: nothing, doubtful, no solution, numbers that are none")

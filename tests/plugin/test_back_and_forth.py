@@ -98,6 +98,23 @@ def test_a_paused_run_has_ended_its_last_step(O):
         cd_engine.release()
 
 
+def test_a_pause_near_the_end_of_a_run_changes_no_end(O):
+    """The run neither goes beyond its own stop, nor does a stop remain that is not its own."""
+    _, rigid, _, slow = box_of_disks(O)
+    O.engines, O.dt = rigid, slow
+    for k in range(60):
+        begin, count = O.iter, 5 + 3 * (k % 10)
+        O.run(count)
+        time.sleep(3e-4 * (k % 7))
+        O.pause()
+        stop = O.stopAtIter
+        while O.running:
+            time.sleep(1e-3)
+        time.sleep(5e-3)  # the last step may still run
+        assert O.iter <= begin + count
+        assert stop == begin + count if O.iter < begin + count else stop <= O.iter
+
+
 def test_who_wants_no_handover_gets_none(O):
     springs, _, fast, slow = box_of_disks(O)
     rigid = cd_engine.engines(gravity=(0, -9.81, 0), handover=False)

@@ -4,8 +4,8 @@
 
 Equal disks (R = 1 cm, mu = 0.5) lie in a tray as wide as a row. They form one island, which is solved whole (reduce=False). Contact
 Dynamics comes first: SETTLING steps to a tenth of the tolerance, at most to SETTLED, and SETTLING to the tolerance, not counted; then RUNS
-runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and as many runs. Times are processor time, medians over the runs;
-nothing is recorded in them.
+runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and as many runs. Times are processor time, of the solver wall-clock
+time, medians over the runs; nothing is recorded in them.
     A run of Contact Dynamics begins with a search by YADE's collider and ends with writing all contacts to the scene. Runs of one step tell what
     this costs, so that the cost of a step is that of a long run, and the cost of a run stands by itself.
     Two threads: wall-clock time of the same runs with one thread over that with two, in turn, medians; of the steps and of the solver alone.
@@ -21,7 +21,7 @@ import time
 
 import numpy as np
 import yade
-from yade import O, utils
+from yade import O, timing, utils
 from yade import wrapper as w
 
 import cd_engine
@@ -32,7 +32,7 @@ STEP = 1e-3        # of Contact Dynamics [s]
 YOUNG = 1e7        # of the springs [Pa]
 RUNS = 5           # over which the median is taken
 SETTLING = 20      # steps
-LEAST, MEASURED = 10, 2000000  # steps of a run of springs or at rest at least, and if there is time, times the disks
+MEASURED, LEAST = 2000000, 10  # steps of a run of springs, or at rest: MEASURED over the number of disks, and at least LEAST
 SETTLED = 1e-6     # tolerance to which a packing settles first, at most
 RESTING = 40000    # most disks of the scene at rest
 
@@ -82,21 +82,28 @@ def seconds(steps):
 
 
 def costs(engine, steps):
-    """Return the median cost of a step of long runs, by the number of threads: {threads: [processor time, wall-clock time, wall-clock time in the
-    solver, sweeps, processor time of a run beside its steps]}, times in [s]. Both numbers of threads in turn; one alone where there is but one core."""
+    """Return the median cost of a step of long runs, by the number of threads: {threads: [processor time, wall-clock time of all engines, wall-clock
+    time in the solver, sweeps, processor time of a run beside its steps]}, times in [s]. Both numbers of threads in turn; one where there is but one core.
+    """
     made = {threads: [] for threads in ((1, 2) if os.cpu_count() > 1 else (1,))}
 
-    def run(count):
-        before = np.array([time.process_time(), time.perf_counter(), engine.solveTime, engine.totalIterations])
-        O.run(count, True)
-        return np.array([time.process_time(), time.perf_counter(), engine.solveTime, engine.totalIterations]) - before
+    def clocks():  # YADE looks every 40 ms whether a run has ended, so the clock on the wall cannot be read here
+        return np.array([time.process_time(), 1e-9 * sum(e.execTime for e in O.engines), engine.solveTime, engine.totalIterations])
 
+    def run(count):
+        before = clocks()
+        O.run(count, True)
+        return clocks() - before
+
+    timing.reset()
+    O.timingEnabled = True
     for _ in range(RUNS):
         for engine.threads, found in made.items():
+            run(1)  # the first one after a change of the threads costs more
             short, whole = run(1), run(steps)
             step = (whole - short) / (steps - 1)
             found.append([*step, short[0] - step[0]])
-    engine.threads = 1
+    O.timingEnabled, engine.threads = False, 1
     return {threads: np.median(found, axis=0) for threads, found in made.items()}
 
 
@@ -127,11 +134,11 @@ def main(rows, columns, tolerance, steps, order):
     engine.tolerance = tolerance
     O.run(SETTLING, True)
     memory = resident() - with_interactions
-    missed, made, each = engine.unconvergedSteps, engine.steps, max(2, steps // RUNS)
+    missed, each = engine.unconvergedSteps, max(2, steps // RUNS)
     cost = costs(engine, each)
     whole, wall, solver, sweeps, around = cost[1]
     faster, solved_faster = (wall, solver) / cost[2][1:3] if 2 in cost else (math.nan, math.nan)
-    contacts, missed, made = engine.contacts, engine.unconvergedSteps - missed, engine.steps - made
+    contacts, missed = engine.contacts, engine.unconvergedSteps - missed
     cd_engine.release()
     O.engines, O.dt = springs(), 0.3 * math.sqrt(MASS / YOUNG)
     O.run(SETTLING, True)
@@ -139,7 +146,7 @@ def main(rows, columns, tolerance, steps, order):
     spring = np.median([seconds(few) for _ in range(RUNS)]) / few
     peak, resting = resident(), at_rest(min(disks, RESTING))
     return {
-        "status": "measured", "disks": disks, "contacts": contacts, "order": order, "tolerance": tolerance, "steps": made,
+        "status": "measured", "disks": disks, "contacts": contacts, "order": order, "tolerance": tolerance, "steps": each * RUNS,
         "steps_missed": missed, "sweeps_a_step": sweeps, "seconds_a_step": whole, "seconds_of_the_solver": solver, "seconds_around_a_run": around,
         "ns_a_contact": 1e9 * whole / contacts, "seconds_of_springs": spring, "over_springs": whole / spring,
         "two_threads_step": faster, "two_threads_solver": solved_faster, "ns_a_disk_at_rest": resting,
