@@ -81,7 +81,7 @@ def path_of_collapse():
         values("tolerance", "7.8e-4 1e-2 9.2e-11 1e-10"), tolerance_of_a_rate(), [1e-6, 1e-8, *quotients("rigid, tolerance 1e-6", "rigid")])),
     ("Indeterminacy: from which forces it starts", lambda: (networks_of_a_cycle(), [], quotients("rigid, other forces", "rigid"))),
     ("Indeterminacy: what the forces can carry", lambda: (
-        values("fig4", "1.5 4 4 1.7e-6 4.9e-4 4.6e-3 6 6 4.3 12.5"), limit_of_a_rate(), limit_of_collapse())),
+        values("fig4", "1.5 4 4 1.6e-6 5.0e-4 4.6e-3 6 6 4.4 13.5"), limit_of_a_rate(), limit_of_collapse())),
     ("Tangential law", lambda: (
         values("laws", "0.994 0.999 6"), values("laws", "1.01 0.93 1.02 0.4 0.5 0.39 1.27 5 -0.91"), quotients("springs, path-independent law", "springs"))),
     ("Stress path", lambda: (same_ratio("first cycle"), [*same_ratio("gamma after 20"), 20], path_of_collapse()))])
