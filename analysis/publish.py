@@ -13,6 +13,7 @@ import numpy as np
 import pandas
 
 from analysis import observables, studies
+from yade_scripts import parameters
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
@@ -78,7 +79,7 @@ def read_json(path, kinds):
 def origin(collection):
     """Return where the figure and the table come from, as plain data for JSON."""
     runs = collection.runs
-    constant, varied = _split([run.parameters for run in runs])
+    constant, varied = _split([parameters.read_by_method(run.parameters) for run in runs])
     failed = [reason for _, _, reason in collection.missing if reason.startswith("failed")]
     return {
         "extent": "full" if collection.full else "quick", "runs_finished": len(runs), "runs_failed": len(failed),
@@ -114,8 +115,8 @@ def command(target, collection):
 
 
 def _split(rows):
-    """Return (parameters that are the same in all rows, {name: values} of those that are not)."""
-    values = {name: list(dict.fromkeys(row.get(name) for row in rows)) for name in dict.fromkeys(name for row in rows for name in row)}
+    """Return (parameters that are the same in all rows that have them, {name: values} of those that are not)."""
+    values = {name: list(dict.fromkeys(row[name] for row in rows if name in row)) for name in dict.fromkeys(name for row in rows for name in row)}
     return ({name: seen[0] for name, seen in values.items() if len(seen) == 1},
             {name: sorted(seen, key=lambda value: (value is not None, isinstance(value, str), 0 if value is None else value))
              for name, seen in values.items() if len(seen) > 1})

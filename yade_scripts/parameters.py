@@ -256,15 +256,20 @@ def digest(values, length=12):
     return hashlib.sha256(json.dumps(values, sort_keys=True, allow_nan=False).encode()).hexdigest()[:length]
 
 
+def read_by_method(full):
+    """Return the parameters of a full row that its method reads."""
+    legal = registry(full["scene"])
+    return {name: value for name, value in full.items() if legal[name].method in (None, full["method"])}
+
+
 def result_name(full):
     """Return the stem of the result file: scene, method, hash of what differs from the defaults among the parameters that this method reads.
 
     A new parameter whose default keeps the old behaviour therefore leaves every name as it is. If you change what a default means, raise
     MEANING, which gives all runs new names.
     """
-    usual, legal = defaults(full["scene"]), registry(full["scene"])
-    asked = {name: value for name, value in full.items()
-             if name not in ("scene", "method") and legal[name].method in (None, full["method"]) and value != usual[name]}
+    usual = defaults(full["scene"])
+    asked = {name: value for name, value in read_by_method(full).items() if name not in ("scene", "method") and value != usual[name]}
     return f"{full['scene']}-{full['method']}-{digest(asked | {'meaning': MEANING})}"
 
 

@@ -15,7 +15,7 @@ TITLE = "The critical load, and what it depends on"
 QUESTION = ("Does Contact Dynamics' resistance to a collapse (Fig. 5) depend on which of the admissible force networks it starts from? "
             "The ramp of eq. 1 is run from many networks of one packing, and compared with the differences between packings and with MD.")
 ORDER = 11  # in the report
-RAMP = dict(tolerance=1e-7, md_walls="force", loading="ramp", ramp_rate=0.2, period=6.0, cd_dt=5e-3, collapse_strain=0.02)
+RAMP = dict(tolerance=1e-8, md_walls="force", loading="ramp", ramp_rate=0.2, period=6.0, cd_dt=5e-3, collapse_strain=0.02)
 SMALL = RAMP | dict(disks=200, records_per_cycle=300)
 FULL = RAMP | dict(records_per_cycle=600)
 ROWS = {"quick": product(method="CD", seed=1, network_seed=(0, 1, 2), **SMALL) + product(method="CD", seed=2, **SMALL)
@@ -61,6 +61,7 @@ def _row(run, other):
         "snapshot at": _at(run, nearest), "sliding there": observables.sliding(nearest).sum(), "2M-3N there": bound,
         "contacts there": contacts, "disks held": disks,
         "unconverged before": int(run.values("unconverged_steps")[late]) if run.method == "CD" else 0,
+        **summary.columns(run, "unsolved steps"),
         "force change, median": np.median(change), "force change, largest": np.max(change), "motion over R, median": np.median(motion),
         "networks apart at start": apart[0] if apart else np.nan, "networks apart at end": apart[-1] if apart else np.nan,
         "outcome": run.outcome}
@@ -124,9 +125,9 @@ of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 mor
 each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), and before the packing yields by 5 %. 6
 packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the static limit, which comes from a
 linear programme over the contacts loaded at the start. If |gamma| = 1e-5 counts as yield, it is 0.986 to 1.005 times the limit; if |gamma| = 1e-3
-does, 1.010 to 1.079 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the limit the normal forces
+does, 1.010 to 1.080 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the limit the normal forces
 change by 3.9 % of their mean from snapshot to snapshot with both methods, while the load grows by 0.03 P0 and the grain that moves most moves by 6e-7
-R in CD and 4e-3 R in MD (medians).
+R in CD and 4e-3 R in MD (medians). Up to 0.95 of the limit every step of CD met its tolerance; later 10 steps did not, at most 2 in one run.
 """
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
@@ -152,9 +153,10 @@ def numbers(table):
     ratio, apart, end = cd[load] / cd["limit load"], cd["networks apart at start"].dropna(), cd["networks apart at end"].dropna()
     lower, higher = (cd[f"load at {level}"] / cd["limit load"] for level in ("1e-05", "0.001"))
     moved = cd[cd.network > 0][motion]
+    assert not cd["unconverged before"].any()
     return {"11": len(same), "1.599": [same[load].median(), alike[load].max()], "4e-4": np.ptp(same[load]),
-            "3": len(several) - 1, "2": [2] if (several[several < several.max()] == 1).all() else [0], "18": 100 * apart.median(),
+            "3": len(several) - 1, "2": [2 if (several[several < several.max()] == 1).all() else 0, cd["unsolved steps"].max()], "18": 100 * apart.median(),
             "5": 100 * end.median(), "6": len(alike), "1.413": alike[load].min(), "22": len(cd), "9": [len(own), len(md)],
-            **summary.stated("0.993 1.020", ratio), **summary.stated("0.986 1.005", lower), **summary.stated("1.010 1.079", higher),
+            **summary.stated("0.993 1.020", ratio), **summary.stated("0.986 1.005", lower), **summary.stated("1.010 1.080", higher),
             "4e-8": own[creep].median(), "3e-3": md[creep].median(), "3.9": [100 * own[change].median(), 100 * md[change].median()],
-            "6e-7": own[motion].median(), "4e-3": md[motion].median(), "13": len(apart), **summary.stated("4.8e-7 1.0e-6", moved)}
+            "6e-7": own[motion].median(), "4e-3": md[motion].median(), "10": cd["unsolved steps"].sum() - cd["unconverged before"].sum(), "13": len(apart), **summary.stated("4.8e-7 1.0e-6", moved)}
