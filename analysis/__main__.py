@@ -67,18 +67,21 @@ def _folder(options):
 
 def _study(options):
     from analysis import make_study, publish, studies
-    names, figures = options.names or studies.names(), Path(options.output or _folder(options))
+    broken = {}
+    names, figures = options.names or studies.names(broken), Path(options.output or _folder(options))
     for name in names:
         studies.module(name)
+    for message in broken.values():
+        print(f"analysis study: {message}", file=sys.stderr)
     if options.rows:
-        return make_study.run(names, options.full, options.results, figures, options.jobs)
+        return make_study.run(names, options.full, options.results, figures, options.jobs) or (commands.MISTAKE if broken else 0)
     left = publish.publish_all(names, figures, options.results, options.full)
     for name in names:
         if name in left:
             print(f"analysis study: {left[name]}", file=sys.stderr)
         else:
             print((figures / f"{name}.png").resolve())
-    return commands.MISTAKE if len(left) == len(names) else 0
+    return commands.MISTAKE if broken or len(left) == len(names) else 0
 
 
 def _table(options):
@@ -102,8 +105,9 @@ def _report(options):
     from analysis import charts, publish, report, studies
     folder = Path(options.published or _folder(options))
     if not options.published:
-        for message in (publish.publish_all(studies.names(), folder, options.results, options.full)
-                             | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
+        broken = {}
+        for message in (publish.publish_all(studies.names(broken), folder, options.results, options.full) | broken
+                        | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
             print(f"analysis report: {message}", file=sys.stderr)
     print(report.build(folder, options.output or FIGURES / "report.html").resolve())
 

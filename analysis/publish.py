@@ -5,6 +5,7 @@ parameters in which the runs differ. Floats are written with all their digits, s
 """
 import json
 import platform
+import traceback
 from pathlib import Path
 
 import h5py
@@ -28,7 +29,10 @@ def publish(collection, folder):
     study, stem = studies.module(collection.name), Path(folder) / collection.name
     stem.parent.mkdir(parents=True, exist_ok=True)
     rows = study.summarize(collection.runs)
-    study.draw(collection.runs, rows, stem.with_suffix(".png"))
+    picture = stem.with_suffix(".png")
+    study.draw(collection.runs, rows, picture)
+    if not picture.exists():
+        raise ResultError(study.__file__, "its draw() wrote no figure", "end it with style.finish(fig, path, caption, runs)")
     write_table(stem.with_suffix(".csv"), rows + missing_rows(collection))
     write_json(stem.with_suffix(".json"), {"study": collection.name} | origin(collection))
     return stem
@@ -123,11 +127,14 @@ def _split(rows):
 
 
 def publish_all(names, folder, results, full):
-    """Publish studies. Return {name: message} of those that have no finished run."""
+    """Publish studies. Return {name: message} of those that have no finished run, or whose file fails."""
     left = {}
     for name in names:
         try:
             publish(studies.collect(name, results, full), folder)
         except ResultError as error:
             left[name] = str(error)
+        except Exception as error:  # a fault in one study must not cost the others their figures
+            traceback.print_exc()
+            left[name] = f"{name}: its figure and table could not be made ({type(error).__name__}: {error}); mend {studies.module(name).__file__}"
     return left

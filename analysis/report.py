@@ -28,7 +28,9 @@ def build(folder, path):
     folder, path = Path(folder), Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
-    found = [_study(name, folder, link) for name in studies.names() if (folder / f"{name}.json").is_file()]
+    broken = {}
+    names = studies.names(broken)
+    found = [_study(name, folder, link) for name in names if (folder / f"{name}.json").is_file()]
     if not found:
         raise ResultError(folder, "holds no study", "make them with `make study`")
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined,
@@ -38,9 +40,9 @@ def build(folder, path):
     short_answer, words = findings()
     page = environment.get_template("report.html").render(
         paper=PAPER, findings=short_answer, words=words, there=there, studies=found,
-        absent=[studies.module(name).TITLE for name in studies.names() if name not in there],
+        absent=[studies.module(name).TITLE for name in names if name not in there], broken=broken,
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
-        points=sorted((*point, name) for name in studies.names() for point in studies.module(name).POINTS),
+        points=sorted((*point, name) for name in names for point in studies.module(name).POINTS),
         sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
         commits=sorted({commit for study in found for commit in study["commits"]}), published=all(study["extent"] == "full" for study in found))
     path.write_text(page, encoding="utf-8")

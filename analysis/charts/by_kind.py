@@ -56,8 +56,10 @@ def draw(rows, folder, line):
         count = of_kind.scenes.max()
         axes.set_title(f"{kind} ({count} scene{'s' if count > 1 else ''})")
         axes.grid(alpha=0.25, linewidth=0.5)
-    for axes in panels.flat[len(kinds):]:
-        axes.axis("off")
+    for axes, above in zip(panels.flat[len(kinds):], panels[0, len(kinds) - panels.shape[1]:]):
+        axes.remove()
+        above.tick_params(labelbottom=True)  # the lowest panel of its column now
+        above.set_xlabel("error allowed")
     plt.setp(panels[-1], xlabel="error allowed")
     plt.setp(panels[:, 0], ylabel="time of computing [s]")
     panels[0, 0].invert_xaxis()

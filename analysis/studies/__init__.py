@@ -34,9 +34,20 @@ class Collection:
     missing: list = field(default_factory=list)
 
 
-def names():
-    """Return the names of all studies, in the order of the report."""
-    return sorted(declared.names(__name__), key=lambda name: (module(name).ORDER, name))
+def names(broken=None):
+    """Return the names of all studies, in the order of the report.
+
+    A file that lacks something raises ParameterError. With a dictionary `broken` it is left out, and `broken` gets {name: message}.
+    """
+    found = declared.names(__name__)
+    if broken is not None:
+        for name in found:
+            try:
+                module(name)
+            except (parameters.ParameterError, ImportError, SyntaxError) as error:
+                broken[name] = str(error)
+        found = [name for name in found if name not in broken]
+    return sorted(found, key=lambda name: (module(name).ORDER, name))
 
 
 @functools.cache

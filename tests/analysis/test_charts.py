@@ -5,9 +5,9 @@ import json
 import pandas
 import pytest
 
-from analysis import publish
+from analysis import publish, style
 from analysis import __main__ as command
-from analysis.charts import choice, cost_against_size, profile, table
+from analysis.charts import by_kind, choice, cost_against_size, profile, table
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
 
@@ -145,6 +145,20 @@ def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):
     written = table.from_csv(folder / "work_precision.csv")
     row = written[written.error == 0.1].iloc[0]
     assert row.seconds == 0.2 and row.worst == "force" and row.arguments.startswith("scene=stack method=MD ")
+
+
+@pytest.mark.parametrize("count", (1, 2, 3))
+def test_the_panels_of_kinds_stay_logarithmic_and_have_numbers_below(monkeypatch, tmp_path, count):
+    """Also where their number is odd, so that one place stays empty."""
+    seen, finish = [], style.finish
+    monkeypatch.setattr(by_kind.style, "finish", lambda fig, *more: (finish(fig, *more), seen.extend(fig.axes)))
+    rows = pandas.DataFrame([{"kind": f"kind {kind}", "accuracy": accuracy, "method": method, "seconds": 1e-2 / accuracy, "solved": 1, "scenes": 1}
+                             for kind in range(count) for method in style.COLOUR for accuracy in (1e-3, 1e-1)])
+    by_kind.draw(rows, tmp_path, "")
+    shown = [axes for axes in seen if axes.get_title()]
+    assert len(shown) == count and all(axes.get_xscale() == axes.get_yscale() == "log" for axes in shown)
+    lowest = {axes.get_position().x0: axes for axes in sorted(shown, key=lambda axes: -axes.get_position().y0)}
+    assert all(axes.get_xlabel() and any(label.get_visible() and label.get_text() for label in axes.get_xticklabels()) for axes in lowest.values())
 
 
 def test_no_measurements_are_said_so(tmp_path, capsys):

@@ -63,8 +63,20 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     studies.module.cache_clear()
     assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
     assert main(["study", "fig5"]) == 2 and main(["report"]) == 2
-    said = capsys.readouterr().err.splitlines()
+    said = [line for line in capsys.readouterr().err.splitlines() if "fig5" in line]
     assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare") for line in said)
+    publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
+    text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
+    assert "Left out: " in text and "fig5.py lacks ROWS, draw; " in text and studies.module("fig4").TITLE in text
+
+
+@pytest.mark.parametrize("fault, said", [(lambda *_: None, "its draw() wrote no figure; end it with style.finish"), (lambda *_: 1 / 0, "ZeroDivisionError")])
+def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, fault, said):
+    monkeypatch.setattr(studies.module("force_networks"), "draw", fault)
+    assert main(["study", "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
+    found = capsys.readouterr()
+    assert said in found.err and found.out.splitlines() == [str(tmp_path / "fig4.png")]
+    assert {path.stem for path in tmp_path.glob("*.*")} == {"fig4"}
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):

@@ -7,13 +7,17 @@ import subprocess
 
 @functools.cache
 def git_commit():
-    """Return the commit of this project, with '-dirty' appended if tracked files differ; 'unknown' outside a clone or without git."""
+    """Return the commit of this project; 'unknown' outside a clone or without git.
+
+    '-dirty' is appended if tracked files differ, or if there are Python files that git does not know: a scene or study of one's own.
+    """
     def git(*arguments):
         return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
 
     try:
         commit = git("rev-parse", "--verify", "--quiet", "HEAD")
-        return (commit + ("-dirty" if git("status", "--porcelain", "--untracked-files=no") else "")) or "unknown"
+        own = git("ls-files", "--others", "--exclude-standard", *(f":(top,glob){folder}/**/*.py" for folder in ("cd_engine", "yade_scripts", "analysis")))
+        return (commit + ("-dirty" if own or git("status", "--porcelain", "--untracked-files=no") else "")) or "unknown"
     except OSError:
         return "unknown"
 
