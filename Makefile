@@ -61,7 +61,7 @@ console: build ## YADE's console with the engine and the prepared packing
 regression: build ## every scene, headless, against stored numbers
 	$(PYTHON) yade_scripts/measuring/regression.py
 
-bench: build ## measure the contact solvers beside Siconos's; QUICK=1, AGAIN=1 anew, FILES="..." more problems
+bench: build ## measure the contact solvers beside Siconos's; QUICK=1; AGAIN=1 repeats all, FILES="..." adds problems
 	@.ci/install-packages test
 	$(PYTHON) -m yade_scripts.measuring.benchmark $(if $(QUICK),--quick) $(if $(AGAIN),--again) $(FILES)
 	$(PYTHON) -m analysis benchmark results/benchmark$(if $(QUICK),/quick)

@@ -19,7 +19,7 @@ def stress_ratio(load, stress_path):
 def static_limit(run, snapshot=0):
     """Return the largest sigma2/P0 on the run's stress path that the contacts of a snapshot can carry (yade_scripts/theory/statics.py).
 
-    NaN where they do not hold the walls at all.
+    NaN if they cannot hold the walls.
     """
     contacts, path = run.snapshots[snapshot], run.parameters["stress_path"]
     key = contacts["contact_point"].tobytes(), run.pressure, path

@@ -49,7 +49,7 @@ def rows(measured):
 
 
 def share(found, series, level):
-    """Return (factors in rising order, share of the scenes solved within each)."""
+    """Return (rising factors on the fastest time, share of the scenes solved within each)."""
     solved = found.factor[(found.series == series) & (found.accuracy == level)].dropna().sort_values()
     return solved.to_numpy(), np.arange(1, len(solved) + 1) / found.scene.nunique()
 

@@ -59,7 +59,7 @@ def _draw(rows, scene, path, line):
 
 
 def _write_labels(axes, labels):
-    """Write the labels that have room: none within a twentieth of the axes of one written before."""
+    """Write the labels, but none within a twentieth of the axes of another."""
     written = []
     for text, place, colour in labels:
         spot = axes.transAxes.inverted().transform(axes.transData.transform(place))

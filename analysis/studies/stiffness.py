@@ -139,7 +139,7 @@ def numbers(table):
         return [np.polyfit(stiffness, np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
 
     def spread(medium, name):
-        """All settings and packings over MD's of the same packing and stiffness."""
+        """Each value over MD's for the same packing and stiffness."""
         own, columns = main[main.medium == medium], [f"{name}, packing {seed}" for seed in seeds]
         return (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
 
