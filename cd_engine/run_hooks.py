@@ -96,6 +96,8 @@ class _EngineCheck:
         if any(name == "ParallelEngine" and "ContactDynamics" in str(engine.slaves) for name, engine in zip(names, live)):
             raise RuntimeError("ContactDynamics stands in a ParallelEngine, and YADE would end at its first refusal. Put it into O.engines itself")
         if "ContactDynamics" in names:
+            if self.O.periodic:  # YADE's collider would end the program if there are boundaries
+                raise RuntimeError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls")
             # YADE's collider is content with an integrator that is dead.
             integrator = any(type(engine).__name__ == "NewtonIntegrator" for engine in self.O.engines)
             if not integrator and any(getattr(engine, "verletDist", 0) != 0 for engine in live):

@@ -103,14 +103,22 @@ bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& 
 double gapByTurning(
     const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox, const double* vDisk, double h)
 {
-	const Vector d = toDisk(box, disk), local = Axes(shape, box.turned).local(d), n { touch.nx, touch.ny };
+	const Vector d = toDisk(box, disk), n { touch.nx, touch.ny };
 	const double w = h * vBox[2];
-	if (std::abs(local.x) > shape.ex && std::abs(local.y) > shape.ey)
-		return 0; // beyond a corner, which is a point: its path bends away from the disk
+	if (isBeyondCorner(shape, box, disk))
+		return 0; // a corner is a point: its path bends away from the disk
 	if (!(std::abs(w) < 1))
 		return 0; // more than a radian a step: the disk meets no definite face
 	const double s = cross(n, d), after = s + h * cross(n, { vDisk[0] - vBox[0], vDisk[1] - vBox[1] });
 	return touching * (1 - 1 / std::cos(w)) + after * std::tan(w) - w * s;
+}
+
+bool isBeyondCorner(const Shape& shape, const Place& boundary, const Place& disk)
+{
+	if (shape.kind != ShapeKind::box)
+		return false;
+	const Vector local = Axes(shape, boundary.turned).local(toDisk(boundary, disk));
+	return std::abs(local.x) > shape.ex && std::abs(local.y) > shape.ey;
 }
 
 Foot footOnBoundary(const Shape& shape, double turned, Vector centre)

@@ -32,7 +32,7 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
 {
 	return narrowest <= 2 * quick * settings.dt * fastest
-	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
+	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return solved[world.awake[k]] == leftOut && crosses(world.awake[k], world, settings.dt); });
 }
 
 // If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.
@@ -45,11 +45,11 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	system.contactSet++;
 	appended = true;
 	for (const int32_t i : world.awake)
-		if (!solved[i] && within(i, world, settings.dt)) {
+		if (solved[i] == leftOut && within(i, world, settings.dt)) {
 			resizeRows(rows + 1, settings);
 			rowPair.back() = i;
 			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
-			solved[i] = 1;
+			solved[i] = contact;
 			deepest = std::max(deepest, -gapOf(world, i));
 			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
 			ContactRow& c = system.contacts[rows - 1];

@@ -1,6 +1,7 @@
 // One step of the Moreau-Jean scheme.
 #pragma once
 
+#include "hidden_corners.hpp"
 #include "island_solver.hpp"
 #include "rebounds.hpp"
 #include "sleepers.hpp"
@@ -128,7 +129,8 @@ class TimeStep : RowSource {
 	Touch locate(const Pair&, const World&) const;
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
-	bool judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
+	enum Choice : char { leftOut, contact, hidden }; // what a step makes of a pair; a hidden one is behind a face (hidden_corners.hpp)
+	Choice judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
 	void findContacts(World&, const StepSettings&, const Begun&);
 	bool looksOn(const World&) const;
 	void prepare(World&, const StepSettings&);
@@ -217,7 +219,8 @@ class TimeStep : RowSource {
 	bool appended = false; // the last step has added contacts
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
-	std::vector<char> solved; // whether a pair has a contact in the system
+	std::vector<char> solved; // of each pair: its Choice
+	HiddenCorners corners;
 	std::vector<double> overlaps; // geometric ones of the pairs looked at; negative: apart [m]
 	struct Share { // what a contact's impulse does to its bodies
 		int32_t a, b; // bodies; a < 0: none

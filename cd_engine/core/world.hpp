@@ -145,6 +145,8 @@ struct Foot {
 
 // centre: that of the disk, from the centre of the boundary [m].
 Foot footOnBoundary(const Shape&, double turned, Vector centre);
+// Whether the point of a boundary that is nearest to a disk's centre is a corner of a box.
+bool isBeyondCorner(const Shape&, const Place& boundary, const Place& disk);
 // Whether the centre of a disk entered a boundary, or went right through it, between the places before and now; if so, through which face.
 bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face);
 

@@ -48,14 +48,20 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 }
 
 // Warns if gravity moves a boundary down onto another one, or its velocity or a force moves it onto one from which it is still apart, since nothing
-// will hold it there: two boundaries make no pair. Called after a search.
+// will hold it there: two boundaries make no pair. Also if gravity moves all of them. Called after a search.
 void SceneLink::tellOfFalls()
 {
 	const int count = static_cast<int>(bodies.size());
 	const auto isSolid = [this](int id) { return bodies[id].boundary && world.masks[id] != 0; };
+	int held = 0, falling = -1;
 	for (int upper = 0; upper < count; upper++) {
 		const cd::Body& a = world.bodies[upper];
-		if (!isSolid(upper) || (a.inverseMass[0] == 0 && a.inverseMass[1] == 0))
+		if (!isSolid(upper))
+			continue;
+		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
+		held += !pulled;
+		falling = pulled ? upper : falling;
+		if (a.inverseMass[0] == 0 && a.inverseMass[1] == 0)
 			continue;
 		const cd::Half ha = cd::halfSides(a, world.shapes[upper]);
 		for (int lower = 0; lower < count; lower++) {
@@ -80,6 +86,9 @@ void SceneLink::tellOfFalls()
 				    text("It will pass through body #", lower, ". Block its freedoms if it is not to do so."));
 		}
 	}
+	if (falling >= 0 && held == 0)
+		tell(text("gravity moves every boundary, such as body #", falling, ", so the whole scene falls."),
+		    "Fix what is to hold it: state.blockedDOFs='xyzXYZ'.");
 }
 
 void SceneLink::forget(yade::Interaction* interaction) const

@@ -22,9 +22,8 @@ std::string ContactDynamics::unsolved() const
 	    = text("ContactDynamics: step ", scene_iter(scene), " is not solved (", status, " after ", iterations, " iterations): ");
 	if (!unsolvableContact.empty())
 		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
-		    " from overlapping. Look for boundaries that move towards each other with disks between them; what follows this step is not to "
-		    "be "
-		    "trusted.");
+		    " from overlapping. Look for boundaries that move towards each other with disks between them; one that is to press with a force "
+		    "needs a mass, free directions and O.forces.setPermF instead of a velocity. What follows this step is not to be trusted.");
 	return text(begin, "the contact law is missed by ", residual, " of all impulses",
 	    worstBody < 0 ? "" : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, " of what acts on it"),
 	    "; the tolerance is ", tolerance, ". ",
@@ -119,11 +118,10 @@ void ContactDynamics::watchPenetration(double before) const
 	else if (tolerance > loose)
 		remedy = "It grew step by step by what the tolerance leaves: lower it to 1e-4 or less";
 	else if (gapCorrection == 0)
-		remedy = "It grew step by step by what the tolerance leaves, or where a boundary changes its velocity: set gapCorrection=0.1, which "
-			 "pushes overlaps out; heavy bodies on light ones need a tolerance smaller by about the ratio of their masses";
+		remedy = "It grew step by step by what the tolerance leaves, where a boundary changes its velocity or as disks were made larger: set "
+			 "gapCorrection=0.1, which pushes overlaps out, or lower tolerance";
 	else
-		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance (heavy bodies on "
-			 "light ones need about the ratio of their masses less)";
+		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
 		  << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy

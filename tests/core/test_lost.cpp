@@ -27,4 +27,7 @@ TEST_CASE("left behind is the scene by who is further away than it is wide, and 
 	CHECK(leftBehind(w, { 6 }) == 6);
 	lost.v[1] = 10;
 	CHECK(leftBehind(w, { 6 }) == -1);
+	lost.v[1] = -10;
+	lost.radius = 0.05; // 50 radii are more than the way to the scene
+	CHECK(leftBehind(w, { 6 }) == -1);
 }

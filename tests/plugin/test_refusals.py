@@ -55,7 +55,10 @@ def flat_clump(O, mat):
 
 
 def periodic(O, mat):
+    """With a boundary that lies outside the cell, at which YADE's collider would end the program."""
     O.periodic = True
+    O.cell.setBox(2, 2, 2)
+    plane.box((0, -0.01), (1, 0.01), mat=mat)
 
 
 def bad_dt(value):

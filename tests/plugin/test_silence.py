@@ -247,6 +247,19 @@ def test_a_boundary_that_gravity_moves(O, capfd):
     assert f"body #{box} is a boundary that gravity moves" in line and "through body #0" in line
 
 
+def test_a_scene_that_falls_as_a_whole(O, capfd):
+    """All bodies got the freedoms of disks."""
+    mat = plane.material()
+    plane.box((0, -0.01), (0.1, 0.01), mat=mat)
+    plane.disk((0, 0.01), 0.01, mat=mat)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    for body in O.bodies:
+        body.state.blockedDOFs = "zXY"
+        body.state.mass = 1
+    line, = said_by(O, capfd)
+    assert "gravity moves every boundary, such as body #0" in line and "blockedDOFs='xyzXYZ'" in line
+
+
 @pytest.mark.parametrize("push", [lambda box: yade.O.forces.setPermF(box, (0, -10, 0)), lambda box: setattr(yade.O.bodies[box].state, "vel", (0, -1, 0))],
                          ids=["force", "velocity"])
 def test_a_boundary_that_something_else_moves(O, capfd, push):
