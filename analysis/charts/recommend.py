@@ -17,7 +17,7 @@ def of_scene(scene, accuracy):
     if own.empty and scene in flows.QUANTITY:
         return of_flow(scene, accuracy)
     if own.empty:
-        raise ResultError(scene, "no setting of this scene was measured",
+        raise ResultError(scene, "no published measurement of this scene",
                           f"there are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
     lines, reached = [], []
     for method, rows in own.groupby("method", sort=False):

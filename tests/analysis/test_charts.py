@@ -100,7 +100,7 @@ def test_recommend_says_what_is_missing(published, capsys):
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
     said = capsys.readouterr().err
-    assert "nowhere: no setting of this scene was measured; there are" in said and "hopper, stack" in said
+    assert "nowhere: no published measurement of this scene; there are" in said and "hopper, stack" in said
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
     assert "must be a number above 0" in capsys.readouterr().err
@@ -138,7 +138,11 @@ def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):
         if setting.size:
             store.add(tmp_path / "charts", *measurement(setting, 1e-5))
     folder = tmp_path / "figures"
+    folder.mkdir()
+    (folder / "work_precision-incline.png").touch()  # of another time
     assert main(["charts", "--results", str(tmp_path), "-o", str(folder)]) == 0
+    assert set(capsys.readouterr().out.splitlines()) == {str(folder / f"{name}.png") for name in
+                                                         ("work_precision-stack", "profile", "cost_against_size", "by_kind")}
     for name in ("work_precision", "profile", "cost_against_size", "by_kind"):
         found = json.loads((folder / f"{name}.json").read_text())
         assert found["commits"] == ["c" * 40] and all((folder / file).read_bytes().startswith(b"\x89PNG") for file in found["figures"])
