@@ -69,9 +69,9 @@ def by_kind(accuracy):
     """Return the lines of an answer for each kind of scene: one setting for all its scenes."""
     lines = []
     for kind, own in table.one_size(table.from_csv(table.PUBLISHED)).groupby("kind", sort=False):
-        chosen = choice.of_kind(own, accuracy)
+        chosen, count = choice.of_kind(own, accuracy), own.scene.nunique()
         first = min(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()), default="no setting reaches it")
-        lines.append(f"{kind} ({own.scene.nunique()} scenes), accuracy {accuracy:g}: {first}")
+        lines.append(f"{kind} ({count} scene{'s' * (count > 1)}), accuracy {accuracy:g}: {first}")
         for method, (series, solved, left) in chosen.items():
             times = dict.fromkeys(f"{seconds:.2g}" for seconds in (solved.seconds.min(), solved.seconds.max()))
             lines.append(f"  {method}: {series}, {' or '.join(solved.setting.unique())}: error up to {solved.error.max():.2g}, "

@@ -117,7 +117,7 @@ def test_recommend_for_a_flow(published, capsys):
 
 def test_recommend_for_each_kind_of_scene(published, capsys):
     assert main([*published, "--accuracy", "1e-3"]) == 0
-    assert "piles at rest (1 scenes), accuracy 0.001: CD" in capsys.readouterr().out
+    assert "piles at rest (1 scene), accuracy 0.001: CD" in capsys.readouterr().out
 
 
 def measurement(setting, error):
@@ -168,6 +168,10 @@ def test_the_panels_of_kinds_stay_logarithmic_and_have_numbers_below(monkeypatch
 def test_no_measurements_are_said_so(tmp_path, capsys):
     assert main(["charts", "--results", str(tmp_path), "-o", str(tmp_path / "figures")]) == 2
     assert "profile: " + str(tmp_path / "charts") + ": holds no measured setting; measure some: make charts" in capsys.readouterr().err
+    store.add(tmp_path / "charts", *measurement(settings.settings("stack", False)[0], 0.1))
+    assert main(["charts", "--results", str(tmp_path), "-o", str(tmp_path / "figures")]) == 0
+    said = capsys.readouterr().err
+    assert "profile: no scene was measured by both methods\n" in said and "cost_against_size: no scene was measured at several sizes\n" in said
 
 
 def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):
