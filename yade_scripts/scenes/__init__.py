@@ -127,7 +127,9 @@ def build(full, folder):
     from yade_scripts.parameters import ParameterError
     cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     O.reset()
-    built = module(full["scene"]).build(full, folder)
+    file = module(full["scene"])
+    with declared.located(file.__file__):
+        built = file.build(full, folder)
     if not isinstance(built, Scene):
         raise ParameterError(f"build() of scene {full['scene']} must return a Scene")
     names = [known.name for known in built.known]
