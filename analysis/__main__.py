@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas
 
-from yade_scripts import commands, parameters, tables
+from yade_scripts import commands, parameters, results, tables
 from yade_scripts.measuring import store
 from yade_scripts.results import reader
 from yade_scripts.running import queue
@@ -74,6 +74,9 @@ def _study(options):
         studies.module(name)
     for message in broken.values():
         print(f"analysis study: {message}", file=sys.stderr)
+    if not options.rows and not Path(options.results).is_dir():
+        raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name their folder by --results")
+    results.make(figures, "figures")
     if options.rows:
         return make_study.run(names, options.full, options.results, figures, options.jobs) or (commands.MISTAKE if broken else 0)
     left = publish.publish_all(names, figures, options.results, options.full)
@@ -94,6 +97,7 @@ def _charts(options):
     """Draw all charts. Print the files of those that were drawn, and the names of those without measurements."""
     from analysis import charts, publish
     folder = Path(options.output or _folder(options) / charts.FOLDER)
+    results.make(folder, "figures")
     left = charts.publish_all(options.results, folder, options.full)
     for message in left.values():
         print(f"analysis charts: {message}", file=sys.stderr)
@@ -112,7 +116,11 @@ def _report(options):
         for message in (publish.publish_all(studies.names(broken), folder, options.results, options.full) | broken
                         | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
             print(f"analysis report: {message}", file=sys.stderr)
-    print(report.build(folder, options.output or FIGURES / "report.html").resolve())
+    page = options.output or FIGURES / "report.html"
+    try:
+        print(report.build(folder, page).resolve())
+    except OSError as error:
+        raise parameters.ParameterError(f"{page} cannot be written: {error}") from None
 
 
 def _benchmark(options):

@@ -57,7 +57,7 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     for name in ("ORDER", "ANSWER", "POINTS", "GIVEN", "numbers"):
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
-    assert studies.names()[-1] == "fig5" and studies.module("fig5").ANSWER == ""
+    assert studies.module("fig5").ORDER == 100 and studies.module("fig5").ANSWER == ""
     for name in ("ROWS", "draw"):
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
@@ -134,7 +134,20 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
 def test_nothing_finished_is_a_mistake(tmp_path, capsys):
     assert main(["study", "fig4", "--results", str(tmp_path), "-o", str(tmp_path / "out")]) == 2
     assert "fig4: no run has finished (the first: not run yet); make them: make study STUDY=fig4" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+    assert not any((tmp_path / "out").iterdir())
+    assert main(["study", "fig4", "--results", str(tmp_path / "none"), "-o", str(tmp_path / "out")]) == 2
+    assert f"there is no folder {tmp_path / 'none'} with results: make them by `make study`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", (["study", "fig4"], ["study", "fig4", "--run"], ["charts"], ["report", "--published", "analysis/published"]))
+def test_a_place_where_nothing_can_be_written_is_named(tmp_path, monkeypatch, capsys, root, command):
+    """Before any run is made."""
+    monkeypatch.chdir(root)
+    (place := tmp_path / "file").touch()
+    results = [] if command[0] == "report" else ["--results", str(tmp_path)]
+    assert main([*command, *results, "-o", str(place / "page")]) == 2
+    said = capsys.readouterr().err
+    assert f"{place / 'page'} cannot be " in said and said.count("\n") == 1
 
 
 def test_all_studies_names_those_without_runs(fig4_results, tmp_path, capsys):
