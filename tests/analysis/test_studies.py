@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from analysis import publish, report, studies
+from analysis import publish, report, studies, summary
 from yade_scripts.results import reader, schema
 from analysis import __main__ as command
 from tests.analysis.conftest import history, lattice, write
@@ -70,13 +70,16 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     assert "Left out: " in text and "fig5.py lacks ROWS, draw; " in text and studies.module("fig4").TITLE in text
 
 
-@pytest.mark.parametrize("fault, said", [(lambda *_: None, "its draw() wrote no figure; end it with style.finish"), (lambda *_: 1 / 0, "ZeroDivisionError")])
-def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, fault, said):
-    monkeypatch.setattr(studies.module("force_networks"), "draw", fault)
-    assert main(["study", "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
+@pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])
+@pytest.mark.parametrize("part, fault, said", [
+    ("draw", lambda *_: None, "its draw() wrote no figure; end it with style.finish"), ("draw", lambda *_: 1 / 0, "ZeroDivisionError"),
+    ("summarize", summary.each(lambda run: summary.columns(run, "seed", "static limt")), "'static limt': no parameter of the scene biaxial and no column; columns")])
+def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, part, fault, said, command, status):
+    monkeypatch.setattr(studies.module("force_networks"), part, fault)
+    assert main([*command, "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == status
     found = capsys.readouterr()
-    assert said in found.err and found.out.splitlines() == [str(tmp_path / "fig4.png")]
-    assert {path.stem for path in tmp_path.glob("*.*")} == {"fig4"}
+    assert said in found.err and str(tmp_path / "out" / "fig4.png") in found.out.splitlines() and "force_networks.png" not in found.out
+    assert {path.stem for path in (tmp_path / "out").glob("*.*")} == {"fig4"}
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):
