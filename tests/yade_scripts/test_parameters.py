@@ -168,7 +168,7 @@ def test_wrong_value_is_refused_with_name_value_and_range(name, value):
         complete({name: value})
     message = str(caught.value)
     assert name in message and repr(value) in message and REGISTRY[name].allowed() in message
-    assert "\n" not in message
+    assert "\n" not in message and "[1]" not in message and (REGISTRY[name].unit == "1" or f" [{REGISTRY[name].unit}] (" in message)
 
 
 @pytest.mark.parametrize("row, word", [({"records_per_cycle": 7}, "even"), ({"depth": 0.01}, "diameter")])
