@@ -73,7 +73,8 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
 @pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])
 @pytest.mark.parametrize("part, fault, said", [
     ("draw", lambda *_: None, "its draw() wrote no figure; end it with style.finish"), ("draw", lambda *_: 1 / 0, "ZeroDivisionError"),
-    ("summarize", summary.each(lambda run: summary.columns(run, "seed", "static limt")), "'static limt': no parameter of the scene biaxial and no column; columns")])
+    ("summarize", summary.each(lambda run: summary.columns(run, "seed", "static limt")),  # a traceback shows this line, not the next
+     "'static limt': no parameter of the scene biaxial and no column; columns")])
 def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, part, fault, said, command, status):
     monkeypatch.setattr(studies.module("force_networks"), part, fault)
     assert main([*command, "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == status
