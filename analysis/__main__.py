@@ -75,7 +75,7 @@ def _study(options):
     for message in broken.values():
         print(f"analysis study: {message}", file=sys.stderr)
     if not options.rows and not Path(options.results).is_dir():
-        raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name their folder by --results")
+        raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name another folder")
     results.make(figures, "figures")
     if options.rows:
         return make_study.run(names, options.full, options.results, figures, options.jobs) or (commands.MISTAKE if broken else 0)

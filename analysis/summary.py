@@ -41,8 +41,8 @@ def columns(run, *names):
     Raise ParameterError for a name that is neither.
     """
     if unknown := [name for name in names if name not in COLUMNS and name.replace(" ", "_") not in run.parameters]:
-        raise parameters.ParameterError(f"{', '.join(map(repr, unknown))}: no parameter of the scene {run.parameters['scene']} and no column; columns "
-                                        f"are {', '.join(COLUMNS)}")
+        raise parameters.ParameterError(f"{', '.join(map(repr, unknown))}: no parameter of the scene {run.parameters['scene']} and no column; "
+                                        f"columns are {', '.join(COLUMNS)}")
     return {name: COLUMNS[name](run) if name in COLUMNS else run.parameters[name.replace(" ", "_")] for name in names}
 
 
