@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas
 
-from yade_scripts import commands, parameters, tables
+from yade_scripts import commands, parameters, results, tables
 from yade_scripts.measuring import store
 from yade_scripts.results import reader
 from yade_scripts.running import queue
@@ -52,7 +52,8 @@ def _parser():
         writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
     benchmark = command("benchmark", _benchmark, "figures of `make bench`, from the tables it wrote")
     benchmark.add_argument("folder", nargs="?", default="results/benchmark", help="folder of the tables (default: %(default)s)")
-    advice = command("recommend", _recommend, "the cheapest measured settings that reach an accuracy, with their expected error and cost")
+    advice = command("recommend", _recommend, "the cheapest settings that reach an accuracy, with their expected error and cost, by the published "
+                     "measurements (your own: work_precision.csv, which `charts` writes)")
     advice.add_argument("--scene", help="for this scene (default: for each kind of scene)")
     advice.add_argument("--accuracy", type=commands.positive, default=1e-3, help="relative error to be reached (default: %(default)g)")
     for name, run, what in (("summary", _summary, "one line of numbers for each run"), ("check", _check, "tell which result files can be used")):
@@ -73,6 +74,9 @@ def _study(options):
         studies.module(name)
     for message in broken.values():
         print(f"analysis study: {message}", file=sys.stderr)
+    if not options.rows and not Path(options.results).is_dir():
+        raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name another folder")
+    results.make(figures, "figures")
     if options.rows:
         return make_study.run(names, options.full, options.results, figures, options.jobs) or (commands.MISTAKE if broken else 0)
     left = publish.publish_all(names, figures, options.results, options.full)
@@ -90,13 +94,16 @@ def _table(options):
 
 
 def _charts(options):
-    """Draw all charts. Print the names of those without measurements."""
-    from analysis import charts
+    """Draw all charts. Print the files of those that were drawn, and the names of those without measurements."""
+    from analysis import charts, publish
     folder = Path(options.output or _folder(options) / charts.FOLDER)
+    results.make(folder, "figures")
     left = charts.publish_all(options.results, folder, options.full)
     for message in left.values():
         print(f"analysis charts: {message}", file=sys.stderr)
-    print("\n".join(str(path.resolve()) for path in sorted(folder.glob("*.png"))))
+    for name in [name for name in charts.ORDER if name not in left]:  # others may lie there from before
+        for file in publish.read_json(folder / f"{name}.json", {"figures": dict})["figures"]:
+            print((folder / file).resolve())
     return commands.MISTAKE if len(left) == len(charts.ORDER) else 0
 
 
@@ -109,7 +116,11 @@ def _report(options):
         for message in (publish.publish_all(studies.names(broken), folder, options.results, options.full) | broken
                         | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
             print(f"analysis report: {message}", file=sys.stderr)
-    print(report.build(folder, options.output or FIGURES / "report.html").resolve())
+    page = options.output or FIGURES / "report.html"
+    try:
+        print(report.build(folder, page).resolve())
+    except OSError as error:
+        raise parameters.ParameterError(f"{page} cannot be written: {error}") from None
 
 
 def _benchmark(options):

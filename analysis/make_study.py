@@ -4,7 +4,6 @@ from pathlib import Path
 
 from analysis import publish, studies
 from yade_scripts import batch, results
-from yade_scripts.results import reader
 from yade_scripts.running import locks
 
 
@@ -21,13 +20,14 @@ def run(names, full, folder, figures, jobs):
                 draw(name)
 
     def draw(name):
-        try:
-            with locks.held(Path(folder) / f"figure of {name}"):
-                drawn.append(publish.publish(studies.collect(name, folder, full), figures).with_suffix(".png"))
-            print(drawn[-1].resolve(), flush=True)
-        except reader.ResultError as error:
-            print(f"study: no figure of {name}: {error}", file=sys.stderr)
+        with locks.held(Path(folder) / f"figure of {name}"):
+            fault = publish.publish_all([name], figures, folder, full).get(name)
+        if fault:
+            print(f"study: no figure of {name}: {fault}", file=sys.stderr)
             failed_figures.append(name)
+        else:
+            drawn.append(Path(figures) / f"{name}.png")
+            print(drawn[-1].resolve(), flush=True)
 
     try:
         queue = batch.jobs_of([row for name in names for row in studies.module(name).ROWS["full" if full else "quick"]], folder)

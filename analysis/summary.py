@@ -5,6 +5,7 @@ import numpy as np
 import pandas
 
 from analysis import cycles, limits, observables
+from yade_scripts import parameters
 
 # Columns that several tables have, as functions of a run; every other name is that of a parameter.
 # static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
@@ -35,7 +36,13 @@ COLUMNS = {
 
 
 def columns(run, *names):
-    """Return {name: value} of a run: columns of COLUMNS, or parameters, in whose names a blank stands for an underscore."""
+    """Return {name: value} of a run: columns of COLUMNS, or parameters, in whose names a blank stands for an underscore.
+
+    Raise ParameterError for a name that is neither.
+    """
+    if unknown := [name for name in names if name not in COLUMNS and name.replace(" ", "_") not in run.parameters]:
+        raise parameters.ParameterError(f"{', '.join(map(repr, unknown))}: no parameter of the scene {run.parameters['scene']} and no column; "
+                                        f"columns are {', '.join(COLUMNS)}")
     return {name: COLUMNS[name](run) if name in COLUMNS else run.parameters[name.replace(" ", "_")] for name in names}
 
 

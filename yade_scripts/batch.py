@@ -52,15 +52,22 @@ def jobs_of(rows, folder):
     return list(jobs.values())
 
 
+def counted(jobs, finished):
+    """Return how many runs there are and how many of them have finished before, in words."""
+    return f"{len(jobs)} run{'s' * (len(jobs) != 1)}, {len(finished)} finished before"
+
+
 def work_off(jobs, at_once, ended=lambda path: None):
     """Run the jobs that have not finished; return the paths of failed ones. Call ended(path) for each result file that will not change any more."""
     endings, now = {job: results.ending(job.path) for job in jobs}, provenance.git_commit()
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
-    others = sorted({provenance.short(commit) for commit in finished.values() if commit != now or commit.endswith("-dirty")})
+    words = lambda commit: provenance.short(commit).replace("-dirty", " with changes that are not committed")
+    others = sorted({words(commit) for commit in finished.values() if commit != now or commit.endswith("-dirty")})
     if others:
-        print(f"batch: some results were made by other code (commit {', '.join(others)}; the code is at {provenance.short(now)}) and are kept. "
-              "Delete a file to run it again.", file=sys.stderr)
-    print(f"{len(jobs)} runs, {len(finished)} of them finished before", flush=True)
+        today = f"; the code is at {words(now)}" * (others != [words(now)])
+        print(f"batch: some results may come from other code (commit {', '.join(others)}{today}) and are kept. Delete a file to run it again.",
+              file=sys.stderr)
+    print(counted(jobs, finished), flush=True)
     for job in finished:
         ended(job.path)
     failed = []

@@ -1,5 +1,6 @@
 """Shared by all commands: common options, and one sentence instead of a traceback for a user's mistake."""
 import argparse
+import contextlib
 import functools
 import math
 import os
@@ -54,23 +55,42 @@ def positive(text):
     return value
 
 
+class Output:
+    """A stream of output that ends no command: where its reader has gone, as after `| head`, or where it is closed, what is written goes nowhere."""
+
+    def __init__(self, stream):
+        self.stream = open(os.devnull, "w", encoding="utf-8") if stream is None else stream
+        if hasattr(self.stream, "reconfigure"):
+            self.stream.reconfigure(errors="backslashreplace")  # for characters that the locale cannot write
+
+    def __getattr__(self, name):
+        return getattr(self.stream, name)
+
+    def write(self, text):
+        return self._lasting(self.stream.write, text)
+
+    def flush(self):
+        self._lasting(self.stream.flush)
+
+    def _lasting(self, function, *arguments):
+        try:
+            return function(*arguments)
+        except BrokenPipeError:  # what could not be written stays in the stream, which writes it to the new place
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self.stream.fileno())
+
+
 def command(name):
     """Return a decorator for a function main(arguments) -> exit status: it reports mistakes in one sentence and returns the status 2 for them."""
     def decorate(main):
         @functools.wraps(main)
         def call(arguments=None):
-            for stream in (sys.stdout, sys.stderr):
-                if hasattr(stream, "reconfigure"):
-                    stream.reconfigure(errors="backslashreplace")  # for characters that the locale cannot write
-            try:
-                status = main(arguments)
-                sys.stdout.flush()
-                return status
-            except BrokenPipeError:
-                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-                return 0
-            except (parameters.ParameterError, ImportError, OSError) as error:
-                print(f"{name}: {error}", file=sys.stderr)
-                return MISTAKE
+            with contextlib.redirect_stdout(Output(sys.stdout)), contextlib.redirect_stderr(Output(sys.stderr)):
+                try:
+                    return main(arguments)
+                except (parameters.ParameterError, ImportError, OSError) as error:
+                    print(f"{name}: {error}", file=sys.stderr)
+                    return MISTAKE
+                finally:
+                    sys.stdout.flush()
         return call
     return decorate

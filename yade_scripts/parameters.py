@@ -63,7 +63,8 @@ class Parameter:
             finite = abs(value) <= sys.float_info.max
             legal = finite and self.above < value <= self.high and value >= self.low and (kind is float or value == int(value))
         if not legal:
-            raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()} [{self.unit}] ({self.doc})")
+            unit = f" [{self.unit}]" * (self.unit != "1")
+            raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()}{unit} ({self.doc})")
         return kind(value)
 
 

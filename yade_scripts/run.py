@@ -72,9 +72,11 @@ def _run(path, full, folder, checkpoint_samples):
             if found:
                 checkpoints.resume(found, recorder)
                 print(f"{path.stem}: goes on from its checkpoint at sample {recorder.count}", flush=True)
-            scenes.method(full).run(scene, lambda steps: checkpoints.simulate(steps, recorder))
-        except wall_check.Collapse as event:
-            collapse = event
+            try:
+                scenes.method(full).run(scene, lambda steps: checkpoints.simulate(steps, recorder))
+            except wall_check.Collapse as event:
+                collapse = event
+            recorder.measure()
         except Exception as error:
             failure = error
     show.close()

@@ -17,7 +17,7 @@ def of_scene(scene, accuracy):
     if own.empty and scene in flows.QUANTITY:
         return of_flow(scene, accuracy)
     if own.empty:
-        raise ResultError(scene, "no setting of this scene was measured",
+        raise ResultError(scene, "no published measurement of this scene",
                           f"there are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
     lines, reached = [], []
     for method, rows in own.groupby("method", sort=False):
@@ -69,9 +69,9 @@ def by_kind(accuracy):
     """Return the lines of an answer for each kind of scene: one setting for all its scenes."""
     lines = []
     for kind, own in table.one_size(table.from_csv(table.PUBLISHED)).groupby("kind", sort=False):
-        chosen = choice.of_kind(own, accuracy)
+        chosen, count = choice.of_kind(own, accuracy), own.scene.nunique()
         first = min(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()), default="no setting reaches it")
-        lines.append(f"{kind} ({own.scene.nunique()} scenes), accuracy {accuracy:g}: {first}")
+        lines.append(f"{kind} ({count} scene{'s' * (count > 1)}), accuracy {accuracy:g}: {first}")
         for method, (series, solved, left) in chosen.items():
             times = dict.fromkeys(f"{seconds:.2g}" for seconds in (solved.seconds.min(), solved.seconds.max()))
             lines.append(f"  {method}: {series}, {' or '.join(solved.setting.unique())}: error up to {solved.error.max():.2g}, "

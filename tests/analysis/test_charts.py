@@ -100,7 +100,7 @@ def test_recommend_says_what_is_missing(published, capsys):
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
     said = capsys.readouterr().err
-    assert "nowhere: no setting of this scene was measured; there are" in said and "hopper, stack" in said
+    assert "nowhere: no published measurement of this scene; there are" in said and "hopper, stack" in said
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
     assert "must be a number above 0" in capsys.readouterr().err
@@ -117,7 +117,7 @@ def test_recommend_for_a_flow(published, capsys):
 
 def test_recommend_for_each_kind_of_scene(published, capsys):
     assert main([*published, "--accuracy", "1e-3"]) == 0
-    assert "piles at rest (1 scenes), accuracy 0.001: CD" in capsys.readouterr().out
+    assert "piles at rest (1 scene), accuracy 0.001: CD" in capsys.readouterr().out
 
 
 def measurement(setting, error):
@@ -138,7 +138,11 @@ def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):
         if setting.size:
             store.add(tmp_path / "charts", *measurement(setting, 1e-5))
     folder = tmp_path / "figures"
+    folder.mkdir()
+    (folder / "work_precision-incline.png").touch()  # of another time
     assert main(["charts", "--results", str(tmp_path), "-o", str(folder)]) == 0
+    assert set(capsys.readouterr().out.splitlines()) == {str(folder / f"{name}.png") for name in
+                                                         ("work_precision-stack", "profile", "cost_against_size", "by_kind")}
     for name in ("work_precision", "profile", "cost_against_size", "by_kind"):
         found = json.loads((folder / f"{name}.json").read_text())
         assert found["commits"] == ["c" * 40] and all((folder / file).read_bytes().startswith(b"\x89PNG") for file in found["figures"])
@@ -164,6 +168,10 @@ def test_the_panels_of_kinds_stay_logarithmic_and_have_numbers_below(monkeypatch
 def test_no_measurements_are_said_so(tmp_path, capsys):
     assert main(["charts", "--results", str(tmp_path), "-o", str(tmp_path / "figures")]) == 2
     assert "profile: " + str(tmp_path / "charts") + ": holds no measured setting; measure some: make charts" in capsys.readouterr().err
+    store.add(tmp_path / "charts", *measurement(settings.settings("stack", False)[0], 0.1))
+    assert main(["charts", "--results", str(tmp_path), "-o", str(tmp_path / "figures")]) == 0
+    said = capsys.readouterr().err
+    assert "profile: no scene was measured by both methods\n" in said and "cost_against_size: no scene was measured at several sizes\n" in said
 
 
 def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):

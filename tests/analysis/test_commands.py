@@ -153,6 +153,11 @@ def test_a_run_without_home_and_git_is_started(tmp_path, monkeypatch):
     assert provenance.git_commit.__wrapped__() == "unknown"
 
 
+def test_a_closed_output_is_no_traceback(root, md):
+    done = subprocess.run(f"{sys.executable} -m analysis check {md} >&-", cwd=root, shell=True, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_closed_pipe_is_no_traceback(root):
     done = subprocess.run("exec 2>&1; { /usr/bin/python3 -m analysis table fig3 --full; echo status $? >&3; } 3>&1 | head -1; true", cwd=root, shell=True,
                           executable="/bin/bash", capture_output=True, text=True)

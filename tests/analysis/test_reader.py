@@ -1,4 +1,5 @@
 """What is read back from result files, and what is refused: damage of any kind, other runs, missing or impossible numbers."""
+import errno
 import io
 import os
 import random
@@ -141,14 +142,24 @@ def test_what_is_no_file_is_said_in_a_sentence(tmp_path):
 
 def test_what_was_never_a_result_is_not_called_damaged(tmp_path, md, root):
     """It may be somebody's only copy; a result that was cut off is one that can be made again."""
-    other = tmp_path / "other.h5"
-    with h5py.File(other, "w") as file:
-        file["W"] = np.eye(2)
+    other, latest = tmp_path / "other.h5", tmp_path / "latest.h5"
+    for path, version in ((other, "earliest"), (latest, "latest")):
+        with h5py.File(path, "w", libver=version) as file:
+            file["W"] = np.eye(2)
     sealed.write(tmp_path / "sealed.h5", other.read_bytes())  # as measurements are
-    for path in (root / "README.md", root / "yade_scripts/results/schema.py", other, tmp_path / "sealed.h5"):
+    for path in (root / "README.md", root / "yade_scripts/results/schema.py", other, latest, tmp_path / "sealed.h5"):
         assert refused(path) == f"{path}: is no result of this project"
-    md.write_bytes(md.read_bytes()[:-100])
-    refused(md, "is damaged", "run it again")
+    whole = md.read_bytes()
+    for length in (100, 700, 2000, len(whole) - 100, len(whole) - 1):
+        md.write_bytes(whole[:length])
+        refused(md, "is damaged", "run it again")
+
+
+def test_a_file_that_must_not_be_read_is_not_to_be_run_again(md, monkeypatch):
+    def denied(path):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    monkeypatch.setattr(sealed.pathlib.Path, "read_bytes", denied)
+    assert refused(md) == f"{md}: cannot be read (Permission denied)"
 
 
 def test_failed_and_unfinished_runs_give_their_reason(tmp_path, md):

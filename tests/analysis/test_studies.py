@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from analysis import publish, report, studies
+from analysis import publish, report, studies, summary
 from yade_scripts.results import reader, schema
 from analysis import __main__ as command
 from tests.analysis.conftest import history, lattice, write
@@ -57,7 +57,7 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     for name in ("ORDER", "ANSWER", "POINTS", "GIVEN", "numbers"):
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
-    assert studies.names()[-1] == "fig5" and studies.module("fig5").ANSWER == ""
+    assert studies.module("fig5").ORDER == 100 and studies.module("fig5").ANSWER == ""
     for name in ("ROWS", "draw"):
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
@@ -70,13 +70,17 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     assert "Left out: " in text and "fig5.py lacks ROWS, draw; " in text and studies.module("fig4").TITLE in text
 
 
-@pytest.mark.parametrize("fault, said", [(lambda *_: None, "its draw() wrote no figure; end it with style.finish"), (lambda *_: 1 / 0, "ZeroDivisionError")])
-def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, fault, said):
-    monkeypatch.setattr(studies.module("force_networks"), "draw", fault)
-    assert main(["study", "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
+@pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])
+@pytest.mark.parametrize("part, fault, said", [
+    ("draw", lambda *_: None, "its draw() wrote no figure; end it with style.finish"), ("draw", lambda *_: 1 / 0, "ZeroDivisionError"),
+    ("summarize", summary.each(lambda run: summary.columns(run, "seed", "static limt")),  # a traceback shows this line, not the next
+     "'static limt': no parameter of the scene biaxial and no column; columns")])
+def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, part, fault, said, command, status):
+    monkeypatch.setattr(studies.module("force_networks"), part, fault)
+    assert main([*command, "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == status
     found = capsys.readouterr()
-    assert said in found.err and found.out.splitlines() == [str(tmp_path / "fig4.png")]
-    assert {path.stem for path in tmp_path.glob("*.*")} == {"fig4"}
+    assert said in found.err and str(tmp_path / "out" / "fig4.png") in found.out.splitlines() and "force_networks.png" not in found.out
+    assert {path.stem for path in (tmp_path / "out").glob("*.*")} == {"fig4"}
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):
@@ -134,7 +138,20 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
 def test_nothing_finished_is_a_mistake(tmp_path, capsys):
     assert main(["study", "fig4", "--results", str(tmp_path), "-o", str(tmp_path / "out")]) == 2
     assert "fig4: no run has finished (the first: not run yet); make them: make study STUDY=fig4" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+    assert not any((tmp_path / "out").iterdir())
+    assert main(["study", "fig4", "--results", str(tmp_path / "none"), "-o", str(tmp_path / "out")]) == 2
+    assert f"there is no folder {tmp_path / 'none'} with results: make them by `make study`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", (["study", "fig4"], ["study", "fig4", "--run"], ["charts"], ["report", "--published", "analysis/published"]))
+def test_a_place_where_nothing_can_be_written_is_named(tmp_path, monkeypatch, capsys, root, command):
+    """Before any run is made."""
+    monkeypatch.chdir(root)
+    (place := tmp_path / "file").touch()
+    results = [] if command[0] == "report" else ["--results", str(tmp_path)]
+    assert main([*command, *results, "-o", str(place / "page")]) == 2
+    said = capsys.readouterr().err
+    assert f"{place / 'page'} cannot be " in said and said.count("\n") == 1
 
 
 def test_all_studies_names_those_without_runs(fig4_results, tmp_path, capsys):

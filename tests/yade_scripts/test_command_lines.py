@@ -60,7 +60,7 @@ def test_the_default_extent_that_help_names_is_taken(monkeypatch, capsys, tmp_pa
         monkeypatch.setattr("analysis.publish.publish_all", lambda names, figures, results, full: extent(full))
     for option in ([], ["--quick"], ["--full"]):
         with pytest.raises(Started):
-            module.main([*words, *option, *(["--results", str(tmp_path)] if program != "regression" else [])])
+            module.main([*words, *option, *(["--results", str(tmp_path)] if program != "regression" else []), *(["-o", str(tmp_path)] if program == "analysis" else [])])
     assert asked == [usual, "quick", "full"]
 
 
@@ -68,6 +68,7 @@ def test_the_default_extent_that_help_names_is_taken(monkeypatch, capsys, tmp_pa
 def folder(tmp_path, monkeypatch):
     """A folder with a file and a table; it is the working folder, to which defaults refer."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path / "figures")
     (tmp_path / "file").write_text("neither a table nor a result\n")
     (tmp_path / "table.txt").write_text("seed method\n1 MD\n2 CD\n")
     return tmp_path

@@ -1,10 +1,11 @@
 """The scenes with known answers, at stated settings: by Contact Dynamics, and by springs where they come close within a second."""
+import dataclasses
 import json
 import math
 
 import pytest
 
-from yade_scripts import parameters, scenes
+from yade_scripts import parameters, results, run, scenes
 
 G = 9.81
 MASS = 2600 * math.pi * 0.01**2  # [kg] of the disk of radius 0.01 m, 1 m deep
@@ -71,7 +72,7 @@ def measured(yade60):
     """{row: {quantity: [measured, exact, error]}} of all rows, run one after the other in one YADE."""
     rows = {number(row): {"scene": row[0]} | row[1] for row in ROWS}
     return yade60.code(f"""
-from yade_scripts import parameters, scenes
+from yade_scripts import parameters, results, run, scenes
 found = {{}}
 for name, row in json.loads({json.dumps(json.dumps(rows))}).items():
     full = parameters.complete(row)
@@ -134,3 +135,31 @@ def test_known_scale_must_be_a_size():
     assert scenes.Known("a", "m", -2.0, float).scale == 2 and scenes.Known("a", "m", 0.0, float).scale == 1
     with pytest.raises(ValueError, match="scale = 0"):
         scenes.Known("a", "m", 1.0, float, scale=0)
+
+
+@pytest.fixture
+def known_as(monkeypatch):
+    """A function that gives the scene incline other Known, by change(Known) -> list of Known."""
+    def give(change, build=scenes.module("incline").build):
+        def built(full, folder):
+            scene = build(full, folder)
+            scene.known = change(*scene.known)
+            return scene
+        monkeypatch.setattr(scenes.module("incline"), "build", built)
+    return give
+
+
+@pytest.mark.parametrize("measure, words", [
+    (lambda: 1 / 0, "failed: known 'acceleration': ZeroDivisionError: division by zero"), (lambda: math.nan, "failed: known 'acceleration' is nan"),
+    (lambda: None, "failed: known 'acceleration': TypeError")])
+def test_a_run_that_cannot_be_measured_has_failed_and_says_why(O, known_as, tmp_path, measure, words):
+    known_as(lambda known: [dataclasses.replace(known, measure=measure)])
+    assert run.execute({"scene": "incline"}, tmp_path) == 1
+    path = results.path_of(parameters.complete({"scene": "incline"}), tmp_path)
+    assert results.status(path).startswith(words) and list(tmp_path.glob("*.h5")) == [path]
+
+
+def test_two_known_of_one_name_are_refused(O, known_as):
+    known_as(lambda known: [known, known])
+    with pytest.raises(parameters.ParameterError, match="incline returns more than one Known of the name acceleration"):
+        scenes.build(parameters.complete({"scene": "incline"}), "results")

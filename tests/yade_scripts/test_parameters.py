@@ -1,4 +1,5 @@
 """The registry: what is refused, and what a row's name depends on."""
+import importlib
 import math
 import pathlib
 import subprocess
@@ -7,7 +8,7 @@ import sys
 import pytest
 from hypothesis import given, strategies as st
 
-from yade_scripts import parameters, scenes
+from yade_scripts import declared, parameters, scenes
 from yade_scripts.parameters import ParameterError, REGISTRY, complete
 
 
@@ -88,6 +89,28 @@ def test_a_scene_that_lacks_something_is_refused(monkeypatch):
         complete({"scene": "stack"})
 
 
+@pytest.mark.parametrize("text, words", [
+    ("import maths", "one.py: No module named 'maths'$"),
+    ("raise ModuleNotFoundError('No module', name='yade')", "one.py: No module; import what needs YADE inside a function")])
+def test_an_import_that_fails_is_located(tmp_path, monkeypatch, text, words):
+    folder = tmp_path / "some_scenes"
+    folder.mkdir()
+    (folder / "__init__.py").touch()
+    (folder / "one.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("some_scenes", "some_scenes.one"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    importlib.import_module("some_scenes")
+    with pytest.raises(ImportError, match=words):
+        declared.load("some_scenes", "one", (), {})
+
+
+def test_an_import_that_fails_in_build_is_located(O, monkeypatch):
+    monkeypatch.setattr(scenes.module("stack"), "build", lambda full, folder: importlib.import_module("maths"))
+    with pytest.raises(ImportError, match="stack.py: No module named 'maths'"):
+        scenes.build(complete({"scene": "stack"}), "results")
+
+
 def test_a_build_that_returns_nothing_is_named(O, monkeypatch):
     monkeypatch.setattr(scenes.module("stack"), "build", lambda full, folder: None)
     with pytest.raises(ParameterError, match=r"^build\(\) of scene stack must return a Scene$"):
@@ -145,7 +168,7 @@ def test_wrong_value_is_refused_with_name_value_and_range(name, value):
         complete({name: value})
     message = str(caught.value)
     assert name in message and repr(value) in message and REGISTRY[name].allowed() in message
-    assert "\n" not in message
+    assert "\n" not in message and "[1]" not in message and (REGISTRY[name].unit == "1" or f" [{REGISTRY[name].unit}] (" in message)
 
 
 @pytest.mark.parametrize("row, word", [({"records_per_cycle": 7}, "even"), ({"depth": 0.01}, "diameter")])

@@ -32,7 +32,20 @@ def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, c
     rows = [parameters.complete(row) for row in tables.read(path).values()]
     assert [results.finished(results.path_of(row, folder)) for row in rows] == [True, True, False]
     assert batch.main([path, "--jobs", "1", "--results", folder]) == 1
-    assert "3 runs, 2 of them finished before" in capsys.readouterr().out
+    assert "3 runs, 2 finished before" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("made, now, words", [
+    ("a" * 40, "a" * 40, None), ("b" * 40, "a" * 40, "(commit bbbbbbbbbbbb; the code is at aaaaaaaaaaaa)"),
+    ("a" * 40 + "-dirty", "a" * 40 + "-dirty", "(commit aaaaaaaaaaaa with changes that are not committed)")])
+def test_results_of_other_code_are_named(tmp_path, monkeypatch, capsys, made, now, words):
+    """Two dirty states of one commit may differ, or may not."""
+    monkeypatch.setattr(batch.provenance, "git_commit", lambda: now)
+    monkeypatch.setattr(results, "ending", lambda path: (results.STATUS_FINISHED, made))
+    assert batch.work_off(batch.jobs_of([{}], tmp_path), 1) == []
+    said = capsys.readouterr()
+    assert said.out == "1 run, 1 finished before\n"
+    assert said.err == (f"batch: some results may come from other code {words} and are kept. Delete a file to run it again.\n" if words else "")
 
 
 @pytest.mark.parametrize("text, message", [("seed frction\n1 0.1\n", "did you mean friction"), ("seed\n", "at least one line")])

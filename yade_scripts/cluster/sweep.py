@@ -142,7 +142,7 @@ def main(arguments=None):
               "yade_scripts/batch.py", file=sys.stderr)
         return 2
     sweep = Sweep(jobs, options)
-    print(f"{', '.join(options.tables)}: {len(jobs)} runs, {len(jobs) - len(sweep.open)} of them finished before", flush=True)
+    print(f"{', '.join(options.tables)}: {batch.counted(jobs, set(jobs) - set(sweep.open))}", flush=True)
     try:
         sweep.run()
     except slurm.SlurmError as error:

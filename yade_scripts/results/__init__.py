@@ -12,14 +12,14 @@ from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED
 FOLDER = "results"
 
 
-def make(folder):
-    """Create the folder of results unless it exists. Raise ParameterError if nothing can be written there."""
+def make(folder, kind="results"):
+    """Create the folder for files of a kind unless it exists. Raise ParameterError if nothing can be written there."""
     try:
         pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError("nothing can be written there")
     except OSError as error:
-        raise parameters.ParameterError(f"{folder} cannot be used as the folder for results: {error}") from None
+        raise parameters.ParameterError(f"{folder} cannot be used as the folder for {kind}: {error}") from None
 
 
 def path_of(full, folder=FOLDER):

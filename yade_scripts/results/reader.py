@@ -127,6 +127,8 @@ def load(path, finished=True):
             run = _read(path, file)
     except sealed.Foreign as error:
         raise NoRunError(path, str(error)) from None
+    except sealed.Unreadable as error:
+        raise ResultError(path, str(error)) from None
     except sealed.Damaged as error:
         raise ResultError(path, str(error), AGAIN) from None
     except (KeyError, TypeError, ValueError) as error:

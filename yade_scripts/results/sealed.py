@@ -11,10 +11,16 @@ import stat
 import h5py
 
 MARK = b"\nsha256:"
+HDF5 = b"\x89HDF\r\n\x1a\n\0"  # how a file begins that h5py writes; LENGTH then holds the length of its content
+LENGTH = slice(40, 48)
 
 
 class Damaged(ValueError):
     """The content of a file has changed since it was written. The message states what is wrong."""
+
+
+class Unreadable(Damaged):
+    """The file may be good, but the system does not let it be read."""
 
 
 class Foreign(Damaged):
@@ -53,8 +59,9 @@ def open_checked(path, mark=b""):
             raise Foreign("is not a regular file")
         content = pathlib.Path(path).read_bytes()
     except OSError as error:
-        raise Damaged(f"cannot be read ({error.strerror})") from None
-    if mark not in content:  # before HDF5 sees it: libhdf5 may crash on a damaged file
+        raise Unreadable(f"cannot be read ({error.strerror})") from None
+    cut_off = content.startswith(HDF5) and len(content) < int.from_bytes(content[LENGTH], "little")
+    if mark not in content and not cut_off:  # before HDF5 sees it: libhdf5 may crash on a damaged file
         raise Foreign("is no result of this project")
     length = len(_seal(b""))
     if content[-length:] != _seal(content[:-length]):

@@ -29,6 +29,14 @@ def _clocks():
     return time.perf_counter(), time.process_time()
 
 
+def _called(what, function):
+    """Return function() of a scene. Raise ValueError with the name of what it measures if it fails."""
+    try:
+        return function()
+    except Exception as error:
+        raise ValueError(f"{what}: {type(error).__name__}: {error}") from error
+
+
 class Recorder:
     """Samples a scene into `<name>.partial.h5`, which becomes `<name>.h5` when the run ends, finished or failed."""
     NOT_KEPT = ("started", "written")  # by a checkpoint: readings of clocks
@@ -156,14 +164,20 @@ class Recorder:
         for name, array in observe.snapshot(self.scene.load is not None).items():
             group.create_dataset(name, data=array).attrs["unit"] = schema.SNAPSHOT[name].unit
 
+    def measure(self):
+        """Store what the scene measures at its end. Raise an exception that names the quantity which cannot be measured or is no finite number."""
+        for known in self.scene.known:
+            number = _called(f"known {known.name!r}", lambda: float(known.measure()))
+            if not math.isfinite(number):
+                raise RuntimeError(f"known {known.name!r} is {number}: the run does not show it, or its measure() is wrong")
+            value = self.file.create_dataset(f"known/{known.name}", data=number)
+            value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
+        for name, (unit, doc, array) in self.scene.extra.items():
+            values = self.file.create_dataset(f"extra/{name}", data=_called(f"extra {name!r}", array) if callable(array) else array)
+            values.attrs.update({"unit": unit, "doc": doc})
+
     def close(self, failure=None, collapse=None):
         """End the file with its status; failure, collapse: the exception that ended the run. Return its known numbers, {name: reader.Known}."""
-        for known in () if failure else self.scene.known:
-            value = self.file.create_dataset(f"known/{known.name}", data=known.measure())
-            value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
-        for name, (unit, doc, array) in () if failure else self.scene.extra.items():
-            values = self.file.create_dataset(f"extra/{name}", data=array() if callable(array) else array)
-            values.attrs.update({"unit": unit, "doc": doc})
         self.file.attrs["outcome"] = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"

@@ -25,6 +25,7 @@ from yade_scripts import declared
 @dataclass
 class Known:
     """A quantity whose exact value is known. `measure()` is called after the last step; its result is compared with `exact`, both in `unit`.
+    A run whose result is not finite, as of something that has not happened, counts as failed.
 
     scale: the error is divided by this [unit]; by default |exact|, or 1 if that is 0. source: where the exact value comes from: a formula,
     a paper, or 'converged: ' with settings and values. deviation: standard deviation of one run [unit] if `exact` is a mean over runs that differ
@@ -126,7 +127,12 @@ def build(full, folder):
     from yade_scripts.parameters import ParameterError
     cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     O.reset()
-    built = module(full["scene"]).build(full, folder)
+    file = module(full["scene"])
+    with declared.located(file.__file__):
+        built = file.build(full, folder)
     if not isinstance(built, Scene):
         raise ParameterError(f"build() of scene {full['scene']} must return a Scene")
+    names = [known.name for known in built.known]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ParameterError(f"build() of scene {full['scene']} returns more than one Known of the name {', '.join(twice)}: give each its own")
     return built
