@@ -134,6 +134,8 @@ def publish_all(names, folder, results, full):
             publish(studies.collect(name, results, full), folder)
         except ResultError as error:
             left[name] = str(error)
+        except OSError:
+            raise
         except Exception as error:  # a fault in one study must not cost the others their figures
             traceback.print_exc()
             left[name] = f"{name}: its figure and table could not be made ({type(error).__name__}: {error}); mend {studies.module(name).__file__}"

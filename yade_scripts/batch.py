@@ -59,14 +59,10 @@ def counted(jobs, finished):
 
 def work_off(jobs, at_once, ended=lambda path: None):
     """Run the jobs that have not finished; return the paths of failed ones. Call ended(path) for each result file that will not change any more."""
-    endings, now = {job: results.ending(job.path) for job in jobs}, provenance.git_commit()
+    endings = {job: results.ending(job.path) for job in jobs}
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
-    words = lambda commit: provenance.short(commit).replace("-dirty", " with changes that are not committed")
-    others = sorted({words(commit) for commit in finished.values() if commit != now or commit.endswith("-dirty")})
-    if others:
-        today = f"; the code is at {words(now)}" * (others != [words(now)])
-        print(f"batch: some results may come from other code (commit {', '.join(others)}{today}) and are kept. Delete a file to run it again.",
-              file=sys.stderr)
+    if doubt := provenance.doubt(finished.values()):
+        print(f"batch: some results {doubt}", file=sys.stderr)
     print(counted(jobs, finished), flush=True)
     for job in finished:
         ended(job.path)

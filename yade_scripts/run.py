@@ -18,6 +18,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
 
 from yade_scripts import commands, parameters, results, tables
+from yade_scripts.results import provenance
 from yade_scripts.running import locks, plausible
 
 
@@ -35,8 +36,11 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     path = results.path_of(full, folder)
     results.make(folder)
     with locks.held(path, lambda: print(f"{path.stem}: another process runs this row: waiting for it", flush=True)):
-        if results.finished(path):
+        status, commit = results.ending(path)
+        if status == results.STATUS_FINISHED:
             print(f"{path}: this run has finished before.")
+            if doubt := provenance.doubt([commit]):
+                print(f"run: it {doubt}", file=sys.stderr)
             return 0
         try:
             failure = _run(path, full, folder, checkpoint_samples)

@@ -55,8 +55,10 @@ def module(name):
     """Return the module of a study, with defaults for what it does not declare. Raise ParameterError if there is none, or if it lacks something."""
     if name not in declared.names(__name__):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
-    return declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
-                         {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
+    found = declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
+                          {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
+    declared.demand(__name__, found, found.ROWS, ("quick", "full"))
+    return found
 
 
 def rows(name, full):

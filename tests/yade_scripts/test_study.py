@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from yade_scripts import batch, parameters, results, tables
+from yade_scripts import batch, parameters, results, run, tables
 from yade_scripts.measuring import regression
 
 
@@ -45,7 +45,11 @@ def test_results_of_other_code_are_named(tmp_path, monkeypatch, capsys, made, no
     assert batch.work_off(batch.jobs_of([{}], tmp_path), 1) == []
     said = capsys.readouterr()
     assert said.out == "1 run, 1 finished before\n"
-    assert said.err == (f"batch: some results may come from other code {words} and are kept. Delete a file to run it again.\n" if words else "")
+    assert said.err == (f"batch: some results may come from other code {words}. Delete a file to run it again.\n" if words else "")
+    assert run.execute({}, tmp_path) == 0
+    said = capsys.readouterr()
+    assert "has finished before" in said.out
+    assert said.err == (f"run: it may come from other code {words}. Delete a file to run it again.\n" if words else "")
 
 
 @pytest.mark.parametrize("text, message", [("seed frction\n1 0.1\n", "did you mean friction"), ("seed\n", "at least one line")])

@@ -22,6 +22,15 @@ def git_commit():
         return "unknown"
 
 
+def doubt(commits):
+    """Return a predicate in words if results of these commits may come from other code than the present one, else an empty text."""
+    now = git_commit()
+    words = lambda commit: short(commit).replace("-dirty", " with changes that are not committed")
+    others = sorted({words(commit) for commit in commits if commit != now or commit.endswith("-dirty")})
+    today = f"; the code is at {words(now)}" * (others != [words(now)])
+    return f"may come from other code (commit {', '.join(others)}{today}). Delete a file to run it again." if others else ""
+
+
 def processor():
     """Return the processor's name as Linux reports it."""
     lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
