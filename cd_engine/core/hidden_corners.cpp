@@ -25,7 +25,8 @@ void HiddenCorners::list(const World& world)
 	for (const Pair& pair : world.pairs)
 		if (world.bodies[pair.a].radius == 0)
 			near.push_back({ pair.b, pair.a });
-	std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.disk != b.disk ? a.disk < b.disk : a.boundary < b.boundary; });
+	std::sort(
+	    near.begin(), near.end(), [](const Near& a, const Near& b) { return a.disk != b.disk ? a.disk < b.disk : a.boundary < b.boundary; });
 	std::size_t kept = 0;
 	for (std::size_t from = 0, to; from < near.size(); from = to) {
 		for (to = from; to < near.size() && near[to].disk == near[from].disk;)
@@ -52,7 +53,8 @@ bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, c
 		const Foot face = footOnBoundary(shape, other.turned, { disk.x - other.x, disk.y - other.y });
 		const Vector normal { face.nx, face.ny };
 		const double above = face.distance - dot(normal, { disk.x - corner.x, disk.y - corner.y });
-		const double rise = 0.5 * dt * (speedOf(world.bodies[pair.a], box, corner, normal) - speedOf(world.bodies[n.boundary], other, corner, normal));
+		const double rise
+		    = 0.5 * dt * (speedOf(world.bodies[pair.a], box, corner, normal) - speedOf(world.bodies[n.boundary], other, corner, normal));
 		return above + std::max(rise, 0.) <= flush * disk.radius;
 	});
 }

@@ -31,8 +31,9 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 
 bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
 {
-	return narrowest <= 2 * quick * settings.dt * fastest
-	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return solved[world.awake[k]] == leftOut && crosses(world.awake[k], world, settings.dt); });
+	return narrowest <= 2 * quick * settings.dt * fastest && anyOf(&threads, world.awake.size(), [&](size_t k) {
+		return solved[world.awake[k]] == leftOut && crosses(world.awake[k], world, settings.dt);
+	});
 }
 
 // If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.

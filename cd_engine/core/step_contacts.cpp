@@ -305,7 +305,8 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 						deep = std::max(deep, -p.gap[lane]);
 					}
 					if (all) { // as in most of a packing: eight contacts that follow one another
-						static constexpr char yes[PairLanes::lanes] = { contact, contact, contact, contact, contact, contact, contact, contact };
+						static constexpr char yes[PairLanes::lanes]
+						    = { contact, contact, contact, contact, contact, contact, contact, contact };
 						const int32_t i = which[k];
 						std::memcpy(overlapOf + i, p.overlap, sizeof p.overlap);
 						same = same && std::memcmp(choices + i, yes, sizeof yes) == 0;
