@@ -63,3 +63,16 @@ def test_a_corner_that_rises_lifts_a_disk(O):
     engine = plane.run(50, 1e-3, gravity=(0, -G, 0))
     assert engine.unconvergedSteps == 0 and engine.deepestPenetration < 1e-3 * R
     assert O.bodies[i].state.pos[1] == pytest.approx(0.005 + math.sqrt(1 - 0.3**2) * R, rel=1e-2)
+
+
+@pytest.mark.parametrize("beside, step, loses", [("corner", 0.5, 0.08), ("corner", 0.2, 0.02), ("disk", 0.5, 0.03), ("disk", 0.2, 0.005)])
+def test_what_a_near_miss_takes(O, beside, step, loses):
+    """At a clearance of R/1000 nothing touches; the plane of the contact does. The numbers of the manual, to their last digit."""
+    mat = plane.material(0)
+    if beside == "corner":
+        plane.box((0.05, -0.05), (0.05, 0.05), mat=mat)
+    else:
+        plane.disk((0, -R), R, blocked="xyzXYZ", mat=mat)
+    i = plane.disk((-0.0493, 1.001 * R), R, velocity=(1, 0), mat=mat)
+    plane.run(round(0.1 / (step * R)), step * R, tolerance=1e-8)
+    assert 1 - O.bodies[i].state.vel[0] == pytest.approx(loses, abs=0.005 if loses > 0.01 else 0.0005)
