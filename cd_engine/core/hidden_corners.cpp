@@ -7,6 +7,9 @@ namespace {
 
 	constexpr double flush = 1e-6; // of a disk's radius: a corner that stands out by less is no obstacle
 
+	// Whether no force changes the motion of a body, so that it is known before the step is solved.
+	bool isGuided(const Body& b) { return b.inverseMass[0] == 0 && b.inverseMass[1] == 0 && b.inverseMass[2] == 0; }
+
 	// The velocity of a point of a body along n.
 	double speedOf(const Body& b, const Place& at, Vector point, Vector n)
 	{
@@ -37,24 +40,25 @@ void HiddenCorners::list(const World& world)
 	near.resize(kept);
 }
 
-bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, const Pair& pair, const Touch& touch, double dt) const
+bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, const Pair& pair, double dt) const
 {
 	const Place &box = places[pair.a], &disk = places[pair.b];
-	const auto first = std::lower_bound(near.begin(), near.end(), pair.b, [](const Near& n, int32_t body) { return n.disk < body; });
-	if (first == near.end() || first->disk != pair.b || !isBeyondCorner(world.shapes[pair.a], box, disk))
+	if (box.radius > 0 || !isGuided(world.bodies[pair.a]) || !isBeyondCorner(world.shapes[pair.a], box, disk))
 		return false;
+	const Touch touch = locateContact(box, disk, world.shapes[pair.a]);
 	const double distance = disk.radius - touch.overlap;
 	const Vector corner { disk.x - distance * touch.nx, disk.y - distance * touch.ny };
+	const auto first = std::lower_bound(near.begin(), near.end(), pair.b, [](const Near& n, int32_t body) { return n.disk < body; });
 	return std::any_of(first, std::find_if(first, near.end(), [&](const Near& n) { return n.disk != pair.b; }), [&](const Near& n) {
+		const Body& guide = world.bodies[n.boundary];
 		const Place& other = places[n.boundary];
 		const Shape& shape = world.shapes[n.boundary];
-		if (n.boundary == pair.a || isBeyondCorner(shape, other, disk))
+		if (n.boundary == pair.a || !isGuided(guide) || isBeyondCorner(shape, other, disk))
 			return false;
 		const Foot face = footOnBoundary(shape, other.turned, { disk.x - other.x, disk.y - other.y });
 		const Vector normal { face.nx, face.ny };
 		const double above = face.distance - dot(normal, { disk.x - corner.x, disk.y - corner.y });
-		const double rise
-		    = 0.5 * dt * (speedOf(world.bodies[pair.a], box, corner, normal) - speedOf(world.bodies[n.boundary], other, corner, normal));
+		const double rise = dt * (speedOf(world.bodies[pair.a], box, corner, normal) - speedOf(guide, other, corner, normal));
 		return above + std::max(rise, 0.) <= flush * disk.radius;
 	});
 }

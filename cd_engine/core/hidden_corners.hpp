@@ -1,6 +1,7 @@
 // Corners of boxes that a disk cannot reach, because they lie on or behind the face of another boundary that the disk is over: those at the joints of
 // a floor of several boxes, or inside a wall. A contact is the plane through the nearest point, so such a corner would act as an obstacle before the
-// disk is above it: a disk would hop and lose speed at every joint. The face keeps the disk in front of all points behind it.
+// disk is above it: a disk would hop and lose speed at every joint. The face keeps the disk in front of all points behind it. Only among boundaries
+// that no force moves: where others are at the end of a step is known only when it is solved.
 #pragma once
 
 #include "world.hpp"
@@ -15,8 +16,8 @@ class HiddenCorners {
 	// Finds the disks that are near several boundaries, if the list of pairs is not that of the last call.
 	void list(const World&);
 	// Whether the corner of box pair.a that is nearest to disk pair.b is hidden during a step dt [s]. False over a face. places: of the bodies,
-	// half a step ahead.
-	bool hide(const World&, const std::vector<Place>& places, const Pair&, const Touch&, double dt) const;
+	// half a step ahead; the contact law holds at those a whole step later.
+	bool hide(const World&, const std::vector<Place>& places, const Pair&, double dt) const;
 
     private:
 	struct Near {

@@ -5,14 +5,15 @@ namespace cd {
 
 using namespace contact_limits;
 
-// Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step.
+// Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step, and no face is before it.
 bool TimeStep::within(size_t index, const World& world, double dt) const
 {
 	const Pair& pair = world.pairs[index];
 	const double gap = gapOf(world, index);
 	if (gap > quick * dt * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
 		return false;
-	return gap <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v);
+	return gap <= quick * dt * relativeSpeed(pair, world, system.bodies[pair.a].v, system.bodies[pair.b].v)
+	    && !corners.hide(world, places, pair, dt);
 }
 
 // Whether the solution lets a pair that was left out cross its gap within the step.
@@ -31,9 +32,8 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 
 bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
 {
-	return narrowest <= 2 * quick * settings.dt * fastest && anyOf(&threads, world.awake.size(), [&](size_t k) {
-		return solved[world.awake[k]] == leftOut && crosses(world.awake[k], world, settings.dt);
-	});
+	return narrowest <= 2 * quick * settings.dt * fastest
+	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
 }
 
 // If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.
@@ -46,11 +46,11 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	system.contactSet++;
 	appended = true;
 	for (const int32_t i : world.awake)
-		if (solved[i] == leftOut && within(i, world, settings.dt)) {
+		if (!solved[i] && within(i, world, settings.dt)) {
 			resizeRows(rows + 1, settings);
 			rowPair.back() = i;
 			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
-			solved[i] = contact;
+			solved[i] = 1;
 			deepest = std::max(deepest, -gapOf(world, i));
 			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
 			ContactRow& c = system.contacts[rows - 1];

@@ -208,7 +208,7 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	    });
 	if (rows < world.awake.size())
 		for (const int32_t i : world.awake)
-			if (solved[i] != contact)
+			if (!solved[i])
 				release(world.pairs[i], world.carried[i]);
 	report.loadedContacts += all.loaded;
 	report.slidingContacts += all.sliding;

@@ -251,8 +251,8 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 	return gap + turning(pair, world, touch, gap, dt) + dt * std::min(before, after) <= 0;
 }
 
-// Decides what a pair is, where the kernel cannot. Finds the overlap and the gap if `a` is a boundary.
-TimeStep::Choice TimeStep::judge(
+// Decides whether a pair is a contact, where the kernel cannot. Finds the overlap and the gap if `a` is a boundary.
+bool TimeStep::judge(
     const Pair& pair, const World& world, const StepSettings& settings, double beyond, double& overlap, double& gap, bool& through) const
 {
 	if (places[pair.a].radius == 0) {
@@ -261,12 +261,13 @@ TimeStep::Choice TimeStep::judge(
 		through = through || isThrough(pair, world, touch, settings.dt, face);
 		overlap = touch.overlap;
 		gap = pair.reference > 0 && overlap <= 0 ? -overlap : pair.reference - overlap; // the reference ends where their surfaces are apart
-		if (corners.hide(world, places, pair, touch, settings.dt))
-			return hidden;
 	}
 	const bool closing = (beyond <= 0 || mayClose(pair, world, gap, settings.dt))
 	    && (settings.restitution == 0 || closes(world, pair, locate(pair, world), gap, settings.dt));
-	return closing ? contact : leftOut;
+	if (!closing || !corners.hide(world, places, pair, settings.dt))
+		return closing;
+	gap = endless;
+	return false;
 }
 
 // Finds the overlaps of the pairs of each part, and which of them are contacts. Lists these from the begin of the part on.
@@ -275,15 +276,15 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 	const Cut cut(world.awake.size());
 	overlaps.resize(world.pairs.size());
 	if (solved.size() != world.pairs.size() || world.awake.size() != world.pairs.size())
-		solved.assign(world.pairs.size(), leftOut);
-	corners.list(world);
+		solved.assign(world.pairs.size(), 0);
 	rowPair.resize(world.awake.size());
+	corners.list(world);
 	forEach(&threads, cut.parts, [&](std::size_t part) {
 		double deepest = 0, narrowest = endless;
 		bool through = false, apart = false, same = true;
 		const bool bounces = settings.restitution > 0;
 		// Copies of the addresses, because to the compiler a store to `solved` might change the vectors themselves.
-		char* const choices = solved.data();
+		char* const contact = solved.data();
 		double* const overlapOf = overlaps.data();
 		int32_t* const first = rowPair.data() + cut.from(part);
 		int32_t* row = first;
@@ -305,12 +306,11 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 						deep = std::max(deep, -p.gap[lane]);
 					}
 					if (all) { // as in most of a packing: eight contacts that follow one another
-						static constexpr char yes[PairLanes::lanes]
-						    = { contact, contact, contact, contact, contact, contact, contact, contact };
+						static constexpr char yes[PairLanes::lanes] = { 1, 1, 1, 1, 1, 1, 1, 1 };
 						const int32_t i = which[k];
 						std::memcpy(overlapOf + i, p.overlap, sizeof p.overlap);
-						same = same && std::memcmp(choices + i, yes, sizeof yes) == 0;
-						std::memcpy(choices + i, yes, sizeof yes);
+						same = same && std::memcmp(contact + i, yes, sizeof yes) == 0;
+						std::memcpy(contact + i, yes, sizeof yes);
 						for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
 							row[lane] = i + static_cast<int32_t>(lane);
 						row += PairLanes::lanes;
@@ -324,14 +324,14 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 				const std::size_t lane = k % PairLanes::lanes;
 				const int32_t i = which[k];
 				double overlap = p.overlap[lane], gap = p.gap[lane];
-				const Choice choice = p.beyond[lane] <= 0 && !bounces
-				    ? contact
-				    : judge(world.pairs[i], world, settings, p.beyond[lane], overlap, gap, through);
-				const bool is = choice == contact;
-				narrowest = choice == leftOut ? std::min(narrowest, gap) : narrowest;
+				bool is = p.beyond[lane] <= 0 && !bounces;
+				if (!is) {
+					is = judge(world.pairs[i], world, settings, p.beyond[lane], overlap, gap, through);
+					narrowest = is ? narrowest : std::min(narrowest, gap);
+				}
 				overlapOf[i] = overlap;
-				same = same && choices[i] == choice;
-				choices[i] = choice;
+				same = same && contact[i] == is;
+				contact[i] = is;
 				*row = i;
 				row += is;
 				deepest = is ? std::max(deepest, -gap) : deepest;

@@ -129,8 +129,7 @@ class TimeStep : RowSource {
 	Touch locate(const Pair&, const World&) const;
 	struct Seen;
 	Seen look(const World&, const StepSettings&, Seen* parts);
-	enum Choice : char { leftOut, contact, hidden }; // what a step makes of a pair; a hidden one is behind a face (hidden_corners.hpp)
-	Choice judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
+	bool judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
 	void findContacts(World&, const StepSettings&, const Begun&);
 	bool looksOn(const World&) const;
 	void prepare(World&, const StepSettings&);
@@ -219,7 +218,7 @@ class TimeStep : RowSource {
 	bool appended = false; // the last step has added contacts
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
-	std::vector<char> solved; // of each pair: its Choice
+	std::vector<char> solved; // whether a pair has a contact in the system
 	HiddenCorners corners;
 	std::vector<double> overlaps; // geometric ones of the pairs looked at; negative: apart [m]
 	struct Share { // what a contact's impulse does to its bodies

@@ -53,16 +53,39 @@ def test_a_ridge_holds(O, x):
     assert engine.unconvergedSteps == 0 and engine.contacts > 0 and engine.deepestPenetration < 1e-3 * R
 
 
-def test_a_corner_that_rises_lifts_a_disk(O):
-    """It is flush with the floor at first. The disk can only move upwards."""
+@pytest.mark.parametrize("phase", (0, 0.25, 0.5, 0.75))
+@pytest.mark.parametrize("motion", ("rises", "turns", "floor sinks"))
+def test_a_corner_that_comes_out_lifts_a_disk(O, motion, phase):
+    """It is below the floor at first, and passes it in a part of a step. The disk can only move upwards and rests on the floor."""
     mat = plane.material(0)
-    plane.box((0, -0.01), (0.1, 0.01), mat=mat)
-    riser = plane.box((0.2, -0.01), (0.1, 0.01), mat=mat)
-    O.bodies[riser].state.vel = (0, 0.1, 0)
+    speed, dt = 0.1, 1e-3
+    below = 10.5 * speed * dt + phase * speed * dt
+    floor = plane.box((0, -0.01), (0.1, 0.01), mat=mat)
+    other = plane.box((0.2, -0.01 - below), (0.1, 0.01), mat=mat)
     i = plane.disk((0.1 - 0.3 * R, R), R, mat=mat, blocked="xzXYZ")
-    engine = plane.run(50, 1e-3, gravity=(0, -G, 0))
-    assert engine.unconvergedSteps == 0 and engine.deepestPenetration < 1e-3 * R
-    assert O.bodies[i].state.pos[1] == pytest.approx(0.005 + math.sqrt(1 - 0.3**2) * R, rel=1e-2)
+    if motion == "floor sinks":
+        O.bodies[floor].state.vel = (0, -speed, 0)
+        O.bodies[i].state.vel = (0, -speed, 0)
+    elif motion == "rises":
+        O.bodies[other].state.vel = (0, speed, 0)
+    else:
+        O.bodies[other].state.angVel = (0, 0, -speed / 0.1)  # about its centre
+    engine = plane.run(1, dt, gravity=(0, -G, 0), tolerance=1e-8)
+    O.run(49, True)
+    assert engine.unconvergedSteps == 0 and engine.deepestPenetration < 1e-6 * R
+    assert O.bodies[i].state.pos[1] > R + 1e-3 or motion == "floor sinks"
+
+
+@pytest.mark.parametrize("speed", (0.1, 0.3))
+def test_a_free_plate_uncovers_a_corner(O, speed):
+    """A disk falls on a light plate flush with a fixed box, which gives way in the same step: the corner of the box then holds the disk."""
+    mat = plane.material(0)
+    plane.box((0.2, -0.01), (0.1, 0.01), mat=mat)
+    plate = plane.box((0, -0.01), (0.1, 0.01), mat=mat, blocked="xzXYZ", mass=0.1)
+    plane.disk((0.1 - 0.6 * R, 1.2 * R), R, mat=mat, velocity=(0, -speed * R / 1e-3))
+    engine = plane.run(20, 1e-3, tolerance=1e-8)
+    assert O.bodies[plate].state.vel[1] < 0
+    assert engine.unconvergedSteps == 0 and engine.deepestPenetration < 1e-6 * R
 
 
 @pytest.mark.parametrize("beside, step, loses", [("corner", 0.5, 0.08), ("corner", 0.2, 0.02), ("disk", 0.5, 0.03), ("disk", 0.2, 0.005)])
