@@ -2,7 +2,7 @@
 import numpy as np
 import pandas
 
-from analysis import cycles, limits, observables, publish, style, summary
+from analysis import cycles, observables, publish, style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 
@@ -151,20 +151,16 @@ all 5 stand 40 cycles and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all co
 held, none of 25 runs collapses at 0.1 to 0.5, and 10 of 10 do at 0.8 and 1.2.
 
 What matters is this ratio over the static limit of the packing. Dense packings of MD stand at 1.06 of it and collapse from 1.12, loose ones collapse
-from 1.33, but one stands at 1.53; CD stands up to 1.57. Below the limit rigid grains rest: after 20 cycles CD has strained by 2.0e-8 and MD by 3.3e-4
+from 1.33, but one stands at 1.53, in CD as well. Below the limit rigid grains rest: after 20 cycles CD has strained by 2.3e-8 and MD by 3.3e-4
 (medians of 30 pairs from 6 packings); the largest strain of CD is 3.0e-4, at 0.991 of the limit. Above it MD collapses in 39 and CD in 35 of 55
-pairs, CD never where MD stands. Where MD collapses within 20 cycles, CD stands 1.43 times as many (median of 38 pairs from 10 packings; longer in 34,
-shorter in 1, to the end of its cycles in 3), the more the nearer the limit: 2.4 times between 1.1 and 1.3 of it (9 pairs), 1.24 times above 2 (10
+pairs, CD never where MD stands. Where MD collapses within 20 cycles, CD stands 1.46 times as many (median of 38 pairs from 10 packings; longer in 34,
+shorter in 1, to the end of its cycles in 3), the more the nearer the limit: 2.8 times between 1.1 and 1.3 of it (9 pairs), 1.24 times above 2 (10
 pairs). How many cycles that are belongs to the period of 0.5 s: see the study of collapse. A little above the limit, up to 1.07 of it, all 6 runs of
-CD on dense packings stand (3 packings). In cycles 11 to 20 half of them still strain, by 1.1e-4 to 3.7e-4 a cycle; the others have come to rest, with
-7.1e-7 a cycle at most. In cycles 31 to 40 the former come to rest, too, with 7.2e-6 a cycle at most.
+CD on dense packings stand (3 packings) and come to rest: in cycles 11 to 20 they strain by 3.3e-5 a cycle at most, in cycles 31 to 40 by 1.8e-6.
 
-Below the limit MD's rate falls more often than not: over the last quarter of the cycles it is 0.71 times that of the quarter before (median of the 21
-runs with more than 1e-6 a cycle; quartiles 0.59 and 1.16; 1 would be a constant rate; 14 fall). 40 or 80 cycles do not show whether it reaches zero.
+Below the limit MD's rate falls more often than not: over the last quarter of the cycles it is 0.73 times that of the quarter before (median of the 21
+runs with more than 1e-6 a cycle; quartiles 0.59 and 0.90; 1 would be a constant rate; 16 fall). 40 or 80 cycles do not show whether it reaches zero.
 Cycles of 0.5 s are short for springs of k_n: in slower ones they strain less, see the study of ratcheting.
-
-Three runs at 0.3 with the mean stress held yield in every cycle without a collapse. The check of the walls refuses them, since the walls cannot hold
-their stress then; they count as standing above and have no other numbers.
 """
 GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "0.8", "1.07", "1.1", "1.2", "1.3", "1.5", "1.8", "1.86", "1", "1e-6", "2", "11", "20", "31", "40", "80")
 POINTS = (
@@ -183,53 +179,27 @@ POINTS = (
      "Rates between settling and collapse fall slowly rather than stay: with sigma1 held and dSigma = 0.4 the rate of the second half of the cycles "
      "is 5.2e-5 a cycle (median of 5), and over the last quarter 0.71 times that of the quarter before (0.12 to 0.78)."),
     (12, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
-     "Under cycles CD stands 1.43 times as many (median of 38 pairs from 10 packings); in 1 of them it collapses earlier."),
+     "Under cycles CD stands 1.46 times as many (median of 38 pairs from 10 packings); in 1 of them it collapses earlier."),
     (13, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
      "agrees", "Below the static limit MD strains and CD rests; above it both give way, CD more slowly."),
 )
 
 
-PACKING = ["preparation friction", "stress path", "seed"]
-
-
-def refused_at_the_end(table):
-    """Return the rows of runs that only the check of the walls refuses, at their very end.
-
-    They yield in every cycle without a collapse. To leave them out would be to choose by the result.
-    """
-    if publish.STATUS not in table:
-        return table[:0]
-    ends = (table.cycles * table.get("period", LOADING["period"])).map("until t = {:g} s".format)
-    return table[[end in str(status) for end, status in zip(ends, table[publish.STATUS])]]
-
-
-def standing(table):
-    """Return the finished runs and, as runs that stand, those that are refused at their end."""
-    done, own = publish.finished(table), refused_at_the_end(table)
-    if own.empty:
-        return done
-    own = own.assign(**{name: own[name.replace(" ", "_")] for name in PACKING}, dSigma=own.delta_sigma)
-    own["static limit"] = done.groupby(PACKING)["static limit"].first().reindex(pandas.MultiIndex.from_frame(own[PACKING])).to_numpy()
-    own["load over limit"] = [limits.stress_ratio(1 + load, path) / limits.stress_ratio(limit, path)
-                              for load, path, limit in zip(own.dSigma, own["stress path"], own["static limit"])]
-    return pandas.concat([done, own])
-
-
 def numbers(table):
     after, end, gamma, quarter = "collapses after", "gamma at the end", f"gamma after {COMPARED}", "last quarter's rate over the one before"
-    counted, table = standing(table), publish.finished(table)
+    table = publish.finished(table)
     md, cd = (table[table.method == method] for method in LINES)
     dense = md[md["preparation friction"] == 0].set_index("seed")
     held, constant = (dense[dense["stress path"] == path] for path in LOADS)
     at, low, high = dict(list(held.groupby("dSigma"))), constant[constant.dSigma <= 0.5], constant[constant.dSigma > 0.5]
     alike = (at[0.2][gamma] / constant[constant.dSigma == 0.5][gamma] - 1).abs()
-    pairs = counted[counted.method == "MD"].merge(counted[counted.method == "CD"], on=["stress path", "preparation friction", "dSigma", "seed"],
+    pairs = md.merge(cd, on=["stress path", "preparation friction", "dSigma", "seed"],
                                                   suffixes=(" MD", " CD"))
     below, above = pairs[pairs["load over limit MD"] < 1], pairs[pairs["load over limit MD"] > 1]
     falls = [above[f"{after} {method}"].notna() for method in LINES]
     breaks = pairs[pairs[f"{after} MD"] <= COMPARED]
     times, over = (breaks[f"{after} CD"] / breaks[f"{after} MD"]).fillna(np.inf), breaks["load over limit MD"]  # infinite where CD stands
-    load = counted.assign(falls=counted[after].notna()).groupby(["falls", "method", "preparation friction"])["load over limit"]
+    load = table.assign(falls=table[after].notna()).groupby(["falls", "method", "preparation friction"])["load over limit"]
     stands, falls_from = load.max()[False], load.min()[True]
     slows = md[md[after].isna() & (md["load over limit"] < 1) & (md["late rate"].abs() > 1e-6)][quarter]
     closer, further = times[over.between(1.1, 1.3)], times[over > 2]
@@ -239,7 +209,7 @@ def numbers(table):
     later = near[f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}"].abs()
     rest = near["late rate"].abs() * 2 * near[quarter] / (1 + near[quarter])  # the rate of the last quarter: late rate is the mean of the last two
     packings = lambda rows: len(rows[["preparation friction", "seed"]].drop_duplicates())
-    assert near[after].isna().all() and (near.cycles == 40).all() and (later > 1e-4).sum() == len(near) / 2
+    assert near[after].isna().all() and (near.cycles == 40).all()
     assert low[after].isna().all() and at[0.2][after].isna().all() and not (falls[1] & ~falls[0]).any()
     assert all(at[load][after].notna().all() for load in (0.3, 0.4, 0.5)) and alike.between(0.01, 0.13).all()
     return {"1": (times < 1).sum(), "12": 100 * alike.max(), "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour)],
@@ -248,14 +218,13 @@ def numbers(table):
             "10.70": at[0.3][after].median(), "1.95": at[0.4][after].median(), "0.95": at[0.5][after].median(), "25": len(low),
             "10": [high[after].notna().sum(), len(high), fails.notna().sum(), packings(breaks), len(further),
                    100 * at[0.1]["sliding at most, last cycle"].median()],
-            "1.06": stands["MD", 0.0], "1.12": falls_from["MD", 0.0], "1.33": falls_from["MD", 0.1], "1.53": stands["MD", 0.1],
-            "1.57": stands["CD"].max(), "2.0e-8": below[f"{gamma} CD"].abs().median(), "3.3e-4": below[f"{gamma} MD"].abs().median(),
+            "1.06": stands["MD", 0.0], "1.12": falls_from["MD", 0.0], "1.33": falls_from["MD", 0.1], "1.53": [stands["MD", 0.1], stands["CD"].max()],
+            "2.3e-8": below[f"{gamma} CD"].abs().median(), "3.3e-4": below[f"{gamma} MD"].abs().median(),
             "30": len(below), "6": [packings(below), len(near)], "3.0e-4": below[f"{gamma} CD"].abs().max(),
             "0.991": below.loc[below[f"{gamma} CD"].abs().idxmax(), "load over limit CD"], "39": falls[0].sum(), "35": falls[1].sum(),
-            "55": len(above), "1.43": times.median(), "38": len(breaks), "34": (times.between(1, np.inf, "neither")).sum(),
-            "3": [np.isinf(times).sum(), near.seed.nunique()], "2.4": closer.median(), "9": len(closer), "1.24": further.median(),
-            **summary.stated("1.1e-4 3.7e-4", later[later > 1e-4]), "7.1e-7": later[later < 1e-4].max(), "7.2e-6": rest.max(),
-            "0.71": [slows.median(), slow[quarter].median()], "21": len(slows), "0.59": slows.quantile(0.25),
-            "1.16": slows.quantile(0.75), "14": (slows < 1).sum(), "4.8e-8": at[0.1]["late rate"].abs().max(),
-            "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), **summary.stated("0.90 2.65", fails),
-            "5.2e-5": slow["late rate"].abs().median(), **summary.stated("0.12 0.78", slow[quarter])}
+            "55": len(above), "1.46": times.median(), "38": len(breaks), "34": (times.between(1, np.inf, "neither")).sum(),
+            "3": [np.isinf(times).sum(), near.seed.nunique()], "2.8": closer.median(), "9": len(closer), "1.24": further.median(),
+            "3.3e-5": later.max(), "1.8e-6": rest.max(), "0.73": slows.median(), "21": len(slows), "0.59": slows.quantile(0.25),
+            "0.90": [slows.quantile(0.75), fails.min()], "16": (slows < 1).sum(), "4.8e-8": at[0.1]["late rate"].abs().max(),
+            "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), "2.65": fails.max(),
+            "5.2e-5": slow["late rate"].abs().median(), "0.71": slow[quarter].median(), **summary.stated("0.12 0.78", slow[quarter])}
