@@ -46,7 +46,7 @@ def publish_all(results, folder, full):
                 publish.write_table(folder / f"{name}.csv", rows)
                 publish.write_json(folder / f"{name}.json", {"chart": name, "figures": figures} | origin)
             else:
-                left[name] = f"{name}: {LACKING[name]}"
+                left[name] = f"{name}: {LACKING.get(name, 'no measurement belongs in it')}"
     return left
 
 
