@@ -18,9 +18,6 @@ from yade_scripts.results.reader import ResultError
 # Order in the report.
 ORDER = ("by_kind", "profile", "cost_against_size", "work_precision", "maps")
 FOLDER = "charts"  # below the folder of the studies' figures
-# Why there are measurements but no rows of a chart.
-LACKING = {"profile": "no scene was measured by both methods", "cost_against_size": "no scene was measured at several sizes",
-           "maps": "no boundary was searched to its end"}
 
 
 def module(name):
@@ -46,7 +43,7 @@ def publish_all(results, folder, full):
                 publish.write_table(folder / f"{name}.csv", rows)
                 publish.write_json(folder / f"{name}.json", {"chart": name, "figures": figures} | origin)
             else:
-                left[name] = f"{name}: {LACKING.get(name, 'no measurement belongs in it')}"
+                left[name] = f"{name}: {getattr(chart, 'LACKING', 'no measurement belongs in it')}"
     return left
 
 

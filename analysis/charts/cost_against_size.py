@@ -8,6 +8,7 @@ from analysis.style import plt
 from yade_scripts import scenes
 
 TITLE = "Cost against the number of disks"
+LACKING = "no scene was measured at several sizes"  # why measurements give no row
 QUESTION = "How does the time to an error of 1e-2 grow with the number of disks, by each method?"
 ANSWER = """
 The time grows about as the number of disks, a little faster for load steps on packings. A lattice of 6400 disks in a loaded box takes CD

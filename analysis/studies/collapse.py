@@ -63,8 +63,7 @@ def draw(runs, rows, path):
         axis.grid(True)
     axes[0, 0].set_yticks(range(len(names)), [name.replace("10 k_n", "$10\\,k_n$") for name in names])
     axes[0, 0].invert_yaxis()
-    style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles. Runs whose walls missed their load are left out.",
-                 runs)
+    style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles.", runs)
 
 
 ANSWER = """

@@ -132,8 +132,8 @@ passes |gamma| = 1e-4 at 0.99 to 1.02 of it in 25 ramps from 10 packings.
 
 Where the packings break the methods nearly agree. At |gamma| = 1e-2 CD needs 1.05 times the ratio of MD on dense packings (median of 10
 slow ramps on 5 packings; 1.02 to 1.06, more in all of them) and 1.02 times on loose ones (0.97 to 1.08, more in 6 of 10). The difference
-vanishes as springs get stiffer: on dense packings prepared with springs of 10 k_n MD passes |gamma| = 1e-4 at 0.88 of the limit, and at 1e-2 CD
-needs 1.003 times the ratio of MD (medians of 5 packings; 0.998 to 1.011).
+vanishes as springs get stiffer: on dense packings prepared with springs of 10 k_n, with sigma1 held, MD passes |gamma| = 1e-4 at 0.88 of the limit,
+and at 1e-2 CD needs 1.003 times the ratio of MD (medians of 5 packings; 0.998 to 1.011).
 
 All 60 runs reach |gamma| = 0.2. A ramp twice as fast changes the load at |gamma| = 1e-2 by at most 3.3 %. Beyond that strain the samples fall, and
 the methods cannot be ranked: at 0.1 CD needs 0.88 to 1.06 times the ratio of MD, more in 15 of 20 slow ramps. MD's energies balance to 0.3 % of the

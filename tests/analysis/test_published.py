@@ -175,11 +175,13 @@ def stored_at(root, commit):
 
 
 def test_no_study_is_older_than_the_bits_of_its_scenes(root):
-    """Since its commit the stored hashes of its scenes have not changed; that of the drum has, which two studies have."""
+    """Since its commit the stored hashes of its scenes have not changed; that of the drum has since flows, those of rigid
+    contacts since many_disks."""
     today = json.loads((root / "tests" / "yade_scripts" / "digests.json").read_bytes())["all"]
-    for name in set(PUBLISHED) - {"flows", "many_disks"}:
+    for name in set(PUBLISHED) - {"many_disks"}:
         found = said(name)
-        for scene, method in {(row["scene"], row["method"]) for row in map(parameters.complete, studies.rows(name, True))}:
+        older = {("drum", "CD")} if name == "flows" else set()
+        for scene, method in {(row["scene"], row["method"]) for row in studies.rows(name, True)} - older:
             for commit in found["commits"]:
                 assert stored_at(root, commit)[f"{scene} {method}"] == today[f"{scene} {method}"], f"{name}: {scene} {method} of {commit}"
 

@@ -77,10 +77,12 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
      "'static limt': no parameter of the scene biaxial and no column; columns")])
 def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, part, fault, said, command, status):
     monkeypatch.setattr(studies.module("force_networks"), part, fault)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "force_networks.png").touch()  # of an earlier run
     assert main([*command, "force_networks", "fig4", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == status
     found = capsys.readouterr()
     assert said in found.err and str(tmp_path / "out" / "fig4.png") in found.out.splitlines() and "force_networks.png" not in found.out
-    assert {path.stem for path in (tmp_path / "out").glob("*.*")} == {"fig4"}
+    assert {path.stem for path in (tmp_path / "out").glob("*.csv")} == {"fig4"}
 
 
 def test_collect_finds_the_rows_of_the_table(fig4_results):
