@@ -17,7 +17,7 @@ ORDER = 2  # in the report
 LOADING = dict(loading="cosine", period=0.5, records_per_cycle=20, wall_mass_ratio=1.0)
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING)
 RIGID = dict(method="CD", cd_dt=2.5e-3, tolerance=1e-8, **LOADING)
-LOADS = {"mean": (0.1, 0.2, 0.3, 0.4, 0.5), "constant": (0.1, 0.2, 0.3, 0.4, 0.5, 0.8, 1.2)}
+LOADS = {"mean": (0.1, 0.2, 0.3, 0.4, 0.5), "constant": (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.2)}
 SEEDS = range(1, 6)
 # Cycles after which runs of both methods are compared: as many as the shorter ones have.
 COMPARED = 20
@@ -31,8 +31,7 @@ ROWS = {"quick": [row for setting in (SPRINGS, RIGID | {"tolerance": 1e-7, "max_
                   for row in _paths({"mean": (0.1, 0.4), "constant": (0.4,)}, cycles=COMPARED, seed=1, **setting)],
         # Of the dense packings the first is continued to twice its length.
         "full": [row for setting in (SPRINGS, RIGID) for row in _paths(cycles=80, seed=1, **setting) + _paths(cycles=40, seed=SEEDS[1:], **setting)]
-        + _paths(cycles=40, seed=SEEDS, preparation_friction=0.1, **SPRINGS)
-        + _paths({"mean": LOADS["mean"]}, cycles=40, seed=SEEDS, preparation_friction=0.1, **RIGID)}
+        + [row for setting in (SPRINGS, RIGID) for row in _paths(cycles=40, seed=SEEDS, preparation_friction=0.1, **setting)]}
 
 
 def summarize(runs):

@@ -18,7 +18,7 @@ METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force"), dict(method="C
 ROWS = {"quick": [row for method in METHODS for row in product(ramp_rate=0.5, cycles=3, **RAMP, **method)],
         "full": [row for method in METHODS for more in (
             dict(ramp_rate=0.1, cycles=15, preparation_friction=(0.0, 0.1)),
-            dict(ramp_rate=0.1, cycles=9, preparation_friction=(0.0, 0.1), stress_path="mean"), dict(ramp_rate=0.2, cycles=8),
+            dict(ramp_rate=0.1, cycles=9, preparation_friction=(0.0, 0.1), stress_path="mean"), dict(ramp_rate=0.2, cycles=8), dict(ramp_rate=0.05, cycles=30),
             dict(ramp_rate=0.1, cycles=15, stiffening=10.0))
                  for row in product(**more, **RAMP, **method, seed=range(1, 6))]}
 # |gamma| that defines a critical load. Elastic strain of MD reaches 1e-3 below yield, so only the largest compares the methods.

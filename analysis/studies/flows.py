@@ -25,7 +25,7 @@ COARSER = dict(method="CD", cd_dt=2e-3, tolerance=1e-3)
 COARSE = dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
 PROPOSED = dict(method="CD", cd_dt=5e-4, tolerance=1e-4)  # about what cd_engine.timeStep() gives here, and the tolerance of README's example
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_energies=False)
-SOFT, MIDDLE, STIFF = (SPRINGS | {"kn": kn} for kn in (2e6, 5e6, 2e7))
+SOFT, MIDDLE, HARDER, STIFF = (SPRINGS | {"kn": kn} for kn in (2e6, 5e6, 1e7, 2e7))
 
 
 def _flow(scene, disks, settings, seeds):
@@ -37,13 +37,15 @@ def _flow(scene, disks, settings, seeds):
             for row in product(**dict(scene=scene, disks=disks, period=round(PERIOD[scene] * size**0.25, 3), seed=seeds) | more | setting)]
 
 
-COMPARED = [FINEST, FINE, COARSER, COARSE, MIDDLE, STIFF]  # with more seeds where one run differs much from another
+COMPARED = [FINEST, FINE, COARSER, COARSE, MIDDLE, HARDER, STIFF]  # with more seeds where one run differs much from another
+BEYOND = [FINEST | {"cd_dt": 1.25e-4}, SPRINGS | {"kn": 1e8}]  # of the collapse, where neither method has converged
 OTHERS = [PROPOSED, COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT]
 SEEDS = {"hopper": range(1, 37), "drum": range(1, 37), "filling": range(1, 13), "collapse": range(1, 37)}  # of 500 disks
 ROWS = {"quick": _flow("filling", SMALL, [COARSE, SOFT], 1),
         "full": [row for scene in QUANTITY
                  for row in _flow(scene, SMALL, COMPARED, SEEDS[scene]) + _flow(scene, SMALL, OTHERS, range(1, 13))
-                 + _flow(scene, 5000, [FINER, FINE, COARSER, COARSE, SOFT, MIDDLE, STIFF], LARGE_SEEDS)]}
+                 + _flow(scene, 5000, [FINER, FINE, COARSER, COARSE, SOFT, MIDDLE, HARDER, STIFF], LARGE_SEEDS)]
+        + _flow("collapse", SMALL, BEYOND, SEEDS["collapse"])}
 
 
 def _key(run):

@@ -12,15 +12,16 @@ QUESTION = ("The paper's sample has 400 disks. Do the static limit of the packin
             "and the strain a cycle of springs change with the number of disks, and how far do packings of one size differ?")
 ORDER = 12  # in the report
 SPRINGS, RIGID = fig5.METHODS
-RAMP = fig5.RAMP | dict(ramp_rate=0.1, cycles=15)
 CYCLES = fig3.SPRINGS | dict(delta_sigma=0.4, cycles=20)
 PACKINGS = {100: 10, 400: 10, 1600: 3, 6400: 1}  # how many of each number of disks
-# The slowest motion of a sample takes a time that grows with its width, so cycles of more disks are slower. Some packings of 1600 disks and more need
-# a shorter step (a small disk with many contacts).
+# The slowest motion of a sample takes a time that grows with its width, so ramps and cycles of more disks are slower. All ramps rise to 2.5 P0 at
+# most. Some packings of 1600 disks and more need a shorter step (a small disk with many contacts).
+RAMPS = {disks: fig5.RAMP | dict(ramp_rate=rate, cycles=cycles) for disks, rate, cycles in (
+    (100, 0.2, 8), (400, 0.1, 15), (1600, 0.05, 30), (6400, 0.025, 60))}
 PERIODS = {100: 1.0, 400: 2.0, 1600: 4.0}  # s
 SHORTER = {1600: dict(md_dt_factor=0.25), 6400: dict(md_dt_factor=0.25)}
-ROWS = {"quick": [row for disks in (100, 400) for row in product(disks=disks, **RAMP | dict(ramp_rate=0.5, cycles=3), **RIGID)],
-        "full": [row for disks, count in PACKINGS.items() for base in (RAMP | RIGID, RAMP | SPRINGS | SHORTER.get(disks, {}))
+ROWS = {"quick": [row for disks in (100, 400) for row in product(disks=disks, **fig5.RAMP | dict(ramp_rate=0.5, cycles=3), **RIGID)],
+        "full": [row for disks, count in PACKINGS.items() for base in (RAMPS[disks] | RIGID, RAMPS[disks] | SPRINGS | SHORTER.get(disks, {}))
                  for row in product(disks=disks, seed=range(1, count + 1), **base)]
         + [row for disks, period in PERIODS.items()
            for row in product(disks=disks, seed=range(1, PACKINGS[disks] + 1), **CYCLES | SHORTER.get(disks, {}) | dict(period=period))]}

@@ -18,7 +18,7 @@ LINES = "-", "--", ":"  # of the packings
 LAWS = {"standard": ("#1A1A1A", "standard law"), "path_independent": ("#CC79A7", "path-independent law")}  # as in the study of the laws
 ROWS = {"quick": product(cycles=20, **BASE),
         "full": product(tangential_law="standard", seed=(1, 2, 3), cycles=1000, **BASE)
-        + product(tangential_law="path_independent", seed=(1, 2), cycles=1000, **BASE)
+        + product(tangential_law="path_independent", seed=(1, 2, 3), cycles=1000, **BASE)
         + product(tangential_law="standard", seed=(1, 2, 3), cycles=300, **BASE | SLOW)}
 
 
