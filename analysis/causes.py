@@ -1,7 +1,7 @@
-"""The table on the report's first page: how much each cause contributes to the difference between springs (MD) and rigid contacts (CD)."""
+"""The table on the report's first page: what changes the strain under one cycle and many, and the collapse, of springs (MD) and rigid contacts (CD)."""
 
 PROCESSES = ("One cycle", "Strain a cycle (ratcheting)", "Collapse")
-NOTE = ("Powers are of k_n, with the standard error in brackets. In the column on collapse all cycles take 0.5 s, and a number says how many times "
+NOTE = ("Tolerance, tangential law and stress path: one method compared with itself, to see whether they can make the difference. Powers are of k_n, with the standard error in brackets. In the column on collapse all cycles take 0.5 s, and a number says how many times "
         "as many cycles the same packing stands: by the first method compared with the second, or with a change compared with none (medians of 6 "
         "packings, with quartiles).")
 # Written by hand for the published run; a test compares its numbers one by one with the published tables.

@@ -59,14 +59,15 @@ def draw(runs, rows, path):
 ANSWER = """
 Yes, within the errors. Through slots of 6 to 20 diameters a straight line through the rates of 2000 disks, to the power of two thirds, misses no rate
 of rigid contacts by more than 1.6 %, and none of springs by more than 2.9 %; weighted by the standard errors chi^2 is 1.1 and 1.6 a degree of
-freedom. An exponent of 1.6 in place of three halves does as well, with misses of 1.4 and 0.9 % at most, and k depends on it: with three halves it is
-1.98 for rigid contacts and 2.08 for springs of 2e7 N/m (standard errors 0.06 and 0.07), with 1.6 it is 1.36 and 1.48. At either exponent both methods
-have the same k, within its errors. With the rate in disks per sqrt(d/g) and three halves, C is 1.11 and 1.16. Springs flow -0.2 to 3.9 % faster, with
-standard errors of 1.2 to 2.2 %; at 2 of the 5 widths the difference is more than twice its error. There are 4 runs a width and method, so the errors
-are rough. The silo is 36 diameters wide: its walls and the falling surface may affect the flow through the widest slot. Rigid contacts took steps of
-1 ms with a tolerance of 1e-3, which at most 0.014 % of the steps at a width missed.
+freedom. An exponent of 1.6 in place of three halves does as well, with misses of 1.4 and 0.9 % at most, so these widths do not test the exponent. k
+depends on it: with three halves it is 1.98 for rigid contacts and 2.08 for springs of 2e7 N/m (standard errors 0.06 and 0.07), with 1.6 it is 1.36
+and 1.48. At either exponent both methods have the same k, within its errors. With the rate in disks per sqrt(d/g) and three halves, C is 1.11 and
+1.16. Springs flow faster, over all widths by 2.6 % (mean weighted by the errors, with a standard error of 0.7 %). There are 4 runs a width and
+method, so the standard errors are rough, and a chi^2 of 3 would be no surprise. The silo is 36 diameters wide: its walls and the falling surface may
+affect the flow through the widest slot. Rigid contacts took steps of 1 ms with a tolerance of 1e-3, which at most 0.014 % of the steps at a width
+missed.
 """
-GIVEN = ("6", "20", "2000", "2", "2e7", "36", "1", "1e-3")
+GIVEN = ("6", "20", "2000", "2", "2e7", "36", "1", "1e-3", "3")
 
 
 def _miss(own, power):
@@ -97,8 +98,8 @@ def _chi_square(own):
 def numbers(table):
     cd, md = (table[table.method == method].set_index("width") for method in ("CD", "MD"))
     apart, error = 100 * (md.rate / cd.rate - 1), 100 * np.hypot(md.deviation / md.rate, cd.deviation / cd.rate)
-    assert (apart.abs() > 2 * error).sum() == 2
+    weights = error**-2 / (error**-2).sum()
     return {"1.6": [_miss(cd, 1.5), _chi_square(md)], "2.9": _miss(md, 1.5), "1.1": _chi_square(cd), "1.4": _miss(cd, 1.6), "0.9": _miss(md, 1.6),
             "1.98": _k(cd, 1.5), "2.08": _k(md, 1.5), "0.06": _error_of_k(cd), "0.07": _error_of_k(md), "1.36": _k(cd, 1.6), "1.48": _k(md, 1.6),
-            "1.11": cd.C.iloc[0], "1.16": md.C.iloc[0], "-0.2": apart.min(), "3.9": apart.max(), "1.2": error.min(), "2.2": error.max(), "5": len(cd),
+            "1.11": cd.C.iloc[0], "1.16": md.C.iloc[0], "2.6": (weights * apart).sum(), "0.7": (error**-2).sum()**-0.5,
             "4": [cd.seeds.min(), md.seeds.min()], "0.014": 100 * cd.unsolved.max()}
