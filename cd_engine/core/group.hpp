@@ -32,8 +32,9 @@ static_assert(sizeof(Group) == 11 * 64 && offsetof(Group, nx) == 64); // no gaps
 struct alignas(64) GroupMiss {
 	double difference[Group::lanes]; // of the impulse [N^2 s^2]
 	double velocity[Group::lanes]; // [m^2/s^2]
+	double wnn[Group::lanes]; // its compliance [1/kg]
 };
-static_assert(sizeof(GroupMiss) == 2 * 64);
+static_assert(sizeof(GroupMiss) == 3 * 64);
 
 // Result of a sweep from an extrapolated point y. p are the impulses before the sweep, p+ those after it.
 struct AheadReport {

@@ -267,6 +267,7 @@ static void miss(const Group* groups, std::size_t count, const PackedBody* moved
 			if (each) {
 				store(each[k].difference + lane, difference);
 				store(each[k].velocity + lane, velocity);
+				store(each[k].wnn + lane, wnn);
 			}
 		}
 	}

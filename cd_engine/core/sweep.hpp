@@ -153,7 +153,7 @@ class Sweep {
 	void twistBodies();
 	void numberSums();
 	void findAsked();
-	void missInBlock(const Part&, bool apart);
+	void missInBlock(const Part&);
 	void addApart(const Part&);
 	static void push(const Loose&, double pn, double pt, PackedBody& A, PackedBody& B);
 	static void solveLoose(Loose&, PackedBody* bodies);

@@ -116,12 +116,11 @@ Residual Sweep::error()
 	moveBodies();
 	if (twisted)
 		twistBodies();
-	const bool apart = packed.partition.islands.size() > 1 || !packed.carried.empty(); // else only the sums over the groups are needed
-	packed.misses.resize(apart ? packed.groups.size() : 0);
+	packed.misses.resize(packed.partition.islands.size() > 1 || !packed.carried.empty() ? packed.groups.size() : 0);
 	packed.partSums.resize(packed.islandAt.size());
 	if (!packed.carried.empty())
 		findAsked();
-	inEveryBlock([&](const Part& block) { missInBlock(block, apart); });
+	inEveryBlock([&](const Part& block) { missInBlock(block); });
 	packed.sums.assign(packed.partition.islands.size(), {});
 	for (std::size_t i = 0; i < packed.partSums.size(); i++)
 		packed.sums[packed.islandAt[i]].add(packed.partSums[i]);
@@ -137,8 +136,9 @@ void Sweep::findAsked()
 			packed.asked[light] = std::min(packed.asked[light], packed.moved[heavy].w);
 }
 
-void Sweep::missInBlock(const Part& block, bool apart)
+void Sweep::missInBlock(const Part& block)
 {
+	const bool apart = block.sums.size() > 1 || !packed.carried.empty(); // else only the sums over the groups are needed
 	ResidualSum* const first = packed.partSums.data() + block.sums.from;
 	std::fill_n(first, block.sums.size(), ResidualSum {});
 	LaneMisses all = {};
@@ -182,7 +182,7 @@ void Sweep::addApart(const Part& block)
 			const int lane = k % Group::lanes;
 			const double square = g.pn[lane] * g.pn[lane] + g.pt[lane] * g.pt[lane];
 			ResidualSum& sum = packed.partSums[packed.ends[contact].sum];
-			sum.addContact(miss.difference[lane], miss.velocity[lane], square, system.contacts[contact].wnn);
+			sum.addContact(miss.difference[lane], miss.velocity[lane], square, miss.wnn[lane]);
 			if (!packed.carried.empty())
 				sum.addUnderHeavy(miss.velocity[lane], std::min(packed.asked[g.a[lane]], packed.asked[g.b[lane]]));
 		}

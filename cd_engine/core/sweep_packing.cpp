@@ -46,12 +46,10 @@ inline bool Sweep::groupable(const ContactRow& c) const
 	return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
 }
 
-// Whether sweeps may take the contacts from the step itself: they link the same bodies as those that were grouped, in one island, and no body carries
-// one that is far heavier (findAsked); else errors are summed contact by contact, from rows.
+// Whether sweeps may take the contacts from the step itself: they link the same bodies as those that were grouped.
 bool Sweep::mayStayPostponed() const
 {
-	return packed.partition.knows(system) && !system.contacts.solvedBeside() && packed.blocks.contacts.size() == system.contacts.size()
-	    && packed.partition.islands.size() == 1 && packed.carried.empty();
+	return packed.partition.knows(system) && !system.contacts.solvedBeside() && packed.blocks.contacts.size() == system.contacts.size();
 }
 
 void Sweep::groupContacts()
