@@ -77,10 +77,11 @@ def _loops(axis, runs):
 
 
 ANSWER = """
-With sigma1 held, springs strain on each of 10 dense packings (compacted without friction) and rigid contacts rest. The largest |gamma| is 4.3e-4 (median; 3.2e-4 to 5.0e-4) in MD and
-3.8e-8 (1.5e-8 to 4.5e-8) in CD. After the unloading MD keeps |gamma| = 1.2e-4 and has dissipated 9.9e-6 P0 V0; CD keeps 2.7e-8 and has dissipated
-7.8e-8 P0 V0. This is the order that the paper reports. What CD shows is the error of its solver at a tolerance of 1e-8: see the study of the
-tolerance. A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed as if 80 contacts shared it equally.
+With sigma1 held, springs strain on each of 10 dense packings (compacted without friction) and rigid contacts rest. The largest |gamma| is 4.3e-4
+(median; 3.2e-4 to 5.0e-4) in MD and 3.8e-8 (1.5e-8 to 4.5e-8) in CD. After the unloading MD keeps |gamma| = 1.2e-4 and has dissipated 9.9e-6 P0 V0;
+CD keeps 2.7e-8 and has dissipated 7.8e-8 P0 V0. This is the order that the paper reports. What CD shows is the error of its solver at a tolerance of
+1e-8: see the study of the tolerance. A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed as if 80 contacts shared it
+equally.
 
 With the mean stress held, the same dSigma is a higher stress ratio, sigma2/sigma1 = 1.5 instead of 1.2, which is near what the packings can carry:
 their static limits are 1.41 to 1.74, the same on both paths. CD rests on 4 of 4 packings whose limit is above 1.5 (|gamma| of 1.6e-6 at most, at a
@@ -96,8 +97,7 @@ strains further than CD, up to 6.8 times, on 2 CD strains further, 1.33 and 1.47
 stress on the walls of CD strays from the load by up to 0.24 P0 while such a packing gives way.
 
 The work of the walls and the sum of stored, kinetic and dissipated energy agree to 1e-7 of the work with sigma1 held and to 9e-5 with the mean stress
-held, where MD's packings rearrange; on loose packings to 1.6e-3. Of the 4000 steps
-of CD on one loose packing 6 missed their tolerance, no others.
+held, where MD's packings rearrange; on loose packings to 1.6e-3. Of the 4000 steps of CD on one loose packing 6 missed their tolerance, no others.
 """
 GIVEN = ("1e-8", "0.2", "1.2", "1.5", "1.27", "4000")
 POINTS = (

@@ -75,10 +75,10 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-On dense packings, whose limits are above this load, the CD loop of Fig. 4 is solver error. On one packing its largest |gamma| falls from 7.8e-4 at a tolerance of 1e-2 to 9.2e-11 at 1e-10,
-and the width of the loop from 8.0e-4 to 1.3e-10; neither levels off. On 3 packings it is 1.2e-3 at 1e-2 and 3.5e-8 at 1e-8 (means). At a
-tolerance of 1e-3 it is 0.79 times MD's 3.9e-4 on that packing, by chance. So rigid grains far below yield do not move: the best run
-bounds their strain by 9.2e-11, with all 4000 steps solved. With a fixed number of sweeps, from 1 to 1000 a step, it falls from 8.1e-4 to
+On dense packings, whose limits are above this load, the CD loop of Fig. 4 is solver error. On one packing its largest |gamma| falls from 7.8e-4 at a
+tolerance of 1e-2 to 9.2e-11 at 1e-10, and the width of the loop from 8.0e-4 to 1.3e-10; neither levels off. On 3 packings it is 1.2e-3 at 1e-2 and
+3.5e-8 at 1e-8 (means). At a tolerance of 1e-3 it is 0.79 times MD's 3.9e-4 on that packing, by chance. So rigid grains far below yield do not move:
+the best run bounds their strain by 9.2e-11, with all 4000 steps solved. With a fixed number of sweeps, from 1 to 1000 a step, it falls from 8.1e-4 to
 2.0e-7. All of this is at one load, dSigma = 0.2.
 """
 GIVEN = ("1e-2", "1e-10", "1e-3", "1e-8", "1", "1000", "0.2")
