@@ -17,8 +17,8 @@ namespace {
 constexpr double radius = 0.01, step_ = 1e-3;
 
 // Equal disks in a tray, row on row, each pushed aside a little so that they settle; every tenth cannot turn. counts: whether steps may see that the
-// list of pairs stays the same.
-World tray(int rows, int columns, bool counts)
+// list of pairs stays the same. parted: a box in place of the disks in the middle column makes two islands, and one disk is 20 times as heavy.
+World tray(int rows, int columns, bool counts, bool parted = false)
 {
 	World w;
 	const auto boundary = [&](double x, double y, double ex, double ey) {
@@ -34,6 +34,8 @@ World tray(int rows, int columns, bool counts)
 	const double mass = 1000 * M_PI * radius * radius;
 	for (int i = 0; i < rows * columns; i++) {
 		const int row = i / columns, column = i % columns;
+		if (parted && column == columns / 2)
+			continue;
 		Body b;
 		b.x = (2 * column + 1 + row % 2 + 1e-4 * std::sin(i)) * radius;
 		b.y = (1 + row * std::sqrt(3.)) * radius;
@@ -43,6 +45,11 @@ World tray(int rows, int columns, bool counts)
 		b.force[1] = -9.81 * mass;
 		w.bodies.push_back(b);
 		w.shapes.emplace_back();
+	}
+	if (parted) {
+		boundary((columns / 2 * 2 + 1.5) * radius, height / 2, 0.5 * radius, height);
+		for (double& inverse : w.bodies[w.bodies.size() / 2].inverseMass)
+			inverse /= 20;
 	}
 	w.masks.assign(w.bodies.size(), 1);
 	std::vector<NearPair> near;
@@ -89,17 +96,19 @@ TEST_CASE("a step without rows gives the same bits as one with rows")
 		const char* method;
 		double tolerance;
 		int steps;
+		bool parted;
 	};
-	// The last one has several blocks (blocks.hpp). To 1e-13 and with few iterations, accelerated sweeps give way to others in some steps.
-	for (const Case c : { Case { 10, 12, 1, "auto", 1e-4, 150 }, Case { 10, 12, 1, "nsgs", 1e-6, 100 }, Case { 8, 8, 1, "auto", 1e-13, 30 },
-		 Case { 60, 60, 2, "accelerated", 1e-4, 25 } })
+	// The largest one has several blocks (blocks.hpp). To 1e-13 and with few iterations, accelerated sweeps give way to others in some steps.
+	for (const Case c : { Case { 10, 12, 1, "auto", 1e-4, 150, false }, Case { 10, 12, 1, "nsgs", 1e-6, 100, false },
+		 Case { 8, 8, 1, "auto", 1e-13, 30, false }, Case { 10, 12, 1, "auto", 1e-4, 150, true },
+		 Case { 60, 60, 2, "accelerated", 1e-4, 25, false }, Case { 60, 60, 2, "accelerated", 1e-4, 25, true } })
 		for (const bool reduce : { false, true }) {
 			CAPTURE(c.rows);
 			CAPTURE(std::string(c.method));
 			CAPTURE(reduce);
 			Run made, spared;
-			made.world = tray(c.rows, c.columns, false);
-			spared.world = tray(c.rows, c.columns, true);
+			made.world = tray(c.rows, c.columns, false, c.parted);
+			spared.world = tray(c.rows, c.columns, true, c.parted);
 			StepSettings s;
 			s.dt = step_;
 			s.reduce = reduce;
@@ -133,7 +142,7 @@ TEST_CASE("a step without rows gives the same bits as one with rows")
 					REQUIRE(made.step.impulseOn(i) == spared.step.impulseOn(i));
 			}
 			CHECK(made.postponed == 0);
-			CHECK(spared.postponed > 0);
+			CHECK((spared.postponed > 0) == !(reduce && c.parted)); // several islands, solved one by one, need rows
 		}
 }
 
