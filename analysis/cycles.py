@@ -59,6 +59,13 @@ class Cycles:
         return last / before if before else np.nan
 
 
+def error_of_mean(rates, blocks=10):
+    """Return the standard error of the mean of the rates of successive cycles, from the means of blocks of them; NaN for fewer cycles than blocks."""
+    if len(rates) < blocks:
+        return np.nan
+    return float(np.std([block.mean() for block in np.array_split(rates, blocks)], ddof=1) / np.sqrt(blocks))
+
+
 def sliding_share(run):
     """Return sliding contacts over contacts that carry a force, at each sample; 0 where there is no contact."""
     contacts = run.values("contacts")
