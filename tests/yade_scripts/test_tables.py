@@ -57,7 +57,7 @@ def test_fig4_runs_both_methods_from_each_packing():
     for full in (False, True):
         rows = studies.rows("fig4", full)
         springs, rigid = (sorted(compared(row) for row in rows if row["method"] == method) for method in ("MD", "CD"))
-        assert springs == rigid and len(set(springs)) == len(springs) == (20 if full else 1)
+        assert springs == rigid and len(set(springs)) == len(springs) == (30 if full else 1)
 
 
 def test_scenes_with_parameters_of_their_own_make_one_table(tmp_path):
