@@ -46,7 +46,7 @@ def limit_of_a_rate():
     case, rate = ["preparation friction", "stress path", "dSigma", "seed"], f"rate of cycles {fig3.COMPARED // 2 + 1} to {fig3.COMPARED}"
     springs, rigid = (publish.finished(published("fig3")).query(f"method == '{method}'").set_index(case) for method in ("MD", "CD"))
     pairs = pandas.concat({"MD": springs[rate], "CD": rigid[rate], "load": springs["load over limit"]}, axis=1).dropna()
-    return [number for own in (pairs[pairs.load < 1], pairs[pairs.load >= 1])
+    return [fig3.COMPARED] + [number for own in (pairs[pairs.load < 1], pairs[pairs.load >= 1])
             for number in (*with_quartiles(own.MD), *with_quartiles(own.CD), len(own), len(own.groupby(level=[case[0], case[3]])))]
 
 
