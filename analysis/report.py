@@ -52,7 +52,7 @@ def build(folder, path):
 def findings():
     """Return README's section "What was found": [(text, [study])] for its items, which end with links to figures, and the definitions before them."""
     words, items = (" ".join(part.split()) for part in README.read_text(encoding="utf-8").split("## What was found")[1].split("\n\n")[1:3])
-    return [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words
+    return [(text.replace("**", ""), re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words
 
 
 def _study(name, folder, link):

@@ -207,7 +207,7 @@ def numbers(table):
     carried, beyond = ([rows[(rows["load over limit"] < 1) == which].start for rows in (md, cd)] for which in (True, False))
     dense = md[md["preparation friction"] == 0].set_index("seed")
     held, constant = (dense[dense["stress path"] == path] for path in LOADS)
-    at, low, high = dict(list(held.groupby("dSigma"))), constant[constant.dSigma <= 0.5], constant[constant.dSigma > 0.5]
+    at, low = dict(list(held.groupby("dSigma"))), constant[constant.dSigma <= 0.5]
     alike = (at[0.2][gamma] / constant[constant.dSigma == 0.5][gamma] - 1).abs()
     gentle, severe = table[table.ratio < 1.51], [rows[rows.ratio > 1.79][after].notna() for rows in (md, cd)]
     close = md[md["load over limit"].between(1.1, 1.3)].groupby("preparation friction")[after]
@@ -226,7 +226,8 @@ def numbers(table):
     assert all(at[load][after].notna().all() for load in (0.3, 0.4, 0.5)) and alike.between(0.01, 0.13).all()
     within = [table[table.ratio.between(1.55, 1.75) & (table.method == method)][after].notna() for method in LINES]
     rests, moves = (cd[cd["load over limit"].between(*ends)] for ends in ((0, 0.99), (0.99, 1)))
-    return {"0.99": slows.quantile(0.75), "36": [len(rests), (rests[gamma].abs() < 1e-6).sum()], "1.6e-8": rests.start.max(), "3": [len(moves), (moves[gamma].abs() > 1e-4).sum()],
+    return {"0.99": slows.quantile(0.75), "36": [len(rests), (rests[gamma].abs() < 1e-6).sum()], "1.6e-8": rests.start.max(),
+            "3": [len(moves), (moves[gamma].abs() > 1e-4).sum()],
             **summary.stated("3.0e-4 5.3e-3", moves[gamma].abs()), "101": [len(beyond[1]), len(above)], "3.7e-4": beyond[1].min(),
             **summary.stated("1.5e-5 6.6e-3", carried[0]), "5.1e-3": beyond[0].min(), "12": 100 * alike.max(),
             "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour), within[1].sum()], "140": len(gentle),
