@@ -118,7 +118,8 @@ def numbers(table):
     loose_md, loose_cd = (loose[loose.method == method].set_index("seed") for method in style.WORDS)
     stands = loose_cd[largest] < 1e-5
     further, limit = (loose_md[largest] / loose_cd[largest])[~stands], loose_cd["static limit"]
-    below = (1 + 0.2) / limit[~stands & (limit > 1.2)]
+    top = 1 + LOADING["delta_sigma"]
+    below = top / limit[~stands & (limit > top)]
     both = [[rows[method, path] for method in style.WORDS] for path in style.STRESS_PATH]
     (md, cd), (md_mean, cd_mean) = both
     ratio, errors = limits.stress_ratio(cd_mean["static limit"], "mean"), table["balance error"].abs().groupby(table["stress path"]).max()

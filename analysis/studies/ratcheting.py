@@ -38,9 +38,9 @@ ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], de
 def summarize(run):
     """Return the row of a run: the first cycle's strain, the rate of the last half of the cycles, and how many contacts change.
 
-    rate: mean strain a cycle of the last half, positive where the sample goes on shortening along the loaded axis; rate error: its standard error, from
-    the scatter of these cycles. changed: contacts that carry at the first or the last peak of the load, not at both, over those at the first. limit at the last load:
-    the static limit by the contacts at the last peak, of rigid grains.
+    rate: mean strain a cycle of the last half, positive where the sample goes on shortening along the loaded axis; rate error: its standard error,
+    from the scatter of these cycles. changed: contacts that carry at the first or the last peak of the load, not at both, over those at the first.
+    limit at the last load: the static limit by the contacts at the last peak, of rigid grains.
     """
     found, rigid = cycles.of(run), run.method == "CD"
     return {**summary.columns(run, "method", "period", "k_n over the usual"), "tolerance": run.parameters["tolerance"] if rigid else np.nan,
@@ -162,7 +162,8 @@ def numbers(table):
     alike = rigid[rigid[end].abs() > 1e-5].merge(solved, on=packing, suffixes=("", " to 1e-7"))
     missed, alike = alike["unsolved steps"].astype(float), alike[f"{end} to 1e-7"] / alike[end]
     together = [part[rate].corr(part["contacts changed"], method="spearman") for _, part in springs.groupby(stiffer)]
-    assert not solved["unsolved steps"].astype(float).any() and len(alike) == len(yields) + len(beyond) and (springs[rate] > springs["rate error"]).all()
+    assert not solved["unsolved steps"].astype(float).any() and len(alike) == len(yields) + len(beyond)
+    assert (springs[rate] > springs["rate error"]).all()
     assert list(ratio.index.value_counts()[[10, 100]]) == [1, 3] and (beyond["limit at the last load"] > 1 + LOAD).all()
     return {"0.96": [NEAR, lower[load].max()], "10": [lower.seed.nunique(), len(hasty), rests.seed.nunique()], "30": len(lower),
             "0.75": lower[load].min(), "-0.93": late_low[0], "0.04": [late_low[1], late_far[1]], "-0.96": first_low[0],

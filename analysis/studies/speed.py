@@ -132,9 +132,9 @@ with them the error of springs of k_n is their whole strain, 4.4e-4 at the large
 of 1 s they take 7.6 s with the longest of the steps, 0.4 sqrt(m/k_n); shorter steps do not reduce the error. Stiffer springs answer faster, so that a
 cycle of 0.1 s is as slow for them as one of 1 s for springs of k_n: the error is the same, 0.012, and they take 0.80 s. Rigid contacts with a
 tolerance of 1e-6 and steps of 5 ms have an error of 0.017 in a cycle of 1 s and take 0.094 s, 81 times less than springs of 100 k_n in the same cycle
-and 8.5 times less than in the short one; in a cycle of 0.1 s they take 0.022 s, 36 times less. With a tolerance of 1e-8 the
-error is 2.9e-5, for 0.177 s, 4.5 times less than springs of 100 k_n in the short cycle. The scene favours rigid contacts: they start from forces with
-which they are at rest.
+and 8.5 times less than in the short one; in a cycle of 0.1 s they take 0.022 s, 36 times less. With a tolerance of 1e-8 the error is 2.9e-5, for
+0.177 s, 4.5 times less than springs of 100 k_n in the short cycle. The scene favours rigid contacts: they start from forces with which they are at
+rest.
 
 Now the reference is springs of k_n with a hundredth of the usual step. Springs with the longest step have an error of 1e-5 and take 0.83 s. The error
 of springs of 10 k_n is 0.88, and that of rigid contacts is the whole strain, which is of the order of P0/k_n, at any tolerance. Rigid contacts come
