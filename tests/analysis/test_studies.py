@@ -62,7 +62,8 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
     assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
-    assert main(["study", "fig5"]) == 2 and main(["report"]) == 2
+    monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path / "none")  # not what `make study` has left here
+    assert main(["study", "fig5"]) == 2 and main(["report", "--results", str(tmp_path / "none")]) == 2
     said = [line for line in capsys.readouterr().err.splitlines() if "fig5" in line]
     assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare") for line in said)
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
