@@ -52,7 +52,7 @@ def build(folder, path):
 def findings():
     """Return README's section "What was found": [(text, [study])] for its items, which end with links to figures, and the definitions before them."""
     words, items = (" ".join(part.split()) for part in README.read_text(encoding="utf-8").split("## What was found")[1].split("\n\n")[1:3])
-    return [(text.replace("**", ""), re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words
+    return [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words
 
 
 def _study(name, folder, link):
@@ -94,15 +94,16 @@ def _picture(path):
     return f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode()}"
 
 
-# Words of the plain texts and the symbols that replace them on the page; longer ones first.
-_SYMBOLS = ((r"(\d)e(-?)0*(\d+)\b", lambda m: f"{m[1]}·10<sup>{'−' if m[2] else ''}{m[3]}</sup>"),
+# Words of the plain texts and the symbols that replace them on the page; longer ones first. The word joiners around gamma keep |gamma| on one line.
+_SYMBOLS = ((r"\*\*(.+?)\*\*", r"<b>\1</b>"), (r"\|gamma\|", "|\u2060gamma\u2060|"),
+            (r"(?:(?<![\d.])1|(\d))e(-?)0*(\d+)\b", lambda m: f"{m[1] + '·' if m[1] else ''}10<sup>{'−' if m[2] else ''}{m[3]}</sup>"),
             (r"\bsigma([12])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"),
             (r"\b([PV])0\b", r"\1<sub>0</sub>"), (r"\bdSigma\b", "Δσ"), (r"\bgamma\b", "γ"), (r"\bkappa\b", "κ"), (r"\bmu\b", "μ"),
             (r"\balpha\b", "α"), (r"\bomega\b", "ω"), (r"\bbeta\b", "β"))
 
 
 def symbols(text):
-    """Return plain text with the field's symbols for their names, and powers of ten as such."""
+    """Return plain text with the field's symbols for their names, powers of ten as such, and what stands between ** in bold letters."""
     html = str(escape(text))
     for pattern, symbol in _SYMBOLS:
         html = re.sub(pattern, symbol, html)

@@ -193,8 +193,8 @@ def test_a_report_of_nothing_is_a_mistake(tmp_path, capsys):
 
 
 def test_symbols_of_the_page():
-    assert report.symbols("|gamma| = 1.2e-05 at sigma2/P0 < 2 k_n") == (
-        "|γ| = 1.2·10<sup>−5</sup> at σ<sub>2</sub>/P<sub>0</sub> &lt; 2 k<sub>n</sub>")
+    assert report.symbols("**Rest.** |gamma| = 1.2e-05 and 1e-06 to 1.1e3 at sigma2/P0 < 2 k_n") == (
+        "<b>Rest.</b> |\u2060γ\u2060| = 1.2·10<sup>−5</sup> and 10<sup>−6</sup> to 1.1·10<sup>3</sup> at σ<sub>2</sub>/P<sub>0</sub> &lt; 2 k<sub>n</sub>")
 
 
 def ramp(folder, method, slope, name):
