@@ -85,11 +85,23 @@ class Sweep {
 	struct alignas(128) Part {
 		Range contacts; // of Blocks::contacts
 		Range groups, loose, bodies, sums;
+		Range runs, underHeavy; // of Packed
 		int32_t nobody; // an immobile body for the empty lanes, in memory lines that no other block uses
 		LaneSums ahead; // results of a sweep with momentum: of the groups,
 		AheadReport aheadLoose; // and of the loose contacts
 
 		Range lanes() const { return { groups.from * Group::lanes, groups.to * Group::lanes }; }
+	};
+	// Groups next to each other whose contacts all add to one sum for the error; sum -1: several sums within a group.
+	struct Run {
+		Range groups;
+		int32_t sum;
+		std::size_t contacts;
+	};
+	// A contact in a group, of a body that carries a far heavier one: its lane, its bodies, the sum for the error that it adds to.
+	struct UnderHeavy {
+		std::size_t lane;
+		int32_t a, b, sum;
 	};
 	// Of a contact: its packed bodies; the sum for the error that it adds to, which is that of its island in its block; whether it may be in a
 	// group.
@@ -120,7 +132,9 @@ class Sweep {
 		std::vector<std::pair<int32_t, int32_t>> carried; // packed bodies that touch; the second is ten times heavier
 		// For the error.
 		std::vector<PackedBody> moved; // w: magnitude of what acts on the body [m/s]
-		std::vector<GroupMiss> misses;
+		std::vector<Run> runs;
+		std::vector<UnderHeavy> underHeavy;
+		std::vector<GroupMiss> misses; // empty if all runs have one sum and no body carries a far heavier one
 		std::vector<ResidualSum> sums; // of the islands
 		std::vector<ResidualSum> partSums; // of the islands in each block
 		std::vector<int32_t> islandAt; // the island of each of these sums
@@ -152,9 +166,10 @@ class Sweep {
 	void moveBodies();
 	void twistBodies();
 	void numberSums();
+	void addToRuns(const Part&, std::size_t group);
 	void findAsked();
 	void missInBlock(const Part&);
-	void addApart(const Part&);
+	void addApart(const Range& groups);
 	static void push(const Loose&, double pn, double pt, PackedBody& A, PackedBody& B);
 	static void solveLoose(Loose&, PackedBody* bodies);
 	static void solveAhead(Loose&, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport&);

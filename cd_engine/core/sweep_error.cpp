@@ -34,11 +34,11 @@ void Sweep::moveBodies()
 	current = true;
 	std::vector<PackedBody>& moved = packed.moved;
 	moved.resize(packed.bodies.size());
-	inEveryBlock([&](const Part& block) {
+	colourByColour([&](const Part& block) { // no earlier block has met the bodies of this one
 		std::fill_n(&moved[block.bodies.from], block.bodies.size(), PackedBody {});
 		moved[block.nobody] = {};
+		groupKernel().press(packed.groups.data() + block.groups.from, block.groups.size(), moved.data());
 	});
-	colourByColour([&](const Part& block) { groupKernel().press(packed.groups.data() + block.groups.from, block.groups.size(), moved.data()); });
 	inEveryBlock([&](const Part& block) {
 		for (const std::size_t i : block.bodies) {
 			const PackedBody& free = packed.freeBodies[i];
@@ -83,7 +83,7 @@ void Sweep::twistBodies()
 	});
 }
 
-// Numbers the sums that make the error: one for every island in every block, in the order of the sweep.
+// Numbers the sums that make the error: one for every island in every block, in the order of the sweep. Finds the runs of groups with one sum.
 void Sweep::numberSums()
 {
 	packed.islandAt.clear();
@@ -109,6 +109,30 @@ void Sweep::numberSums()
 		part.sums.to = packed.islandAt.size();
 		block++;
 	}
+	packed.runs.clear();
+	for (Part& part : packed.parts) {
+		part.runs.from = packed.runs.size();
+		for (const std::size_t k : part.groups)
+			addToRuns(part, k);
+		part.runs.to = packed.runs.size();
+	}
+}
+
+// Adds the group k of a block to its last run, or begins another one.
+void Sweep::addToRuns(const Part& part, std::size_t k)
+{
+	const int32_t* const member = &packed.grouping.members[k * Group::lanes];
+	int32_t sum = packed.ends[member[0]].sum; // the first lane is never empty
+	std::size_t contacts = 0;
+	for (int lane = 0; lane < Group::lanes && member[lane] >= 0; lane++) {
+		contacts++;
+		if (packed.ends[member[lane]].sum != sum)
+			sum = -1;
+	}
+	if (packed.runs.size() == part.runs.from || packed.runs.back().sum != sum)
+		packed.runs.push_back({ { k, k }, sum, 0 });
+	packed.runs.back().groups.to++;
+	packed.runs.back().contacts += contacts;
 }
 
 Residual Sweep::error()
@@ -116,7 +140,8 @@ Residual Sweep::error()
 	moveBodies();
 	if (twisted)
 		twistBodies();
-	packed.misses.resize(packed.partition.islands.size() > 1 || !packed.carried.empty() ? packed.groups.size() : 0);
+	const bool apart = !packed.carried.empty() || std::any_of(packed.runs.begin(), packed.runs.end(), [](const Run& r) { return r.sum < 0; });
+	packed.misses.resize(apart ? packed.groups.size() : 0);
 	packed.partSums.resize(packed.islandAt.size());
 	if (!packed.carried.empty())
 		findAsked();
@@ -130,7 +155,8 @@ Residual Sweep::error()
 // For each body, the smallest s of the far heavier bodies that it carries.
 void Sweep::findAsked()
 {
-	packed.asked.assign(packed.moved.size(), std::numeric_limits<double>::infinity());
+	for (const auto& [light, heavy] : packed.carried)
+		packed.asked[light] = std::numeric_limits<double>::infinity();
 	for (const auto& [light, heavy] : packed.carried)
 		if (packed.moved[heavy].w > 0)
 			packed.asked[light] = std::min(packed.asked[light], packed.moved[heavy].w);
@@ -138,16 +164,23 @@ void Sweep::findAsked()
 
 void Sweep::missInBlock(const Part& block)
 {
-	const bool apart = block.sums.size() > 1 || !packed.carried.empty(); // else only the sums over the groups are needed
 	ResidualSum* const first = packed.partSums.data() + block.sums.from;
 	std::fill_n(first, block.sums.size(), ResidualSum {});
-	LaneMisses all = {};
-	GroupMiss* const each = apart ? packed.misses.data() + block.groups.from : nullptr;
-	groupKernel().miss(packed.groups.data() + block.groups.from, block.groups.size(), packed.moved.data(), all, each);
-	if (apart)
-		addApart(block);
-	else if (block.sums.size() > 0)
-		*first = sumOf(all, block.contacts.size() - block.loose.size());
+	for (const std::size_t i : block.runs) {
+		const Run& run = packed.runs[i];
+		LaneMisses all = {};
+		GroupMiss* const each = run.sum < 0 || block.underHeavy.size() > 0 ? packed.misses.data() + run.groups.from : nullptr;
+		groupKernel().miss(packed.groups.data() + run.groups.from, run.groups.size(), packed.moved.data(), all, each);
+		if (run.sum < 0)
+			addApart(run.groups);
+		else
+			packed.partSums[run.sum].add(sumOf(all, run.contacts));
+	}
+	for (const std::size_t i : block.underHeavy) {
+		const UnderHeavy& u = packed.underHeavy[i];
+		const double velocity = packed.misses[u.lane / Group::lanes].velocity[u.lane % Group::lanes];
+		packed.partSums[u.sum].addUnderHeavy(velocity, std::min(packed.asked[u.a], packed.asked[u.b]));
+	}
 	const auto moved = [&](int32_t body) {
 		const PackedBody& m = packed.moved[body];
 		return Moved { { m.vx, m.vy, m.spin }, m.w };
@@ -172,19 +205,16 @@ void Sweep::missInBlock(const Part& block)
 				packed.partSums[packed.sumOfBody[i]].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
 }
 
-// Adds what the contacts in the groups of a block miss, contact by contact.
-void Sweep::addApart(const Part& block)
+// Adds what the contacts in some groups miss, contact by contact.
+void Sweep::addApart(const Range& groups)
 {
-	for (const std::size_t k : block.lanes())
+	for (const std::size_t k : Range { groups.from * Group::lanes, groups.to * Group::lanes })
 		if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
 			const Group& g = packed.groups[k / Group::lanes];
 			const GroupMiss& miss = packed.misses[k / Group::lanes];
 			const int lane = k % Group::lanes;
 			const double square = g.pn[lane] * g.pn[lane] + g.pt[lane] * g.pt[lane];
-			ResidualSum& sum = packed.partSums[packed.ends[contact].sum];
-			sum.addContact(miss.difference[lane], miss.velocity[lane], square, miss.wnn[lane]);
-			if (!packed.carried.empty())
-				sum.addUnderHeavy(miss.velocity[lane], std::min(packed.asked[g.a[lane]], packed.asked[g.b[lane]]));
+			packed.partSums[packed.ends[contact].sum].addContact(miss.difference[lane], miss.velocity[lane], square, miss.wnn[lane]);
 		}
 }
 

@@ -129,7 +129,22 @@ void Sweep::numberBodies()
 void Sweep::findCarried()
 {
 	packed.carried.clear();
-	forEachCarried(system, [&](int32_t light, int32_t heavy) { packed.carried.emplace_back(packed.place[light], packed.place[heavy]); });
+	packed.underHeavy.clear();
+	packed.asked.assign(packed.bodies.size(), std::numeric_limits<double>::infinity());
+	forEachCarried(system, [&](int32_t light, int32_t heavy) {
+		packed.carried.emplace_back(packed.place[light], packed.place[heavy]);
+		packed.asked[packed.place[light]] = 0; // a mark; findAsked() computes the values
+	});
+	for (Part& block : packed.parts) {
+		block.underHeavy.from = packed.underHeavy.size();
+		for (const std::size_t k : packed.carried.empty() ? Range {} : block.lanes())
+			if (const int32_t contact = packed.grouping.members[k]; contact >= 0) {
+				const Ends& ends = packed.ends[contact];
+				if (std::min(packed.asked[ends.a], packed.asked[ends.b]) == 0)
+					packed.underHeavy.push_back({ k, ends.a, ends.b, ends.sum });
+			}
+		block.underHeavy.to = packed.underHeavy.size();
+	}
 }
 
 bool Sweep::fill()
