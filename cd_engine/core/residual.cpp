@@ -33,15 +33,16 @@ namespace {
 		for (const ContactRow& c : system.contacts) {
 			const double fx = c.pn * c.nx - c.pt * c.ny, fy = c.pn * c.ny + c.pt * c.nx;
 			const BodyVelocity &A = system.bodies[c.a], &B = system.bodies[c.b];
+			const bool passes = c.wnn > 0; // else nothing can move along the normal
 			Moved &a = moved[c.a], &b = moved[c.b];
 			a.v[0] -= A.w[0] * fx;
 			a.v[1] -= A.w[1] * fy;
 			a.v[2] -= A.w[2] * (c.pn * c.an + c.pt * c.at);
-			a.s += actionOn(A.w, c, c.an, c.at) + A.twisted * std::abs(c.at);
+			a.s += actionOn(A.w, c, c.an, c.at) + (passes ? A.twisted * std::abs(c.at) : 0);
 			b.v[0] += B.w[0] * fx;
 			b.v[1] += B.w[1] * fy;
 			b.v[2] += B.w[2] * (c.pn * c.bn + c.pt * c.bt);
-			b.s += actionOn(B.w, c, c.bn, c.bt) + B.twisted * std::abs(c.bt);
+			b.s += actionOn(B.w, c, c.bn, c.bt) + (passes ? B.twisted * std::abs(c.bt) : 0);
 		}
 	}
 

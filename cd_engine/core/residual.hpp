@@ -111,11 +111,13 @@ Miss missOf(const ContactRow&, double compliance, const Moved& a, const Moved& b
 // The velocity by which a contact's impulse acts on a body with the inverse masses w and the arms n, t [m/s].
 double actionOn(const double* w, const ContactRow&, double n, double t);
 
-// Calls f(light, heavy) for all touching bodies of which one is ten times heavier.
+// Calls f(light, heavy) for all touching bodies of which one is ten times heavier, if something passes through their contact.
 template <class F> void forEachCarried(const ContactSystem& system, const F& f)
 {
 	constexpr double heavier = 10; // mass ratio from which a body is no longer one among many similar ones
 	for (const ContactRow& c : system.contacts) {
+		if (!(c.wnn > 0))
+			continue;
 		const double *wa = system.bodies[c.a].w, *wb = system.bodies[c.b].w;
 		const double a = std::max(wa[0], wa[1]), b = std::max(wb[0], wb[1]);
 		if (b > 0 && a >= heavier * b)

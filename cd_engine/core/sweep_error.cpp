@@ -34,7 +34,7 @@ void Sweep::moveBodies()
 	current = true;
 	std::vector<PackedBody>& moved = packed.moved;
 	moved.resize(packed.bodies.size());
-	colourByColour([&](const Part& block) { // no earlier block has met the bodies of this one
+	colourByColour([&](const Part& block) { // block.bodies are those that no earlier block has met
 		std::fill_n(&moved[block.bodies.from], block.bodies.size(), PackedBody {});
 		moved[block.nobody] = {};
 		groupKernel().press(packed.groups.data() + block.groups.from, block.groups.size(), moved.data());

@@ -58,6 +58,47 @@ ContactSystem heap(unsigned seed, int contacts, double mu, bool general)
 	return s;
 }
 
+// Two systems that do not touch, their contacts in turn.
+ContactSystem interleaved(const ContactSystem& one, const ContactSystem& other)
+{
+	ContactSystem s;
+	s.bodies = one.bodies;
+	s.bodies.insert(s.bodies.end(), other.bodies.begin(), other.bodies.end());
+	for (std::size_t i = 0; i < one.contacts.size(); i++) {
+		s.contacts.push_back(one.contacts[i]);
+		ContactRow c = other.contacts[i];
+		c.a += static_cast<int32_t>(one.bodies.size());
+		c.b += static_cast<int32_t>(one.bodies.size());
+		s.contacts.push_back(c);
+	}
+	return s;
+}
+
+// Two pairs of slides, free along x only, that lie on each other, so that nothing passes through their contact. In one pair the light slide is
+// pressed on the floor's side, in the other the heavy one; the other slide has no other contact.
+void addSlides(ContactSystem& s, double heavy)
+{
+	for (const int pressed : { 0, 1 }) {
+		const auto light = static_cast<int32_t>(s.bodies.size());
+		s.bodies.resize(s.bodies.size() + 2);
+		s.bodies[light].w[0] = 1;
+		s.bodies[light + 1].w[0] = 1 / heavy;
+		ContactRow c;
+		c.a = light;
+		c.b = light + 1;
+		c.ny = 1;
+		s.contacts.push_back(c);
+		c.a = 0;
+		c.b = light + pressed;
+		c.nx = 1;
+		c.ny = 0;
+		s.contacts.push_back(c);
+		s.bodies[light + pressed].v[0] = -0.1;
+		s.bodies[light + pressed].pushed = 0.1;
+		s.bodies[light + pressed].twisted = 0.1;
+	}
+}
+
 bool sameBits(const ContactSystem& a, const ContactSystem& b)
 {
 	for (std::size_t i = 0; i < a.contacts.size(); i++)
@@ -315,21 +356,13 @@ TEST_CASE("no contact is lost, the contacts of a group share no movable body, no
 TEST_CASE("the error of packed contacts is the independent one, on every processor")
 {
 	const GroupKernel& usual = groupKernel();
-	for (const int contacts : { 1, 9, 300 })
+	for (const int contacts : { 1, 9, 300, 5000 }) // twice the last is more than a block
 		for (const bool general : { false, true })
 			for (const bool islands : { false, true })
 				for (const double heavy : { 1., 1e3 }) {
 					ContactSystem s = heap(5, contacts, 0.4, general);
-					if (islands) { // the same heap once more, beside it
-						const auto bodies = static_cast<int32_t>(s.bodies.size());
-						const ContactSystem other = heap(6, contacts, 0.1, general);
-						s.bodies.insert(s.bodies.end(), other.bodies.begin(), other.bodies.end());
-						for (ContactRow c : other.contacts) {
-							c.a += bodies;
-							c.b += bodies;
-							s.contacts.push_back(c);
-						}
-					}
+					if (islands)
+						s = interleaved(s, heap(6, contacts, 0.1, general));
 					for (std::size_t i = 0; i < s.bodies.size(); i++) {
 						s.bodies[i].pushed = 0.01;
 						s.bodies[i].twisted = i % 3 == 0 ? 0.02 : 0;
@@ -337,6 +370,8 @@ TEST_CASE("the error of packed contacts is the independent one, on every process
 							for (double& w : s.bodies[i].w)
 								w /= heavy;
 					}
+					if (islands)
+						addSlides(s, heavy);
 					s.assembleBlocks();
 					std::vector<double> free;
 					for (const BodyVelocity& b : s.bodies)
