@@ -94,9 +94,9 @@ it by factors of 0.37 and less to 3.86 and more. A factor of 1.5 in the median w
 these medians are 0.98 to 1.00, and the numbers of single packings change by 0.81 to 1.28.
 
 The number of cycles depends on the period. With 2 s instead of 0.5 s all packings collapse within two cycles, rigid contacts after 1.05 times as many
-cycles as springs (median of 12 pairs). What counts under 0.4 is the time above the static limit: springs collapse after 0.60 s of it in cycles of 0.5
-s and after 0.54 s in cycles of 2 s, rigid contacts after 0.80 and 0.58 s (medians of 6 packings). Under 0.3 a packing comes to rest between short
-loads: springs need 1.75 s above the limit in cycles of 0.5 s and 0.69 s in cycles of 2 s, rigid contacts 5.17 and 0.84 s.
+cycles as springs (median of 12 pairs). Part of this is that a longer cycle spends more time above the static limit. Counted in that time, springs
+collapse under 0.4 after 0.60 s in cycles of 0.5 s and after 0.54 s in cycles of 2 s, rigid contacts after 0.80 and 0.58 s (medians of 6 packings).
+Under 0.3 short loads need more of it than long ones: springs 1.75 and 0.69 s, rigid contacts 5.17 and 0.84 s.
 """
 GIVEN = ("0.3", "0.4", "80", "1e-6", "0.5", "1.5", "5")
 POINTS = (
@@ -141,7 +141,9 @@ def numbers(table):
     chances = sorted(_sign_test(own, len(together)) for own in (longer(together), len(together) - (together.most < 1).sum()))
     lives = publish.finished(table).pivot(index=["dSigma", "seed"], columns="case", values="collapses after")
     above = publish.finished(table).pivot(index=["dSigma", "seed"], columns="case", values="seconds above the limit").dropna()
+    stands = above.where(lives.reindex(above.index).isna())[["springs", "rigid"]]  # packings that still stand need more time than this
     seeds, above = above.index.get_level_values("seed").nunique(), above.groupby("dSigma").median()
+    assert (stands.groupby("dSigma").min().fillna(np.inf) > above[["springs", "rigid"]]).all(axis=None)
     assert lives["springs"].notna().all() and (lives[["springs, 2 s", "rigid, 2 s"]].dropna() < 2).all(axis=None) and (soft.least > 1).all()
     median = lambda quotients, *load: _one(*medians(quotients.loc[load[0]] if load else quotients))
     stiff, single = STIFF["stiffening"], {load: pandas.concat([change.loc[load] for change in others]) for load in LOADS}
@@ -149,7 +151,7 @@ def numbers(table):
     return summary.in_order(
         "10 2.44 1.67 3 1.38 1.10 1.75 1.23 1.30 10 1.04 0.95 1.34 1.71 1.09 1.10 10 20 10 14 20 4 8 10 1 1 0.02 0.11 10 1.47 1.05 0.83 0.91 0.89 "
         "6 12 12 1.30 2 0.94 12 12 0.99 0.93 0.84 1.03 1.08 0.91 0.92 0.98 0.88 1.08 10 0.37 3.86 0.98 1.00 0.81 1.28 "
-        "2 1.05 12 0.60 0.54 2 0.80 0.58 6 1.75 0.69 2 5.17 0.84",
+        "2 1.05 12 0.60 0.54 2 0.80 0.58 6 1.75 0.69 5.17 0.84",
         [len(soft.loc[0.3]), median(soft, 0.3), soft.loc[0.3].least.min(), np.isinf(soft.loc[0.3].most).sum(), median(soft, 0.4),
          soft.loc[0.4].least.min(), soft.loc[0.4].most.max(), *medians(hard.loc[0.3]), stiff, median(hard, 0.4), hard.loc[0.4].least.min(),
          hard.loc[0.4].most.max(), median(soft), *medians(hard), stiff, len(soft), stiff, longer(hard), len(hard), (hard.most < 1).sum(),
@@ -160,7 +162,7 @@ def numbers(table):
          *(median(change, 0.3) for change in others[2:]), stiff, single[0.3].most.min(), single[0.3].least.max(), min(upper), max(upper),
          single[0.4].least.min(), single[0.4].most.max(), SLOW["period"], median(slow), len(slow),
          above["springs"][0.4], above["springs, 2 s"][0.4], SLOW["period"], above["rigid"][0.4], above["rigid, 2 s"][0.4], seeds,
-         above["springs"][0.3], above["springs, 2 s"][0.3], SLOW["period"], above["rigid"][0.3], above["rigid, 2 s"][0.3]])
+         above["springs"][0.3], above["springs, 2 s"][0.3], above["rigid"][0.3], above["rigid, 2 s"][0.3]])
 
 
 def _sign_test(longer, count):

@@ -1,6 +1,7 @@
 // The packed sweep: what may be in a group, and that neither the processor nor the packing shows in the result.
 #include "allocations.hpp"
 #include "grouping.hpp"
+#include "heap.hpp"
 #include "residual.hpp"
 #include "solver.hpp"
 #include "sweep.hpp"
@@ -15,89 +16,9 @@
 #include <set>
 
 using namespace cd;
+using tests::heap;
 
 namespace {
-
-// Disks of spread masses on a floor, each in contact with some before it; a loaded wall with one freedom, and where `general` bodies
-// whose contacts couple the two directions. Body 0 is immobile, body 1 the wall.
-ContactSystem heap(unsigned seed, int contacts, double mu, bool general)
-{
-	std::mt19937 random(seed);
-	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem s;
-	const int bodies = 3 + contacts / 2;
-	s.bodies.resize(bodies);
-	s.bodies[1].w[0] = 0.3;
-	s.bodies[1].v[0] = 0.2;
-	std::vector<double> radius(bodies);
-	for (int i = 2; i < bodies; i++) {
-		BodyVelocity& b = s.bodies[i];
-		radius[i] = 0.3 + unit(random);
-		const double mass = 3 * radius[i] * radius[i];
-		b.w[0] = b.w[1] = 1 / mass;
-		b.w[2] = 2 / (mass * radius[i] * radius[i]);
-		b.v[0] = unit(random) - 0.5;
-		b.v[1] = -unit(random);
-	}
-	for (int k = 0; k < contacts; k++) {
-		ContactRow c;
-		c.b = 2 + k % (bodies - 2);
-		c.a = std::max(0, c.b - 1 - static_cast<int>(6 * unit(random)));
-		const double angle = c.a == 1 ? 0 : 1.57 + 2 * (unit(random) - 0.5);
-		c.nx = c.a == 1 ? 1 : std::cos(angle);
-		c.ny = c.a == 1 ? 0 : std::sin(angle);
-		c.at = radius[c.a];
-		c.bt = -radius[c.b];
-		if (general && k % 5 == 0)
-			c.bn = 0.3 * unit(random);
-		c.mu = mu;
-		c.bias = 0.1 * unit(random);
-		s.contacts.push_back(c);
-	}
-	s.assembleBlocks();
-	return s;
-}
-
-// Two systems that do not touch, their contacts in turn.
-ContactSystem interleaved(const ContactSystem& one, const ContactSystem& other)
-{
-	ContactSystem s;
-	s.bodies = one.bodies;
-	s.bodies.insert(s.bodies.end(), other.bodies.begin(), other.bodies.end());
-	for (std::size_t i = 0; i < one.contacts.size(); i++) {
-		s.contacts.push_back(one.contacts[i]);
-		ContactRow c = other.contacts[i];
-		c.a += static_cast<int32_t>(one.bodies.size());
-		c.b += static_cast<int32_t>(one.bodies.size());
-		s.contacts.push_back(c);
-	}
-	return s;
-}
-
-// Two pairs of slides, free along x only, that lie on each other, so that nothing passes through their contact. In one pair the light slide is
-// pressed on the floor's side, in the other the heavy one; the other slide has no other contact.
-void addSlides(ContactSystem& s, double heavy)
-{
-	for (const int pressed : { 0, 1 }) {
-		const auto light = static_cast<int32_t>(s.bodies.size());
-		s.bodies.resize(s.bodies.size() + 2);
-		s.bodies[light].w[0] = 1;
-		s.bodies[light + 1].w[0] = 1 / heavy;
-		ContactRow c;
-		c.a = light;
-		c.b = light + 1;
-		c.ny = 1;
-		s.contacts.push_back(c);
-		c.a = 0;
-		c.b = light + pressed;
-		c.nx = 1;
-		c.ny = 0;
-		s.contacts.push_back(c);
-		s.bodies[light + pressed].v[0] = -0.1;
-		s.bodies[light + pressed].pushed = 0.1;
-		s.bodies[light + pressed].twisted = 0.1;
-	}
-}
 
 bool sameBits(const ContactSystem& a, const ContactSystem& b)
 {
@@ -351,55 +272,4 @@ TEST_CASE("no contact is lost, the contacts of a group share no movable body, no
 		CHECK(*seen.rbegin() == contacts - 1);
 		CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
 	}
-}
-
-TEST_CASE("the error of packed contacts is the independent one, on every processor")
-{
-	const GroupKernel& usual = groupKernel();
-	for (const int contacts : { 1, 9, 300, 5000 }) // twice the last is more than a block
-		for (const bool general : { false, true })
-			for (const bool islands : { false, true })
-				for (const double heavy : { 1., 1e3 }) {
-					ContactSystem s = heap(5, contacts, 0.4, general);
-					if (islands)
-						s = interleaved(s, heap(6, contacts, 0.1, general));
-					for (std::size_t i = 0; i < s.bodies.size(); i++) {
-						s.bodies[i].pushed = 0.01;
-						s.bodies[i].twisted = i % 3 == 0 ? 0.02 : 0;
-						if (i % 5 == 4)
-							for (double& w : s.bodies[i].w)
-								w /= heavy;
-					}
-					if (islands)
-						addSlides(s, heavy);
-					s.assembleBlocks();
-					std::vector<double> free;
-					for (const BodyVelocity& b : s.bodies)
-						free.insert(free.end(), b.v, b.v + 3);
-					for (const GroupKernel& kernel : groupKernels()) {
-						CAPTURE(kernel.name);
-						CAPTURE(contacts);
-						CAPTURE(general);
-						CAPTURE(islands);
-						CAPTURE(heavy);
-						useGroupKernel(kernel);
-						ContactSystem swept = s;
-						Sweep sweep(swept, 0);
-						for (int i = 0; i < 3; i++)
-							sweep();
-						const Residual packed = sweep.error();
-						sweep.store();
-						const Residual apart = residual(swept, free);
-						// Sums in another order.
-						const auto same = [](double x) { return doctest::Approx(x).epsilon(1e-11); };
-						CHECK(packed.norm == same(apart.norm));
-						CHECK(packed.energy == same(apart.energy));
-						CHECK(packed.maximum == same(apart.maximum));
-						CHECK(packed.difference == same(apart.difference));
-						CHECK(packed.impulse == same(apart.impulse));
-						CHECK(packed.bodies == same(apart.bodies));
-						CHECK(packed.body == apart.body);
-					}
-				}
-	useGroupKernel(usual);
 }
