@@ -186,5 +186,5 @@ def sweeps_against_size(rows, origin):
                for target, (colour, marker) in TARGET_LOOK.items()]
     entries += [dict(color="#777777", label=ours), dict(color="#777777", ls="--", marker="o", mfc="none", label="plain Gauss-Seidel")]
     style.legend(axes[0, -1], entries, fontsize=7)
-    fig.suptitle("Sweeps against size, cold start; points that are missing were not reached from every seed", fontsize=10)
+    fig.suptitle("Sweeps against size, cold start; a point is missing where a seed did not reach the error", fontsize=10)
     return fig

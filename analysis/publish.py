@@ -140,5 +140,5 @@ def publish_all(names, folder, results, full):
             raise
         except Exception as error:  # a fault in one study must not cost the others their figures
             traceback.print_exc()
-            left[name] = f"{name}: its figure and table could not be made ({type(error).__name__}: {error}); mend {studies.module(name).__file__}"
+            left[name] = f"{name}: its figure and table could not be made ({type(error).__name__}: {error}); correct {studies.module(name).__file__}"
     return left

@@ -10,8 +10,8 @@ from yade_scripts import parameters
 def between(first, second, tangential_stiffness):
     """Return {ids: slip [m]} between two snapshots, of the contacts between disks that are loaded in both and have friction.
 
-    The sign is along the normal turned by +90 degrees. The slip is the relative displacement of the surfaces minus the stretch of the spring, which
-    is 0 for rigid contacts (infinite tangential_stiffness, [N/m]). First order in the motion between the snapshots.
+    The sign is along the normal turned by +90 degrees. The slip is the relative displacement of the surfaces minus the change of the spring's
+    stretch, which is 0 for rigid contacts (infinite tangential_stiffness, [N/m]). First order in the motion between the snapshots.
     """
     disk = {body: k for k, body in enumerate(first["body_ids"].tolist())}
     places = [{tuple(ids): k for k, ids in enumerate(snapshot["contact_ids"].tolist()) if snapshot["force_normal"][k] > 0}

@@ -36,9 +36,9 @@ def text(engine):
     lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}); "
                  f"error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
     if engine.unsolvableContact:
-        lines.append(f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} apart")
+        lines.append(f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} from overlapping")
     elif engine.worstBody >= 0 and not engine.converged:
-        lines.append(f"  the velocity of body #{engine.worstBody} may be the most wrong")
+        lines.append(f"  body #{engine.worstBody} may have the largest error of its velocity")
     lines += [
         f"  {engine.contacts} contacts, {engine.loadedContacts} loaded, {engine.slidingContacts} sliding; "
         f"{engine.islands} islands, {engine.sleeping} asleep; overlap at most {engine.maxPenetration:.2g} m",

@@ -78,7 +78,7 @@ def search(row, accuracy, run):
     last, error = found[-1]
     why = _untold(last) or f"its error is about {error:.2g}"
     raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: "
-                        f"{why}; ask for less, or for a quantity that is less sensitive to details of the motion")
+                        f"{why}; ask for a larger error, or measure a quantity that is less sensitive to details of the motion")
 
 
 def _untold(level):
@@ -92,7 +92,7 @@ def check(row, accuracy):
     """Raise ParameterError if this accuracy cannot be asked for in this row."""
     full = parameters.complete(row)
     if full["method"] != "CD" or full["fixed_iterations"]:
-        raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; the error of springs is in their stiffness, which a "
+        raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; springs have an error due to their stiffness, which a "
                                         "smaller step does not show")
     if not (isinstance(accuracy, float) and LOW <= accuracy < 1):
         raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error")

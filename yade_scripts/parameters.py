@@ -126,7 +126,8 @@ REGISTRY = {p.name: p for p in (
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
     Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", above=0, high=1, method="CD"),
-    Parameter("max_iterations", 20000, "1", "sweeps after which a CD step counts as not converged", low=1, high=2**31 - 1, method="CD"),
+    Parameter("max_iterations", 20000, "1", "sweeps and factorizations after which a CD step counts as not converged",
+              low=1, high=2**31 - 1, method="CD"),
     Parameter("fixed_iterations", 0, "1", "if positive: exactly so many plain sweeps a step without any test, whatever method_cd says (CD that is "
               "left unconverged)", low=0, high=2**31 - 1, method="CD"),
     Parameter("warm_start", True, "1", "start each CD step from the contact forces of the step before", method="CD"),
@@ -139,9 +140,9 @@ REGISTRY = {p.name: p for p in (
               low=0, high=1, method="CD"),
     Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon "
               "as they are unloaded; False: from geometric contact, so that they open where the springs would", method="CD"),
-    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network, which is found by perturbing the contact forces at "
-              "random", low=0, high=2**31 - 1, method="CD"),
-    Parameter("network_perturbation", 1.0, "1", "size of that perturbation: uniform within this times the mean normal force",
+    Parameter("network_seed", 0, "1", "if positive: start from another admissible force network; this seed draws the random perturbation of the "
+              "contact forces that leads to it", low=0, high=2**31 - 1, method="CD"),
+    Parameter("network_perturbation", 1.0, "1", "amplitude of network_seed's perturbation (uniform), over the mean normal force",
               above=0, high=1e3, method="CD"),
     # Small scenes.
     Parameter("gravity", 0.0, "m/s^2", "gravitational acceleration, along -y", low=0, high=1e6),

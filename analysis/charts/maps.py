@@ -21,9 +21,9 @@ Springs become unstable where theory says: for one contact at omega dt < 2 (sqrt
 
 Rigid contacts without restitution have no largest step. With it, disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g)
 on, and the engine warns. A heavy disk on a light one is not solved beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8 and of 7.6e5 at
-1e-6, and the engine says so. It does not warn where the error that the tolerance allows is as large as the quantity of interest: nearer to the angle
-of friction than 0.18 tolerances, and for a packing under a small load, which strains wrongly from a tolerance of 6.7e-5 on with a step of 1 ms and
-from 9.6e-7 on with 10 ms. The table lists every boundary that was searched.
+1e-6, and the engine says so. It does not warn where the error that the tolerance allows is as large as the quantity of interest. One case is a slope
+whose distance from the angle of friction is less than 0.18 tolerances. The other is a packing under a small load: with steps of 1 ms its strain is
+wrong from a tolerance of 6.7e-5 on, with steps of 10 ms from 9.6e-7 on. The table lists every boundary that was searched.
 """
 GIVEN = ("1", "2", "4", "10", "1e-6", "1e-8")
 

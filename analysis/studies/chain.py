@@ -8,8 +8,8 @@ from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
 TITLE = "A row of 50 rigid disks under too few sweeps"
-QUESTION = ("With N_I Gauss-Seidel sweeps a step Contact Dynamics behaves as an elastic medium of stiffness kappa = q m N_I/dt^2, dashpots "
-            "q m N_I/dt beside the springs (Unger, Brendel, Wolf and Kertesz 2002). Does this engine show the period and the decay that follow?")
+QUESTION = ("With N_I Gauss-Seidel sweeps a step Contact Dynamics behaves as an elastic medium of stiffness kappa = q m N_I/dt^2 with "
+            "dashpots q m N_I/dt parallel to the springs (Unger, Brendel, Wolf and Kertesz 2002). Does this engine show that period and decay?")
 ORDER = 6  # in the report
 ELASTIC = (dict(warm_start=True, gap_correction=0.0), dict(warm_start=False, gap_correction=1.0))
 OTHERS = (dict(warm_start=False, gap_correction=0.0), dict(warm_start=True, gap_correction=1.0))
@@ -90,8 +90,9 @@ def _draw_theory(axes, table):
 ANSWER = """
 Yes. With 40 sweeps a step the period is 35.7 steps if each step starts from the forces of the step before (theory: 35.4), and 35.5 if it corrects
 overlaps instead; the decay time is 70 steps and 64 (theory: 64). From 5 to 160 sweeps the period agrees with theory within 1.7 %, with nothing
-fitted. The row is elastic only if it has exactly one of these two memories. With neither it creeps, to 156 times its final displacement in theory;
-with both it overshoots, to 20 times. If every step is solved to the tolerance, the row moves by 1.6e-8 of that displacement: it is rigid.
+fitted. The row is elastic only with exactly one of the two, warm start or overlap correction. With neither it creeps, to 156 times the displacement
+at rest that theory gives; with both it overshoots, to 20 times.
+If every step is solved to the tolerance, the row moves by 1.6e-8 of that displacement: it is rigid.
 """
 GIVEN = ("40", "5", "160")
 

@@ -24,8 +24,8 @@ ROWS = {"quick": product(method="CD", seed=1, network_seed=(0, 1, 2), **SMALL) +
         + product(method="CD", preparation_friction=0.1, seed=(1, 2, 3), network_seed=(0, 1), **FULL)
         + product(method="MD", seed=range(1, 7), **FULL) + product(method="MD", preparation_friction=0.1, seed=(1, 2, 3), **FULL)}
 
-# |gamma| that counts as motion. CRITICAL is far above the solver's creep below the limit, and below what the contacts that close in
-# a yielding packing can do for it.
+# |gamma| that counts as motion. CRITICAL is far above the creep by solver error below the limit, and below the strain at which contacts
+# that close strengthen a yielding packing.
 THRESHOLDS = (1e-5, 1e-4, 1e-3, 1e-2)
 CRITICAL = 1e-4
 NEARLY = 0.95  # share of the limit load at which creep, and elastic strain, are read
@@ -104,7 +104,7 @@ def draw(runs, rows, path):
     ends = [table["limit load"].min(), table["limit load"].max()]
     axes[1].plot(ends, ends, color="0.4", ls=":", label="equal")
     axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes")
-    words = "CD networks from the springs' own"
+    words = "CD: difference from the springs' network"
     for run in (run for run in mine if run.parameters["network_seed"] > 0 and "CD" in own):
         axes[2].plot(*zip(*_apart(run, own["CD"])), color=style.COLOUR["CD"], lw=0.8, label=words)
         words = None
@@ -122,7 +122,7 @@ def draw(runs, rows, path):
 ANSWER = """
 The load at which a rigid packing yields depends on its contacts and on friction, and hardly on the force network that it starts from. From 11 force networks
 of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 more packings were loaded from 2 networks each. The networks approach
-each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), and before the packing yields by 5 %. 6
+each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), just before yield by only 5 % of it. 6
 packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the static limit, which comes from a
 linear programme over the contacts that touch at the start. If |gamma| = 1e-5 counts as yield, it is 0.986 to 0.999 times the limit; if |gamma| = 1e-3
 does, 1.010 to 1.080 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the limit the normal forces
@@ -137,8 +137,8 @@ POINTS = (
      "isostatic)."),
     (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
      "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most "
-     "moves by 5.0e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % before the "
-     "packing yields."),
+     "moves by 5.0e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % just "
+     "before yield."),
 )
 
 

@@ -7,8 +7,8 @@ from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "Fig. 3: strain per cycle under repeated loading"
-QUESTION = ("Which loads shake down, which ratchet at a constant rate and which collapse, in MD as the paper reports and in CD, of which the paper "
-            "reports no cycles; and do the sliding contacts vanish, return in every cycle or grow with it?")
+QUESTION = ("Under which loads does a packing shake down, ratchet at a constant rate or collapse, in MD, as in the paper, and in CD, for which the "
+            "paper reports no cycles? Do the sliding contacts vanish, return in every cycle or become more from cycle to cycle?")
 ORDER = 2  # in the report
 # At dSigma = 0.4 a period of 0.5 s makes MD strain 1.1 to 1.8 times as far as one of 2 s in ten cycles; a step of 0.3 sqrt(m/k_n) moves
 # it by less than 1 % (study influence). Dense packings are prepared without friction, loose ones with the paper's own mu = 0.1
@@ -120,8 +120,8 @@ def _draw_stands(table, runs, path):
     starts.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over the static limit", ylabel=r"strain $|\Delta\gamma|$ of the first cycle")
     ends.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$", ylabel="cycles")
     starts.legend(fontsize=6.5)
-    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until a packing collapses (both methods side by side, drawn 1 % off their loads); open: no "
-                 "collapse in so many. Large: dense packings.", runs)
+    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until a packing collapses, each method drawn 1 % beside its "
+                 "load. Open symbols: no collapse within so many cycles. Large symbols: dense packings.", runs)
 
 
 def _draw_each_cycle(runs, look, path):
@@ -150,28 +150,32 @@ def _draw_each_cycle(runs, look, path):
 
 
 ANSWER = """
-Motion begins near the static limit of a packing. Below 0.99 of it rigid grains rest in 36 of 36 runs, with 1.6e-8 at most in the first cycle. Between
+Motion begins near the static limit of a packing. Below 0.99 of it rigid grains rest in 36 of 36 runs (1.6e-8 at most in the first cycle). Between
 0.99 and the limit 3 of 3 move, by 3.0e-4 to 5.3e-3 in 20 cycles. Above it all 101 move, by 3.7e-4 at least in the first cycle. Springs strain under
 every load, without a step at the limit: below it by 1.5e-5 to 6.6e-3 in the first cycle, above it by 5.1e-3 at least (figure of the loads, left). At
-equal stress ratio it does not matter which stress is held. The paper gives sigma2 only: with sigma1 = P0 its dSigma means sigma2/sigma1 = 1 + dSigma,
+equal stress ratio the strain hardly depends on which stress is held.
+The paper gives sigma2 only: with sigma1 = P0 its dSigma means sigma2/sigma1 = 1 + dSigma,
 with the mean stress held (1 + dSigma)/(1 - dSigma). Where both make 1.5 (dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles differs by 1 to
 12 %, on each of 5 packings.
 
-Collapse is decided by the stress ratio itself, since a packing that moves makes new contacts. With ratios up to 1.5 all 140 runs stand 40 cycles,
+The stress ratio itself decides on collapse, not its ratio to the static limit, since a packing that moves makes new contacts.
+With ratios up to 1.5 all 140 runs stand 40 cycles,
 dense or loose, springs or rigid grains. With 1.6 and 1.7 springs collapse in 6 and rigid grains in 5 of 20 cases, from 1.8 on in 49 and 44 of 50. The
-limit of the start does not order them: between 1.1 and 1.3 of it springs collapse on 10 of 14 dense packings and on 1 of 18 loose ones. So only with
+static limit at the start does not predict collapse: between 1.1 and 1.3 times this limit springs collapse
+on 10 of 14 dense packings and on 1 of 18 loose ones. So only with
 the mean stress held do the paper's loads reach collapse: no dense packing of MD strains by more than 2.6e-4 at 0.1; at 0.2 all 5 stand and strain by
 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles (medians of 5). With sigma1 held, none of 25 runs collapses at
 0.1 to 0.5. The path matters here: at a ratio of 1.86 with the mean stress held MD stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1
 held, more on 4 of 5 packings.
 
 Above the limit both methods collapse in 49 of 101 pairs, neither in 46 and only springs in 6. Where MD collapses within 20 cycles, CD stands 1.49
-times as many (median of 52 pairs from 10 packings; longer in 47, shorter in 1, to the end of its cycles in 4). Most of these packings fall at once:
-where MD stands more than 3 cycles CD stands 2.52 times as many (17 pairs), else 1.43 times. How many cycles that are belongs to the period of 0.5 s:
-see the study of collapse.
+times as many cycles (median of 52 pairs from 10 packings; longer in 47, shorter in 1, to the end of the run in 4). Most of these packings collapse
+soon: where MD stands more than 3 cycles CD stands 2.52 times as many (17 pairs), else 1.43 times. These numbers hold for a period of 0.5 s only: see
+the study of collapse.
 
-Below the limit CD has strained by 2.7e-8 after 20 cycles and MD by 6.8e-4 (medians of 39 pairs). MD's rate falls more often than not: of 39 runs 17
-have fallen below 1e-6 a cycle; in the 22 others the rate of the last quarter of the cycles is 0.74 times that of the quarter before (median;
+Below the limit CD has strained by 2.7e-8 after 20 cycles and MD by 6.8e-4 (medians of 39 pairs). MD's rate falls in most runs: in 17 of 39 runs it is
+below 1e-6 a cycle in the second half of the cycles; in the 22 others
+the rate of the last quarter of the cycles is 0.74 times that of the quarter before (median;
 quartiles 0.61 and 0.99; 1 would be a constant rate; 16 fall). 40 or 80 cycles do not show whether it reaches zero. Cycles of 0.5 s are short for
 springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting).
 """
@@ -181,8 +185,8 @@ POINTS = (
      "strain.",
      "section 3, Fig. 3", "agrees", "At dSigma = 0.1, the mean stress held, MD's rate falls to 4.8e-8 a cycle and less on 5 of 5 dense packings."),
     (1, "This is related to the disappearance of sliding contacts in the sample.", "section 3, Fig. 3", "agrees in part",
-     "In these runs up to 20 % of the contacts are at the Coulomb limit at one time of the first cycle, up to 10 % of the last one, and there at "
-     "least 0.6 % (medians of 5). How many of them slip was not measured."),
+     "In these runs at most 20 % of the contacts are at the Coulomb limit at the same time in the first cycle; in the last cycle it is 10 % at most "
+     "and 0.6 % at least (medians of 5). How many of them slip was not measured."),
     (2, "the strain rate does not apparently diminish, leading to a fast failure of the material. This incremental collapse can be seen in cases "
      "dSigma = 0.40 and dSigma = 0.50 of the figure.", "section 3, Fig. 3", "agrees in part",
      "With the mean stress held 10 of 10 dense MD samples collapse at these loads, after 0.90 to 2.65 cycles. But so do 5 of 5 at 0.3, which the paper "
@@ -190,12 +194,12 @@ POINTS = (
      "a smaller stress ratio, none collapses within 40 cycles. Neither reading makes just the paper's loads collapse."),
     (3, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small rate. "
      "This behavior is associated to a quasi-periodic response of the sliding contacts [...].", "section 3, Fig. 3", "agrees in part",
-     "Rates between settling and collapse fall slowly rather than stay: with sigma1 held and dSigma = 0.4 the rate of the second half of the cycles "
-     "is 5.2e-5 a cycle (median of 5) in cycles of 0.5 s, about three times that of slow cycles (study of ratcheting). Over the last quarter it is 0.71 "
-     "times that of the quarter before (0.12 to 0.78)."),
+     "Between shakedown and collapse the rates are not constant but fall slowly: with sigma1 held and dSigma = 0.4 the rate of the second half of "
+     "the cycles is 5.2e-5 a cycle (median of 5) in cycles of 0.5 s, about three times that of slow cycles (study of ratcheting). Over the last "
+     "quarter it is 0.71 times that of the quarter before (0.12 to 0.78)."),
     (12, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
-     "The sign agrees, \"much\" does not. In cycles of 0.5 s CD stands 1.49 times as many (median of 52 pairs from 10 packings); in 1 of them it "
-     "collapses earlier. In slow cycles both fall in the first or second one (study of collapse)."),
+     "The sign agrees, \"much\" does not. In cycles of 0.5 s CD stands 1.49 times as many cycles as MD (median of 52 pairs from 10 packings); in 1 "
+     "pair it collapses earlier. In slow cycles both collapse in the first or second cycle (study of collapse)."),
     (13, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
      "agrees", "Below the static limit MD strains and CD rests; above it both give way, CD more slowly."),
 )

@@ -9,7 +9,7 @@ TITLE = "Fig. 4: one cycle of loading and unloading"
 QUESTION = ("From the same packing, how far do the loops of stress against strain of springs (MD) and rigid contacts (CD) differ, "
             "how much do they dissipate and what strain do they keep - and is that so for every packing?")
 ORDER = 1  # in the report
-# Period 4 s: the kinks of the triangle move MD's remanent strain by 1 % against slower loading, by 4 % at 1 s.
+# The kinks of the triangle change MD's remanent strain by 1 % with this period of 4 s, compared with slower loading, and by 4 % with 1 s.
 # The servo's goals are updated in every step, so that the work of its walls is summed as finely as what friction and dashpots dissipate.
 LOADING = dict(loading="triangle", delta_sigma=0.2, period=4.0, md_load_every=1)
 # With the mean stress held most packings yield. Strains are then of the order of 1e-3, and at 1e-7 every step can be solved.
@@ -60,7 +60,7 @@ def _draw_loops(runs, path, words):
     axes[0, 0].legend(loc="upper right", bbox_to_anchor=(0.92, 1))
     held = ", a line each: solid loading, dashed unloading. Left sigma1 is held, right the mean stress." if len(paths) > 1 else (
         ", sigma1 held: solid loading, dashed unloading.")
-    style.finish(fig, path, f"One load by 0.2 P0 and back from the same {words} packings{held}", runs)
+    style.finish(fig, path, f"sigma2 rises by 0.2 P0 and falls back; same {words} packings{held}", runs)
 
 
 def _loops(axis, runs):
@@ -79,25 +79,27 @@ def _loops(axis, runs):
 ANSWER = """
 With sigma1 held, springs strain on each of 10 dense packings (compacted without friction) and rigid contacts rest. The largest |gamma| is 4.3e-4
 (median; 3.2e-4 to 5.0e-4) in MD and 3.8e-8 (1.5e-8 to 4.5e-8) in CD. After the unloading MD keeps |gamma| = 1.2e-4 and has dissipated 9.9e-6 P0 V0;
-CD keeps 2.7e-8 and has dissipated 7.8e-8 P0 V0. This is the order that the paper reports. What CD shows is the error of its solver at a tolerance of
-1e-8: see the study of the tolerance. A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed as if 80 contacts shared it
+CD keeps 2.7e-8 and has dissipated 7.8e-8 P0 V0. So MD keeps more strain and dissipates more, as the paper reports. The strain of CD is the error of
+its solver at a tolerance of 1e-8: see the study of the tolerance.
+A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed as if 80 contacts shared it
 equally.
 
 With the mean stress held, the same dSigma is a higher stress ratio, sigma2/sigma1 = 1.5 instead of 1.2, which is near what the packings can carry:
 their static limits are 1.41 to 1.74, the same on both paths. CD rests on 4 of 4 packings whose limit is above 1.5 (|gamma| of 1.6e-6 at most, at a
 tolerance of 1e-7). It strains on 6 of 6 whose limit is below, by 5.0e-4 to 4.6e-3. MD strains on all 10, by 1.7e-3 to 2.4e-2, and on these 6 by 4.4
-to 13.5 times as much as CD. How far a packing strains above its limit depends on how long the load stays there. Both methods have walls that forces
-push. The stress on them strays from the load by up to 0.07 P0 in MD and 0.02 P0 in CD while a packing rearranges, since the forces accelerate the
-walls, too. CD strains less in every case.
+to 13.5 times as much as CD. How far a packing strains above its limit depends on how long the load stays there. In both methods forces push the
+walls. While a packing rearranges, the stress on the walls differs from the load by up to 0.07 P0 in MD and 0.02 P0 in CD, since the forces accelerate
+the walls, too. CD strains less than MD on every packing.
 
 Loose packings (compacted with the friction of the cycle, as the paper seems to do) have static limits of 1.15 to 1.42 P0, most of them below this
 load of 1.2 P0. So with sigma1 held CD rests on only 3 of 10 (|gamma| of 2.1e-6 at most), those whose limits are above 1.27. On the 7 others it
 strains by 5.5e-4 to 1.6e-2, among them one that is loaded to 0.991 of its limit. MD strains on all 10, by 8.2e-4 to 1.9e-2. On 5 of these 7 MD
-strains further than CD, up to 6.8 times, on 2 CD strains further, 1.33 and 1.47 times. Where both yield their order depends on the packing. The
-stress on the walls of CD strays from the load by up to 0.24 P0 while such a packing gives way.
+strains further than CD, up to 6.8 times, on 2 CD strains further, 1.33 and 1.47 times. If both yield, it depends on the packing which method strains
+further. In CD the stress on the walls differs from the load by up to 0.24 P0 while such a packing yields.
 
 The work of the walls and the sum of stored, kinetic and dissipated energy agree to 1e-7 of the work with sigma1 held and to 9e-5 with the mean stress
-held, where MD's packings rearrange; on loose packings to 1.6e-3. Of the 4000 steps of CD on one loose packing 6 missed their tolerance, no others.
+held, where MD's packings rearrange; on loose packings to 1.6e-3. On one loose packing 6 of the 4000 steps of CD missed their tolerance; no other step
+of CD did.
 """
 GIVEN = ("1e-8", "0.2", "1.2", "1.5", "1.27", "4000")
 POINTS = (

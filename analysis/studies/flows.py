@@ -148,8 +148,9 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Rigid contacts cost less than springs in every flow, by a factor that the scene, the size and, but in the filling, chance decide. A setting counts if
-its mean, and that of all finer settings, lies within 2 % of the rigid answer and no disks overlap by more than 0.1 radii. Of 500 disks the cheapest
+The measured cost of rigid contacts is lower than that of springs in every flow; for 500 disks in the drum and in the collapse this is not certain.
+The factor depends on the scene, on the size and, except in the filling, on chance. A setting counts if its mean, and that of all finer settings, lies
+within 2 % of the result of the finest rigid contacts (the rigid answer) and no disks overlap by more than 0.1 radii. Of 500 disks the cheapest
 springs that count cost 5.5 times as much as the cheapest rigid contacts in the silo, 2.0 times in the drum and 6.5 times in the filling. The means
 have standard errors of up to 1.9 % (12 or 36 seeds), and which setting is the cheapest depends on them: if the means are drawn again with these
 errors, 95 % of the factors lie between 1.4 and 5.5, between 0.4 and 5.3 and between 6.5 and 10.0. In the drum, rigid contacts in steps of 2 ms just
@@ -159,12 +160,13 @@ contacts (0.6 to 6.6).
 Of 5000 disks, with 3 seeds and so with rough errors, the factors are 3.6 in the silo (2.3 to 3.6), 10.9 in the drum (3.3 to 10.9) and 24.3 in the
 filling (11.9 to 24.3). In the collapse the nearest springs, off by 4.5 % (0.4 %), cost 3.4 times as much as rigid contacts within 2 %.
 
-Which steps and tolerance do it? Of 500 disks steps of 2 ms to 1e-3 are off by 0.6 to 3.2 % and 1 ms to 1e-3 by 0.2 to 2.6 %, most in the collapse.
+Which steps and tolerances suffice? With 500 disks and a tolerance of 1e-3, steps of 2 ms give errors of 0.6 to 3.2 % and steps of 1 ms 0.2 to 2.6 %,
+largest in the collapse.
 With 1e-2 in place of 1e-3 disks overlap by up to 0.12 radii, not 0.04, and the time is 0.67 to 0.80 times as long. Steps of 4 ms are off by 0.5 to
-3.7 %, and disks overlap by up to 0.34 radii. Steps of 0.5 ms to 1e-4, about what timeStep() proposes, are off by at most 1.4 % and cost 0.50 to 6.3
-s, 0.62 to 2.6 times as much as those springs. gapCorrection of 0.1 costs 1.7 to 4.6 times as much as the same without, and only the collapse is more
-accurate: a smaller step is a better use of the time. 5000 disks fall further: with 2 ms to 1e-2 the filling is off by 5.7 %, and disks overlap by
-0.15 to 0.36 radii; to 1e-3 the flows are off by 0.59 to 3.3 %.
+3.7 %, and disks overlap by up to 0.34 radii. Steps of 0.5 ms, about what timeStep() proposes, with a tolerance of 1e-4 give errors of at most 1.4 %
+and cost 0.50 to 6.3 s, 0.62 to 2.6 times as much as the cheapest springs that count. With a gapCorrection of 0.1 a run costs 1.7 to 4.6 times as
+much, and only the collapse becomes more accurate: a smaller step is a better use of the time. 5000 disks fall further: with steps of 2 ms and a
+tolerance of 1e-2 the error of the filling is 5.7 %, and disks overlap by 0.15 to 0.36 radii; with 1e-3 the errors of the flows are 0.59 to 3.3 %.
 
 The drum was run before corners of its boxes that lie behind their neighbours were left out as contacts. That changes its last bits; its means and
 times were not measured again. Times are processor times without the samples, and without sums of the springs' energies; other runs used the machine's second core. Of one setting of

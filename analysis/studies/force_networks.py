@@ -115,8 +115,8 @@ ANSWER = """
 They hardly differ. At 1.2 P0 the springs carry through 775 contacts and the rigid grains through 765; 14 contacts carry in MD only, 4 in
 CD only. Contact by contact the normal forces of the two have a correlation of 0.9988 and differ by 3.5 % of the mean force (rms). 128
 contacts of MD and 111 of CD are at the Coulomb limit. This is one packing, prepared without friction by the springs. CD starts from the same forces,
-and far below the limit: from other networks of a packing it would differ at this load several times as much (study of the critical load, figure on the
-right).
+and the load is far below the limit. If CD started from another network of the packing, the forces would differ several times as much at this load
+(study of the critical load, right panel).
 """
 GIVEN = ("1.2",)
 

@@ -73,7 +73,7 @@ def draw(runs, rows, path):
     for friction, own in groups.items():
         style.points(axes[-1], own, "P0/k_n", "freedom", "CD", marker="o" if friction else "D", color="k", mfc="k" if friction else "none",
                      label=rf"$\mu$ = {friction:g}")
-    axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="free directions of the contact forces a disk", ylim=(0, None))
+    axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="degree of force indeterminacy per disk", ylim=(0, None))
     axes[-1].legend()
     style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.", runs)
 
@@ -87,8 +87,9 @@ most). In the 8 others, 4 packings at 6e-6 and at 1e-6, CD strains by 6.6e-6 to 
 times at 1e-6. After the unloading one packing keeps 4.5e-4 to 4.7e-4 with both methods and both stiffnesses. On the 3 others MD keeps 1e-5 at most
 and CD 1.5e-6.
 
-Rigid grains do not need undetermined forces to rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings, although their
-forces are unique or free in one direction only. Nor does the number of dimensions alone determine the limit: what matters is how far the forces can
+Rigid grains do not need undetermined forces to rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings, although the
+set of their admissible forces has at most one dimension.
+Nor does the number of dimensions alone determine the limit: what matters is how far the forces can
 vary, which depends on friction, pressure and geometry. With friction 0.81 to 0.98 dimensions a disk are left at all pressures, the limit stays at
 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9 at most), and MD's strain goes as P0/k_n to the power 0.99 (0.97 to 1.01).
 Packings with friction were not loaded beyond their limit here: see the studies of the ramp and of ratcheting. No step of CD missed its tolerance of

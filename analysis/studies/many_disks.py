@@ -71,7 +71,7 @@ def _window(run):
     if not len(at):
         return dict.fromkeys(("window_seconds", "window_last", "window_work", "window_kinetic"), math.nan)
     before, end = np.interp([0.75 * WINDOW, WINDOW], time, seconds)
-    # Books of rigid contacts close, so what the weights gave stands in the history, unless a boundary does work; those of springs do not.
+    # With rigid contacts energy is conserved, so the history gives the work of gravity, unless a boundary does work; with springs it is not.
     inside = _gained(run)[at[0]] if run.method == "CD" and run.parameters["scene"] != "drum" else math.nan
     return {"window_seconds": float(end), "window_last": float((end - before) / (0.25 * WINDOW)),
             "window_work": float(_weights(run) if at[0] == len(time) - 1 else inside), "window_kinetic": float(kinetic[at[0]])}
@@ -142,20 +142,22 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Where the cheapest rigid contacts that are right for 5000 disks have a tolerance of 1e-2, they are too coarse for 50 000. Steps of 1 ms to 1e-3
-cost 3.2 to 7.1 times less than springs of 2e7 N/m in the first 0.2 s of a silo, a drum and a collapse. Up to then the weights have done the same
-work to 0.1 to 3.1 %. Over the last quarter of that window it is 1.7 to 5.5 times less, since rigid contacts get dearer as the disks get under way.
-Neither is confirmed by finer steps. So ten times less at equal accuracy was not found there; in the filling it is to be expected.
+A tolerance of 1e-2, which suffices for 5000 disks in some flows, is too large for 50 000. Rigid contacts with steps of 1 ms and a tolerance of 1e-3
+cost 3.2 to 7.1 times less than springs of 2e7 N/m in the first 0.2 s of a silo, a drum and a collapse. The work of gravity up to then differs by 0.1
+to 3.1 % between the methods. In the last quarter of this window rigid contacts cost 1.7 to 5.5 times less, since they become more expensive as the
+disks speed up. No run with finer steps confirms these results. So a factor of ten at equal accuracy was not found in these flows; in the filling it
+is to be expected.
 
-Silo: 2 ms to 1e-2 cost 13.0 s in the window, springs 297 s, 23 times as much. But the disks sink into each other, and the weights do 10.0 % more
-work than to 1e-3. Still they flow out at 12042 disks per sqrt(D/g), D being the width of the slot. That is 1.3 % above Beverloo's law with the
+Silo: rigid contacts with steps of 2 ms and a tolerance of 1e-2 cost 13.0 s in the window, springs 297 s, 23 times as much. But the disks overlap so
+much that gravity does 10.0 % more work than with 1e-3. Still they flow out at 12042 disks per sqrt(D/g), where D is the width of the slot.
+That is 1.3 % above Beverloo's law with the
 constants of 500 and 5000 disks in silos of the same shape (study of flows), and 11.5 % above the one of narrower slots (study of Beverloo's law).
-The steps get dearer as it empties: the 1.6 s, in which 73 % of the disks leave, cost 293 s. Springs as dear as in the window would take 8.1 times
-as much.
+Steps become more expensive as the silo empties: the 1.6 s in which 73 % of the disks leave cost 293 s. If springs cost as much per second as in the
+window, they would take 8.1 times as long.
 
-Drum: in the window the disks fall, nothing has a slope yet, and springs with few contacts cost 517 s a simulated second. In the collapse they cost
-1577 s. That 1e-2 will not do here is seen of 5000 disks: over half the time of the study of flows they get a slope of 19.3 degrees, to 1e-3 one of
-23.3 at 0.81 times the cost, with one seed.
+Drum: in the window the disks still fall and have no slope yet. Springs, which have few contacts then, cost 517 s per simulated second; in the
+collapse they cost 1577 s. A run of 5000 disks over half the time of the study of flows shows that 1e-2 is too large here: the slope is 19.3 degrees,
+with 1e-3 it is 23.3 degrees at 0.81 times the cost (one seed).
 
 Collapse: 2 ms to 1e-2 let disks pass into each other after 0.32 s, and the run was ended. 1 ms to 1e-2 cost 22 s in the window, to 1e-3 44 s; the
 weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. Fronts after the window lie 0.2 % of a
@@ -167,10 +169,12 @@ the tolerance has to shrink, not only the step. To 1e-3 up to 7.6 % of the steps
 error of the contact law never exceeded 8e-4; what they missed is the error of single bodies.
 
 Filling: 248 s of rigid contacts, 1 ms to 1e-3, and 1677 s of springs of 2e6 N/m, 6.8 times as much. The springs are far too soft: disks overlap by
-up to 0.47 radii, the filling is 7.5 % lower, and the disks have gained and lost 93 times what the weights gave, so that steps of the springs make
-energy. Of 5000 disks ten times stiffer ones were within 2 % (study of flows); they need 3.2 times the steps, so about 21 times the time of rigid
-contacts. Those overlap by up to 0.02 radii when the disks have come down, by 0.08 in the end. It is creep at rest: 0.0029 on the mean, which makes
-the filling some 0.1 % too low. 0.09 % of the steps missed the tolerance. 2 ms to 1e-2 let disks pass into each other here, too.
+up to 0.47 radii, the filling is 7.5 % lower, and the energy that the disks hold and have dissipated is 93 times the work of gravity, so the time
+integration of the springs creates energy.
+Of 5000 disks ten times stiffer ones were within 2 % (study of flows); they need 3.2 times the steps, so about 21 times the time of rigid
+contacts. Rigid contacts overlap by up to 0.02 radii when the disks have come to rest and by 0.08 at the end, since they creep at rest. The mean
+overlap is 0.0029 radii, which makes the filling some 0.1 % too low.
+0.09 % of the steps missed the tolerance. 2 ms to 1e-2 let disks pass into each other here, too.
 
 One run each, so nothing can be said of the uncertainty. The springs were run by earlier commits, which give the same bits, while other runs kept the
 machine busy. Springs of 2e7 N/m are softer for a depth of 50 000 disks than for one of 5000: equally stiff ones would cost 1.8 times as much.

@@ -33,7 +33,7 @@ ROWS = {"quick": product(stiffening=(1, 10), **SPRINGS) + _rigid({1: PAIRS[1][1:
         + product(stiffening=(1, 10), kt_over_kn=0.3333, **SPRINGS) + product(stiffening=(1, 10), **SPRINGS | SLOW)
         + _rigid({1: PAIRS[1][1:2], 10: PAIRS[10][:1]}, reference_overlaps=False, **SLOW)}
 
-# Contacts of CD part where the springs' would (gaps count from touching) or at once (from the overlaps the springs left).
+# Contacts of CD open where those of springs would (gaps are measured from touching) or at once (gaps are measured from the springs' overlaps).
 MD, AS_SPRINGS, AS_RIGID = "MD", "CD, parting as springs", "CD, parting as rigid"
 COLOUR = {MD: style.COLOUR["MD"], AS_SPRINGS: style.COLOUR["CD"], AS_RIGID: "#009E73"}
 MARKER = {MD: "o", AS_SPRINGS: "s", AS_RIGID: "^"}

@@ -8,14 +8,16 @@ from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "A thousand cycles"
-QUESTION = ("Forty cycles do not tell whether a rate that falls will end. What do springs do in a thousand, under the standard and the "
+QUESTION = ("Forty cycles do not show whether a falling strain rate reaches zero. What do springs do in a thousand, under the standard and the "
             "path-independent law, and does their energy balance hold so long?")
 ORDER = 9.5  # in the report
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 625, 750, 875, 1000)  # last cycles of the windows
 BASE = SPRINGS | dict(delta_sigma=0.4)
 SLOW = dict(period=2.0)  # 0.5 s is short for springs of k_n (study of ratcheting)
 LINES = "-", "--", ":"  # of the packings
-LAWS = {"standard": ("#1A1A1A", "standard law"), "path_independent": ("#CC79A7", "path-independent law")}  # as in the study of the laws
+LOOK = {("standard", SPRINGS["period"]): ("#1A1A1A", "standard law"),  # colours of the laws as in their study
+        ("path_independent", SPRINGS["period"]): ("#CC79A7", "path-independent law"),
+        ("standard", SLOW["period"]): ("#0072B2", "standard law, cycles of 2 s")}
 ROWS = {"quick": product(cycles=20, **BASE),
         "full": product(tangential_law="standard", seed=(1, 2, 3), cycles=1000, **BASE)
         + product(tangential_law="path_independent", seed=(1, 2, 3), cycles=1000, **BASE)
@@ -25,17 +27,17 @@ ROWS = {"quick": product(cycles=20, **BASE),
 def summarize(runs):
     """Return one row a run and window of cycles: strain and rate there, and the error of the energy balance up to its end.
 
-    balance error: over the work of the walls up to there.
+    rate error: standard error of the mean rate, from the means of ten blocks of cycles. balance error: over the work of the walls up to there.
     """
     rows = []
     for run in runs:
-        found, ends, same = cycles.of(run), cycles.ends(run), summary.columns(run, "law", "seed", "load over limit")
+        found, ends, same = cycles.of(run), cycles.ends(run), summary.columns(run, "law", "period", "seed", "load over limit")
         edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
         for first, last in zip(edges[:-1], edges[1:]):
             rate = found.rate[first:last]
             rows.append(same | {
                 "from cycle": first + 1, "to cycle": last, "|gamma|": abs(found.gamma[last]), "rate": found.rates([(first + 1, last)])[0],
-                "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)),
+                "rate error": cycles.error_of_mean(rate), "largest cycle": np.abs(rate).max(), "median cycle": np.median(np.abs(rate)),
                 "dissipated/P0V0 a cycle": found.dissipated[first:last].mean(), "sliding at most": found.sliding_max[first:last].max(),
                 "2M/N": found.contacts[last - 1], "balance error": observables.balance_error(run, slice(0, ends[last] + 1)), "outcome": run.outcome})
     return rows
@@ -46,15 +48,15 @@ def draw(runs, rows, path):
     fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.9))
     table = pandas.DataFrame(rows)
     for run in runs:
-        law, seed = run.parameters["tangential_law"], run.parameters["seed"]
-        found, (colour, words), line = cycles.of(run), LAWS[law], LINES[(seed - 1) % len(LINES)]
+        law, period, seed = (run.parameters[name] for name in ("tangential_law", "period", "seed"))
+        found, (colour, words), line = cycles.of(run), LOOK[law, period], LINES[(seed - 1) % len(LINES)]
         left.plot(found.number, np.abs(found.permanent), color=colour, ls=line, label=words if seed == 1 else None)
-        means = table[(table.law == law) & (table.seed == seed)]
+        means = table[(table.law == law) & (table.period == period) & (table.seed == seed)]
         right.plot(np.sqrt(means["from cycle"] * means["to cycle"]), means.rate.abs(), marker="o", ms=3, color=colour, ls=line)
     for axis, label in ((left, r"accumulated strain $|\gamma|$"), (right, r"strain of a cycle $|\Delta\gamma|$")):
         axis.set(xscale="log", yscale="log", xlabel="cycle", ylabel=label)
     left.legend()
-    style.finish(fig, path, "Springs of $k_n$, cycles of 0.5 s; a packing has one kind of line. "
+    style.finish(fig, path, "Springs of $k_n$, cycles of 0.5 s unless named; a packing has one kind of line. "
                  "Right: means over the cycles 1, 2, 3 to 5, 6 to 10 and so on.", runs)
 
 

@@ -109,7 +109,7 @@ class ContactRows {
 		source = from;
 		solved = false;
 	}
-	// Nobody makes the rows any more; those of a step that postponed them are old.
+	// From now on the rows cannot be made; if they were postponed, the stored ones are those of an earlier step.
 	void forgetSource()
 	{
 		source = nullptr;

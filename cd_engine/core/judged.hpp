@@ -1,5 +1,5 @@
-// Solves by a method and judges the result (verdict.hpp). Whatever the error of the method, impulses that solve nothing do not count as converged,
-// and a problem without a solution is reported as such.
+// Solves a problem by a method and judges the result (verdict.hpp). However small the error, impulses that verdict.hpp does not accept as a solution
+// do not count as converged, and a problem without a solution is reported as such.
 #pragma once
 
 #include "solver.hpp"

@@ -52,7 +52,7 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gapOf(world, i));
-			// Its first guess is the impulse that it needs alone: among many contacts the error might not show that it is missing.
+			// The first guess is the impulse that would stop this contact alone. With 0 a large system's error may not show it.
 			ContactRow& c = system.contacts[rows - 1];
 			double un, ut;
 			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);

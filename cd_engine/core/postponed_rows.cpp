@@ -29,7 +29,7 @@ void TimeStep::fill(const int32_t* contacts, std::size_t count, const double* in
 	for (std::size_t from = 0; from < count; from += most, contacts += batch) {
 		const std::size_t here = std::min(most, count - from);
 		const auto which = [&](std::size_t k) { return rowPair[std::max(contacts[k], 0)]; };
-		if (from + most < count) // the next ones: in the order of the groups no processor foresees them
+		if (from + most < count) // the next ones: no processor predicts the addresses in the order of the groups
 			for (std::size_t k = batch; k < 2 * batch && k < (count - from) * PairLanes::lanes; k++) {
 				__builtin_prefetch(&source->pairs[which(k)]);
 				__builtin_prefetch(&source->carried[which(k)]);

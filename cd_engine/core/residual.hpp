@@ -10,7 +10,8 @@
 // The error of the bodies: how wrong their velocity changes may be, relative to what acts on each. e does not see a single body: where a disk of 1 kg
 // carries one of 1e8 kg, impulses that let the heavy disk fall freely differ from the law by 1e-8 of themselves. A contact misses the velocity
 //   g = W_nn |p - P_K(...)| [m/s],
-// and the velocity s = (sum of the magnitudes of its contacts' impulses, and of its external one)/m acts on a body. An island's bodies are right to
+// and the velocity s = (sum of the magnitudes of its contacts' impulses, and of its external one)/m acts on a body. The error of an
+// island's bodies is estimated as
 //   min( sqrt(N) ||g||_2 / min s,  max(rms g / S', max g / (10 S'), max g' / (10 s')) ),
 //   S = (sum m sqrt(s) / sum m)^2,   S' = S min(1, l/200),   l = contacts - bodies.
 // The first number holds for every body of a column: the misses of its N contacts add up to at most sqrt(N) ||g||_2 (Cauchy and Schwarz), and the

@@ -9,8 +9,8 @@
 // A contact along whose normal neither body can move carries nothing. Whatever happens at it concerns no island, so it belongs to none:
 // it wakes nothing, and every step looks at it.
 //
-// The truth is one array, the island of every body, with a copy of the bodies as they were. What else is stored here follows from it, or
-// was found in the step that put an island to sleep.
+// One array, the island of every body, and a copy of the bodies as they were define what sleeps. All else that is stored here follows from
+// them, or was found in the step that put an island to sleep.
 #pragma once
 
 #include "contact_system.hpp"

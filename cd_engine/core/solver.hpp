@@ -41,7 +41,7 @@ struct SolverSettings {
 	Trace* trace = nullptr; // records the error on the way, if somebody asks for it
 };
 
-// no_solution: there is none, or only one beyond every bound (verdict.hpp); indefinite: the same, and W gives some impulses a negative energy.
+// no_solution: there is none, or only one with impulses above all bounds (verdict.hpp); indefinite: the same, and p . W p < 0 for some impulses p.
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
 // Whether the status is a property of the problem, not of the solver's effort.

@@ -85,7 +85,7 @@ struct World {
 	std::vector<Carried> carried; // by the contacts of the pairs
 	// Of each body [m]: the list of pairs holds every two bodies whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
-	long listing = 0; // another number for every other list of pairs; 0: nobody counts, and each step looks for itself
+	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
 };
 

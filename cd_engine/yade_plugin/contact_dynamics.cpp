@@ -180,8 +180,8 @@ void ContactDynamics::advance()
 	tellOfLost();
 	tellOfSpeed(settings.dt);
 	if (restitution > 0 && gapCorrection > 0)
-		link.tell("restitution and gapCorrection together make energy: the velocity that pushes an overlap out bounces on.",
-		    "Set one of them to 0, and take a smaller O.dt against overlaps.");
+		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
+		    "Set one of them to 0. A smaller O.dt reduces overlaps.");
 	const bool tracks = scene_trackEnergy(scene);
 	const double height = tracks ? energyOf(link.world, gravity).weight : 0;
 	cd::StepReport made = step(link.world, settings);
@@ -193,7 +193,7 @@ void ContactDynamics::advance()
 	}
 	if (made.solver.status == cd::Status::diverged)
 		throw SceneError(text("ContactDynamics: the solver met a number that is not finite at step ", scene_iter(scene),
-		    "; no body has been moved. Look for disks with one centre, extreme masses or forces, or take a smaller O.dt"));
+		    "; no body has been moved. Look for disks with the same centre, extreme masses or forces, or take a smaller O.dt"));
 	link.hold(step, settings.dt);
 	idle = made.idle;
 	if (tracks) {
@@ -255,7 +255,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 		unconvergedSteps++;
 }
 
-// Whether this step has the settings of the last one, so that what left everything as it was then does so again.
+// Whether this step has the settings of the last one, so that islands which did not change then do not change now.
 bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection

@@ -10,7 +10,7 @@ const char* const ContactDynamics::documentation
       "solved implicitly for all contacts of a step at once; moves the bodies by the Moreau-Jean scheme. Takes the place of InteractionLoop and "
       "NewtonIntegrator; stands after ForceResetter (:py:func:`cd_engine.engines` makes the list). Finds near pairs itself, without a collider. "
       "Disks are Sphere bodies with blockedDOFs='zXY' in one plane of constant z; Box (turned about z at will) and Wall are boundaries: fixed, "
-      "moving at a prescribed velocity, or free in some freedoms and pushed by O.forces. Two boundaries never touch each other. Friction: the "
+      "moving at a prescribed velocity, or free in some directions and pushed by O.forces. Two boundaries never touch each other. Friction: the "
       "smaller frictionAngle of the two. After a step every loaded contact is a real interaction with ScGeom and FrictPhys, and O.forces holds the "
       "total on each body, gravity of free bodies included.";
 
@@ -20,8 +20,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	constexpr double most = std::numeric_limits<int>::max();
 	visit("gravity", &C::gravity, setting, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access { Access::set, 0, 1, true },
-	    "The step is solved when the contact law is met and every body's velocity change is right to this (*residual*, the same weighted by "
-	    "W_nn, and *bodyError*) [1].");
+	    "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
+	    "acts on a single body.");
 	visit("maxIterations", &C::maxIterations, within(1, most),
 	    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
 	    "solved.");
@@ -35,20 +35,20 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("warmStart", &C::warmStart, setting,
 	    "Take the contact forces present in the scene (of the last step, or of springs) as the first guess.");
 	visit("restitution", &C::restitution, within(0, 1),
-	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. Contacts with friction that hang together "
-	    "take a smaller one in a step in which this one would add energy, and 0 where nothing solves the step with it.");
+	    "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. If an island of contacts with friction would "
+	    "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.");
 	visit("gapCorrection", &C::gapCorrection, within(0, 1),
 	    "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step pushes out [1]; 0: overlaps are only kept from growing. "
 	    "The velocity of pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it "
 	    "needs *warmStart* False: impulses that add up from step to step overshoot.");
 	visit("allowedOverlap", &C::allowedOverlap, within(0, 1),
-	    "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing at rest is stirred for ever: the "
-	    "corrections of its contacts contradict each other.");
+	    "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing never comes to rest: the "
+	    "corrections of its contacts contradict each other and keep it moving.");
 	visit("seed", &C::seed, within(0, most),
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
 	visit("reduce", &C::reduce, setting,
-	    "Solve islands of contacts without a common movable body separately, each to the tolerance by itself, which is never less than the "
-	    "tolerance for the whole; bodies that touch nothing take no part. A step of one island is the same to the last bit. "
+	    "Solve islands of contacts without a common movable body separately, each to the tolerance by itself, which is at least as strict as the "
+	    "tolerance for the whole; bodies that touch nothing take no part. If there is one island only, the step has the same bits as without. "
 	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
 	visit("handover", &C::handover, setting,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
@@ -61,25 +61,25 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "
 	    "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.");
 	visit("stopUnsolved", &C::stopUnsolved, setting,
-	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the first one is told "
-	    "of and the run goes on.");
+	    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the engine warns of "
+	    "the first such step and the run goes on.");
 	visit("threads", &C::threads, within(0, 1024),
 	    "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with "
 	    "any number. Only steps with thousands of bodies and contacts use more than one.");
 	visit("iterations", &C::iterations, result,
-	    "Sweeps, and factorizations of Newton's method, made in the last step, of its *islands* the most [1].");
+	    "Sweeps, and factorizations of Newton's method, made in the last step: the largest number on one of its *islands* [1].");
 	visit("residual", &C::residual, result,
 	    "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
 	    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.");
 	visit("residualMax", &C::residualMax, result, "The same for the worst contact, over the root mean square of p [1].");
 	visit("bodyError", &C::bodyError, result,
-	    "How far off the velocity changes of the last step may be, relative to what acts on the body: its contacts' impulses and its external "
-	    "one [1]. Of all islands of contacts the largest. In packings, where some disks always carry next to nothing, relative to the mean over "
-	    "the mass of the island (cd_engine/core/residual.hpp has the formula).");
+	    "Estimated largest error of a body's velocity change in the last step, relative to what acts on the body: the impulses of its contacts "
+	    "and the external one [1]. In packings, where some disks always carry hardly any load, it is relative to a mean over the island, "
+	    "weighted by mass (cd_engine/core/residual.hpp has the formula).");
 	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may be the most wrong; -1: none.");
 	visit("unsolvableContact", &C::unsolvableContact, result,
-	    "Where *status* is no_solution: ids of the bodies of the contact that speaks most against one. A disk between two walls that move "
-	    "towards each other has none.");
+	    "If *status* is no_solution: ids of the two bodies of the contact that proves this most clearly. Example of such a step: a disk between "
+	    "two walls that move towards each other.");
 	visit("converged", &C::converged, result,
 	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change "
 	    "of every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
@@ -94,8 +94,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("resting", &C::resting, result,
 	    "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].");
 	visit("sleeping", &C::sleeping, result,
-	    "Of these, islands at rest, proven to a thousandth of the tolerance, in which nothing changes: their velocities are zero, and nothing of "
-	    "them is looked at but their bodies [1].");
+	    "Of these, islands that are proven to be at rest, to a thousandth of the tolerance, and in which nothing changes: their velocities are "
+	    "zero, and the engine only checks whether their bodies have changed [1].");
 	visit("woken", &C::woken, result, "Why islands were woken last: the step, what had changed, and the body.");
 	visit("loadsBeforeTrial", &C::loadsBeforeTrial, internal,
 	    "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].");
@@ -109,8 +109,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("slidingContacts", &C::slidingContacts, result, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
 	visit("maxPenetration", &C::maxPenetration, result, "Largest overlap beyond the reference one met in the last step [m].");
 	visit("deepestPenetration", &C::deepestPenetration, result,
-	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: bodies pass into each "
-	    "other where forces are far too small, even if *converged* says that the error e is.");
+	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: if forces are far "
+	    "too small, bodies pass into each other, even though the error e may be within the tolerance.");
 	visit("largestResidual", &C::largestResidual, result, "Largest *residual* of all steps [1].");
 	visit("handoverOverlap", &C::handoverOverlap, result, "Largest overlap taken as reference at the hand-over [m].");
 	visit("dissipatedEnergy", &C::dissipatedEnergy, result,

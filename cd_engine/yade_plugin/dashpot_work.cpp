@@ -12,8 +12,8 @@ class DashpotWork : public RegisteredEngine<DashpotWork> {
     public:
 	static constexpr const char* name = "DashpotWork";
 	static constexpr const char* documentation
-	    = "Sums the energy that the normal dashpots of the contacts dissipate. It stands behind InteractionLoop and looks at the contacts that "
-	      "Law2_ScGeom_FrictViscoPhys_CundallStrackVisco has made, whose own plasticDissipation() has only the friction.";
+	    = "Sums the energy that the normal dashpots of the contacts dissipate. It stands right after InteractionLoop and reads the contacts of "
+	      "Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, whose own plasticDissipation() sums only the friction.";
 
 	double work = 0; // [J]
 

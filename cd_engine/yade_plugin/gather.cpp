@@ -42,7 +42,7 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 	if (scene_isPeriodic(scene))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
 	if (dt == 1e-8)
-		tell("O.dt is 1e-8 s, which YADE sets where nobody has.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
+		tell("O.dt is 1e-8 s, the value that YADE starts with.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
 	if (!(dt > 0 && std::isfinite(dt)))
 		throw SceneError(text("ContactDynamics: the time step O.dt is ", dt, " s. Set it to a positive number"));
 }
@@ -83,12 +83,12 @@ void SceneLink::tellOfFalls()
 			if (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))
 				tell(text("body #", upper, " is a boundary that ", falls ? "gravity" : "its velocity or a force",
 					 " moves onto another: Box and Wall never touch each other."),
-				    text("It will pass through body #", lower, ". Block its freedoms if it is not to do so."));
+				    text("It will pass through body #", lower, ". To prevent this, block its motion (state.blockedDOFs)."));
 		}
 	}
 	if (falling >= 0 && held == 0)
 		tell(text("gravity moves every boundary, such as body #", falling, ", so the whole scene falls."),
-		    "Fix what is to hold it: state.blockedDOFs='xyzXYZ'.");
+		    "Fix the boundary that has to hold the scene: state.blockedDOFs='xyzXYZ'.");
 }
 
 void SceneLink::forget(yade::Interaction* interaction) const

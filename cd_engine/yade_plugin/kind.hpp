@@ -1,4 +1,4 @@
-// What class an object of YADE's is of, at the price of a comparison once its class has been seen.
+// Tells the class of an object of YADE's. Once a class has been seen, this costs one comparison.
 #pragma once
 
 #include "abi.hpp"

@@ -23,7 +23,7 @@ namespace {
 			    + " the bodies a second time." + remove;
 		if (isA(name, "ParallelEngine"))
 			return name
-			    + " hides the engines in it, some of which may not go with Contact Dynamics. Put them into O.engines, one after the "
+			    + " hides the engines in it, some of which may not work with Contact Dynamics. Put them into O.engines, one after the "
 			      "other";
 		if (isA(name, "TimeStepper"))
 			return name + " sets O.dt by the stiffness of springs, which rigid bodies do not have." + remove;

@@ -109,7 +109,8 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);
 	const double mass = state_mass(state), inertia = state_inertia(state)[2];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
-		refuseBody(id, text("is free to move but has the mass ", mass, " kg"), "Set O.bodies[#].state.mass, or block its freedoms");
+		refuseBody(id, text("is free to move but has the mass ", mass, " kg"),
+		    "Set O.bodies[#].state.mass, or block its degrees of freedom (state.blockedDOFs)");
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
 		refuseBody(id, text("is free to turn but has the moment of inertia ", inertia, " kg m^2 about z"),
 		    "Set O.bodies[#].state.inertia, or block 'Z'");

@@ -49,8 +49,8 @@ void SceneLink::takeOverlaps()
 		throw SceneError("ContactDynamics: " + (reason.empty() ? what(worst) + ", more than springs leave behind. Move them apart" : reason));
 	}
 	if (unpressed.share > visible && told.insert("overlap").second)
-		tell(what(unpressed) + ", and no springs press them. This overlap is kept: it counts as touching.",
-		    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which pushes overlaps out.");
+		tell(what(unpressed) + ", and no spring force acts between them. The engine keeps this overlap and counts it as touching.",
+		    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which removes overlaps.");
 }
 
 const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const

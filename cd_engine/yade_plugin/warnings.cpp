@@ -23,9 +23,10 @@ std::string ContactDynamics::unsolved() const
 	if (!unsolvableContact.empty())
 		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
 		    " from overlapping. Look for boundaries that move towards each other with disks between them; one that is to press with a force "
-		    "needs a mass, free directions and O.forces.setPermF instead of a velocity. What follows this step is not to be trusted.");
-	return text(begin, "the contact law is missed by ", residual, " of all impulses",
-	    worstBody < 0 ? "" : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, " of what acts on it"),
+		    "needs a mass, free directions and O.forces.setPermF instead of a velocity. Do not trust the steps that follow.");
+	return text(begin, "the error of the contact law is ", residual, ", relative to all impulses",
+	    worstBody < 0 ? ""
+			  : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, ", relative to what acts on it"),
 	    "; the tolerance is ", tolerance, ". ",
 	    status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance", ", or take a smaller O.dt.");
 }
@@ -62,7 +63,7 @@ void ContactDynamics::tellOfLost()
 	const cd::Body& body = link.world.bodies[id];
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left all others far behind: it is at (" << body.x
 		  << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
-		  << ")) or give the scene a boundary that holds it. Others that do so are not named.\n";
+		  << ")) or give the scene a boundary that holds it. Further bodies that leave are not reported.\n";
 }
 
 // Prints one line a run if a disk with neighbours moves so far in a step that it may jump over a body that it would have met.
@@ -79,8 +80,8 @@ void ContactDynamics::tellOfSpeed(double dt)
 	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
 	toldOfSpeed = true;
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves "
-		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " of its radii in a step, which is rough. O.dt is " << dt
-		  << " s; cd_engine.timeStep() proposes one. Others that do so are not named.\n";
+		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " times its radius in a step and may jump over others. O.dt is " << dt
+		  << " s; cd_engine.timeStep() proposes a time step. Further such bodies are not reported.\n";
 }
 
 // Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
@@ -105,8 +106,8 @@ void ContactDynamics::watchPenetration(double before) const
 		    + (gapCorrection == 0 && maxPenetration < smallest ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
 	else if (atOnce && restitution > 0)
 		remedy
-		    = "It came in this one step: with restitution a contact that others close bounces in the next step only, and overlaps by up to "
-		      "its speed times O.dt until then. Take a smaller O.dt";
+		    = "It came in this one step: a contact that impulses of other contacts close rebounds only in the next step, and until then it "
+		      "overlaps by up to its closing speed times O.dt. Take a smaller O.dt";
 	else if (atOnce && misses)
 		remedy = "It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt "
 			 "(cd_engine.timeStep() proposes one), or raise maxIterations or fixedIterations";
@@ -116,16 +117,16 @@ void ContactDynamics::watchPenetration(double before) const
 	else if (misses)
 		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
 	else if (tolerance > loose)
-		remedy = "It grew step by step by what the tolerance leaves: lower it to 1e-4 or less";
+		remedy = "It grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4 or less";
 	else if (gapCorrection == 0)
-		remedy = "It grew step by step by what the tolerance leaves, where a boundary changes its velocity or as disks were made larger: set "
-			 "gapCorrection=0.1, which pushes overlaps out, or lower tolerance";
+		remedy = "It grew step by step, since solver errors within the tolerance add up, a boundary changes its velocity, or disks grow: set "
+			 "gapCorrection=0.1, which removes overlaps, or lower tolerance";
 	else
 		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
 		  << maxPenetration << " m, " << maxPenetration / smallest
 		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy
-		  << ". deepestPenetration tells how far it goes.\n";
+		  << ". The attribute deepestPenetration gives the largest overlap of all steps.\n";
 }
 
 } // namespace cd_engine

@@ -77,8 +77,8 @@ def path_of_collapse():
         values("ratcheting", "-1.02 0.04 42 10 0.96 14 8 -0.50 0.16"), stiffness_of_collapse())),
     ("Tolerance of the solver", lambda: (
         values("tolerance", "7.8e-4 1e-2 9.2e-11 1e-10"), tolerance_of_a_rate(), [1e-6, 1e-8, *quotients("rigid, tolerance 1e-6", "rigid")])),
-    ("Indeterminacy: from which forces it starts", lambda: (networks_of_a_cycle(), [], quotients("rigid, other forces", "rigid"))),
-    ("Indeterminacy: what the forces can carry", lambda: (
+    ("Indeterminacy: contact forces at the start", lambda: (networks_of_a_cycle(), [], quotients("rigid, other forces", "rigid"))),
+    ("Static limit: the load that contact forces can balance", lambda: (
         values("fig4", "1.5 4 4 1.6e-6 5.0e-4 4.6e-3 6 6 4.4 13.5"), limit_of_a_rate(), limit_of_collapse())),
     ("Tangential law", lambda: (
         values("laws", "0.994 0.999 6"), values("laws", "1.01 0.93 1.02 0.4 2 0.99 0.88 1.01 0.5 0.39 1.27 5 -0.91"), quotients("springs, path-independent law", "springs"))),

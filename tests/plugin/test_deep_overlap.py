@@ -72,7 +72,7 @@ def test_what_adds_up_over_steps_is_said_to(O, capfd):
     """A loose tolerance, which every step meets, lets an overlap grow."""
     engine = pile(O, 1000, 50, tolerance=1, method="nsgs")
     said = capfd.readouterr().err
-    assert engine.unconvergedSteps == 0 and "grew step by step by what the tolerance leaves: lower it to 1e-4" in said
+    assert engine.unconvergedSteps == 0 and "grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4" in said
 
 
 def test_what_comes_in_one_step_is_said_to(O, capfd):

@@ -136,7 +136,7 @@ def test_settings_that_make_energy_together(O, capfd):
     O.engines = one_disk(restitution=0.1, gapCorrection=0.1)
     O.dt = 1e-3
     line, = said_by(O, capfd)
-    assert "restitution and gapCorrection together make energy" in line and "Set one of them to 0" in line
+    assert "restitution and gapCorrection together create energy" in line and "Set one of them to 0" in line
     O.engines[-1].gapCorrection = 0
     assert said_by(O, capfd) == []
 
@@ -215,7 +215,7 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     plane.disk((0.02, 0.3), 0.01, velocity=(0, -5), mat=mat)
     O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
     O.dt = 0.02
-    line, = [line for line in said_by(O, capfd, 3) if "radii" in line]
+    line, = [line for line in said_by(O, capfd, 3) if "times its radius" in line]
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
 
 

@@ -61,8 +61,8 @@ plot.plots = {"t": "energy"}
 start = time.time()
 O.run(int(seconds / O.dt), True)
 plot.plot(noShow=True).savefig(f"{name}.png")
-print(f"slope of the heap: {slope():.1f} degrees, friction {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
-      f"at most {max(plot.data['energy']):.2g} J; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
+print(f"slope of the heap: {slope():.1f} degrees, friction angle {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
+      f"{max(plot.data['energy']):.2g} J at its largest; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 O.save(f"{name}.yade.gz")
 O.load(f"{name}.yade.gz")                                                                # another script can load it, too, after `import cd_engine`
 O.run(100, True)

@@ -4,7 +4,7 @@
     yade yade_scripts/examples/hopper.py disks=200 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/hopper.py           the rows of a table with columns disks, springs, seconds
 
-Disks that have left are taken out of the scene: one that falls for ever would be the fastest of all. hopper.png shows the discharge.
+The script removes disks that have left: a disk that falls for ever would get faster and faster. hopper.png shows the discharge.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`

@@ -69,5 +69,5 @@ start = time.time()
 O.run(int(seconds / O.dt), True)
 plot.plot(noShow=True).savefig(f"{name}.png")
 last = plot.data["floor"][-20:]
-print(f"the floor carries {sum(last) / len(last):.4g} N of {load:g} N; the lid is pushed by {O.forces.f(lid)[1]:.2g} N more than it is held; "
+print(f"the floor carries {sum(last) / len(last):.4g} N of {load:g} N; the net vertical force on the lid is {O.forces.f(lid)[1]:.2g} N; "
       f"{time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")

@@ -44,7 +44,7 @@ def main(arguments=None):
         print(f"benchmark: without Siconos beside it: {reason}", file=sys.stderr)
     busy = os.getloadavg()[0]
     if busy > 0.5:
-        print(f"benchmark: {busy:.1f} processes are running already; the times will not mean much", file=sys.stderr)
+        print(f"benchmark: {busy:.1f} other processes are running; they disturb the measured times", file=sys.stderr)
     todo = (pieces.quick if options.quick else pieces.full)(options.files)
     tables, failed = run([piece for piece in todo if options.table in (None, piece.table)], folder, options.again)
     write(tables, folder, busy, options.table)
