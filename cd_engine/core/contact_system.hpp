@@ -89,11 +89,20 @@ class RowSource {
 // itself, and the rows are made only if somebody reads one. Not thread-safe before they are made.
 class ContactRows {
     public:
-	std::size_t size() const { return rows.size(); }
-	bool empty() const { return rows.empty(); }
-	void resize(std::size_t count) { rows.resize(count); }
-	void clear() { rows.clear(); }
-	void push_back(const ContactRow& c) { all().push_back(c); }
+	std::size_t size() const { return count; }
+	bool empty() const { return count == 0; }
+	void resize(std::size_t now)
+	{
+		count = now;
+		if (!rows.empty())
+			rows.resize(now);
+	}
+	void clear() { resize(0); }
+	void push_back(const ContactRow& c)
+	{
+		all().push_back(c);
+		count++;
+	}
 	ContactRow& back() { return all().back(); }
 	ContactRow& operator[](std::size_t i) { return all()[i]; }
 	const ContactRow& operator[](std::size_t i) const { return all()[i]; }
@@ -108,6 +117,8 @@ class ContactRows {
 	{
 		source = from;
 		solved = false;
+		if (++unread == longestUnread)
+			std::vector<ContactRow>().swap(rows); // a tenth of the memory of a step
 	}
 	// From now on the rows cannot be made; if they were postponed, the stored ones are those of an earlier step.
 	void forgetSource()
@@ -121,6 +132,8 @@ class ContactRows {
 	{
 		if (source)
 			makeAll();
+		else if (rows.size() != count)
+			rows.resize(count);
 		return rows;
 	}
 
@@ -128,7 +141,7 @@ class ContactRows {
 	double* storeBeside()
 	{
 		solved = true;
-		impulses.resize(2 * rows.size());
+		impulses.resize(2 * count);
 		return impulses.data();
 	}
 	const double* solution() const { return impulses.data(); }
@@ -138,6 +151,8 @@ class ContactRows {
     private:
 	void makeAll() const
 	{
+		unread = 0;
+		rows.resize(count);
 		source->makeRows(rows);
 		source = nullptr;
 		for (std::size_t i = 0; solved && i < rows.size(); i++) {
@@ -146,7 +161,10 @@ class ContactRows {
 		}
 	}
 
-	mutable std::vector<ContactRow> rows;
+	static constexpr int longestUnread = 16;
+	std::size_t count = 0;
+	mutable std::vector<ContactRow> rows; // not kept where nobody reads them
+	mutable int unread = 0; // steps in a row whose rows nobody has read
 	mutable RowSource* source = nullptr;
 	std::vector<double> impulses;
 	bool solved = false;

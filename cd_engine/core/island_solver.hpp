@@ -46,14 +46,18 @@ int fingerprint(const double gained[3]);
 // Solves all contacts at once.
 SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
 
-// Solves island by island. A system of one island gets the same bits as from solveWhole. Settings with fixedIterations or a random order refer to the
-// whole system; it is then solved as a whole. iterations: the most made on any island.
+// Solves island by island. A system of one island gets the same bits as from solveWhole, unless the step needs no sweep. Settings with
+// fixedIterations or a random order refer to the whole system; it is then solved as a whole. iterations: the most made on any island.
 class IslandSolver {
     public:
 	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
 	// Puts the islands to sleep that the last call has found asleep.
 	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
+
+	// Whether the last system solved in place, its one large island and lone contacts, needed no sweep. It decides in which order the impulses of
+	// the next one are added to the velocities, and so its last digits.
+	bool rested = false;
 
     private:
 	struct Island {
@@ -105,7 +109,6 @@ class IslandSolver {
 	std::vector<SleepingIsland> found; // asleep, sorted by name
 	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
-	bool rested = false; // whether the last system was solved in place without a sweep; has an effect on costs, not on results
 };
 
 } // namespace cd

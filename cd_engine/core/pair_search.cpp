@@ -125,6 +125,11 @@ void PairSearch::find(World& world, std::vector<NearPair>& found)
 	nearPairs.find(world, margins, found);
 }
 
-int PairSearch::lost(const World& world) const { return leftBehind(world, quick); }
+int PairSearch::lost(const World& world)
+{
+	const int id = leftBehind(world, quick);
+	quick.clear();
+	return id;
+}
 
 } // namespace cd

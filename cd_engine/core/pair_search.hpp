@@ -16,8 +16,8 @@ class PairSearch {
 	// Finds the pairs, in no particular order, and fills World::listed. Call `needed` first.
 	void find(World&, std::vector<NearPair>&);
 
-	// The body that has left all others behind, -1: none.
-	int lost(const World&) const;
+	// The body that has left all others behind, -1: none, or nothing has been searched since the last call.
+	int lost(const World&);
 	// The largest way of a body in this step, in radii of the smallest disk.
 	double longestWay() const { return longest; }
 	double marginOf(int32_t body) const { return margins[body]; }

@@ -44,8 +44,6 @@ struct SolverSettings {
 // no_solution: there is none, or only one with impulses above all bounds (verdict.hpp); indefinite: the same, and p . W p < 0 for some impulses p.
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
-// Whether the status is a property of the problem, not of the solver's effort.
-inline bool hasNoSolution(Status s) { return s == Status::no_solution || s == Status::indefinite || s == Status::diverged; }
 
 struct SolverReport {
 	int iterations = 0; // sweeps and factorizations made

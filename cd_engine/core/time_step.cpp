@@ -174,10 +174,12 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
 	StepReport report;
+	solveIslands.rested = settings.rested;
 	threads.use(settings.threads);
 	forgotten.clear();
 	noteLoads(world, settings);
 	while (!attempt(world, settings, report)) { }
+	report.rested = solveIslands.rested;
 	spared = system.contacts.postponed();
 	if (report.solver.status == Status::diverged || !report.outran.empty()) {
 		system.contacts.forgetSource(); // `world` and `settings` may be gone when somebody reads them

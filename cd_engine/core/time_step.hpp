@@ -29,6 +29,7 @@ struct StepSettings {
 	int trial = 0; // sweeps that slow islands may take to prove their rest in this step (island_sleep.cpp)
 	const std::vector<int>* loadsBefore = nullptr; // for a trial: hashes of the loads in the step before
 	bool notesLoads = false; // record the loads, for a trial in the next step
+	bool rested = false; // StepReport::rested of the step before
 	Solver solve = nullptr;
 	SolverSettings solver;
 };
@@ -36,6 +37,7 @@ struct StepSettings {
 struct StepReport {
 	SolverReport solver;
 	Effort effort;
+	bool rested = false; // IslandSolver::rested
 	std::array<int32_t, 2> unsolvable { -1, -1 }; // bodies of the contact that speaks most against a solution
 	int contacts = 0; // contacts that the solver was given
 	int slidingContacts = 0; // loaded contacts with mu > 0 and |p_t| at mu p_n

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the OpenMP library that YADE's own loops use; null if YADE was built without it
 
@@ -93,6 +94,15 @@ void ContactDynamics::action()
 	try {
 		takeOver();
 		advance();
+	} catch (const std::bad_alloc&) { // arrays may be half filled
+		link = SceneLink();
+		step = cd::TimeStep();
+		last = {};
+		idle = false;
+		others.wakeUnsorted();
+		const std::string error = "ContactDynamics: no memory is left for this step; it has not been made";
+		exchangeError(error);
+		throw SceneError(error);
 	} catch (...) {
 		link.catchUp(scene, step);
 		scene_forces(scene).sync(); // else ForceResetter would leave what other engines have added in this step
@@ -121,6 +131,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	const bool awake = sleeping < islands; // else there is nothing to try
 	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
 	s.loadsBefore = &loadsBeforeTrial;
+	s.rested = rested;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
 	s.solve = cd::findSolver(read(&ContactDynamics::method));
 	s.solver = { tolerance, maxIterations, fixedIterations };
@@ -151,24 +162,27 @@ void ContactDynamics::show()
 
 void ContactDynamics::advance()
 {
-	if (idle && link.ahead() && !looksAtOrder() && others.drivenBodies().empty()) {
+	const Vector3r weighs = read(&ContactDynamics::gravity); // Python may set it during the step
+	const long now = changes();
+	const bool changed = std::exchange(known, now) != now;
+	if (idle && !changed && link.ahead() && !looksAtOrder() && others.drivenBodies().empty()) {
 		{
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
 		}
 		if (scene_trackEnergy(scene))
-			track(energyOf(link.world, gravity).kinetic, 0, 0);
+			track(energyOf(link.world, weighs).kinetic, 0, 0);
 		show();
 		return;
 	}
-	others.check(this, scene, gravity != Vector3r::Zero());
-	const cd::StepSettings settings = this->settings(scene);
+	others.check(this, scene, weighs != Vector3r::Zero());
+	cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world);
 	last = settings;
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
-	link.gather(scene, gravity, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
+	link.gather(scene, weighs, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
 	if (handover) {
 		link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
@@ -183,12 +197,13 @@ void ContactDynamics::advance()
 		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
 		    "Set one of them to 0. A smaller O.dt reduces overlaps.");
 	const bool tracks = scene_trackEnergy(scene);
-	const double height = tracks ? energyOf(link.world, gravity).weight : 0;
+	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
 	cd::StepReport made = step(link.world, settings);
 	for (std::vector<double> needed; !made.outran.empty();) { // a repeated step may need more
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
-		link.gather(scene, gravity, settings.dt, memory(), false, searchMargin, step, needed);
+		link.gather(scene, weighs, settings.dt, memory(), false, searchMargin, step, needed);
+		settings.rested = made.rested;
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)
@@ -197,7 +212,7 @@ void ContactDynamics::advance()
 	link.hold(step, settings.dt);
 	idle = made.idle;
 	if (tracks) {
-		const Energy now = energyOf(link.world, gravity);
+		const Energy now = energyOf(link.world, weighs);
 		track(now.kinetic, now.weight - height, made.dissipated);
 	}
 	show();
@@ -228,6 +243,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= tolerance);
 	status = cd::name(report.solver.status);
 	pressed = !converged && (pressed || !unsolvableContact.empty());
+	rested = report.rested;
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	unknowns = report.effort.unknowns;

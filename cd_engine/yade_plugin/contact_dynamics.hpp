@@ -65,6 +65,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	long restTrialAt = 0;
 	int restTrialPause = 16;
 	bool pressed = false;
+	bool rested = false; // cd::StepReport::rested of the last step
 
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
@@ -117,6 +118,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool warned = false, toldOfLost = false, toldOfSpeed = false, toldOfUnsolvable = false;
 	cd::StepSettings last; // settings of the last step
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
+	long known = 0; // attributes set before the last step
 };
 
 // Where the attributes are.

@@ -48,7 +48,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.");
 	visit("reduce", &C::reduce, setting,
 	    "Solve islands of contacts without a common movable body separately, each to the tolerance by itself, which is at least as strict as the "
-	    "tolerance for the whole; bodies that touch nothing take no part. If there is one island only, the step has the same bits as without. "
+	    "tolerance for the whole; bodies that touch nothing take no part. If there is one island only and the step needs sweeps, it has the same "
+	    "bits as without. "
 	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
 	visit("handover", &C::handover, setting,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
@@ -104,6 +105,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "to a thousandth of the tolerance are stopped and sleep [1].");
 	visit("pressed", &C::pressed, internal,
 	    "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.");
+	visit("rested", &C::rested, internal,
+	    "Whether the last step solved its one large island without a sweep; this decides in which order impulses are added, and so last digits.");
 	visit("restTrialPause", &C::restTrialPause, internal, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, result, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, result, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");

@@ -4,6 +4,7 @@
 #include "waiting.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -27,8 +28,8 @@ namespace {
 			      "other";
 		if (isA(name, "TimeStepper"))
 			return name + " sets O.dt by the stiffness of springs, which rigid bodies do not have." + remove;
-		if (isA(name, "BoundaryController"))
-			return name + " moves walls by the stiffness of springs, which rigid bodies do not have." + remove
+		if (isA(name, "BoundaryController") || isA(name, "ServoPIDController"))
+			return name + " moves walls until springs carry their loads; rigid bodies have no springs." + remove
 			    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
 		for (const char* const pushing :
 		    { "ForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier", "DragEngine", "LinearDragEngine", "HydroForceEngine" })
@@ -87,9 +88,10 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
 		Other other { engine.get(), engine->dead, engine.get() == self, false, before, onlyDrives(name) };
-		if (other.self)
-			before = false;
-		else if (isA(name, "Collider") && !found) {
+		if (other.self) {
+			if (!std::exchange(before, false))
+				problem = "it stands twice in O.engines and would move the bodies a second time. Remove one of the two";
+		} else if (isA(name, "Collider") && !found) {
 			other.ours = true;
 			found = engine;
 		} else if (!engine->dead) {
@@ -108,11 +110,12 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	}
 	wake();
 	collider = found;
+	asked = std::any_of(engines.begin(), engines.end(), [](const auto& engine) { return isA(engine->getClassName(), "SpheresFactory"); });
 }
 
 void OtherEngines::restCollider(yade::Scene* scene)
 {
-	if (collider)
+	if (collider && !asked)
 		collider->dead = resting = awaited() || scene_stopAtIter(scene) > scene_iter(scene) + 1;
 }
 

@@ -52,6 +52,7 @@ class OtherEngines {
 	std::vector<int> driven;
 	long changedAt = -1; // iteration of the last check that found a changed list
 	Shared<yade::Engine> collider;
+	bool asked = false; // whether an engine asks the collider for free space
 	bool resting = false; // whether the collider is switched off
 };
 

@@ -137,7 +137,16 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return static_cast<const E&>(*this).*member;
 	}
 
+	// How often somebody has set an attribute.
+	long changes() const
+	{
+		const std::lock_guard<std::mutex> lock(attributesLock);
+		return changed;
+	}
+
     private:
+	long changed = 0;
+
 	E& self() { return static_cast<E&>(*this); }
 
 	// Whether `key` is one of the engine's own attributes, which then has this value.
@@ -166,6 +175,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 				raise(PyExc_ValueError, full + wrong);
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			self().*member = checked;
+			changed++;
 		});
 		return found;
 	}
@@ -219,6 +229,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		const py::object type = pythonClass();
 		if (python.attr("__class__") == type) // a class derived in Python may have attributes of its own
 			checkName(type, name);
+		if (E& engine = py::extract<E&>(python); engine.setOwn(name, value)) // which says of a result that it is one
+			return;
 		py::import("builtins").attr("object").attr("__setattr__")(python, name, value);
 	}
 

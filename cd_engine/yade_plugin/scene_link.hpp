@@ -89,8 +89,9 @@ class SceneLink {
 	bool cameIn(long step, int id) const { return bodies[id].came == step; }
 	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
 	void catchUp(yade::Scene*, cd::TimeStep&);
-	// Tells how fast bodies are and which is lost.
+	// Tells how fast bodies are.
 	const cd::PairSearch& pairSearch() const { return search; }
+	int lost() { return search.lost(world); }
 	// Whether the scene is out of date: steps have been made that are not published.
 	bool ahead() const { return behind; }
 	// Whether all positions and velocities after the last step are finite. If not, the next step refuses them when it reads them.

@@ -56,7 +56,7 @@ void ContactDynamics::warn()
 // Prints one line a run, for the first body that leaves the scene.
 void ContactDynamics::tellOfLost()
 {
-	const int id = toldOfLost ? -1 : link.pairSearch().lost(link.world);
+	const int id = toldOfLost ? -1 : link.lost();
 	if (id < 0)
 		return;
 	toldOfLost = true;
@@ -79,9 +79,11 @@ void ContactDynamics::tellOfSpeed(double dt)
 		return;
 	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
 	toldOfSpeed = true;
-	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves "
-		  << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " times its radius in a step and may jump over others. O.dt is " << dt
-		  << " s; cd_engine.timeStep() proposes a time step. Further such bodies are not reported.\n";
+	std::cerr
+	    << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves "
+	    << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " times its radius in a step and may jump over others. O.dt is " << dt
+	    << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds and gravity; it does not know other forces, which may "
+	       "grow without bound, such as a strong drag. Further such bodies are not reported.\n";
 }
 
 // Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
@@ -104,10 +106,9 @@ void ContactDynamics::watchPenetration(double before) const
 		remedy = std::string("No speed explains it: bodies were put there, moved, turned or resized, or have overlapped from the start "
 				     "(handover=False). Move them apart")
 		    + (gapCorrection == 0 && maxPenetration < smallest ? ", or set gapCorrection=0.1, which pushes overlaps out" : "");
-	else if (atOnce && restitution > 0)
-		remedy
-		    = "It came in this one step: a contact that impulses of other contacts close rebounds only in the next step, and until then it "
-		      "overlaps by up to its closing speed times O.dt. Take a smaller O.dt";
+	else if (restitution > 0 && (atOnce || !misses))
+		remedy = "A contact that impulses of other contacts close rebounds only in the next step, and until then it overlaps by up to its "
+			 "closing speed times O.dt. Take a smaller O.dt";
 	else if (atOnce && misses)
 		remedy = "It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt "
 			 "(cd_engine.timeStep() proposes one), or raise maxIterations or fixedIterations";

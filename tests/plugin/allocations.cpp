@@ -1,4 +1,4 @@
-// Who asks for memory: a library to be preloaded, which notes the calls of every request made between countStart() and countStop().
+// Who asks for memory: a library to be preloaded, which notes the calls of every request made between countStart() and countStop(), or refuses one.
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -51,12 +51,32 @@ void note()
 	noting = false;
 }
 
+std::atomic<long> left { 0 }; // requests of the plug-in up to the one that is refused; 0: none is
+
+bool refused()
+{
+	if (left <= 0 || noting)
+		return false;
+	noting = true;
+	void* callers[4];
+	const int count = backtrace(callers, 4);
+	bool ours = false;
+	for (int i = 0; i < count; i++) {
+		Dl_info info {};
+		ours = ours || (dladdr(callers[i], &info) && info.dli_fname && std::strstr(info.dli_fname, "_yade_plugin.so"));
+	}
+	noting = false;
+	return ours && --left == 0;
+}
+
 } // namespace
 
 extern "C" {
 
 void* malloc(size_t size)
 {
+	if (refused())
+		return nullptr;
 	note();
 	return __libc_malloc(size);
 }
@@ -101,6 +121,14 @@ void askForMemory()
 }
 
 void countStop() { counting = false; }
+
+// Refuses the request of the plug-in of this number from now on; returns how many were left of the last call.
+long refuse(long number)
+{
+	void* first[1];
+	backtrace(first, 1);
+	return left.exchange(number);
+}
 
 // A line for each way to a request: how often, then library:function from the request outwards.
 void countPrint(const char* path)

@@ -108,3 +108,32 @@ def test_attributes_are_read_whole_beside_a_run(O):
     finally:
         O.pause()
         O.wait()
+
+
+@pytest.mark.parametrize("height", [0.01, 1e3], ids=["asleep", "falling"])
+def test_gravity_that_a_thread_sets_acts_at_once(O, height):
+    """In the middle of a run for whose end somebody waits, with publish='due': on a disk that sleeps on the floor, and on one that falls."""
+    mat = plane.material()
+    plane.floor(mat)
+    disk = plane.disk((0, height), 0.01, mat=mat)
+    engine = plane.run(100, 1e-5, gravity=(0, -1, 0))
+    O.trackEnergy = True
+
+    def turn():
+        before = engine.steps
+        while engine.steps < before + 1000:
+            time.sleep(1e-4)
+        engine.gravity = (0, 10, 0)
+        before = engine.steps
+        while engine.steps < before + 20000:
+            time.sleep(1e-4)
+        O.pause()
+
+    try:
+        _thread.start_new_thread(turn, ())
+        O.run(10**9, True)
+    finally:
+        O.trackEnergy = False
+    assert O.bodies[disk].state.vel[1] > 1e-2
+    energy = dict(O.energy.items())
+    assert energy["kinetic"] + energy["gravWork"] == pytest.approx(5e-11 * (height > 1), abs=1e-3 * energy["kinetic"])

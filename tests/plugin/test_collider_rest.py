@@ -101,3 +101,15 @@ def test_the_list_of_pairs_may_be_cleared_by_somebody_else(O):
     O.dt = 1e-4
     O.run(300, True)
     assert [O.bodies[i].state.pos[1] for i in ids] == pytest.approx([0.01 + 0.02 * k for k in range(5)], abs=1e-9)
+
+
+def test_it_is_awake_for_a_factory_of_spheres(O):
+    """YADE's factories ask the collider for free space; without its answer disks are put into each other."""
+    import cd_engine
+    from yade import wrapper
+    plane.material()
+    factory = wrapper.BoxFactory(center=(0, 0.5, 0), extents=(0.08, 0, 0), rMin=0.008, rMax=0.01, vMin=0.1, vMax=0.1, vAngle=0, massFlowRate=20,
+                                 maxParticles=20, normal=(0, -1, 0), blockedDOFs="zXY", materialId=0, exactDiam=False)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)) + [factory], 1e-3
+    O.run(300, True)
+    assert len(O.bodies) == 20 and O.engines[2].deepestPenetration < 1e-4 * 0.008

@@ -138,3 +138,49 @@ def test_stiffness_stays_with_its_pair(O, kn):
     O.run(1, True)
     contact = O.interactions[first, third]
     assert contact.isReal and contact.phys.kn == 0
+
+
+REFUSED = """
+import ctypes, glob, sys
+sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
+from yade import O
+import cd_engine
+from tests.plugin import test_invariants
+refuse = ctypes.CDLL(None).refuse
+refuse.restype, refuse.argtypes = ctypes.c_long, [ctypes.c_long]
+
+def digest(number, at):
+    O.reset()
+    test_invariants.heap(O, 0.3)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-6, reduce={reduce}), 1e-3
+    if at:
+        O.run(at, True)
+    refuse(number)
+    told = ""
+    try:
+        O.run(1, True)
+    except RuntimeError as error:
+        told = str(error)
+    refused = number > 0 and refuse(0) <= 0
+    assert refused == ("no memory is left" in told), (number, told)
+    O.run(at + 20 - O.iter, True)
+    return refused, test_invariants.digest(O)
+
+for at in (0, 60):
+    known, number, refused = digest(0, at)[1], 1, True
+    while refused:
+        refused, found = digest(number, at)
+        assert found == known, (number, at)
+        number += 1 + number // 10
+    print("refused up to request", number, flush=True)
+    assert at or number > 20
+"""
+
+
+@pytest.mark.parametrize("reduce", [True, False])
+def test_a_step_that_gets_no_memory_can_be_made_again(counter, root, reduce):
+    """Whichever request is refused: the step is refused in words, and the next attempt makes it, with the same bits."""
+    done = subprocess.run([sys.executable, "-c", REFUSED.format(root=str(root), reduce=reduce)], env=os.environ | {"LD_PRELOAD": str(counter)},
+                          capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("refused up to request") == 2

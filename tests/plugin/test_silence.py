@@ -26,7 +26,8 @@ def one_disk(**settings):
     (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after it"),
     (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
     (lambda: wrapper.TriaxialStressController(), r"TriaxialStressController moves walls.*O\.forces\.setPermF"),
-], ids=["force", "radial force", "gravity", "time step", "triaxial"])
+    (lambda: wrapper.ServoPIDController(ids=[1]), r"ServoPIDController moves walls.*O\.forces\.setPermF"),
+], ids=["force", "radial force", "gravity", "time step", "triaxial", "servo"])
 def test_engines_that_do_not_go_with_it(O, engine, said):
     O.engines = one_disk() + [engine()]
     O.dt = 1e-3
@@ -49,6 +50,33 @@ def test_gravity_of_two_engines(O):
     cd.gravity = (0, -9.81, 0)
     with pytest.raises(RuntimeError, match="would weigh twice"):
         O.run(1, True)
+
+
+def test_the_same_engine_twice(O):
+    reset, collider, cd = one_disk()
+    O.engines, O.dt = [reset, collider, cd, cd], 1e-3
+    with pytest.raises(RuntimeError, match="it stands twice in O.engines"):
+        O.run(1, True)
+
+
+@pytest.mark.parametrize("reduce", [True, False])
+def test_two_disks_with_the_same_centre(O, capfd, reduce):
+    """No direction leads from one to the other: the step is refused, or these two do not push each other, which is told."""
+    O.engines, O.dt = one_disk(handover=False, reduce=reduce), 1e-3
+    plane.disk((0, 0.01), 0.01, mat=O.bodies[1].mat)
+    plane.disk((0.05, 0.01), 0.01, mat=O.bodies[1].mat)
+    try:
+        O.run(1, True)
+        assert "bodies #1 and #2 overlap by 0.02 m" in (said := capfd.readouterr().err) and "Move them apart" in said
+    except RuntimeError as error:
+        assert "disks with the same centre" in str(error)
+    assert tuple(O.bodies[3].state.pos) == (0.05, 0.01, 0)
+
+
+def test_a_result_cannot_be_set():
+    engine = cd_engine.ContactDynamics()
+    with pytest.raises(AttributeError, match="steps is a result and cannot be set"):
+        engine.steps = 3
 
 
 def test_forces_that_are_cleared_at_once(O):
