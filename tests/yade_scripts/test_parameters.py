@@ -177,6 +177,13 @@ def test_values_that_do_not_go_together(row, word):
         complete(row)
 
 
+@pytest.mark.parametrize("scene", [scene for scene in scenes.names() if not scenes.module(scene).DEFAULTS.get("gravity")])
+def test_gravity_is_refused_where_a_scene_does_not_declare_it(scene):
+    """Packings are prepared without gravity and stored under a name that does not know it."""
+    with pytest.raises(ParameterError, match=f"gravity = 1e-07: the scene {scene} is without gravity, so take 0; .* declares it in DEFAULTS"):
+        complete({"scene": scene, "gravity": 1e-7})
+
+
 @given(st.sampled_from(sorted(REGISTRY)), st.one_of(st.floats(), st.integers(), st.booleans(), st.text(max_size=5), st.none()))
 def test_any_value_is_refused_or_comes_out_allowed(name, value):
     """Whatever passes is of the default's type and inside the range; nothing but ParameterError is raised."""

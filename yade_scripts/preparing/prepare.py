@@ -47,7 +47,12 @@ def inputs(full):
 
 
 def ensure(full, folder):
-    """Return (path, SHA-256) of the prepared state; prepare it if it does not exist, which leaves its scene in O."""
+    """Return (path, SHA-256) of the prepared state; prepare it if it does not exist, which leaves its scene in O.
+
+    Raise ParameterError for a row with gravity, under which a packing would lie otherwise than its hash says.
+    """
+    if full["gravity"]:
+        raise parameters.ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity, so take 0 or a scene without gravity")
     path = pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at the same time prepare it once
