@@ -1,5 +1,7 @@
 """The code and the processor that made a result."""
 import functools
+import glob
+import hashlib
 import pathlib
 import platform
 import subprocess
@@ -9,7 +11,8 @@ import subprocess
 def git_commit():
     """Return the commit of this project; 'unknown' outside a clone or without git.
 
-    '-dirty' is appended if tracked files differ, or if there are Python files that git does not know: a scene or study of one's own.
+    '-dirty' is appended if tracked files differ, if there are Python files that git does not know: a scene or study of one's own, or if the engine
+    was built of other sources.
     """
     def git(*arguments):
         return subprocess.run(["git", "-C", str(pathlib.Path(__file__).parent), *arguments], capture_output=True, text=True).stdout.strip()
@@ -17,15 +20,25 @@ def git_commit():
     try:
         commit = git("rev-parse", "--verify", "--quiet", "HEAD")
         own = git("ls-files", "--others", "--exclude-standard", *(f":(top,glob){folder}/**/*.py" for folder in ("cd_engine", "yade_scripts", "analysis")))
-        return (commit + ("-dirty" if own or git("status", "--porcelain", "--untracked-files=no") else "")) or "unknown"
+        dirty = own or git("status", "--porcelain", "--untracked-files=no") or not _engine_is_of_these_sources()
+        return commit + "-dirty" * bool(dirty) if commit else "unknown"
     except OSError:
         return "unknown"
+
+
+def _engine_is_of_these_sources():
+    """Tell whether the engine was built of the sources that are here, by the checksums that cd_engine/Makefile has written."""
+    folder = pathlib.Path(__file__).parents[2] / "cd_engine"
+    sources = sorted(name for pattern in ("Makefile", "*/*.[ch]pp", "*/*.inl") for name in glob.glob(pattern, root_dir=folder))
+    built = folder / "build" / "sources.sha256"
+    now = "".join(f"{hashlib.sha256((folder / name).read_bytes()).hexdigest()}  {name}\n" for name in sources)
+    return now == (built.read_text(encoding="utf-8") if built.exists() else "")
 
 
 def doubt(commits):
     """Return a predicate in words if results of these commits may come from other code than the present one, else an empty text."""
     now = git_commit()
-    words = lambda commit: short(commit).replace("-dirty", " with changes that are not committed")
+    words = lambda commit: short(commit).replace("-dirty", " with changes that are not committed or not built")
     others = sorted({words(commit) for commit in commits if commit != now or commit.endswith("-dirty")})
     today = f"; the code is at {words(now)}" * (others != [words(now)])
     return f"may come from other code (commit {', '.join(others)}{today}). Delete a file to run it again." if others else ""

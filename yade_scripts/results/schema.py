@@ -106,7 +106,7 @@ ROOT_ATTRIBUTES = _table(
     Field("method", "", "MD or CD"),
     Field("parameters", "", "JSON of the full row, defaults included"),
     Field("state_sha256", "", "SHA-256 of the prepared packing; empty if the scene has none"),
-    Field("git_commit", "", "commit of this project; ends in -dirty if files had changed"),
+    Field("git_commit", "", "commit of this project; ends in -dirty if files had changed or the engine was built of others"),
     Field("yade_version", "", "version of YADE"),
     Field("seed", "1", "seed of the packing"),
     Field("finished", "", "True if the run reached its end"),
