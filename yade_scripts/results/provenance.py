@@ -39,7 +39,7 @@ def doubt(commits):
     """Return a predicate in words if results of these commits may come from other code than the present one, else an empty text."""
     now = git_commit()
     words = lambda commit: short(commit).replace("-dirty", " with changes that are not committed or not built")
-    others = sorted({words(commit) for commit in commits if commit != now or commit.endswith("-dirty")})
+    others = sorted({words(commit) for commit in commits if commit != now or commit.endswith(("-dirty", "unknown"))})
     today = f"; the code is at {words(now)}" * (others != [words(now)])
     return f"may come from other code (commit {', '.join(others)}{today}). Delete a file to run it again." if others else ""
 
