@@ -98,6 +98,15 @@ def origin(collection):
         "run_command": command("study", collection), "parameters": constant, "varied": varied} | machine()
 
 
+def of_other_rows(name, facts, table):
+    """Tell from the provenance and the table of a study whether its runs had other parameters than its rows have today; later parameters do not
+    count."""
+    failed = set(table.file.dropna()) if "file" in table else set()
+    rows = [row for row in studies.rows(name, facts["extent"] == "full") if f"{parameters.result_name(row)}.h5" not in failed]
+    constant, varied = _split([parameters.read_by_method(row) for row in rows])
+    return not (facts["parameters"] | facts["varied"]).items() <= (constant | varied).items()
+
+
 def machine():
     """Return the versions and the processor of this machine."""
     return {"python": platform.python_version(), "numpy": np.__version__, "h5py": h5py.__version__, "matplotlib": matplotlib.__version__,

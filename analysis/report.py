@@ -18,7 +18,7 @@ PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element meth
 README = Path(__file__).parents[1] / "README.md"
 # Names and types that the page needs in the JSON files.
 STUDY = {"extent": str, "runs_finished": int, "packings": int, "computing_seconds": (int, float), "commits": list, "yade": list, "run_command": str,
-         "energy_balance": dict}
+         "energy_balance": dict, "parameters": dict, "varied": dict}
 CHART = {"figures": dict, "commits": list, "extent": str, "measured": int, "processor": str, "run_command": str}
 MOST_PIXELS, COLOURS = 1100, 48  # of an inlined picture, so that the page stays below 2 MB
 
@@ -63,8 +63,9 @@ def _study(name, folder, link):
     table = publish.read_table(folder / f"{name}.csv")
     failures = table[publish.STATUS].dropna().value_counts().to_dict() if publish.STATUS in table else {}
     more = [(link(file), file.stem) for file in sorted(folder.glob(f"{name}-*.png"))]
-    return facts | _head(name, study, folder, link) | {"failures": failures, "rows": len(table), "more": more, "large": link(folder / f"{name}.png"),
-                                                       "picture": _picture(folder / f"{name}.png")}
+    return facts | _head(name, study, folder, link) | {
+        "failures": failures, "rows": len(table), "other_rows": publish.of_other_rows(name, facts, table), "more": more,
+        "large": link(folder / f"{name}.png"), "picture": _picture(folder / f"{name}.png")}
 
 
 def _chart(name, folder, link):

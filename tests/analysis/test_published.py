@@ -38,6 +38,8 @@ def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
     absent = "; ".join(studies.module(name).TITLE for name in studies.names() if name not in PUBLISHED)  # while they are being written
     assert text.count("Not run yet") == (f"Not run yet: {absent}." in text) == bool(absent)
     assert all(studies.module(name).TITLE in text for name in PUBLISHED)
+    changed = [studies.module(name).TITLE for name in studies.names() if name in REMADE_NEXT]
+    assert re.findall(r"<h2>([^<]*)</h2>(?:(?!<h2>).)*Its rows have changed since; the command makes the new ones", text, re.S) == changed
     assert page.stat().st_size < 2e6 and text.count("<figure>") == text.count("<figure><a href=")  # every picture leads to the full one
 
 
@@ -55,19 +57,10 @@ def test_files_are_complete(name):
         assert len(studies.rows(name, True)) == found["runs_finished"] + failed
 
 
-def _of_other_rows(name):
-    """Tell whether the published runs had other parameters than the rows of the study have today; parameters of a later date do not count."""
-    found, table = said(name), publish.read_table(FOLDER / f"{name}.csv")
-    failed = set(table.file.dropna()) if "file" in table else set()
-    rows = [parameters.read_by_method(row) for row in studies.rows(name, True) if f"{parameters.result_name(row)}.h5" not in failed]
-    known = {parameter: {value} for parameter, value in found["parameters"].items()} | {key: set(values) for key, values in found["varied"].items()}
-    return any({row[key] for row in rows if key in row} != values for key, values in known.items())
-
-
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_the_published_runs_had_the_parameters_of_today(name):
     """All but those that are run anew next."""
-    assert _of_other_rows(name) == (name in REMADE_NEXT)
+    assert publish.of_other_rows(name, said(name), publish.read_table(FOLDER / f"{name}.csv")) == (name in REMADE_NEXT)
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
