@@ -137,7 +137,11 @@ def _summary(options):
     """Print a table, then what is known exactly of each run; a failed or unfinished run stays in the table, with its status."""
     rows, exact = [], []
     for name in options.files:
-        run = reader.load(name, finished=False)
+        try:
+            run = reader.load_named(name)
+        except reader.NoRunError:
+            store.load(name)
+            raise reader.ResultError(name, "is a measurement, not a run", "`python3 -m analysis check` reads it") from None
         rows.append({"file": run.path.name, "method": run.method, "status": str(run.attributes["status"])} | (_numbers(run) if run.finished else {}))
         exact += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
     print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *exact, sep="\n")
@@ -183,12 +187,10 @@ def _check(options):
 def _content(name):
     """Return what a file holds, in words, and the commit that made it. Raise ResultError if it cannot be used under its name."""
     try:
-        run = reader.load(name)
+        run = reader.load_named(name, finished=True)
     except reader.NoRunError:
         facts = store.load(name)
         return f"a measurement ({facts.get('status') or facts.get('verdict') or facts['piece']})", facts["git_commit"]
-    if run.name != run.path.stem:
-        raise reader.ResultError(name, f"it holds another run than its name says ({run.name})", "rename it")
     return f"{run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots", run.attributes["git_commit"]
 
 

@@ -77,7 +77,8 @@ def test_a_table_of_a_study_runs_under_yade_batch(capsys, tmp_path):
 
 
 def test_summary_keeps_failed_runs(md, cd, tmp_path, capsys):
-    failed = write(tmp_path / "failed.h5", "CD", finished=False, status="failed: walls locked")
+    failed = write(results.path_of(parameters.complete({"method": "CD", "seed": 2}), tmp_path), "CD", row={"seed": 2}, finished=False,
+                   status="failed: walls locked")
     assert main(["summary", md, cd, failed]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 4
@@ -88,7 +89,7 @@ def test_summary_of_a_scene_without_walls(tmp_path, capsys):
     columns = history("CD")
     for name in schema.OF_A_BOX:
         columns[name][:] = np.nan
-    assert main(["summary", write(tmp_path / "bounce.h5", "CD", columns)]) == 0
+    assert main(["summary", write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD", columns)]) == 0
     assert "n/a" in capsys.readouterr().out
 
 
@@ -107,10 +108,13 @@ def test_check_of_another_file(tmp_path, capsys):
     assert capsys.readouterr().out == f"{other}: is no result of this project\n"
 
 
-def test_check_refuses_a_renamed_run(md, tmp_path, capsys):
+def test_check_and_summary_refuse_a_renamed_run(md, tmp_path, capsys):
     other = md.rename(tmp_path / "other.h5")
+    said = f"{other}: it holds another run than its name says ({md.stem}); rename it, or run it again\n"
     assert main(["check", other]) == 1
-    assert capsys.readouterr().out == f"{other}: it holds another run than its name says ({md.stem}); rename it\n"
+    assert capsys.readouterr().out == said
+    assert main(["summary", other]) == 2
+    assert capsys.readouterr().err == f"analysis: {said}"
 
 
 def test_check_of_measurements(tmp_path, capsys):
@@ -120,6 +124,8 @@ def test_check_of_measurements(tmp_path, capsys):
     good, bad = sorted(tmp_path.glob("*.h5"))
     assert main(["check", str(good), str(bad)]) == 0
     assert {line.partition(": ")[2] for line in capsys.readouterr().out.splitlines()} == {"finished, a measurement (stable)", "finished, a measurement (not solved)"}
+    assert main(["summary", str(good)]) == 2
+    assert capsys.readouterr().err == f"analysis: {good}: is a measurement, not a run; `python3 -m analysis check` reads it\n"
     renamed = bad.rename(tmp_path / "m-0.h5")
     good.write_bytes(good.read_bytes().replace(b'"verdict"', b'"Verdict"'))
     assert main(["check", str(renamed)]) == 1 and main(["check", str(good)]) == 1

@@ -138,11 +138,11 @@ def load(path, finished=True):
     return run
 
 
-def load_named(path):
-    """Return the run stored at `path`, finished or not. Raise ResultError as `load` does, and if its parameters do not give it this name."""
-    run = load(path, finished=False)
+def load_named(path, finished=False):
+    """Return the run stored at `path`. Raise ResultError as `load` does, and if its parameters do not give it this name."""
+    run = load(path, finished)
     if run.name != run.path.name.partition(".")[0]:
-        raise ResultError(path, f"it holds another run than its name says ({run.name})", AGAIN)
+        raise ResultError(path, f"it holds another run than its name says ({run.name})", "rename it, or run it again")
     return run
 
 
