@@ -99,8 +99,6 @@ def main(disks, seed, friction, stem):
         target = f"{stem}-{mu:g}"
         load(1 + (STEPS + 1) * MORE)
         O.engines[-1].exportProblem(f"{target}.npz", True)
-        O.engines = []  # other versions of the engine could not read a saved one
-        O.save(f"{target}.yade.gz")
-        # Written last: its presence means that the other files are complete.
+        # Written last: its presence means that the problem is complete.
         pathlib.Path(f"{target}.json").write_text(json.dumps(facts, indent=1) + "\n")
     return facts

@@ -14,16 +14,11 @@ from yade_scripts.tables import product
 BOTH = ("cold", "warm")
 
 
-def _engine(folder, disks, mu, **settings):
-    return [problems.in_yade("engine", settings | {"stem": problems.state(folder, disks, 1, mu)})]
-
-
 # What measures the rows of each table, as function(folder of the problems, **settings).
 MEASURE = {
     "solutions": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
     "oracle": lambda folder, **crystal: solutions.oracle(problems.crystal(**crystal)),
     "sweeps": sweeps.measure,
-    "engine": _engine,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
 }
 
@@ -83,7 +78,6 @@ def quick(files):
     return (_solve(_packings(400, 1, BOTH), product(kind="crystal", rows=10, mu=0.8), _of_files(files), targets=(1e-2, 1e-4, 1e-6), most_seconds=2.0)
             + _pieces("oracle", product(rows=4, mu=0.5) * peer)
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
-            + _pieces("engine", product(disks=400, mu=0.5, tolerance=1e-6, steps=5, most_sweeps=10000))
             + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built")))
 
 
@@ -100,9 +94,6 @@ def full(files):
             + _pieces("oracle", (product(rows=3, mu=0.5) + product(rows=4, mu=(0.1, 0.5, 0.8))) * peer)
             + _pieces("sweeps", product(disks=400, copies=1, rounds=5, peer=peer), product(disks=4000, copies=(1, 10), rounds=5, peer=peer),
                       product(disks=4000, copies=200, rounds=3, peer=peer))
-            + _pieces("engine", product(disks=4000, tolerance=1e-8, steps=25, mu=problems.FRICTION, most_sweeps=10000),
-                      product(disks=40000, tolerance=1e-4, steps=20, mu=problems.FRICTION, most_sweeps=10000),
-                      product(disks=40000, tolerance=1e-6, steps=8, mu=problems.FRICTION, most_sweeps=10000))
             + _pieces("step", *(product(**step, columns=columns, steps=steps, tolerance=(1e-4, 1e-6))
                                 for columns, steps in ((20, 2000), (200, 500), (2000, 500), (12500, 500))),
                       product(**step | {"order": "shuffled"}, columns=2000, steps=500, tolerance=1e-4),

@@ -35,7 +35,7 @@ class Case:
 
 
 def state(folder, disks, seed, mu):
-    """Return the path, without its ending, of a packing's files (.npz problem, .yade.gz scene, .json facts). Make them unless they exist."""
+    """Return the path, without its ending, of a packing's files (.npz problem, .json facts). Make them unless they exist."""
     stem = f"{folder}/packing{PACKING_RECIPE}-{disks}-{seed}"
     pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
     with locks.held(pathlib.Path(folder) / f"packing-{disks}-{seed}"):

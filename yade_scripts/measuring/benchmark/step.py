@@ -16,7 +16,9 @@ per contact; what Contact Dynamics adds to these, which it uses, too.
 """
 import math
 import os
+import pathlib
 import random
+import resource
 import time
 
 import numpy as np
@@ -25,7 +27,6 @@ from yade import O, timing, utils
 from yade import wrapper as w
 
 import cd_engine
-from yade_scripts.measuring.benchmark.engine import resident
 
 RADIUS, MASS, FRICTION, GRAVITY = 0.01, 1000 * math.pi * 0.01**2, 0.5, 9.81  # [m], [kg] of a disk of depth 1 m, [1], [m/s^2]
 STEP = 1e-3        # of Contact Dynamics [s]
@@ -35,6 +36,11 @@ SETTLING = 20      # steps
 MEASURED, LEAST = 2000000, 10  # steps of a run of springs, or at rest: MEASURED over the number of disks, and at least LEAST
 SETTLED = 1e-6     # tolerance to which a packing settles first, at most
 RESTING = 40000    # most disks of the scene at rest
+
+
+def resident():
+    """Return the memory that this process uses now [bytes]."""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def scene():
