@@ -91,11 +91,12 @@ def load_on():
             "loaded_unconverged_steps": engine.unconvergedSteps}
 
 
-def main(disks, seed, friction, stem):
+def main(settings, friction, stem):
     """Make the packing and the problem for each friction coefficient; the files are named `stem`-friction. Return facts about the last."""
-    packed = jammed(np.random.default_rng(seed).uniform(*RADII, disks), seed)
+    seed = settings["seed"]
+    packed = jammed(np.random.default_rng(seed).uniform(*RADII, settings["disks"]), seed)
     for mu in friction:
-        facts = come_to_rest(build(*packed, mu)) | load_on()
+        facts = {"settings": settings | {"friction": mu}} | come_to_rest(build(*packed, mu)) | load_on()
         target = f"{stem}-{mu:g}"
         load(1 + (STEPS + 1) * MORE)
         O.engines[-1].exportProblem(f"{target}.npz", True)
