@@ -3,7 +3,7 @@ import sys
 from pathlib import Path
 
 from analysis import publish, studies
-from yade_scripts import batch, results
+from yade_scripts import batch, commands, results
 from yade_scripts.running import locks
 
 
@@ -34,7 +34,7 @@ def run(names, full, folder, figures, jobs):
         print(f"{', '.join(names)}: ", end="")
         failed = batch.work_off(queue, jobs, ended)
     except OSError as error:
-        print(f"study: {error}: finished runs are kept; free some space and give the same command again.", file=sys.stderr)
+        print(f"study: {error}: finished runs are kept; {commands.cure(error)} and give the same command again.", file=sys.stderr)
         return 1
     if drawn:
         print("Figures:\n  " + "\n  ".join(str(path.resolve()) for path in drawn) + "\nOne page of all: make report" + " FULL=1" * full)

@@ -75,7 +75,7 @@ def work_off(jobs, at_once, ended=lambda path: None):
 
     queue.run([job for job in jobs if job not in finished], at_once, note)
     for path in failed:
-        print(f"batch: {path} failed: {results.status(path) or 'see its log'}", file=sys.stderr)
+        print(f"batch: {path}: {results.status(path) or 'failed: see its log'}", file=sys.stderr)
     return failed
 
 
@@ -86,7 +86,7 @@ def main(arguments=None):
     try:
         return 1 if work_off(jobs, options.jobs) else 0
     except OSError as error:
-        print(f"batch: {error}: finished runs are kept; free some space and give the same command again.", file=sys.stderr)
+        print(f"batch: {error}: finished runs are kept; {commands.cure(error)} and give the same command again.", file=sys.stderr)
         return 1
 
 

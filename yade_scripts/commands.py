@@ -1,6 +1,7 @@
 """Shared by all commands: common options, and one sentence instead of a traceback for a user's mistake."""
 import argparse
 import contextlib
+import errno
 import functools
 import math
 import os
@@ -53,6 +54,11 @@ def positive(text):
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r}: must be a number above 0, such as 1e-3")
     return value
+
+
+def cure(error):
+    """Return what to do about an OSError, in words."""
+    return "free some space" if error.errno in (errno.ENOSPC, errno.EDQUOT) else "correct this"
 
 
 class Output:

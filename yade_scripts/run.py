@@ -45,7 +45,7 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
         try:
             failure = _run(path, full, folder, checkpoint_samples)
         except OSError as error:
-            print(f"{path.stem}: unfinished, its file cannot be written: {error}; free some space and start it again.", file=sys.stderr)
+            print(f"{path.stem}: unfinished: {error}; {commands.cure(error)} and start it again.", file=sys.stderr)
             return 1
     if failure is None:
         print(f"{path}: finished")

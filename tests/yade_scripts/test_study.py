@@ -28,7 +28,7 @@ def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, c
     folder = str(yade60.folder / "results")
     assert batch.main([path, "--jobs", "1", "--results", folder]) == 1
     first = capsys.readouterr()
-    assert "wall stress off" in first.err and first.out.count(": finished") == 2
+    assert ".h5: failed: wall stress off" in first.err and first.out.count(": finished") == 2
     rows = [parameters.complete(row) for row in tables.read(path).values()]
     assert [results.finished(results.path_of(row, folder)) for row in rows] == [True, True, False]
     assert batch.main([path, "--jobs", "1", "--results", folder]) == 1
@@ -58,17 +58,18 @@ def test_wrong_table_stops_before_the_first_run(table, capsys, text, message):
     assert message in capsys.readouterr().err
 
 
-def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("number, cure", [(errno.ENOSPC, "free some space"), (errno.EDQUOT, "free some space"), (errno.EACCES, "correct this")])
+def test_a_folder_that_cannot_be_and_a_full_disk_are_messages(table, tmp_path, monkeypatch, capsys, number, cure):
     path, folder = table("seed\n1\n"), tmp_path / "file"
     folder.touch()
     assert batch.main([path, "--results", str(folder)]) == 2
     assert f"{folder} cannot be used as the folder for results" in capsys.readouterr().err
 
     def full(job, mode="w"):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.log))
+        raise OSError(number, os.strerror(number), str(job.log))
     monkeypatch.setattr(batch.Row, "start", full)
     assert batch.main([path, "--results", str(tmp_path / "results")]) == 1
-    assert "No space left on device" in (said := capsys.readouterr().err) and "same command again" in said
+    assert os.strerror(number) in (said := capsys.readouterr().err) and f"; {cure} and give the same command again." in said
 
 
 def test_a_row_without_result_file_is_a_failure(yade60, table, capsys, tmp_path, monkeypatch):
