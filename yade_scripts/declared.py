@@ -3,6 +3,7 @@ import contextlib
 import importlib
 import pathlib
 import sys
+import traceback
 
 
 def names(package):
@@ -11,7 +12,8 @@ def names(package):
 
 
 def load(package, name, needed, usual):
-    """Return the module of this name; what it does not declare gets its value from `usual`. Raise ParameterError if a name of `needed` is missing."""
+    """Return the module of this name; what it does not declare gets its value from `usual`. Raise ParameterError if a name of `needed` is missing,
+    ImportError for any other fault of the file."""
     with located(pathlib.Path(sys.modules[package].__file__).with_name(f"{name}.py")):
         found = importlib.import_module(f"{package}.{name}")
     for declared, value in usual.items():
@@ -21,13 +23,18 @@ def load(package, name, needed, usual):
 
 
 @contextlib.contextmanager
-def located(file):
-    """Add the file to the message of an import that fails in it."""
+def located(file, kinds=Exception):
+    """Turn an exception of these kinds into an ImportError that names the file, and the line if it is known. One that names the file stays."""
     try:
         yield
-    except ImportError as error:
-        remedy = "; import what needs YADE inside a function, as inside build" * (error.name == "yade")
-        raise ImportError(f"{file}: {error}{remedy}", name=error.name) from None
+    except kinds as error:
+        if str(file) in str(error):
+            raise
+        if isinstance(error, ImportError):
+            remedy = "; import what needs YADE inside a function, as inside build" * (error.name == "yade")
+            raise ImportError(f"{file}: {error}{remedy}", name=error.name) from None
+        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+        raise ImportError(f"{file}{''.join(f', line {line}' for line in lines[-1:])}: {type(error).__name__}: {error}; correct it") from None
 
 
 def demand(package, file, declared, needed):

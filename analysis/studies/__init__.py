@@ -37,14 +37,14 @@ class Collection:
 def names(broken=None):
     """Return the names of all studies, in the order of the report.
 
-    A file that lacks something raises ParameterError. With a dictionary `broken` it is left out, and `broken` gets {name: message}.
+    A file with a fault raises ParameterError or ImportError. With a dictionary `broken` it is left out, and `broken` gets {name: message}.
     """
     found = declared.names(__name__)
     if broken is not None:
         for name in found:
             try:
                 module(name)
-            except (parameters.ParameterError, ImportError, SyntaxError) as error:
+            except (parameters.ParameterError, ImportError) as error:
                 broken[name] = str(error)
         found = [name for name in found if name not in broken]
     return sorted(found, key=lambda name: (module(name).ORDER, name))
@@ -52,12 +52,14 @@ def names(broken=None):
 
 @functools.cache
 def module(name):
-    """Return the module of a study, with defaults for what it does not declare. Raise ParameterError if there is none, or if it lacks something."""
+    """Return the module of a study, with defaults for what it does not declare. Raise ParameterError if there is none or if it lacks something, and
+    ImportError for any other fault of its file."""
     if name not in declared.names(__name__):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
     found = declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
                           {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
-    declared.demand(__name__, found, found.ROWS, ("quick", "full"))
+    with declared.located(found.__file__):
+        declared.demand(__name__, found, found.ROWS, ("quick", "full"))
     return found
 
 

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -69,6 +70,20 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "Left out: " in text and "fig5.py lacks ROWS, draw; " in text and studies.module("fig4").TITLE in text
+
+
+@pytest.mark.parametrize("text", ["TITLE = (", "TITLE = titel", "TITLE = QUESTION = 'q'; ROWS = []; summarize = draw = print"])
+def test_a_fault_in_one_study_is_named_and_stops_no_other(monkeypatch, tmp_path, text):
+    folder = tmp_path / "studies"
+    folder.mkdir()
+    for name, content in (("mine", text), ("other", "TITLE = QUESTION = 'q'; ROWS = {'quick': [], 'full': []}; summarize = draw = print")):
+        (folder / f"{name}.py").write_text(content)
+        monkeypatch.delitem(sys.modules, f"analysis.studies.{name}", raising=False)
+    monkeypatch.setattr(studies, "__path__", [str(folder)])
+    monkeypatch.setattr(studies, "__file__", str(folder / "__init__.py"))
+    broken = {}
+    assert studies.names(broken) == ["other"] and str(folder / "mine.py") in broken["mine"]
+    studies.module.cache_clear()
 
 
 @pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])

@@ -90,9 +90,10 @@ def test_a_scene_that_lacks_something_is_refused(monkeypatch):
 
 
 @pytest.mark.parametrize("text, words", [
-    ("import maths", "one.py: No module named 'maths'$"),
+    ("import maths", "one.py: No module named 'maths'$"), ("TITLE = (", r"one.py: SyntaxError: .*line 1\); correct it$"),
+    ("\nTITLE = titel", "one.py, line 2: NameError: name 'titel' is not defined; correct it$"),
     ("raise ModuleNotFoundError('No module', name='yade')", "one.py: No module; import what needs YADE inside a function")])
-def test_an_import_that_fails_is_located(tmp_path, monkeypatch, text, words):
+def test_a_file_that_fails_is_located(tmp_path, monkeypatch, text, words):
     folder = tmp_path / "some_scenes"
     folder.mkdir()
     (folder / "__init__.py").touch()

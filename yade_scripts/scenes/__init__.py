@@ -128,7 +128,7 @@ def build(full, folder):
     cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     O.reset()
     file = module(full["scene"])
-    with declared.located(file.__file__):
+    with declared.located(file.__file__, ImportError):
         built = file.build(full, folder)
     if not isinstance(built, Scene):
         raise ParameterError(f"build() of scene {full['scene']} must return a Scene")
