@@ -136,8 +136,8 @@ def test_what_is_no_file_is_said_in_a_sentence(tmp_path):
         asked = threading.Thread(target=lambda: answer.append(results.status(path)), daemon=True)
         asked.start()
         asked.join(30)
-        assert answer and "is not a regular file" in answer.pop()
-        refused(path, "is not a regular file")
+        assert answer and "cannot be read (not a regular file, move it away)" in answer.pop()
+        refused(path, "not a regular file")
 
 
 def test_what_was_never_a_result_is_not_called_damaged(tmp_path, md, root):

@@ -2,11 +2,11 @@
 
 A file is written under a temporary name and then renamed: after a crash either the old or the new file exists, and it is complete.
 """
+import errno
 import hashlib
 import io
 import os
 import pathlib
-import stat
 
 import h5py
 
@@ -25,6 +25,14 @@ class Unreadable(Damaged):
 
 class Foreign(Damaged):
     """The file is not, and never was, of the expected kind, so it makes no sense to advise to make it again."""
+
+
+def regular(path):
+    """Return the path. Raise OSError if something else than a regular file lies there, such as a pipe, which would never open."""
+    path = pathlib.Path(path)
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "not a regular file, move it away", str(path))
+    return path
 
 
 def write(path, content):
@@ -55,9 +63,7 @@ def replace(path, content):
 def open_checked(path, mark=b""):
     """Return the file opened for reading. Raise Damaged unless its checksum matches its content, Foreign if it does not hold the bytes `mark`."""
     try:
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            raise Foreign("is not a regular file")
-        content = pathlib.Path(path).read_bytes()
+        content = regular(path).read_bytes()
     except OSError as error:
         raise Unreadable(f"cannot be read ({error.strerror})") from None
     cut_off = content.startswith(HDF5) and len(content) < int.from_bytes(content[LENGTH], "little")

@@ -8,6 +8,8 @@ import fcntl
 import hashlib
 import pathlib
 
+from yade_scripts.results import sealed
+
 FILE = ".locks"
 
 
@@ -23,7 +25,7 @@ def held(path, waiting=lambda: None):
     A process may hold only one lock of a folder at a time: closing the file releases all of them.
     """
     path = pathlib.Path(path)
-    with open(path.parent / FILE, "ab") as file:
+    with open(sealed.regular(path.parent / FILE), "ab") as file:
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(path))
         except BlockingIOError:
@@ -37,7 +39,7 @@ def taken(path):
     path = pathlib.Path(path)
     if not (path.parent / FILE).exists():
         return False
-    with open(path.parent / FILE, "ab") as file:
+    with open(sealed.regular(path.parent / FILE), "ab") as file:
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(path))
         except BlockingIOError:
