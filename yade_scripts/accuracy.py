@@ -94,6 +94,8 @@ def check(row, accuracy):
     if full["method"] != "CD" or full["fixed_iterations"]:
         raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; springs have an error due to their stiffness, which a "
                                         "smaller step does not show")
+    if "tolerance" in row:
+        raise parameters.ParameterError(f"tolerance = {row['tolerance']}: the search for an accuracy chooses it, so leave it out")
     if not (isinstance(accuracy, float) and LOW <= accuracy < 1):
         raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error")
 

@@ -45,9 +45,9 @@ class Row(queue.Job):
 def jobs_of(rows, folder):
     """Return one job for each different row. Print a warning for each setting that is probably not meant."""
     jobs = {job.path: job for job in (Row(row, folder) for row in rows)}
-    for job in jobs.values():
-        for doubt in plausible.doubts(job.full):
-            print(f"batch: {job.path.stem}: {doubt}.", file=sys.stderr)
+    doubts = [f"{path.stem}: {doubt}" for path, job in jobs.items() for doubt in plausible.doubts(job.full)]
+    for doubt in doubts + plausible.unread([job.full for job in jobs.values()]):
+        print(f"batch: {doubt}.", file=sys.stderr)
     results.make(folder)
     return list(jobs.values())
 

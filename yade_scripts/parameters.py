@@ -208,8 +208,8 @@ def _check_together(full):
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
                              "otherwise the spheres touch the front and back walls")
     if full["gravity"] and not scene.DEFAULTS.get("gravity"):
-        raise ParameterError(f"gravity = {full['gravity']}: the scene {full['scene']} is without gravity, so take 0; a scene with gravity declares it "
-                             "in DEFAULTS")
+        raise ParameterError(f"gravity = {full['gravity']}: the scene {full['scene']} is without gravity, so take 0; a scene with gravity declares "
+                             "it in DEFAULTS")
     highest = full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"]
     if full["stress_path"] == "mean" and highest >= 1:
         raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; "

@@ -31,7 +31,7 @@ def start(folder=results.FOLDER, **row):
 def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     """Run a row to its end and write its file. Return the exit status. checkpoint_samples: None for the default of checkpoint.py."""
     full = parameters.complete(row)
-    for doubt in plausible.doubts(full):
+    for doubt in plausible.doubts(full) + plausible.unread([full]):
         print(f"run: {doubt}.", file=sys.stderr)
     path = results.path_of(full, folder)
     results.make(folder)

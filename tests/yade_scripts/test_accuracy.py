@@ -61,6 +61,7 @@ def test_a_number_that_is_none_is_no_answer():
 
 @pytest.mark.parametrize("row, asked, words", [
     ({"scene": "stack", "method": "MD"}, 1e-3, "only for method = CD"), ({"scene": "stack", "fixed_iterations": 5}, 1e-3, "only for method = CD"),
+    ({"scene": "stack", "tolerance": 1e-3}, 1e-3, "tolerance = 0.001: .*leave it out"),
     ({"scene": "stack"}, 2.0, r"must be a number in \[1e-08, 1\)"), ({"scene": "stack"}, math.nan, "must be a number")])
 def test_what_cannot_be_asked_for_is_refused(row, asked, words):
     with pytest.raises(parameters.ParameterError, match=words):

@@ -14,6 +14,14 @@ def test_other_units_are_doubted(row, words):
     assert found and words in " ".join(found) and next(name for name in row if name not in ("scene", "method")) in " ".join(found)
 
 
+def test_a_value_that_no_row_reads_is_doubted():
+    """One that the method of another row reads is that of a table of both methods; a default is none that somebody gave."""
+    springs, rigid = (parameters.complete({"scene": "stack", "tolerance": 1e-3, "method": method}) for method in ("MD", "CD"))
+    assert plausible.unread([springs]) == ["tolerance = 0.001 has no effect: only method=CD reads it"]
+    assert plausible.unread([springs, rigid]) == plausible.unread([parameters.complete({"scene": "stack", "method": "MD"})]) == []
+
+
 @pytest.mark.parametrize("name", studies.names())
 def test_no_row_of_ours_is_doubted(name):
-    assert [doubt for full in studies.rows(name, False) + studies.rows(name, True) for doubt in plausible.doubts(full)] == []
+    for rows in (studies.rows(name, False), studies.rows(name, True)):
+        assert [doubt for full in rows for doubt in plausible.doubts(full)] + plausible.unread(rows) == []

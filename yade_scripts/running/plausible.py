@@ -31,3 +31,13 @@ def doubts(full):
             found.append(f"period = {full['period']:g} s is {full['period'] / grain:.2g} times the {grain:.2g} s in which P0 moves a grain by its "
                          f"size: the load acts like an impact; use at least {BLOW * grain:.2g} s")
     return found
+
+
+def unread(rows):
+    """Return warnings about values in full rows that differ from the default of the scene, while the method of none of the rows reads them."""
+    read, found = {name for full in rows for name in parameters.read_by_method(full)}, {}
+    for full in rows:
+        usual, legal = parameters.defaults(full["scene"]), parameters.registry(full["scene"])
+        found |= {name: f"{name} = {value} has no effect: only method={legal[name].method} reads it" for name, value in full.items()
+                  if name not in read and value != usual[name]}
+    return list(found.values())
