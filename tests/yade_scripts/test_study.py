@@ -37,7 +37,8 @@ def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, c
 
 @pytest.mark.parametrize("made, now, words", [
     ("a" * 40, "a" * 40, None), ("b" * 40, "a" * 40, "(commit bbbbbbbbbbbb; the code is at aaaaaaaaaaaa)"),
-    ("a" * 40 + "-dirty", "a" * 40 + "-dirty", "(commit aaaaaaaaaaaa with changes that are not committed or not built)"), ("unknown", "unknown", "(commit unknown)")])
+    ("a" * 40 + "-dirty", "a" * 40 + "-dirty", "(commit aaaaaaaaaaaa with changes that are not committed or not built)"),
+    ("unknown", "unknown", "(commit unknown)")])
 def test_results_of_other_code_are_named(tmp_path, monkeypatch, capsys, made, now, words):
     """Two dirty states of one commit may differ, or may not; so may two of which git says nothing."""
     monkeypatch.setattr(batch.provenance, "git_commit", lambda: now)

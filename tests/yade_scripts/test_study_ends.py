@@ -128,8 +128,8 @@ def prepared(path):
 
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize("name, look", [
-    ("run.log", lambda path: queue.Job("run.py", [], path).start()), (locks.FILE, locks.taken), (locks.FILE, lambda path: locks.held(path).__enter__()),
-    ("a.yade.gz", prepared)], ids=["log", "lock asked", "lock held", "packing"])
+    ("run.log", lambda path: queue.Job("run.py", [], path).start()), (locks.FILE, locks.taken),
+    (locks.FILE, lambda path: locks.held(path).__enter__()), ("a.yade.gz", prepared)], ids=["log", "lock asked", "lock held", "packing"])
 def test_a_pipe_under_the_name_of_a_file_is_refused(tmp_path, name, look):
     """It would never open."""
     os.mkfifo(tmp_path / name)
