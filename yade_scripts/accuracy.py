@@ -77,7 +77,7 @@ def search(row, accuracy, run):
             break
     last, error = found[-1]
     why = _untold(last) or f"its error is about {error:.2g}"
-    raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:.2g} s, tolerance = {last.row['tolerance']:.2g}: "
+    raise AccuracyError(f"accuracy = {accuracy:g} is not reached at cd_dt = {last.row['cd_dt']:g} s, tolerance = {last.row['tolerance']:g}: "
                         f"{why}; ask for a larger error, or measure a quantity that is less sensitive to details of the motion")
 
 
@@ -146,7 +146,7 @@ def main(arguments=None):
         print(f"accuracy: {error}", file=sys.stderr)
         return 1
     for level, error in levels:
-        print(f"cd_dt = {level.row['cd_dt']:.3g} s, tolerance = {level.row['tolerance']:.1g}: " + (
+        print(f"cd_dt = {level.row['cd_dt']:g} s, tolerance = {level.row['tolerance']:g}: " + (
             f"estimated error {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
     return run.execute(levels[-1][0].row, options.results)
 

@@ -61,9 +61,9 @@ def work_off(jobs, at_once, ended=lambda path: None):
     """Run the jobs that have not finished; return the paths of failed ones. Call ended(path) for each result file that will not change any more."""
     endings = {job: results.ending(job.path) for job in jobs}
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
+    print(counted(jobs, finished), flush=True)
     if doubt := provenance.doubt(finished.values()):
         print(f"batch: some results {doubt}", file=sys.stderr)
-    print(counted(jobs, finished), flush=True)
     for job in finished:
         ended(job.path)
     failed = []

@@ -9,7 +9,7 @@ sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[1]))
 
 import cd_engine
 from yade import plot
-from yade_scripts import parameters, run
+from yade_scripts import commands, parameters, run
 
 __all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # names for the user of the console
 row = {"method": "CD"}
@@ -25,8 +25,9 @@ def start(**changes):
 
 try:
     scene = start(**parameters.from_arguments(sys.argv[1:]))
-except (parameters.ParameterError, ImportError) as error:
-    sys.exit(f"console: {error}")
+except (parameters.ParameterError, ImportError, OSError) as error:
+    print(f"console: {error}", file=sys.stderr)
+    sys.exit(commands.MISTAKE)
 
 print("""
 The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.summary() shows how they went.

@@ -191,7 +191,9 @@ def _checked(part, scene):
 
 
 def _hint(name, legal, scene):
-    """Return a hint for a name that is not legal in a scene: the scenes that have it, or names that look like it."""
+    """Return a hint for a name that is not legal in a scene: the command or the scenes that have it, or names that look like it."""
+    if name == "accuracy":
+        return "it belongs to another command: yade -n -x yade_scripts/accuracy.py"
     if others := [other for other in scenes.names() if name in registry(other)]:
         return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
     near = difflib.get_close_matches(name, legal, n=3)

@@ -141,14 +141,15 @@ def test_what_is_no_file_is_said_in_a_sentence(tmp_path):
 
 
 def test_what_was_never_a_result_is_not_called_damaged(tmp_path, md, root):
-    """It may be somebody's only copy; a result that was cut off is one that can be made again."""
+    """It may be somebody's only copy; a result that was cut off is one that can be made again. One that no longer says so cannot be told from it."""
     other, latest = tmp_path / "other.h5", tmp_path / "latest.h5"
     for path, version in ((other, "earliest"), (latest, "latest")):
         with h5py.File(path, "w", libver=version) as file:
             file["W"] = np.eye(2)
     sealed.write(tmp_path / "sealed.h5", other.read_bytes())  # as measurements are
-    for path in (root / "README.md", root / "yade_scripts/results/schema.py", other, latest, tmp_path / "sealed.h5"):
-        assert refused(path) == f"{path}: is no result of this project"
+    (tmp_path / "unmarked.h5").write_bytes(md.read_bytes().replace(reader.MARK, b"x" * len(reader.MARK)))
+    for path in (root / "README.md", root / "yade_scripts/results/schema.py", other, latest, tmp_path / "sealed.h5", tmp_path / "unmarked.h5"):
+        assert refused(path) == f"{path}: is no result of this project; if it was one, it is damaged: make it again"
     whole = md.read_bytes()
     for length in (100, 700, 2000, len(whole) - 100, len(whole) - 1):
         md.write_bytes(whole[:length])

@@ -1,5 +1,6 @@
 """Studies from tables to published files: runs collected, failures kept, tables exact, every answer from its rows."""
 
+import contextlib
 import json
 import shutil
 import sys
@@ -104,6 +105,14 @@ def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, cap
 def test_collect_finds_the_rows_of_the_table(fig4_results):
     found = studies.collect("fig4", fig4_results)
     assert [run.method for run in found.runs] == ["MD", "CD"] and not found.missing
+
+
+def test_the_number_of_runs_stands_behind_the_name_of_the_study(fig4_results, tmp_path, capsys):
+    """Not the doubt about their commit."""
+    with contextlib.redirect_stderr(sys.stdout):
+        assert main(["study", "fig4", "--run", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "fig4: 2 runs, 2 finished before" and said[1].startswith("batch: some results may come from other code")
 
 
 def test_rows_without_a_result_keep_their_reason(fig4_results):

@@ -64,6 +64,12 @@ def test_the_default_extent_that_help_names_is_taken(monkeypatch, capsys, tmp_pa
     assert asked == [usual, "quick", "full"]
 
 
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_help_begins_with_whole_sentences(program):
+    """The options stand after the first paragraph."""
+    assert importlib.import_module(PROGRAMS[program][0]).__doc__.partition("\n\n")[0].endswith(".")
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with a file and a table; it is the working folder, to which defaults refer."""

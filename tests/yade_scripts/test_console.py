@@ -51,3 +51,8 @@ def test_console_is_ready_for_o_run(yade60):
         if console.poll() is None:
             console.kill()
         os.close(master)
+
+
+def test_a_mistake_ends_the_console_as_any_command(tmp_path):
+    done = subprocess.run(["yade", str(SCRIPTS / "console.py"), "nonsense=1"], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    assert done.returncode == 2 and "console: unknown parameter 'nonsense'" in done.stderr

@@ -153,6 +153,11 @@ def test_unknown_name_is_refused_with_the_near_ones():
         complete({"frction": 0.2})
 
 
+def test_an_accuracy_is_asked_of_another_command():
+    with pytest.raises(ParameterError, match="unknown parameter 'accuracy'.*yade_scripts/accuracy.py"):
+        complete({"accuracy": "1e-3"})
+
+
 @pytest.mark.parametrize("row", [dict(delta_sigma=1.0), dict(loading="ramp", ramp_rate=0.2, period=5.0)])
 def test_a_lateral_stress_below_zero_is_refused(row):
     with pytest.raises(ParameterError, match="sigma1 = 2 P0 - sigma2 would be zero or negative"):

@@ -25,7 +25,7 @@ class ResultError(Exception):
 
 
 class NoRunError(ResultError):
-    """The file is not, and never was, the result of a run."""
+    """The file does not say that it is the result of a run."""
 
 
 @dataclass(frozen=True)

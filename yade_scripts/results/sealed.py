@@ -24,7 +24,7 @@ class Unreadable(Damaged):
 
 
 class Foreign(Damaged):
-    """The file is not, and never was, of the expected kind, so it makes no sense to advise to make it again."""
+    """The file does not say that it is of the expected kind: it never was, or it is damaged where it says so."""
 
 
 def regular(path):
@@ -68,7 +68,7 @@ def open_checked(path, mark=b""):
         raise Unreadable(f"cannot be read ({error.strerror})") from None
     cut_off = content.startswith(HDF5) and len(content) < int.from_bytes(content[LENGTH], "little")
     if mark not in content and not cut_off:  # before HDF5 sees it: libhdf5 may crash on a damaged file
-        raise Foreign("is no result of this project")
+        raise Foreign("is no result of this project; if it was one, it is damaged: make it again")
     length = len(_seal(b""))
     if content[-length:] != _seal(content[:-length]):
         raise Damaged("is damaged, or another program has changed it: its checksum is missing or does not match its content")

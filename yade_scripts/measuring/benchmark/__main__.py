@@ -1,4 +1,4 @@
-"""Measures the contact solvers beside Siconos's: `make bench`, or
+"""Measures the contact solvers beside Siconos's, as `make bench` does.
 
     /usr/bin/python3 -m yade_scripts.measuring.benchmark [--quick | --full] [--again] [--table NAME] [FILE ...]
 
