@@ -40,7 +40,7 @@ study: build ## prepare packings, run MD and CD, draw the figures: a first versi
 	$(PYTHON) -m analysis study --run $(extent) $(STUDY) --jobs $(JOBS)
 
 report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1
-	@$(PYTHON) -m analysis report $(extent) $(if $(PUBLISHED),--published analysis/published) -o $(REPORT)
+	@$(PYTHON) -m analysis report $(if $(PUBLISHED),--published analysis/published,$(extent)) -o $(REPORT)
 
 charts: build ## measure and draw speed against accuracy, and where each method fails: about 20 minutes; FULL=1
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
@@ -59,11 +59,11 @@ console: build ## YADE's console with the engine and the prepared packing
 	$(YADE) yade_scripts/console.py
 
 regression: build ## every scene, headless, against stored numbers
-	$(PYTHON) yade_scripts/measuring/regression.py
+	$(PYTHON) yade_scripts/measuring/regression.py --full
 
 bench: build ## measure the contact solvers beside Siconos's; QUICK=1; AGAIN=1 repeats all, FILES="..." adds problems
 	@.ci/install-packages test
-	$(PYTHON) -m yade_scripts.measuring.benchmark $(if $(QUICK),--quick) $(if $(AGAIN),--again) $(FILES)
+	$(PYTHON) -m yade_scripts.measuring.benchmark $(if $(QUICK),--quick,--full) $(if $(AGAIN),--again) $(FILES)
 	$(PYTHON) -m analysis benchmark results/benchmark$(if $(QUICK),/quick)
 
 sweep: build ## the rows of tables, or of STUDY="fig3", on a Slurm cluster: TABLE="a.txt b.txt" MINUTES=60 SBATCH="--partition=long"

@@ -45,8 +45,9 @@ def _parser():
     charts = command("charts", _charts, "charts of speed against accuracy and maps of stability, from what `make charts` has measured")
     report = command("report", _report, "one HTML page of all studies and charts")
     report.add_argument("--published", metavar="FOLDER", help="take figures and tables from here and draw nothing")
-    for extent in (study, table, charts, report):
-        commands.add_extent(extent)
+    commands.add_extent(study)
+    for extent in (table, charts, report):
+        commands.add_extent(extent, "of the first version", "of the full version")
     for writer, what in ((study, "folder of the figures"), (charts, "folder of the charts"), (report, "page to write")):
         commands.add(writer, "--results")
         writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
@@ -111,6 +112,8 @@ def _report(options):
     """Write the page: of studies and charts drawn now, or of published ones as they are."""
     from analysis import charts, publish, report, studies
     folder = Path(options.published or _folder(options))
+    if options.published and (options.quick or options.full or options.results != results.FOLDER):
+        raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
     if not options.published:
         broken = {}
         for message in (publish.publish_all(studies.names(broken), folder, options.results, options.full) | broken

@@ -122,3 +122,5 @@ def test_make_runs_these_commands(root):
     said = subprocess.run(["make", "-n", "study", "charts", "report"], cwd=root, capture_output=True, text=True, check=True).stdout
     for words in ("-m analysis study --run --quick", "-m yade_scripts.measuring --quick", "-m analysis charts --quick", "-m analysis report --quick"):
         assert words in said
+    said = subprocess.run(["make", "-n", "bench", "regression"], cwd=root, capture_output=True, text=True, check=True).stdout
+    assert "benchmark --full" in said and "regression.py --full" in said

@@ -30,9 +30,9 @@ def add(options, *shared):
     return options
 
 
-def add_extent(options, quick="a first version, minutes (default)", full="the full version, hours; it can be stopped and started again"):
+def add_extent(options, quick="a first version, minutes", full="the full version, hours; it can be stopped and started again"):
     extent = options.add_mutually_exclusive_group()
-    extent.add_argument("--quick", action="store_true", help=quick)
+    extent.add_argument("--quick", action="store_true", help=f"{quick} (default)")
     extent.add_argument("--full", action="store_true", help=full)
 
 

@@ -133,6 +133,19 @@ def test_check_of_measurements(tmp_path, capsys):
     assert said[0].startswith(f"{renamed}: holds another measurement than its name says (m-") and "is damaged, or another program has changed it" in said[1]
 
 
+@pytest.mark.parametrize("more", (["--full"], ["--quick"], ["--results", "elsewhere"]))
+def test_a_published_page_is_of_no_other_results(tmp_path, capsys, more):
+    assert main(["report", "--published", "analysis/published", "-o", tmp_path / "page.html", *more]) == 2
+    assert capsys.readouterr().err == "analysis: --published takes figures and tables as they are: leave out --quick, --full and --results\n"
+
+
+@pytest.mark.parametrize("command", ("table", "charts", "report"))
+def test_what_runs_nothing_promises_no_hours(capsys, command):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert "--full" in (said := capsys.readouterr().out) and "hours" not in said
+
+
 PAGE = ["report", "--published", "analysis/published", "-o", "{page}"]
 LATIN = {"LC_ALL": "de_DE.ISO-8859-1", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 

@@ -67,13 +67,13 @@ def record(stored, path):
 @commands.command("regression")
 def main(arguments=None):
     parser = commands.parser(__doc__)
-    commands.add_extent(parser, "only the quick cases", "all cases (default)")
+    commands.add_extent(parser, "only the quick cases", "all cases")
     parser.add_argument("--record", metavar="NEW.json", help="write the numbers found to a new file")
     options = parser.parse_args(arguments)
     if options.record and pathlib.Path(options.record).exists():
         raise parameters.ParameterError(f"{options.record} exists; name a new file")
     stored = json.loads(STORED.read_text())
-    cases = [case for case in stored["cases"] if case["quick"] or not options.quick]
+    cases = [case for case in stored["cases"] if case["quick"] or options.full]
     with tempfile.TemporaryDirectory() as folder:
         drifted = compare(cases, folder)
     if options.record:

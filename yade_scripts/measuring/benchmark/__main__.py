@@ -5,7 +5,8 @@
 FILE: problems to measure besides the project's own, such as those of Siconos's library (text) or FCLIB's (HDF5).
 Pieces that were measured with the same build are kept, so the run can be stopped and started again; --again measures all anew. Times of both
 codes are processor time of one thread. Other programs should not run meanwhile, since they would share caches and memory. Results:
-results/benchmark/*.csv; `python3 -m analysis benchmark` draws them. Exit status: 0, 1 if a piece failed, 2 for wrong arguments.
+results/benchmark/*.csv, without --full results/benchmark/quick/*.csv; `python3 -m analysis benchmark FOLDER` draws them. Exit status: 0, 1 if a
+piece failed, 2 for wrong arguments.
 """
 import importlib.metadata
 import inspect
@@ -28,7 +29,7 @@ from yade_scripts.running import queue
 def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
     parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
-    commands.add_extent(parser, "a first version, a minute", "the real one, hours; it can be stopped and started again (default)")
+    commands.add_extent(parser, "a first version, a minute", "the real one, hours; it can be stopped and started again")
     commands.add(parser, "--results")
     parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
     parser.add_argument("--table", choices=pieces.MEASURE, help="measure this table only and leave the others as they are")
@@ -38,14 +39,14 @@ def main(arguments=None):
             problems.from_file(path)
         except ValueError as error:
             raise parameters.ParameterError(str(error)) from None
-    folder = pathlib.Path(options.results) / "benchmark" / ("quick" if options.quick else "")
+    folder = pathlib.Path(options.results) / "benchmark" / ("" if options.full else "quick")
     results.make(folder)
     if reason := siconos.available():
         print(f"benchmark: without Siconos beside it: {reason}", file=sys.stderr)
     busy = os.getloadavg()[0]
     if busy > 0.5:
         print(f"benchmark: {busy:.1f} other processes are running; they disturb the measured times", file=sys.stderr)
-    todo = (pieces.quick if options.quick else pieces.full)(options.files)
+    todo = (pieces.full if options.full else pieces.quick)(options.files)
     tables, failed = run([piece for piece in todo if options.table in (None, piece.table)], folder, options.again)
     write(tables, folder, busy, options.table)
     return 1 if failed else 0
