@@ -102,7 +102,10 @@ def of_other_rows(name, facts, table):
     """Tell from the provenance and the table of a study whether its runs had other parameters than its rows have today; later parameters do not
     count."""
     failed = set(table.file.dropna()) if "file" in table else set()
-    rows = [row for row in studies.rows(name, facts["extent"] == "full") if f"{parameters.result_name(row)}.h5" not in failed]
+    try:
+        rows = [row for row in studies.rows(name, facts["extent"] == "full") if f"{parameters.result_name(row)}.h5" not in failed]
+    except parameters.ParameterError:  # rows that cannot be run are not those that were
+        return True
     constant, varied = _split([parameters.read_by_method(row) for row in rows])
     return not (facts["parameters"] | facts["varied"]).items() <= (constant | varied).items()
 

@@ -109,7 +109,7 @@ def test_check_of_another_file(tmp_path, capsys):
 
 
 def test_check_and_summary_refuse_a_renamed_run(md, tmp_path, capsys):
-    other = md.rename(tmp_path / "other.h5")
+    other = md.rename(tmp_path / f"{md.stem}.old.h5")
     said = f"{other}: it holds another run than its name says ({md.stem}); rename it, or run it again\n"
     assert main(["check", other]) == 1
     assert capsys.readouterr().out == said

@@ -63,6 +63,12 @@ def test_the_published_runs_had_the_parameters_of_today(name):
     assert publish.of_other_rows(name, said(name), publish.read_table(FOLDER / f"{name}.csv")) == (name in REMADE_NEXT)
 
 
+def test_rows_that_cannot_be_run_are_others(monkeypatch):
+    """The page of the other studies is written all the same."""
+    monkeypatch.setitem(studies.module("fig4").ROWS, "full", [{"frction": 0.1}])
+    assert publish.of_other_rows("fig4", said("fig4"), publish.read_table(FOLDER / "fig4.csv"))
+
+
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_every_number_of_the_text_stands_in_the_published_table(name):
     study = studies.module(name)

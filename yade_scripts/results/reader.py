@@ -141,7 +141,7 @@ def load(path, finished=True):
 def load_named(path, finished=False):
     """Return the run stored at `path`. Raise ResultError as `load` does, and if its parameters do not give it this name."""
     run = load(path, finished)
-    if run.name != run.path.name.partition(".")[0]:
+    if run.path.name not in (f"{run.name}.h5", f"{run.name}{PARTIAL_SUFFIX}"):
         raise ResultError(path, f"it holds another run than its name says ({run.name})", "rename it, or run it again")
     return run
 
