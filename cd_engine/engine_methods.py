@@ -52,13 +52,17 @@ def text(engine):
     return "\n".join(lines)
 
 
-def runs_besides():
-    """Return whether a run in the background changes the scene meanwhile. Code that an engine of the run calls (PyRunner) blocks the run, so it is
-    safe: it runs in a thread of YADE's own. Python's threading module knows this thread only as a dummy, and Python code begins there with a
-    command; in a thread made by _thread it begins with a function."""
-    from yade import O
+def in_a_run():
+    """Return whether an engine of a run (PyRunner) calls this code, in a thread of YADE's own. Python's threading module knows this thread only as a
+    dummy, and Python code begins there with a command; in a thread made by _thread it begins with a function."""
     *_, (first, _) = traceback.walk_stack(sys._getframe())
-    return O.running and not (isinstance(threading.current_thread(), threading._DummyThread) and first.f_code.co_name == "<module>")
+    return isinstance(threading.current_thread(), threading._DummyThread) and first.f_code.co_name == "<module>"
+
+
+def runs_besides():
+    """Return whether a run in the background changes the scene meanwhile. Code that an engine of the run calls blocks the run, so it is safe."""
+    from yade import O
+    return O.running and not in_a_run()
 
 
 def check_name(engine, name):

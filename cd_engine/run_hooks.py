@@ -1,20 +1,23 @@
 """Extends O.run, O.step, O.wait and O.pause: they check the list of engines and tell the plug-in when the scene may be read.
 
-O.pause() returns when the last step has ended (where the run's own stop is not a few steps away).
+O.pause() returns when the last step has ended (where the run's own stop is not a few steps away). O.load, O.reset and their like call it first.
 """
 import time
 
 from . import engine_methods
 
+# They take the scene away. YADE itself would crash if the thread of the run has not begun yet, and wait for ever if an engine of the run calls them.
+REPLACING = ("load", "loadTmp", "reload", "reset", "resetAllScenes", "resetCurrentScene", "resetThisScene", "stringToScene")
+
 
 def install(plugin):
-    """Replace these four methods of YADE's O. plugin: the compiled module.
+    """Replace these methods of YADE's O. plugin: the compiled module.
 
     O.run(n, True) and O.wait() tell the plug-in that the caller does not read the scene before they return; O.pause() tells it that the caller may.
     In between ContactDynamics writes to the scene only what other engines read, and everything at the end.
     """
     from yade import O
-    originals = {name: getattr(type(O), name) for name in ("run", "step", "wait", "pause")}
+    originals = {name: getattr(type(O), name) for name in ("run", "step", "wait", "pause", *REPLACING)}
     checks = {}  # by the number of the scene
 
     def check():
@@ -43,6 +46,9 @@ def install(plugin):
         waited(originals["wait"], self)
 
     def waited(original, self, *arguments):
+        if engine_methods.in_a_run():
+            raise RuntimeError(f"O.{original.__name__}: an engine of a run (PyRunner) cannot wait for its own run. Call O.run(n) there without waiting, "
+                               "which ends this run after n more steps, or leave it to the script")
         plugin.wait_begins()
         try:
             original(self, *arguments)
@@ -60,22 +66,34 @@ def install(plugin):
             # YADE's own O.pause() returns while the last step still changes the scene. A run that stops by itself has ended its step.
             while engine_methods.runs_besides():
                 stop = self.iter + lead
-                if 0 < former <= stop + lead:
-                    break  # its own stop is as near
-                self.stopAtIter, moved = stop, True
-                if self.iter >= stop:  # passed before it was set
-                    lead *= 2
+                if self.iter <= former <= stop + lead:  # its own stop is as near
+                    if moved:
+                        break
                 else:
-                    time.sleep(1e-3)
+                    self.stopAtIter, moved = stop, True
+                    if self.iter >= stop:  # passed before it was set
+                        lead *= 2
+                        continue
+                time.sleep(1e-3)
         finally:
             originals["pause"](self)
             if moved:
                 self.stopAtIter = former if former > self.iter else -1
         plugin.settle()
 
-    for told in (run, step, wait, pause):
-        told.__doc__ = originals[told.__name__].__doc__
-        setattr(type(O), told.__name__, told)
+    def replacing(name):
+        def replace(self, *arguments, **keywords):
+            if engine_methods.in_a_run():
+                raise RuntimeError(f"O.{name}: an engine of a run (PyRunner) cannot replace the scene of its own run. Call O.pause() there, and "
+                                   f"O.{name} in the script after the run")
+            if self.running:
+                pause(self)
+            originals[name](self, *arguments, **keywords)
+        return replace
+
+    for name, told in dict(run=run, step=step, wait=wait, pause=pause, **{name: replacing(name) for name in REPLACING}).items():
+        told.__name__, told.__doc__ = name, originals[name].__doc__
+        setattr(type(O), name, told)
 
 
 class _EngineCheck:

@@ -1,6 +1,7 @@
 """What Python may do while a run continues in the background."""
 import _thread
 import builtins
+import subprocess
 import threading
 import time
 
@@ -137,3 +138,46 @@ def test_gravity_that_a_thread_sets_acts_at_once(O, height):
     assert O.bodies[disk].state.vel[1] > 1e-2
     energy = dict(O.energy.items())
     assert energy["kinetic"] + energy["gravWork"] == pytest.approx(5e-11 * (height > 1), abs=1e-3 * energy["kinetic"])
+
+
+REPLACING = ("load('a.yade')", "loadTmp()", "reload()", "reset()", "resetAllScenes()", "resetCurrentScene()", "resetThisScene()", "stringToScene(scene)")
+SCRIPT = """
+sys.path[:0] = [{root!r}]
+from tests.plugin import plane
+def build():
+    O.reset()
+    plane.floor()
+    plane.disk((0, 0.01), 0.01)
+    plane.run(3, 1e-3, gravity=(0, -9.81, 0))
+    O.save("a.yade")
+build()
+O.saveTmp()
+scene = O.sceneToString()
+"""
+
+
+def printed(folder, root, text):
+    """What a script prints, run by a YADE of its own, as it would crash or hang without what is tested."""
+    (folder / "script.py").write_text(SCRIPT.format(root=str(root)) + text)
+    done = subprocess.run(["yade", "-n", "-x", "script.py"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+    return done.stdout + done.stderr
+
+
+def test_a_scene_is_replaced_right_after_a_run_has_begun(root, tmp_path):
+    """YADE itself would end, as the thread of the run has not begun yet. The run is paused first."""
+    calls = "".join(f"    build(); O.run({steps}); O.{call}; assert not O.running\n" for call in REPLACING for steps in (-1, 1))
+    text = printed(tmp_path, root, f"for _ in range(10):\n{calls}print('all replaced')\n")
+    assert "all replaced" in text, text
+
+
+def test_an_engine_of_the_run_neither_waits_for_it_nor_replaces_its_scene(root, tmp_path):
+    text = printed(tmp_path, root, f"""
+for call in {("run(2, True)", "wait()", *REPLACING)!r}:
+    build()
+    O.engines = O.engines + [PyRunner(command="O." + call, iterPeriod=1)]
+    try:
+        O.run(3, True)
+    except RuntimeError as error:
+        print("refused:", str(error).split("ERROR:")[1])
+""")
+    assert text.count("refused: \nO.") == 2 + len(REPLACING), text
