@@ -19,7 +19,9 @@ def timeStep(gravity=None, speed=None, share=SHARE):
 
     Rigid contacts have no stiffness that would limit the time step, but geometry limits it: a step uses the normals at its middle, so a disk
     must move by less than its radius in a step. sqrt(R / g) is the time in which a disk falls from rest by half its radius.
-    Only gravity is taken into account; if other forces act, give the `speed` that they cause. Call this function again when the scene has changed.
+    Only gravity is taken into account; if other forces act, give the `speed` that they cause. It knows of no drag: with one
+    of -gamma m v keep O.dt below 1/gamma, since beyond it the velocity changes its sign in every step. Call this function again when the scene has
+    changed.
 
         O.dt = cd_engine.timeStep()
 
@@ -32,12 +34,13 @@ def timeStep(gravity=None, speed=None, share=SHARE):
         raise ValueError(f"timeStep: speed={speed!r} m/s is out of range: it must be a number, at least 0")
     down = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), (0, 0, 0)) if gravity is None else gravity
     try:
-        g = math.hypot(*down)
-    except TypeError:
+        x, y, z = down
+        g = math.hypot(x, y, z)
+    except (TypeError, ValueError):
         g = math.nan
     if not math.isfinite(g):
-        raise ValueError(f"timeStep: gravity={down!r} is not a vector of finite numbers, such as (0, -9.81, 0)")
-    if any(tuple(down)[2:]):
+        raise ValueError(f"timeStep: gravity={down!r} is not a vector of three finite numbers, such as (0, -9.81, 0)")
+    if z:
         raise ValueError(f"timeStep: gravity={tuple(down)} m/s^2 points out of the plane of the disks. Set its z component to 0, as ContactDynamics asks")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
     if not movable:
