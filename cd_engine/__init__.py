@@ -74,6 +74,11 @@ def __getattr__(name):
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
+def __dir__():
+    """Return what a user may call; the engines only once they are there, since help() asks for everything that is listed."""
+    return [name for name in __all__ if name in globals() or __name__ + "._yade_plugin" in sys.modules]
+
+
 def methods():
     """Return the names of the contact solvers that `ContactDynamics.method` accepts."""
     return list(_plugin().methods())

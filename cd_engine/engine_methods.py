@@ -66,7 +66,11 @@ def runs_besides():
 
 
 def check_name(engine, name):
-    """Raise AttributeError, with the names that are near, for a name that is no attribute of this class of engines. The plug-in calls it."""
+    """Raise AttributeError for a result, and for a name that is no attribute of this class of engines, with the names that are near. The plug-in calls
+    it before an attribute is set."""
+    present = getattr(engine, name, None)
+    if isinstance(present, property) and not present.fset:
+        raise AttributeError(f"{engine.__name__}.{name} is a result and cannot be set")
     if hasattr(engine, name):
         return
     near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])

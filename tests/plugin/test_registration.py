@@ -86,7 +86,7 @@ def test_bad_assignment_is_refused_and_keeps_the_old_value(cd):
     engine = cd()
     with pytest.raises(ValueError, match="out of range"):
         engine.restitution = -1
-    with pytest.raises(AttributeError):
+    with pytest.raises(AttributeError, match="ContactDynamics.iterations is a result and cannot be set"):
         engine.iterations = 1
     assert engine.restitution == 0
 
@@ -172,7 +172,12 @@ def test_timing_counts_the_engine(O, cd):
 
 
 def test_import_without_yade_names_the_remedy(root):
-    """In a Python without YADE the package itself imports; asking for the engine says what is missing."""
-    code = "import cd_engine\ntry:\n    cd_engine.ContactDynamics\nexcept ImportError as e:\n    print(e)"
+    """In a Python without YADE the package itself imports; asking for the engine says what is missing, and help() does not ask for it."""
+    code = "import cd_engine\nhelp(cd_engine)\ntry:\n    cd_engine.ContactDynamics\nexcept ImportError as e:\n    print(e)"
     done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True)
-    assert "needs a running YADE" in done.stdout, done.stderr
+    assert "timeStep(" in done.stdout and "needs a running YADE" in done.stdout, done.stderr
+
+
+def test_tab_finds_what_a_user_calls(cd):
+    import cd_engine
+    assert dir(cd_engine) == sorted(cd_engine.__all__)
