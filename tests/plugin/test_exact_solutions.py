@@ -3,6 +3,8 @@ import math
 
 import pytest
 
+import cd_engine
+
 from . import plane
 
 G = 9.81
@@ -226,3 +228,18 @@ def test_a_cradle_hands_its_velocity_on(O):
         plane.disk((0.0205 * i, 0), 0.01, velocity=(1 if i == 0 else 0, 0))
     plane.run(200, 1e-3, restitution=1, tolerance=1e-12)
     assert [b.state.vel[0] for b in O.bodies] == pytest.approx([0, 0, 0, 0, 1], abs=1e-12)
+
+
+@pytest.mark.parametrize("ahead, energy", [(0.5, 1), (0, math.exp(400 * 1e-3 * 10 / 2))])
+def test_an_oscillator_keeps_its_energy_if_its_force_is_that_of_the_middle_of_the_step(O, ahead, energy):
+    """A PyRunner pulls 1 kg by k x, with k = 400 N/m, for 10 s. At the start of the step the energy grows as exp(omega^2 dt t/2) instead."""
+    from yade import wrapper
+    plane.disk((0.1, 0), 0.01)
+    engines = cd_engine.engines()
+    pull = f"from yade import O; s = O.bodies[0].state; O.forces.addF(0, -400 * (s.pos + {ahead} * O.dt * s.vel))"
+    O.engines = [*engines[:2], wrapper.PyRunner(command=pull, iterPeriod=1), engines[2]]
+    O.dt = 1e-3
+    O.run(10000, True)
+    state = O.bodies[0].state
+    # In the middle the energy swings by (omega dt)^2/4 = 1e-4; at the start its growth is that of the formula to the next order, 0.4 %.
+    assert (state.vel[0]**2 + 400 * state.pos[0]**2) / 4 == pytest.approx(energy, rel=1e-3 if ahead else 5e-3)
