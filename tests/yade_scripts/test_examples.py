@@ -30,8 +30,8 @@ def test_hopper(tmp_path, springs):
 
 def test_drum(tmp_path, springs):
     """The surface stands between the slopes of rolling and of sliding disks, and the drum holds them all."""
-    slope, inside, disks, *_ = said(tmp_path, "drum", "disks=60", "seconds=1.5", springs)
-    assert 10 < slope < 45 and inside == disks == 60
+    slope, least, most, inside, disks, *_ = said(tmp_path, "drum", "disks=60", "seconds=1.5", springs)
+    assert 10 < slope < 45 and least < slope < most and inside == disks == 60
 
 
 def test_heap(tmp_path, springs):
@@ -47,6 +47,13 @@ def test_loaded_box(tmp_path, springs):
     carried, load, *_ = said(tmp_path, "loaded_box", "disks=60", "seconds=0.3", springs)
     assert load == 10 and carried == pytest.approx(load, rel=0.05)
     assert len(list(tmp_path.glob("loaded_box-spheres-*.vtk"))) == len(list(tmp_path.glob("loaded_box-intrs-*.vtk"))) >= 3
+
+
+@pytest.mark.parametrize("word", ["disks=abc", "disks", "disks=0", "disk=5"])
+@pytest.mark.parametrize("name", ["drum", "heap", "hopper", "loaded_box"])
+def test_a_mistake_is_told_in_one_sentence(tmp_path, name, word):
+    done = Yade(tmp_path).script(f"examples/{name}.py", word)
+    assert done.stderr.splitlines()[-1].startswith(f"{word}: write name=number") and "Traceback" not in done.stderr, done.stderr
 
 
 def test_rows_of_a_table_set_them(root, tmp_path):

@@ -12,10 +12,14 @@ import cd_engine
 from yade import plot
 
 settings = dict(disks=600, springs=0, seconds=2.0)
-for name, value in (word.split("=") for word in sys.argv[1:]):
-    if name not in settings:
-        sys.exit(f"{name} is no setting of this script; there is {', '.join(settings)}")
-    settings[name] = type(settings[name])(value)
+for word in sys.argv[1:]:
+    name, _, value = word.partition("=")
+    try:
+        settings[name] = type(settings[name])(value)
+        if name != "springs" and not 0.1 <= settings[name] < 1e9:
+            raise ValueError
+    except (KeyError, ValueError):
+        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}, the numbers at least 0.1 (springs: 0 or 1)")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
 name = f"hopper-{O.tags['d.id']}" if runningInBatch() else "hopper"  # of the files written: every row of a table has its own

@@ -13,10 +13,14 @@ import cd_engine
 from yade import export, plot
 
 settings = dict(disks=300, springs=0, load=10.0, seconds=0.5)
-for name, value in (word.split("=") for word in sys.argv[1:]):
-    if name not in settings:
-        sys.exit(f"{name} is no setting of this script; there is {', '.join(settings)}")
-    settings[name] = type(settings[name])(value)
+for word in sys.argv[1:]:
+    name, _, value = word.partition("=")
+    try:
+        settings[name] = type(settings[name])(value)
+        if name != "springs" and not 0.1 <= settings[name] < 1e9:
+            raise ValueError
+    except (KeyError, ValueError):
+        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}, the numbers at least 0.1 (springs: 0 or 1)")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]
 name = f"loaded_box-{O.tags['d.id']}" if runningInBatch() else "loaded_box"  # of the files written: every row of a table has its own
