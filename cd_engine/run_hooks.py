@@ -1,4 +1,4 @@
-"""Extends O.run, O.step, O.wait and O.pause: they check the list of engines and tell the plug-in when the scene may be read.
+"""Extends O.run, O.step, O.wait, O.pause and O.engines: they check the list of engines and tell the plug-in when the scene may be read.
 
 O.pause() returns when the last step has ended (where the run's own stop is not a few steps away). O.load, O.reset and their like call it first.
 """
@@ -91,6 +91,17 @@ def install(plugin):
             originals[name](self, *arguments, **keywords)
         return replace
 
+    engines = type(O).engines
+
+    def set_engines(self, new):
+        names = [type(engine).__name__ for engine in new if not engine.dead]
+        if engine_methods.in_a_run() and checks.setdefault(O.thisScene, _EngineCheck(O)).rigid and "ContactDynamics" not in names \
+                and "InteractionLoop" in names:
+            raise RuntimeError("O.engines: springs cannot take over from ContactDynamics within a run, since its contacts have no stiffness. Call "
+                               "O.pause() there; then call cd_engine.release() and set the engines in the script")
+        engines.fset(self, new)
+
+    type(O).engines = property(engines.fget, set_engines, doc=engines.__doc__)
     for name, told in dict(run=run, step=step, wait=wait, pause=pause, **{name: replacing(name) for name in REPLACING}).items():
         told.__name__, told.__doc__ = name, originals[name].__doc__
         setattr(type(O), name, told)

@@ -19,7 +19,7 @@ namespace {
 	{
 		if (!((v[0] * 0 + v[1] * 0 + v[2] * 0) == 0)) // one test: a product with 0 is 0 unless a factor is infinite or NaN
 			refuseBody(
-			    id, text("has a ", what, " that is not a number"), "Look for what set O.bodies[#] to it, or for a failed step before");
+			    id, text("has ", what, " that is not a number"), "Look for what set O.bodies[#] to it, or for a failed step before");
 	}
 
 	// What acts on a body before the next step. O.forces still holds what the last step left, its contact forces included; a ForceResetter clears
@@ -74,9 +74,9 @@ void SceneLink::checkMotion(int id)
 	const Vector3r& velocity = state_vel(state);
 	const Vector3r& spin = state_angVel(state);
 	const Vector3r& position = state_pos(state);
-	mustBeFinite(id, "position", position);
-	mustBeFinite(id, "velocity", velocity);
-	mustBeFinite(id, "angular velocity", spin);
+	mustBeFinite(id, "a position", position);
+	mustBeFinite(id, "a velocity", velocity);
+	mustBeFinite(id, "an angular velocity", spin);
 	constexpr unsigned outside = dofZ | rotX | rotY;
 	if ((state_blockedDOFs(state) & outside) != outside) {
 		if (body_clumpId(bodies[id].body) >= 0)
@@ -123,8 +123,8 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
 	if (inspecting)
 		readPermanentForce(id, force, torque);
-	mustBeFinite(id, "force", force);
-	mustBeFinite(id, "torque", torque);
+	mustBeFinite(id, "a force", force);
+	mustBeFinite(id, "a torque", torque);
 	body.force[0] = force[0] + (moves ? mass * gravity[0] : 0);
 	body.force[1] = force[1] + (moves ? mass * gravity[1] : 0);
 	body.force[2] = torque[2];

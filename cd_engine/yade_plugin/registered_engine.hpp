@@ -229,8 +229,6 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		const py::object type = pythonClass();
 		if (python.attr("__class__") == type) // a class derived in Python may have attributes of its own
 			checkName(type, name);
-		if (E& engine = py::extract<E&>(python); engine.setOwn(name, value)) // which says of a result that it is one
-			return;
 		py::import("builtins").attr("object").attr("__setattr__")(python, name, value);
 	}
 

@@ -108,8 +108,8 @@ def test_it_is_awake_for_a_factory_of_spheres(O):
     import cd_engine
     from yade import wrapper
     plane.material()
-    factory = wrapper.BoxFactory(center=(0, 0.5, 0), extents=(0.08, 0, 0), rMin=0.008, rMax=0.01, vMin=0.1, vMax=0.1, vAngle=0, massFlowRate=20,
+    factory = wrapper.BoxFactory(center=(0, 0.5, 0), extents=(0.08, 0, 0), rMin=0.008, rMax=0.01, vMin=0.1, vMax=0.1, vAngle=0, massFlowRate=0.1,
                                  maxParticles=20, normal=(0, -1, 0), blockedDOFs="zXY", materialId=0, exactDiam=False)
     O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)) + [factory], 1e-3
-    O.run(300, True)
+    O.run(700, True)
     assert len(O.bodies) == 20 and O.engines[2].deepestPenetration < 1e-4 * 0.008

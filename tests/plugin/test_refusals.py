@@ -89,7 +89,7 @@ def turning_wall(attribute, value):
     (change("blockedDOFs", ""), ["#1", "leave the plane", "zXY"]),
     (change("blockedDOFs", "zX"), ["#1", "leave the plane"]),
     (change("vel", (NAN, 0, 0)), ["#1", "velocity", "not a number"]),
-    (change("angVel", (0, 0, NAN)), ["#1", "angular velocity", "not a number"]),
+    (change("angVel", (0, 0, NAN)), ["#1", "has an angular velocity", "not a number"]),
     (change("pos", (0, math.inf, 0)), ["#1", "position", "not a number"]),
     (change("vel", (0, 0, 1)), ["#1", "out of the plane"]),
     (change("angVel", (0, 1, 0)), ["#1", "out of the plane"]),

@@ -133,6 +133,20 @@ def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
     assert O.interactions[0, 1].phys.kn > 0
 
 
+def test_springs_that_an_engine_of_a_run_sets(O):
+    O.engines, O.dt = one_disk(), 1e-3
+    reset, collider, cd = O.engines
+    O.run(5, True)
+
+    def change():
+        O.engines = springs()
+
+    O.engines = [reset, collider, cd, hooks.runner(change, iterPeriod=1)]
+    with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run.*cd_engine.release"):
+        hooks.simulate(5)
+    assert type(O.engines[2]).__name__ == "ContactDynamics"
+
+
 def test_springs_of_a_soft_material_are_its_own(O):
     """Young's modulus 0 gives contacts without stiffness as well, and they are meant so."""
     O.engines = one_disk()
