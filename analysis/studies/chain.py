@@ -91,8 +91,8 @@ ANSWER = """
 Yes. With 40 sweeps a step the period is 35.7 steps if each step starts from the forces of the step before (theory: 35.4), and 35.5 if it corrects
 overlaps instead; the decay time is 70 steps and 64 (theory: 64). From 5 to 160 sweeps the period agrees with theory within 1.7 %, with nothing
 fitted. The row is elastic only with exactly one of the two, warm start or overlap correction. With neither it creeps, to 156 times the displacement
-at rest that theory gives; with both it overshoots, to 20 times.
-If every step is solved to the tolerance, the row moves by 1.6e-8 of that displacement: it is rigid.
+at rest that theory gives; with both it overshoots, to 20 times. If every step is solved to the tolerance, the row moves by 1.6e-8 of that
+displacement: it is rigid.
 """
 GIVEN = ("40", "5", "160")
 

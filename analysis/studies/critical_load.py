@@ -120,10 +120,10 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-The load at which a rigid packing yields depends on its contacts and on friction, and hardly on the force network that it starts from. From 11 force networks
-of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 more packings were loaded from 2 networks each. The networks approach
-each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), just before yield by only 5 % of it. 6
-packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the static limit, which comes from a
+The load at which a rigid packing yields depends on its contacts and on friction, and hardly on the force network that it starts from. From 11 force
+networks of one packing CD yields (|gamma| = 1e-4) at 1.599 P0, all within 4e-4 P0; 3 more packings were loaded from 2 networks each. The networks
+approach each other: at the start they differ from the springs' network by 18 % of the mean force (median, rms), just before yield by only 5 % of it.
+6 packings prepared alike yield at 1.413 to 1.599 P0. In 22 runs from 9 packings the load is 0.993 to 1.020 times the static limit, which comes from a
 linear programme over the contacts that touch at the start. If |gamma| = 1e-5 counts as yield, it is 0.986 to 0.999 times the limit; if |gamma| = 1e-3
 does, 1.010 to 1.080 times. At 0.95 of the limit CD has strained by 4e-8 and MD by 3e-3 (medians of 9 packings). Below the limit the normal forces
 change by 3.9 % of their mean from snapshot to snapshot with both methods, while the load grows by 0.03 P0 and the grain that moves most moves by 6e-7

@@ -153,20 +153,17 @@ ANSWER = """
 Motion begins near the static limit of a packing. Below 0.99 of it rigid grains rest in 36 of 36 runs (1.6e-8 at most in the first cycle). Between
 0.99 and the limit 3 of 3 move, by 3.0e-4 to 5.3e-3 in 20 cycles. Above it all 101 move, by 3.7e-4 at least in the first cycle. Springs strain under
 every load, without a step at the limit: below it by 1.5e-5 to 6.6e-3 in the first cycle, above it by 5.1e-3 at least (figure of the loads, left). At
-equal stress ratio the strain hardly depends on which stress is held.
-The paper gives sigma2 only: with sigma1 = P0 its dSigma means sigma2/sigma1 = 1 + dSigma,
-with the mean stress held (1 + dSigma)/(1 - dSigma). Where both make 1.5 (dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles differs by 1 to
-12 %, on each of 5 packings.
+equal stress ratio the strain hardly depends on which stress is held. The paper gives sigma2 only: with sigma1 = P0 its dSigma means sigma2/sigma1 = 1
++ dSigma, with the mean stress held (1 + dSigma)/(1 - dSigma). Where both make 1.5 (dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles
+differs by 1 to 12 %, on each of 5 packings.
 
-The stress ratio itself decides on collapse, not its ratio to the static limit, since a packing that moves makes new contacts.
-With ratios up to 1.5 all 140 runs stand 40 cycles,
-dense or loose, springs or rigid grains. With 1.6 and 1.7 springs collapse in 6 and rigid grains in 5 of 20 cases, from 1.8 on in 49 and 44 of 50. The
-static limit at the start does not predict collapse: between 1.1 and 1.3 times this limit springs collapse
-on 10 of 14 dense packings and on 1 of 18 loose ones. So only with
-the mean stress held do the paper's loads reach collapse: no dense packing of MD strains by more than 2.6e-4 at 0.1; at 0.2 all 5 stand and strain by
-0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles (medians of 5). With sigma1 held, none of 25 runs collapses at
-0.1 to 0.5. The path matters here: at a ratio of 1.86 with the mean stress held MD stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1
-held, more on 4 of 5 packings.
+The stress ratio itself decides on collapse, not its ratio to the static limit, since a packing that moves makes new contacts. With ratios up to 1.5
+all 140 runs stand 40 cycles, dense or loose, springs or rigid grains. With 1.6 and 1.7 springs collapse in 6 and rigid grains in 5 of 20 cases, from
+1.8 on in 49 and 44 of 50. The static limit at the start does not predict collapse: between 1.1 and 1.3 times this limit springs collapse on 10 of 14
+dense packings and on 1 of 18 loose ones. So only with the mean stress held do the paper's loads reach collapse: no dense packing of MD strains by
+more than 2.6e-4 at 0.1; at 0.2 all 5 stand and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles
+(medians of 5). With sigma1 held, none of 25 runs collapses at 0.1 to 0.5. The path matters here: at a ratio of 1.86 with the mean stress held MD
+stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1 held, more on 4 of 5 packings.
 
 Above the limit both methods collapse in 49 of 101 pairs, neither in 46 and only springs in 6. Where MD collapses within 20 cycles, CD stands 1.49
 times as many cycles (median of 52 pairs from 10 packings; longer in 47, shorter in 1, to the end of the run in 4). Most of these packings collapse
@@ -174,10 +171,9 @@ soon: where MD stands more than 3 cycles CD stands 2.52 times as many (17 pairs)
 the study of collapse.
 
 Below the limit CD has strained by 2.7e-8 after 20 cycles and MD by 6.8e-4 (medians of 39 pairs). MD's rate falls in most runs: in 17 of 39 runs it is
-below 1e-6 a cycle in the second half of the cycles; in the 22 others
-the rate of the last quarter of the cycles is 0.74 times that of the quarter before (median;
-quartiles 0.61 and 0.99; 1 would be a constant rate; 16 fall). 40 or 80 cycles do not show whether it reaches zero. Cycles of 0.5 s are short for
-springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting).
+below 1e-6 a cycle in the second half of the cycles; in the 22 others the rate of the last quarter of the cycles is 0.74 times that of the quarter
+before (median; quartiles 0.61 and 0.99; 1 would be a constant rate; 16 fall). 40 or 80 cycles do not show whether it reaches zero. Cycles of 0.5 s
+are short for springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting).
 """
 GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "0.8", "1.1", "1.3", "1.5", "1.6", "1.7", "1.8", "1.86", "1", "1e-6", "2", "3", "20", "40", "80")
 POINTS = (

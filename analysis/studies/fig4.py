@@ -80,9 +80,8 @@ ANSWER = """
 With sigma1 held, springs strain on each of 10 dense packings (compacted without friction) and rigid contacts rest. The largest |gamma| is 4.3e-4
 (median; 3.2e-4 to 5.0e-4) in MD and 3.8e-8 (1.5e-8 to 4.5e-8) in CD. After the unloading MD keeps |gamma| = 1.2e-4 and has dissipated 9.9e-6 P0 V0;
 CD keeps 2.7e-8 and has dissipated 7.8e-8 P0 V0. So MD keeps more strain and dissipates more, as the paper reports. The strain of CD is the error of
-its solver at a tolerance of 1e-8: see the study of the tolerance.
-A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed as if 80 contacts shared it
-equally.
+its solver at a tolerance of 1e-8: see the study of the tolerance. A contact of MD slips by 3.1e-4 of a radius in total, and the slip is distributed
+as if 80 contacts shared it equally.
 
 With the mean stress held, the same dSigma is a higher stress ratio, sigma2/sigma1 = 1.5 instead of 1.2, which is near what the packings can carry:
 their static limits are 1.41 to 1.74, the same on both paths. CD rests on 4 of 4 packings whose limit is above 1.5 (|gamma| of 1.6e-6 at most, at a

@@ -161,17 +161,17 @@ Of 5000 disks, with 3 seeds and so with rough errors, the factors are 3.6 in the
 filling (11.9 to 24.3). In the collapse the nearest springs, off by 4.5 % (0.4 %), cost 3.4 times as much as rigid contacts within 2 %.
 
 Which steps and tolerances suffice? With 500 disks and a tolerance of 1e-3, steps of 2 ms give errors of 0.6 to 3.2 % and steps of 1 ms 0.2 to 2.6 %,
-largest in the collapse.
-With 1e-2 in place of 1e-3 disks overlap by up to 0.12 radii, not 0.04, and the time is 0.67 to 0.80 times as long. Steps of 4 ms are off by 0.5 to
-3.7 %, and disks overlap by up to 0.34 radii. Steps of 0.5 ms, about what timeStep() proposes, with a tolerance of 1e-4 give errors of at most 1.4 %
-and cost 0.50 to 6.3 s, 0.62 to 2.6 times as much as the cheapest springs that count. With a gapCorrection of 0.1 a run costs 1.7 to 4.6 times as
-much, and only the collapse becomes more accurate: a smaller step is a better use of the time. 5000 disks fall further: with steps of 2 ms and a
-tolerance of 1e-2 the error of the filling is 5.7 %, and disks overlap by 0.15 to 0.36 radii; with 1e-3 the errors of the flows are 0.59 to 3.3 %.
+largest in the collapse. With 1e-2 in place of 1e-3 disks overlap by up to 0.12 radii, not 0.04, and the time is 0.67 to 0.80 times as long. Steps of
+4 ms are off by 0.5 to 3.7 %, and disks overlap by up to 0.34 radii. Steps of 0.5 ms, about what timeStep() proposes, with a tolerance of 1e-4 give
+errors of at most 1.4 % and cost 0.50 to 6.3 s, 0.62 to 2.6 times as much as the cheapest springs that count. With a gapCorrection of 0.1 a run costs
+1.7 to 4.6 times as much, and only the collapse becomes more accurate: a smaller step is a better use of the time. 5000 disks fall further: with steps
+of 2 ms and a tolerance of 1e-2 the error of the filling is 5.7 %, and disks overlap by 0.15 to 0.36 radii; with 1e-3 the errors of the flows are 0.59
+to 3.3 %.
 
 The drum was run before corners of its boxes that lie behind their neighbours were left out as contacts. That changes its last bits; its means and
-times were not measured again. Times are processor times without the samples, and without sums of the springs' energies; other runs used the machine's second core. Of one setting of
-5000 disks 0.12 % of the steps missed their tolerance within 2000 iterations. One run of 5000 disks with the softest springs failed in the silo,
-because disks passed into each other.
+times were not measured again. Times are processor times without the samples, and without sums of the springs' energies; other runs used the machine's
+second core. Of one setting of 5000 disks 0.12 % of the steps missed their tolerance within 2000 iterations. One run of 5000 disks with the softest
+springs failed in the silo, because disks passed into each other.
 """
 GIVEN = ("2", "500", "12", "36", "5000", "3", "1e-2", "1", "4", "1e-4", "0.1", "1e-3", "2000", "95")
 

@@ -112,11 +112,11 @@ def _legend(mean):
 
 
 ANSWER = """
-They hardly differ. At 1.2 P0 the springs carry through 775 contacts and the rigid grains through 765; 14 contacts carry in MD only, 4 in
-CD only. Contact by contact the normal forces of the two have a correlation of 0.9988 and differ by 3.5 % of the mean force (rms). 128
-contacts of MD and 111 of CD are at the Coulomb limit. This is one packing, prepared without friction by the springs. CD starts from the same forces,
-and the load is far below the limit. If CD started from another network of the packing, the forces would differ several times as much at this load
-(study of the critical load, right panel).
+They hardly differ. At 1.2 P0 the springs carry through 775 contacts and the rigid grains through 765; 14 contacts carry in MD only, 4 in CD only.
+Contact by contact the normal forces of the two have a correlation of 0.9988 and differ by 3.5 % of the mean force (rms). 128 contacts of MD and 111
+of CD are at the Coulomb limit. This is one packing, prepared without friction by the springs. CD starts from the same forces, and the load is far
+below the limit. If CD started from another network of the packing, the forces would differ several times as much at this load (study of the critical
+load, right panel).
 """
 GIVEN = ("1.2",)
 

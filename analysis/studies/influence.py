@@ -91,15 +91,15 @@ def draw(runs, rows, path):
 
 ANSWER = """
 At dSigma = 0.4, sigma1 held, 6 packings prepared alike strain by 1.2e-3 to 3.8e-3 in 10 cycles, much of it in the first. Of the parameters that the
-paper does not give only one changes this by more than packings differ: with friction of 0.1 during the preparation, as the paper seems to do, packings
-strain 13 times as far (median; 2.4 to 36), mostly because their static limit is lower: this load is above the limits of such loose packings and below
-those of the dense ones (study fig3). Another distribution of sizes and another damping during the preparation lead to other packings, so that
-comparing runs of the same seed says little: other sizes give 0.24 to 5.7 times the strain, weak damping (beta_n = 0.02) 0.31 to 3.7 times, strong
-damping (0.4) 0.37 to 6.7 times.
-If only the cycles are damped otherwise, a fifth or four times as much, the same packings strain 0.97 to 1.02 times as far in 10 cycles and
-0.94 to 1.07 times as far in each of the last 5. The stiffness of the tangential springs changes the strain of 10 cycles by 0.63 to 1.6 times (k_t/k_n
-= 0.1), and by at most a fifth between 0.25 and 1.0. With heavy walls (200 disk masses) every packing strains further, 1.3 times (1.1 to 1.6); with
-walls moved by a servo every packing strains less, 0.82 times (0.62 to 0.91). A tangential dashpot, as in the paper's eq. 6, was not tried.
+paper does not give only one changes this by more than packings differ: with friction of 0.1 during the preparation, as the paper seems to do,
+packings strain 13 times as far (median; 2.4 to 36), mostly because their static limit is lower: this load is above the limits of such loose packings
+and below those of the dense ones (study fig3). Another distribution of sizes and another damping during the preparation lead to other packings, so
+that comparing runs of the same seed says little: other sizes give 0.24 to 5.7 times the strain, weak damping (beta_n = 0.02) 0.31 to 3.7 times,
+strong damping (0.4) 0.37 to 6.7 times. If only the cycles are damped otherwise, a fifth or four times as much, the same packings strain 0.97 to 1.02
+times as far in 10 cycles and 0.94 to 1.07 times as far in each of the last 5. The stiffness of the tangential springs changes the strain of 10 cycles
+by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at most a fifth between 0.25 and 1.0. With heavy walls (200 disk masses) every packing strains further,
+1.3 times (1.1 to 1.6); with walls moved by a servo every packing strains less, 0.82 times (0.62 to 0.91). A tangential dashpot, as in the paper's eq.
+6, was not tried.
 
 The period matters at this load, most of all in later cycles: with 2 s instead of 0.5 s 3 packings strain 0.56 to 0.88 times as far in 10 cycles, and
 0.34 to 0.88 times as far in each of the last 5. So cycles of 0.5 s are not quasi-static where packings rearrange. The time step does not matter for

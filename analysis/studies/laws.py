@@ -69,11 +69,10 @@ The tangential spring does not cause ratcheting. Under dSigma = 0.4 each of 6 pa
 paths leave neither force nor energy, as with the standard law: 0.994 to 0.999 times in the first cycle, 0.995 to 1.000 times after 40 cycles, and its
 rate over the last 20 cycles is 0.93 to 1.02 times the standard one (median 1.01). The same holds in cycles of 2 s, which are slow enough for springs
 of k_n: the ratio is 0.993 to 1.001 in the first cycle and 0.88 to 1.01 for the late rate (median 0.99). These late rates are 4.5e-6 a cycle at least;
-for smaller ones see the study of a thousand cycles.
-YADE's avoidGranularRatcheting gives 1.000 to 1.006 times the strain after 40 cycles of 0.5 s. Under 0.5, at or above the limit of most of these
-packings, the packings rearrange. The strains after 40 cycles are still 0.94 to 1.05 times those with the standard law, but the late rates scatter,
-because they come from single rearrangements: with the path-independent law they are 0.39 to 1.27 times the standard ones on 5 packings and -0.91
-times on the sixth, whose strain decreases, by 6.5e-5 a cycle.
+for smaller ones see the study of a thousand cycles. YADE's avoidGranularRatcheting gives 1.000 to 1.006 times the strain after 40 cycles of 0.5 s.
+Under 0.5, at or above the limit of most of these packings, the packings rearrange. The strains after 40 cycles are still 0.94 to 1.05 times those
+with the standard law, but the late rates scatter, because they come from single rearrangements: with the path-independent law they are 0.39 to 1.27
+times the standard ones on 5 packings and -0.91 times on the sixth, whose strain decreases, by 6.5e-5 a cycle.
 
 At ten times the pressure and dSigma = 0.3 (4 packings), where the standard spring does more work along closed paths, packings strain 0.98 to 1.00
 times as far with the path-independent law in the first cycle and after 30 cycles; the remaining rates, 2.0e-6 a cycle at most, scatter. A strain that

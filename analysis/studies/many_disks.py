@@ -149,32 +149,30 @@ disks speed up. No run with finer steps confirms these results. So a factor of t
 is to be expected.
 
 Silo: rigid contacts with steps of 2 ms and a tolerance of 1e-2 cost 13.0 s in the window, springs 297 s, 23 times as much. But the disks overlap so
-much that gravity does 10.0 % more work than with 1e-3. Still they flow out at 12042 disks per sqrt(D/g), where D is the width of the slot.
-That is 1.3 % above Beverloo's law with the
-constants of 500 and 5000 disks in silos of the same shape (study of flows), and 11.5 % above the one of narrower slots (study of Beverloo's law).
-Steps become more expensive as the silo empties: the 1.6 s in which 73 % of the disks leave cost 293 s. If springs cost as much per second as in the
-window, they would take 8.1 times as long.
+much that gravity does 10.0 % more work than with 1e-3. Still they flow out at 12042 disks per sqrt(D/g), where D is the width of the slot. That is
+1.3 % above Beverloo's law with the constants of 500 and 5000 disks in silos of the same shape (study of flows), and 11.5 % above the one of narrower
+slots (study of Beverloo's law). Steps become more expensive as the silo empties: the 1.6 s in which 73 % of the disks leave cost 293 s. If springs
+cost as much per second as in the window, they would take 8.1 times as long.
 
 Drum: in the window the disks still fall and have no slope yet. Springs, which have few contacts then, cost 517 s per simulated second; in the
 collapse they cost 1577 s. A run of 5000 disks over half the time of the study of flows shows that 1e-2 is too large here: the slope is 19.3 degrees,
 with 1e-3 it is 23.3 degrees at 0.81 times the cost (one seed).
 
 Collapse: 2 ms to 1e-2 let disks pass into each other after 0.32 s, and the run was ended. 1 ms to 1e-2 cost 22 s in the window, to 1e-3 44 s; the
-weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. Fronts after the window lie 0.2 % of a
-width apart by 1e-3 and by springs. They fell from two deposits: rigid contacts refuse that of seed 1, which has two disks 0.34 of a radius inside
-each other.
+weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. Fronts after the window lie 0.2 % of a width
+apart by 1e-3 and by springs. They fell from two deposits: rigid contacts refuse that of seed 1, which has two disks 0.34 of a radius inside each
+other.
 
-Why it gets harder: the tolerance is relative to the impulses, which grow with the depth, and what contacts miss adds up over the layers. So
-the tolerance has to shrink, not only the step. To 1e-3 up to 7.6 % of the steps in the window missed it within 2000 sweeps, most in the drum. The
-error of the contact law never exceeded 8e-4; what they missed is the error of single bodies.
+Why it gets harder: the tolerance is relative to the impulses, which grow with the depth, and what contacts miss adds up over the layers. So the
+tolerance has to shrink, not only the step. To 1e-3 up to 7.6 % of the steps in the window missed it within 2000 sweeps, most in the drum. The error
+of the contact law never exceeded 8e-4; what they missed is the error of single bodies.
 
-Filling: 248 s of rigid contacts, 1 ms to 1e-3, and 1677 s of springs of 2e6 N/m, 6.8 times as much. The springs are far too soft: disks overlap by
-up to 0.47 radii, the filling is 7.5 % lower, and the energy that the disks hold and have dissipated is 93 times the work of gravity, so the time
-integration of the springs creates energy.
-Of 5000 disks ten times stiffer ones were within 2 % (study of flows); they need 3.2 times the steps, so about 21 times the time of rigid
-contacts. Rigid contacts overlap by up to 0.02 radii when the disks have come to rest and by 0.08 at the end, since they creep at rest. The mean
-overlap is 0.0029 radii, which makes the filling some 0.1 % too low.
-0.09 % of the steps missed the tolerance. 2 ms to 1e-2 let disks pass into each other here, too.
+Filling: 248 s of rigid contacts, 1 ms to 1e-3, and 1677 s of springs of 2e6 N/m, 6.8 times as much. The springs are far too soft: disks overlap by up
+to 0.47 radii, the filling is 7.5 % lower, and the energy that the disks hold and have dissipated is 93 times the work of gravity, so the time
+integration of the springs creates energy. Of 5000 disks ten times stiffer ones were within 2 % (study of flows); they need 3.2 times the steps, so
+about 21 times the time of rigid contacts. Rigid contacts overlap by up to 0.02 radii when the disks have come to rest and by 0.08 at the end, since
+they creep at rest. The mean overlap is 0.0029 radii, which makes the filling some 0.1 % too low. 0.09 % of the steps missed the tolerance. 2 ms to
+1e-2 let disks pass into each other here, too.
 
 One run each, so nothing can be said of the uncertainty. The springs were run by earlier commits, which give the same bits, while other runs kept the
 machine busy. Springs of 2e7 N/m are softer for a depth of 50 000 disks than for one of 5000: equally stiff ones would cost 1.8 times as much.

@@ -93,21 +93,18 @@ runs were added to test a bound of 0.96 that had been chosen with the runs under
 -1.02 (0.04) and -1.04 (0.02). So the strain of the first cycle and that of a late cycle are deformation of the contacts, type I. Stiffened packings
 have other contacts and are nearer to their limits. Under the same dSigma of 0.3 stiffness therefore helps less: the powers are -0.67 and -0.87 (means
 over the seeds). Between 0.96 and the limit 14 runs from 8 seeds scatter too much to tell: the strain of a late cycle goes as k_n to the power -0.50
-(0.16) over all of them and -0.44 (0.33) within the seeds.
-Most rates still fall: over the last five cycles they are 0.63 times those of the five before (median; quartiles 0.56
-and 0.76).
+(0.16) over all of them and -0.44 (0.33) within the seeds. Most rates still fall: over the last five cycles they are 0.63 times those of the five
+before (median; quartiles 0.56 and 0.76).
 
 Cycles have to be slow. With 0.5 s instead of 2 s springs of k_n lag behind the load, and a late cycle strains them 3.1 times as far (median of 10
 packings; 0.4 to 5.6), the first one 1.15 times. For springs of 10 k_n 0.63 s are slow enough: with 2 s a late cycle strains them 0.94 times as far
 (0.76 to 1.21), with 0.5 s 1.05 times.
 
 Rigid contacts rest below 0.98 of the limit, in 19 of 19 cases from 10 seeds, with 9.7e-10 a cycle at most. Between there and the limit the lowest
-load at which one yields is 0.982 of it; 3 of 7 yield, by 1.8e-5 to 3.0e-4 in 20 cycles:
-the static limit is the most that contacts with friction can carry, but they may carry less. The 7 runs that yield,
-here and beyond the limit, miss their tolerance of 1e-9 in 11 to 36 of 4000 steps; with a tolerance of 1e-7 no run misses a step, and these packings
-yield 0.98 to 1.34 times as far. In the packings that rest, the strain is the error of the solver. In the packings prepared with k_n it is 2.2e-10 a
-cycle with a
-tolerance of 1e-9 and 4.6e-7 with 1e-6 (medians).
+load at which one yields is 0.982 of it; 3 of 7 yield, by 1.8e-5 to 3.0e-4 in 20 cycles: the static limit is the most that contacts with friction can
+carry, but they may carry less. The 7 runs that yield, here and beyond the limit, miss their tolerance of 1e-9 in 11 to 36 of 4000 steps; with a
+tolerance of 1e-7 no run misses a step, and these packings yield 0.98 to 1.34 times as far. In the packings that rest, the strain is the error of the
+solver. In the packings prepared with k_n it is 2.2e-10 a cycle with a tolerance of 1e-9 and 4.6e-7 with 1e-6 (medians).
 
 Beyond the limit, up to 1.04 of it, rigid contacts yield, by 3.1e-4 to 1.2e-3 in the first cycle (4 cases from 3 seeds). Springs of 100 k_n strain
 1.03 to 1.21 times as far there (3 cases) and springs of 10 k_n 1.73 times (1 case): the stiffer they are, the closer they are to rigid contacts. But
