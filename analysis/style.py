@@ -8,6 +8,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # after the backend is chosen
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from yade_scripts.results import provenance
@@ -18,6 +19,8 @@ COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
 MARKER = {"MD": "o", "CD": "s"}
 WORDS = {"MD": "springs (MD)", "CD": "rigid contacts (CD)"}
 STRESS_PATH = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}
+# Through more hues than viridis, so that nine lines can be told apart: neighbours differ twice as much, also without red or green.
+SHADES = LinearSegmentedColormap.from_list("shades", ("#540000", "#6B00CE", "#005CB6", "#00868D", "#819C45", "#FFAE2C"))
 SLIDING, CHAIN, GRAIN, RATTLER = "#D55E00", "#1A1A1A", "#B8B8B8", "#E6E6E6"
 
 plt.rcParams.update({
@@ -57,31 +60,33 @@ def source(runs):
 
 
 def _solved(runs):
-    """Return the tolerances of the CD runs without fixed_iterations, and how many steps missed them, in words."""
-    rigid = [run for run in runs if run.method == "CD" and not run.parameters["fixed_iterations"]]
-    if not rigid:
-        return ""
-    tolerances = [run.parameters["tolerance"] for run in rigid]
-    steps = [max(1, round(run.values("time")[-1] / effective_medium.step(run.parameters))) for run in rigid]
-    share = max(run.history["unconverged_steps"][-1] / count for run, count in zip(rigid, steps))
+    """Return the tolerances of the CD runs and how many steps missed them, and that those of a fixed number of sweeps have none, in words."""
+    rigid = [run for run in runs if run.method == "CD"]
+    solved = [run for run in rigid if not run.parameters["fixed_iterations"]]
+    without = "; runs of a fixed number of sweeps have no tolerance" * (len(solved) < len(rigid))
+    if not solved:
+        return without
+    tolerances = [run.parameters["tolerance"] for run in solved]
+    steps = [max(1, round(run.values("time")[-1] / effective_medium.step(run.parameters))) for run in solved]
+    share = max(run.history["unconverged_steps"][-1] / count for run, count in zip(solved, steps))
     missed = f"missed by at most {100 * share:.2g} % of the steps of a run" if share else "missed by no step"
-    return f"; CD's tolerance {' to '.join(f'{value:.0e}' for value in sorted({min(tolerances), max(tolerances)}))}, {missed}"
+    return f"; CD's tolerance {' to '.join(f'{value:.0e}' for value in sorted({min(tolerances), max(tolerances)}))}, {missed}{without}"
 
 
 def _mend_logarithms(fig):
-    """Make logarithmic axes without positive values linear, and use few ticks on those that span less than a decade.
+    """Make logarithmic axes without positive values linear, and give those between two powers of ten two numbers at least.
 
-    Matplotlib finds no ticks in the first case, and writes numbers over each other in the second.
+    Matplotlib finds no ticks in the first case. In the second it writes one number, none, or several over each other.
     """
     for axes in fig.axes:
         for axis, scale in ((axes.xaxis, axes.set_xscale), (axes.yaxis, axes.set_yscale)):
-            if axis.get_scale() != "log":
+            if not isinstance(axis.get_major_locator(), LogLocator):  # linear, or with ticks of its own
                 continue
             low, high = sorted(axis.get_view_interval())
             if not math.isfinite(axis.get_minpos()):
                 scale("linear")
-            elif 0 < low and high < 10 * low:
-                axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if high > 4 * low else MaxNLocator(3))
+            elif 0 < low and math.floor(math.log10(high)) <= math.ceil(math.log10(low)):
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if high > 5 * low else MaxNLocator(3))
                 axis.set_major_formatter(lambda value, _: f"{value:g}")
                 axis.set_minor_locator(NullLocator())
 
@@ -103,7 +108,6 @@ def power_of_ten(values):
 
 
 def shades(values):
-    """Return {value: colour} for ordered values: viridis from dark to light, short of its yellow, which is faint on white."""
+    """Return {value: colour} for ordered values, from dark to light."""
     ordered = sorted(set(values))
-    colours = plt.get_cmap("viridis")([0.85 * k / max(1, len(ordered) - 1) for k in range(len(ordered))])
-    return {value: tuple(colour) for value, colour in zip(ordered, colours)}
+    return {value: SHADES(k / max(1, len(ordered) - 1)) for k, value in enumerate(ordered)}
