@@ -1,15 +1,19 @@
 """What is committed in analysis/published: complete, with the numbers of its text, and one cheap study run anew. tests/soak asks that nothing lacks there."""
 
+import base64
 import functools
 import html
+import io
 import json
 import os
 import re
 import subprocess
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from analysis import charts, publish, report, studies
+from analysis import charts, publish, report, studies, style
 from yade_scripts.results import reader
 from tests import numbers
 from yade_scripts import parameters, results
@@ -41,6 +45,18 @@ def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
     changed = [studies.module(name).TITLE for name in studies.names() if name in REMADE_NEXT]
     assert re.findall(r"<h2>([^<]*)</h2>(?:(?!<h2>).)*Its rows have changed since; the command makes the new ones", text, re.S) == changed
     assert page.stat().st_size < 2e6 and text.count("<figure>") == text.count("<figure><a href=")  # every picture leads to the full one
+
+
+@pytest.mark.parametrize("name", ("fig4", "force_networks", "stiffness", "isostatic"))
+def test_the_colours_of_a_picture_survive_on_the_page(name):
+    read = lambda file: np.asarray(Image.open(file).convert("RGB"), dtype=int)
+    shown = read(io.BytesIO(base64.b64decode(report._picture(FOLDER / f"{name}.png").split(",")[1])))
+    full = Image.open(FOLDER / f"{name}.png").convert("RGB").resize(shown.shape[1::-1], Image.LANCZOS)
+    for colour in style.COLOUR.values():
+        target = [int(colour[place:place + 2], 16) for place in (1, 3, 5)]
+        pixels = np.abs(np.asarray(full, dtype=int) - target).max(axis=2) <= 2
+        assert pixels.sum() > 30 or name == "force_networks"  # there MD has two crosses only
+        assert (np.abs(shown[pixels] - target) <= 9).all()
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
