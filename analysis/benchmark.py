@@ -36,8 +36,10 @@ def draw(folder):
     folder, drawn = Path(folder), []
     origin = publish.read_json(folder / "provenance.json", ORIGIN)
     tables = {name: _rows(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}
-    for figure, name, note in ((error_against_time, "solutions", "; the error is found by code that shares nothing with the solvers"),
-                               (sweep_cost, "sweeps", ""), (sweeps_against_size, "solutions", ""), (step_cost, "step", "")):
+    time = "Processor time of one core"
+    for figure, name, note in (
+            (error_against_time, "solutions", f"{time}; the error is found by code that shares nothing with the solvers."), (sweep_cost, "sweeps", f"{time}."),
+            (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."), (step_cost, "step", f"{time}.")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
         if len(tables[name]) and (fig := figure(tables[name], of_table)):
             for axis in fig.axes:
@@ -46,7 +48,7 @@ def draw(folder):
             source = f"commit {provenance.short(of_table['commit'])}, {of_table['processor']}"
             if (busy := of_table["processes_running_before"]) > 0.5:
                 source += f"; {busy:.1f} other processes were running"
-            style.finish(fig, drawn[-1], f"Processor time of one core{note}.", source)
+            style.finish(fig, drawn[-1], note, source)
     if len(tables["step"]):
         drawn.append(folder / "goals.csv")
         goals(tables["step"], tables["sweeps"]).to_csv(drawn[-1], index=False)

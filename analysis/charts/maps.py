@@ -132,13 +132,13 @@ def _draw(found, path, line):
     for axis, panel in zip(axes, panels):
         _cells(axis, chart, found.rows if panel is None else found.rows[found.rows[chart.panels] == panel])
         _boundaries(axis, chart, [line for line in found.lines if panel is None or line.search.at.get(chart.panels) == panel])
-        for words, value in chart.marks.items():
-            axis.axvline(value, color="k", lw=0.6, ls=":")
-            axis.text(value, 1.0, f" {words}", transform=axis.get_xaxis_transform(), fontsize=6, rotation=90, va="top", ha="right",
-                      bbox={"boxstyle": "square,pad=0", "fc": "w", "ec": "none", "alpha": 0.7})
+        for (words, value), side in zip(chart.marks.items(), ("right", "left") if len(chart.marks) > 1 else ("center",)):
+            axis.axvline(value, color="k", lw=0.6, ls=":", zorder=0)
+            axis.text(value, 1.01, f" {words} ", transform=axis.get_xaxis_transform(), fontsize=6, ha=side)  # above the data
         axis.set_xlabel(chart.x.label)
         if panel is not None:
-            axis.set_title(f"{SYMBOLS.get(chart.panels, chart.panels)} = " + (panel if isinstance(panel, str) else f"{panel:g}"))
+            axis.set_title(f"{SYMBOLS.get(chart.panels, chart.panels)} = " + (panel if isinstance(panel, str) else f"{panel:g}"),
+                           pad=14 if chart.marks else None)
         for name, scale in ((chart.x.name, axis.set_xscale), (chart.y.name, axis.set_yscale)):
             if found.rows[name].min() > 0 and found.rows[name].max() > 10 * found.rows[name].min():
                 scale("log")
@@ -147,7 +147,7 @@ def _draw(found, path, line):
     _legend(fig.add_subplot(grid[0, columns]), axes)
     fig.suptitle(chart.title, fontsize=11)
     missing = f", {len(found.missing)} not run" if found.missing else ""
-    style.finish(fig, path, f"{len(found.rows)} cells, {len(found.lines)} searched boundaries{missing}. A ring: the program does not warn.", line)
+    style.finish(fig, path, f"{len(found.rows)} cells, {len(found.lines)} searched boundaries{missing}.", line)
 
 
 def _cells(axis, chart, rows):
