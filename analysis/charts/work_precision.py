@@ -15,11 +15,11 @@ The table has every setting of every scene with its error and time; failures are
 """
 GIVEN = ()
 FLOOR = 1e-16  # where an error of zero is drawn
-# Okabe and Ito's palette and black, told apart by marker and line as well: MD full lines, CD dashed.
+# A colour and a marker of its own for each series. MD full lines, CD dashed.
 LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiffness, fine step": ("#009E73", "D"), "MD damping": ("#1A1A1A", "*"),
-        "MD law avoid_ratcheting": ("#009E73", "<"), "MD law path_independent": ("#1A1A1A", ">"), "CD step": ("#E69F00", "^"),
-        "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#000000", "X"),
-        "CD newton": ("#7F3FBF", "d"), "CD auto": ("#B8A100", "H")}
+        "MD law avoid_ratcheting": ("#80B918", "<"), "MD law path_independent": ("#6A3D9A", ">"), "CD step": ("#E69F00", "^"),
+        "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#8B0000", "X"),
+        "CD newton": ("#B030B0", "d"), "CD auto": ("#B8A100", "H")}
 
 
 def numbers(table):
@@ -40,29 +40,26 @@ def draw(rows, folder, line):
 
 
 def _draw(rows, scene, path, line):
-    fig, axes = plt.subplots(figsize=(7.2, 4.4))
-    labels, chance = [], scene.KIND == "flow"  # errors of a chaotic mean go up and down by chance: a line would show nothing
-    for series, own in table.by_series(rows[(rows.status == "") & rows.error.notna()]):
-        colour, marker = LOOK.get(series, ("#7F7F7F", "h"))
-        seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
-        axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=series,
-                    linestyle="none" if chance or series in choice.NO_LADDER else "-" if series.startswith("MD") else "--")
-        for k in np.flatnonzero(pandas.to_numeric(own.unconverged_steps) > 0):
-            axes.plot(seconds[k], errors[k], marker=marker, color=colour, markerfacecolor="white", markersize=5)
-        labels += [(own.setting.iloc[k].split("=")[1], (seconds[k], errors[k]), colour) for k in sorted({0, len(own) - 1})]
-    _write_labels(axes, labels)
-    failed = (rows.status != "").sum()
-    axes.set(xlabel="time of computing [s]", ylabel="relative error", title=scene.TITLE)
-    axes.grid(alpha=0.25, linewidth=0.5)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
-    style.finish(fig, path, f"Numbers: coarsest and finest setting. Hollow: with missed steps. {failed} of {len(rows)} settings failed.", line)
-
-
-def _write_labels(axes, labels):
-    """Write the labels, but none within a twentieth of the axes of another."""
-    written = []
-    for text, place, colour in labels:
-        spot = axes.transAxes.inverted().transform(axes.transData.transform(place))
-        if all(np.abs(spot - other).max() > 0.05 for other in written):
-            written.append(spot)
-            axes.annotate(text, place, textcoords="offset points", xytext=(4, 4), fontsize=6.5, color=colour)
+    """Draw a panel for each method, in which the settings of the other one are grey."""
+    found, chance = rows[(rows.status == "") & rows.error.notna()], scene.KIND == "flow"  # means of a chaotic flow err by chance: a line shows nothing
+    methods = [method for method in style.WORDS if method in set(rows.method)]
+    fig, panels = plt.subplots(1, len(methods), figsize=(5 + 2.2 * len(methods), 4.6), sharex=True, sharey=True, squeeze=False)
+    for axes, method in zip(panels[0], methods):
+        others = found[found.method != method]
+        axes.loglog(others.seconds, others.error.clip(lower=FLOOR), ".", color="#D5D5D5", markersize=4, zorder=1)
+        for series, own in table.by_series(found[found.method == method]):
+            colour, marker = LOOK.get(series, ("#7F7F7F", "h"))
+            seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
+            coarsest, finest = (own.setting.iloc[k].split("=")[1] for k in (0, -1))
+            axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=f"{series[3:]}: {coarsest} to {finest}",
+                        linestyle="none" if chance or series in choice.NO_LADDER else "-" if method == "MD" else "--")
+            axes.plot(seconds[0], errors[0], marker=marker, color=colour, markersize=8)
+            missed = np.flatnonzero(pandas.to_numeric(own.unconverged_steps) > 0)
+            axes.plot(seconds[missed], errors[missed], marker=marker, color=colour, ls="none", markerfacecolor="white", markersize=5)
+        axes.set(xlabel="time of computing [s]", title=style.WORDS[method])
+        axes.grid(alpha=0.25, linewidth=0.5)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, fontsize=7)
+    panels[0, 0].set_ylabel("relative error")
+    fig.suptitle(scene.TITLE)
+    style.finish(fig, path, "From the coarsest setting (large) to the finest. Hollow: with missed steps. "
+                 + "Grey: the other method. " * (len(methods) > 1) + f"{(rows.status != '').sum()} of {len(rows)} settings failed.", line)
