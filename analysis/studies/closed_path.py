@@ -16,7 +16,7 @@ ROWS = {"quick": product(path_angle=0.1, **PATHS),
         "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
 
 LAWS = {"standard": ("standard (Cundall-Strack)", "#0072B2", "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", "#D55E00", "s"),
-        "path_independent": ("path-independent", "#1A1A1A", "^")}
+        "path_independent": ("path-independent: round-off", "#1A1A1A", "^")}
 # Without the step's error, of s = h/2R: for each law the force left and the work taken (its size).
 SMALL_STEPS = {("standard", "left_force"): lambda s: s, ("standard", "loop_work"): lambda s: s**2, ("avoid_ratcheting", "loop_work"): lambda s: s}
 FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
@@ -43,16 +43,18 @@ def draw(runs, rows, path):
         axis.set(xlabel=r"depth of the path $h/R$", ylabel=label)
     axes[0].legend(loc="center left", bbox_to_anchor=(0, 0.37))
     angles = ", ".join(f"{angle:g}" for angle in sorted(table.path_angle.unique()))
-    style.finish(fig, path, f"Lines: theory with the step's error, dashed without. Symbols grow with the path's angle A = {angles} rad. "
-                 "Of the path-independent law: round-off.", runs)
+    style.finish(fig, path, f"Symbols grow with the path's angle A = {angles} rad; half filled: finer steps. Lines: theory, dashed without the "
+                 "step's error.", runs)
 
 
 def _draw_law(axis, law, quantity, table):
-    """Draw a law's rows against their depth, one set an angle and step."""
+    """Draw a law's rows against their depth, one set an angle and step; of the finer step half filled."""
     name, colour, marker = LAWS[law]
-    for (angle, _), shown in table.groupby(["path_angle", "period_s"]):
+    coarse = table.period_s.min()
+    for (angle, period), shown in table.groupby(["path_angle", "period_s"]):
         measured, theory = (shown[column].abs().clip(lower=FLOOR) for column in (quantity, f"{quantity}_theory"))
-        axis.loglog(shown.path_depth, measured, marker, color=colour, markersize=3 + 8 * angle**0.5, fillstyle="none")
+        axis.loglog(shown.path_depth, measured, marker, color=colour, markersize=3 + 8 * angle**0.5,
+                    fillstyle="none" if period == coarse else "bottom")
         if theory.max() > FLOOR:
             axis.loglog(shown.path_depth, theory, color=colour, linewidth=0.7)
     axis.loglog([], [], marker, color=colour, fillstyle="none", label=name)

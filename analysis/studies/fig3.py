@@ -84,7 +84,7 @@ def draw(runs, rows, path):
                 for method, line in LINES.items() if any(run.method == method for run in dense)]
     style.legend(axes[-1], entries, fontsize=6.5, loc="upper left")
     style.finish(fig, path, "Dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver, and MD's rates below "
-                 "1e-8 are noise.", runs)
+                 "1e-8 are noise.", dense)
     _draw_stands(pandas.DataFrame(rows), runs, path.with_name(f"{path.stem}-loads.png"))
     held = [run for run in runs if run.parameters["stress_path"] == "mean"]
     _draw_each_cycle(held or runs, look, path.with_name(f"{path.stem}-cycles.png"))
@@ -120,8 +120,8 @@ def _draw_stands(table, runs, path):
     starts.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over the static limit", ylabel=r"strain $|\Delta\gamma|$ of the first cycle")
     ends.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$", ylabel="cycles")
     starts.legend(fontsize=6.5)
-    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until a packing collapses, each method drawn 1 % beside its "
-                 "load. Open symbols: no collapse within so many cycles. Large symbols: dense packings.", runs)
+    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until collapse, drawn 1 % beside the load; open: none within so "
+                 "many cycles.", runs)
 
 
 def _draw_each_cycle(runs, look, path):
@@ -146,7 +146,7 @@ def _draw_each_cycle(runs, look, path):
     for axis, label in zip(axes[:, 0], ("most contacts at the Coulomb\nlimit / contacts", "dissipated in a cycle\n/ $P_0V_0$", "contacts $2M/N$")):
         axis.set_ylabel(label)
     axes[0, -1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "Median over the packings.", runs)
+    style.finish(fig, path, "Medians over the packings; a curve ends where the first of its packings collapses.", runs)
 
 
 ANSWER = """

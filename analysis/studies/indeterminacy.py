@@ -124,10 +124,9 @@ def draw(runs, rows, path):
     if len(rough := table[(table.packing == OWN) & (table.mu > 0)]):
         mu, eta = rough.mu.min(), rough.groupby("mu").eta.median().iloc[0]
         axes[0].plot([mu, 0.1], [eta, eta * 0.1 / mu], color="0.5", ls=":", label=r"$\propto\mu$")
-    axes[2].axhline(1, color="0.5", ls=":")
-    axes[2].text(0.99, 1.02, "samples (rms)", fontsize=7, color="0.4", ha="right", transform=axes[2].get_yaxis_transform())
+    axes[2].axhline(1, color="0.5", ls=":", label="samples (rms)")
     for axis, label in zip(axes, (r"ambiguity $\eta=\langle\delta F\rangle/\langle|F|\rangle$", "dimension of the set of forces",
-                                  "distance from the ensemble's mean\n(1: rms of the samples)")):
+                                  "distance from the ensemble's mean\n/ rms of the samples")):
         axis.set(xscale="log", xlabel=r"friction $\mu$ (left edge: 0)", ylabel=label)
         axis.legend(loc="best", fontsize=6.5)
     axes[0].set_yscale("log")

@@ -75,7 +75,8 @@ def draw(runs, rows, path):
                      label=rf"$\mu$ = {friction:g}")
     axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="degree of force indeterminacy per disk", ylim=(0, None))
     axes[-1].legend()
-    style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.", runs)
+    style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.",
+                 [run for run in runs if run.parameters["delta_sigma"] == LOAD])
 
 
 ANSWER = """

@@ -138,7 +138,7 @@ def draw(runs, rows, path):
     entries = {_words(run): dict(color=style.COLOUR[run.method], ls=styles[_words(run)], label=f"{run.method}, {_words(run)}") for run in shown}
     style.legend(panels[0][-1], entries.values(), fontsize=7)
     style.finish(fig, path, f"{most} disks, one run each. Labels: step and tolerance, or stiffness. Runs that end at "
-                          f"{WINDOW:g} s are windows from the start, a part of the flow.", runs)
+                          f"{WINDOW:g} s are windows from the start, a part of the flow.", shown)
 
 
 ANSWER = """

@@ -27,10 +27,8 @@ SHADE = {"largest": "#1A1A1A", "width": style.COLOUR["CD"], "remanent": style.CO
 
 def summarize(runs):
     """Return one row a setting, over the packings; `effort` names what is varied."""
-    steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
-    usual = max(set(steps), key=steps.count, default=None)  # rows with another step are about the step
     rows = []
-    for (effort, value), group in summary.groups(runs, lambda run: _key(run, usual), ordered=False).items():
+    for (effort, value), group in _settings(runs).items():
         full, first = group[0].parameters, loops.of(summary.order(group, "seed")[0])  # of the packing that all settings have
         rows.append({"effort": effort, "value": value, "packings": len(group), **loops.spread(group),
                      "largest, packing 1": first["largest"], "width, packing 1": first["width"]})
@@ -42,6 +40,13 @@ def summarize(runs):
                          "unsolved_steps": sum(observables.unconverged_steps(run) for run in group),
                          "steps": sum(round(run.values("time")[-1] / effective_medium.step(full)) for run in group)}
     return rows
+
+
+def _settings(runs):
+    """Return {(what is varied, its value): [runs]}."""
+    steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
+    usual = max(set(steps), key=steps.count, default=None)  # rows with another step are about the step
+    return summary.groups(runs, lambda run: _key(run, usual), ordered=False)
 
 
 def _key(run, usual):
@@ -71,7 +76,8 @@ def draw(runs, rows, path):
         panels[1].plot(by_sweeps.value, md.largest.iloc[0] / by_sweeps.kappa_over_kn, ":", color="k",
                        label=r"MD's largest $|\gamma|$ times $k_n/\kappa$, $\kappa = q m N_I/\Delta t^2$")
         panels[1].legend()
-    style.finish(fig, path, "Mean over the packings, bars from the smallest to the largest; points without bars are of one packing", runs)
+    style.finish(fig, path, "Mean over the packings, bars from the smallest to the largest; points without bars are of one packing.",
+                 [run for (effort, _), group in _settings(runs).items() for run in group if effort != BY_STEP])
 
 
 ANSWER = """
