@@ -43,37 +43,36 @@ def draw(runs, rows, path):
         _draw_loops(own, path if friction == 0 else path.with_name(f"{path.stem}-loose.png"), "dense" if friction == 0 else "loose")
 
 
+# Sizes that can still be read where the figure is 390 pixels wide.
+LARGE = {"axes.labelsize": 12, "xtick.labelsize": 11, "ytick.labelsize": 11, "legend.fontsize": 11}
+
+
 def _draw_loops(runs, path, words):
-    """Draw both methods on the same axes, a panel a stress path; of dense packings with sigma1 held an inset shows CD alone. A line a
-    packing, the first one bold."""
-    paths = summary.by(runs, "stress path")
-    fig, axes = plt.subplots(1, len(paths), figsize=(max(9, 5.6 * len(paths)), 4.4), squeeze=False, sharey=True)
-    for axis, (stress_path, own) in zip(axes[0], paths.items()):
-        exponent = _loops(axis, own)
-        axis.set(xlabel=rf"$\gamma = \epsilon_2 - \epsilon_1$ [$10^{{{exponent}}}$]   (< 0: shortens along the loaded axis)",
-                 title=style.STRESS_PATH[stress_path])
-        if stress_path == "constant" and words == "dense":
-            inset = axis.inset_axes([0.08, 0.1, 0.25, 0.28])
-            inset.set_title(rf"CD, $\gamma$ [$10^{{{_loops(inset, [run for run in own if run.method == 'CD'])}}}$]", fontsize=8)
-            inset.tick_params(labelsize=7)
-    axes[0, 0].set_ylabel(r"measured $\sigma_2/P_0$")
-    axes[0, 0].legend(loc="upper right", bbox_to_anchor=(0.92, 1))
-    held = ", a line each: solid loading, dashed unloading. Left sigma1 is held, right the mean stress." if len(paths) > 1 else (
-        ", sigma1 held: solid loading, dashed unloading.")
-    style.finish(fig, path, f"sigma2 rises by 0.2 P0 and falls back; same {words} packings{held}", runs)
+    """Draw both methods on the same axes, a line a packing, the first one bold. Runs with the mean stress held stand in an inset."""
+    (held, own), *other = summary.by(runs, "stress path").items()
+    with plt.rc_context(LARGE):
+        fig, axis = plt.subplots(figsize=(7.2, 5.6 if other else 4.6))
+        _loops(axis, held, own)
+        axis.set_ylabel(r"measured $\sigma_2/P_0$")
+        axis.legend(loc="lower left" if other else "best")
+        for held, own in other:
+            axis.set(ylim=(None, 1.4), yticks=(1, 1.05, 1.1, 1.15, 1.2))  # room above the loops
+            _loops(axis.inset_axes([0.1, 0.71, 0.8, 0.28]), held, own)
+        style.finish(fig, path, f"sigma2 rises by 0.2 P0 and falls back (dashed); {words} packings, a line each, bold: the first.", runs)
 
 
-def _loops(axis, runs):
-    """Draw the loops of runs, the first of each method bold. Return the exponent of the power of ten that gamma is divided by."""
+def _loops(axis, held, runs):
+    """Draw the loops of runs, the first of each method bold, with the largest strain of the method in its label."""
     exponent = style.power_of_ten(np.concatenate([[0.0], *(run.values("gamma") for run in runs)]))
     for method, own in summary.by(runs, "method").items():
+        largest = max(np.abs(run.values("gamma")).max() for run in own)
         for run in own:
             gamma, stress, first = run.values("gamma") * 10.0**-exponent, run.values("sigma2") / run.pressure, run is own[0]
             top = int(np.argmax(observables.load(run)))
-            look = dict(color=style.COLOUR[method], linewidth=1.6 if first else 0.6, alpha=1 if first else 0.6)
-            axis.plot(gamma[:top + 1], stress[:top + 1], label=style.WORDS[method] if first else None, **look)
+            look = dict(color=style.COLOUR[method], linewidth=2.2 if first else 0.7, alpha=1 if first else 0.6)
+            axis.plot(gamma[:top + 1], stress[:top + 1], label=rf"{style.WORDS[method]}: $|\gamma|$ up to {largest:.0e}" if first else None, **look)
             axis.plot(gamma[top:], stress[top:], linestyle=(0, (4, 1.5)), **look)
-    return exponent
+    axis.set_xlabel(rf"$\gamma = \epsilon_2 - \epsilon_1$ [$10^{{{exponent}}}$] (< 0: shortens) with {style.STRESS_PATH[held]}")
 
 
 ANSWER = """
