@@ -56,7 +56,7 @@ def draw(rows, folder, line):
                               fontsize=6.5, ha="center")
         count = of_kind.scenes.max()
         axes.set_title(f"{kind} ({count} scene{'s' if count > 1 else ''})")
-        axes.grid(alpha=0.25, linewidth=0.5)
+        axes.grid(True)
     for axes, above in zip(panels.flat[len(kinds):], panels[0, len(kinds) - panels.shape[1]:]):
         axes.remove()
         above.tick_params(labelbottom=True)  # the lowest panel of its column now

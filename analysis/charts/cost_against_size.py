@@ -54,7 +54,7 @@ def draw(rows, folder, line):
                             label=f"{series}, $N^{{{power(solved):.2g}}}$")
         axes.set_title(scenes.module(scene).TITLE, fontsize=9)
         axes.set_xlabel("disks $N$")
-        axes.grid(alpha=0.25, linewidth=0.5)
+        axes.grid(True)
         axes.legend(loc="best", fontsize=7)
     panels[0][0].set_ylabel("time of computing [s]")
     style.finish(fig, folder / "cost_against_size.png", f"Cheapest setting of each series within an error of {LEVEL:g}.", line)

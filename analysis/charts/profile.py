@@ -65,7 +65,7 @@ def draw(rows, folder, line):
             if len(x):
                 axes.step(np.append(x, last), np.append(y, y[-1]), where="post", label=series, linewidth=width, color=colour, linestyle=dashes)
         axes.set(xscale="log", xlabel="time over the fastest's", title=f"to an error of {level:g}", ylim=(0, 1.03), xlim=(0.8, last))
-        axes.grid(alpha=0.25, linewidth=0.5)
+        axes.grid(True)
     panels[0].set_ylabel("share of scenes solved")
     handles = charts.entries(panels)
     panels[-1].legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)

@@ -57,7 +57,7 @@ def _draw(rows, scene, path, line):
             missed = np.flatnonzero(pandas.to_numeric(own.unconverged_steps) > 0)
             axes.plot(seconds[missed], errors[missed], marker=marker, color=colour, ls="none", markerfacecolor="white", markersize=5)
         axes.set(xlabel="time of computing [s]", title=style.WORDS[method])
-        axes.grid(alpha=0.25, linewidth=0.5)
+        axes.grid(True)
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, fontsize=7)
     panels[0, 0].set_ylabel("relative error")
     fig.suptitle(scene.TITLE)
