@@ -46,7 +46,7 @@ def _draw(rows, scene, path, line):
     fig, panels = plt.subplots(1, len(methods), figsize=(5 + 2.2 * len(methods), 4.6), sharex=True, sharey=True, squeeze=False)
     for axes, method in zip(panels[0], methods):
         others = found[found.method != method]
-        axes.loglog(others.seconds, others.error.clip(lower=FLOOR), ".", color="#D5D5D5", markersize=4, zorder=1)
+        axes.loglog(others.seconds, others.error.clip(lower=FLOOR), ".", color="#BBBBBB", markersize=4, zorder=1)
         for series, own in table.by_series(found[found.method == method]):
             colour, marker = LOOK.get(series, ("#7F7F7F", "h"))
             seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
