@@ -132,9 +132,10 @@ def _draw(found, path, line):
     for axis, panel in zip(axes, panels):
         _cells(axis, chart, found.rows if panel is None else found.rows[found.rows[chart.panels] == panel])
         _boundaries(axis, chart, [line for line in found.lines if panel is None or line.search.at.get(chart.panels) == panel])
-        for (words, value), side in zip(chart.marks.items(), ("right", "left") if len(chart.marks) > 1 else ("center",)):
+        for number, (words, value) in enumerate(chart.marks.items()):  # their words stand above the data, on either side of two lines
             axis.axvline(value, color="k", lw=0.6, ls=":", zorder=0)
-            axis.text(value, 1.01, f" {words} ", transform=axis.get_xaxis_transform(), fontsize=6, ha=side)  # above the data
+            axis.text(value, 1.01, f" {words} ", transform=axis.get_xaxis_transform(), fontsize=6,
+                      ha="center" if len(chart.marks) == 1 else "left" if number else "right")
         axis.set_xlabel(chart.x.label)
         if panel is not None:
             axis.set_title(f"{SYMBOLS.get(chart.panels, chart.panels)} = " + (panel if isinstance(panel, str) else f"{panel:g}"),

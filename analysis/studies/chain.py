@@ -69,8 +69,8 @@ def draw(runs, rows, path):
     left.set(xlabel="step", ylabel="displacement of the free end / that at rest", ylim=(-0.5, 3), title="50 disks, 40 sweeps a step")
     left.legend(ncol=2)
     _draw_theory(right, pandas.DataFrame(rows))
-    style.finish(fig, path, "A constant force pushes the last disk. Memory: warm start, no gap correction; overlap: the reverse. Theory: damped elastic "
-                 "rod, nothing fitted.", runs)
+    style.finish(fig, path, "A constant force pushes the last disk. Memory: warm start, no gap correction; overlap: the reverse. "
+                 "Theory: damped elastic rod, nothing fitted.", runs)
 
 
 def _draw_theory(axes, table):

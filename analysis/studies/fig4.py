@@ -70,7 +70,7 @@ def _loops(axis, held, runs):
             gamma, stress, first = run.values("gamma") * 10.0**-exponent, run.values("sigma2") / run.pressure, run is own[0]
             top = int(np.argmax(observables.load(run)))
             look = dict(color=style.COLOUR[method], linewidth=2.2 if first else 0.7, alpha=1 if first else 0.6)
-            axis.plot(gamma[:top + 1], stress[:top + 1], label=rf"{style.WORDS[method]}: $|\gamma|$ up to {largest:.0e}" if first else None, **look)
+            axis.plot(gamma[:top + 1], stress[:top + 1], label=rf"{style.WORDS[method]}: $|\gamma|$ up to {largest:.1e}" if first else None, **look)
             axis.plot(gamma[top:], stress[top:], linestyle=(0, (4, 1.5)), **look)
     axis.set_xlabel(rf"$\gamma = \epsilon_2 - \epsilon_1$ [$10^{{{exponent}}}$] (< 0: shortens) with {style.STRESS_PATH[held]}")
 

@@ -85,7 +85,7 @@ def draw(runs, rows, path):
     entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in usual)
     style.legend(axes[0, -1], entries, loc="lower right", fontsize=7)
     style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
-                 "open: the mean stress held. Not drawn: other rates and 10 $k_n$.", usual)
+                 "open: the mean stress held. Not drawn: other rates and 10 $k_n$.", usual or runs)
 
 
 def _strain(axis, runs):

@@ -76,7 +76,7 @@ def draw(runs, rows, path):
     axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="degree of force indeterminacy per disk", ylim=(0, None))
     axes[-1].legend()
     style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.",
-                 [run for run in runs if run.parameters["delta_sigma"] == LOAD])
+                 [run for run in runs if run.parameters["delta_sigma"] == LOAD] or runs)
 
 
 ANSWER = """

@@ -107,8 +107,8 @@ def draw(runs, rows, path):
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
     shown = [series for series in looks if series in drawn]
     axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left", bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "A point a setting of stiffness, step and tolerance. Grey: least error of springs that cost no more. Bars: standard errors over "
-                 "fillings.", runs)
+    style.finish(fig, path, "A point a setting of stiffness, step and tolerance. Grey: least error of springs that cost no more. "
+                 "Bars: standard errors over fillings.", runs)
 
 
 def _series(row):
