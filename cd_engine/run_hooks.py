@@ -89,14 +89,14 @@ def install(plugin):
             if self.running:
                 pause(self)
             originals[name](self, *arguments, **keywords)
+            checks.setdefault(O.thisScene, _EngineCheck(O)).rigid = False
         return replace
 
     engines = type(O).engines
 
     def set_engines(self, new):
-        names = [type(engine).__name__ for engine in new if not engine.dead]
-        if engine_methods.in_a_run() and checks.setdefault(O.thisScene, _EngineCheck(O)).rigid and "ContactDynamics" not in names \
-                and "InteractionLoop" in names:
+        if (self.running or engine_methods.in_a_run()) and checks.setdefault(O.thisScene, _EngineCheck(O)).rigid \
+                and {"InteractionLoop"} == {"InteractionLoop", "ContactDynamics"} & {type(engine).__name__ for engine in new if not engine.dead}:
             raise RuntimeError("O.engines: springs cannot take over from ContactDynamics within a run, since its contacts have no stiffness. Call "
                                "O.pause() there; then call cd_engine.release() and set the engines in the script")
         engines.fset(self, new)

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -53,8 +54,12 @@ template <class T, class User = T> class Borrowed {
 	}
 	~Borrowed()
 	{
-		if (workspace)
+		if (!workspace)
+			return;
+		try {
 			shelf().push_back(std::move(object));
+		} catch (const std::bad_alloc&) { // then the next one is new
+		}
 	}
 	Borrowed(const Borrowed&) = delete;
 	Borrowed& operator=(const Borrowed&) = delete;

@@ -94,7 +94,9 @@ void ContactDynamics::action()
 	try {
 		takeOver();
 		advance();
-	} catch (const std::bad_alloc&) { // arrays may be half filled
+	} catch (const std::bad_alloc&) { // arrays may be half filled: all but the motion before this step is given up
+		link.saveMotion();
+		scene_forces(scene).sync();
 		link = SceneLink();
 		step = cd::TimeStep();
 		last = {};
@@ -162,8 +164,8 @@ void ContactDynamics::show()
 
 void ContactDynamics::advance()
 {
-	const Vector3r weighs = read(&ContactDynamics::gravity); // Python may set it during the step
-	const long now = changes();
+	const long now = changes(); // first: what Python sets from here on is looked at in the next step, too
+	const Vector3r weighs = read(&ContactDynamics::gravity);
 	const bool changed = std::exchange(known, now) != now;
 	if (idle && !changed && link.ahead() && !looksAtOrder() && others.drivenBodies().empty()) {
 		{

@@ -260,8 +260,11 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
     const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
-	if (behind && g != gravity)
+	if (behind && g != gravity) {
+		for (const int id : driven)
+			readVelocity(id, world.bodies[id]);
 		publishScene(scene, step); // so that the bodies are read anew, with their new weights
+	}
 	const bool read = !behind;
 	if (read) {
 		gravity = g;

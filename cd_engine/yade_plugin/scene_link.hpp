@@ -89,6 +89,8 @@ class SceneLink {
 	bool cameIn(long step, int id) const { return bodies[id].came == step; }
 	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
 	void catchUp(yade::Scene*, cd::TimeStep&);
+	// Writes positions and velocities only, if the scene is out of date; needs no memory.
+	void saveMotion();
 	// Tells how fast bodies are.
 	const cd::PairSearch& pairSearch() const { return search; }
 	int lost() { return search.lost(world); }

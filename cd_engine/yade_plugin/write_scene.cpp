@@ -212,6 +212,13 @@ void SceneLink::publishMotion(const std::vector<int>& ids)
 		writeMotion(id);
 }
 
+void SceneLink::saveMotion()
+{
+	for (std::size_t id = 0; behind && id < bodies.size(); id++)
+		if (bodies[id].exists)
+			writeMotion(id);
+}
+
 void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 {
 	if (!behind)

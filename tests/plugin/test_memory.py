@@ -145,7 +145,7 @@ import ctypes, glob, sys
 sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
 from yade import O
 import cd_engine
-from tests.plugin import test_invariants
+from tests.plugin import plane, test_invariants
 refuse = ctypes.CDLL(None).refuse
 refuse.restype, refuse.argtypes = ctypes.c_long, [ctypes.c_long]
 
@@ -174,6 +174,27 @@ for at in (0, 60):
         number += 1 + number // 10
     print("refused up to request", number, flush=True)
     assert at or number > 20
+
+# In a long run, after steps of which the scene knows nothing yet, and with an engine that pushes.
+from yade import wrapper
+for number in (1, 2, 5, 15, 40, 100, 200):
+    O.reset()
+    test_invariants.heap(O, 0.3)
+    ball = plane.disk((5, 1000), 0.01)
+    reset, collider, cd = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-6, reduce={reduce})
+    O.engines, O.dt = [reset, collider, wrapper.ForceEngine(ids=[ball], force=(O.bodies[ball].state.mass, 0, 0)), cd], 1e-3
+    O.run(5, True)
+    refuse(number)
+    try:
+        O.run(200, True)
+    except RuntimeError as error:
+        assert "no memory is left" in str(error)
+    refuse(0)
+    time = O.iter * 1e-3
+    assert abs(O.bodies[ball].state.pos[1] - 1000 + 9.81 * time**2 / 2) < 1e-9, (number, O.iter, O.bodies[ball].state.pos)
+    assert abs(O.bodies[ball].state.vel[0] - time) < 1e-9
+    O.run(20, True)
+    assert abs(O.bodies[ball].state.vel[0] - O.iter * 1e-3) < 1e-9, (number, O.bodies[ball].state.vel)
 """
 
 

@@ -147,6 +147,19 @@ def test_springs_that_an_engine_of_a_run_sets(O):
     assert type(O.engines[2]).__name__ == "ContactDynamics"
 
 
+def test_springs_set_at_the_console_of_a_run(O):
+    O.engines, O.dt = one_disk(), 1e-3
+    O.run()
+    try:
+        with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run"):
+            O.engines = springs()
+    finally:
+        O.pause()
+    cd_engine.release()
+    O.engines = springs()
+    assert len(O.engines) == 4
+
+
 def test_springs_of_a_soft_material_are_its_own(O):
     """Young's modulus 0 gives contacts without stiffness as well, and they are meant so."""
     O.engines = one_disk()
