@@ -40,7 +40,7 @@ def finish(fig, path, note, origin):
     _mend_logarithms(fig)
     line = origin if isinstance(origin, str) else source(origin)
     width = int(15.5 * fig.get_figwidth())
-    caption = textwrap.fill(note, width) + "\n" + textwrap.shorten(line, width, placeholder=" ...")
+    caption = textwrap.fill(note, width) + "\n" + textwrap.fill(line, width)
     foot = (0.15 + 0.145 * (caption.count("\n") + 1)) / fig.get_figheight()
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.04 / fig.get_figheight(), caption, ha="center", va="bottom", fontsize=7.5, linespacing=1.4)

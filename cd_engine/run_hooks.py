@@ -20,9 +20,12 @@ def install(plugin):
     originals = {name: getattr(type(O), name) for name in ("run", "step", "wait", "pause", *REPLACING)}
     checks = {}  # by the number of the scene
 
+    def of_this_scene():
+        return checks.setdefault(O.thisScene, _EngineCheck(O))
+
     def check():
         O.stopAtIter = plugin.former_stop(O.stopAtIter)
-        checks.setdefault(O.thisScene, _EngineCheck(O))()
+        of_this_scene()()
 
     def run(self, nSteps=-1, wait=False):
         check()
@@ -89,14 +92,13 @@ def install(plugin):
             if self.running:
                 pause(self)
             originals[name](self, *arguments, **keywords)
-            checks.setdefault(O.thisScene, _EngineCheck(O)).rigid = False
+            of_this_scene().rigid = False  # the scene is another one, of which nothing has run
         return replace
 
     engines = type(O).engines
 
     def set_engines(self, new):
-        if (self.running or engine_methods.in_a_run()) and checks.setdefault(O.thisScene, _EngineCheck(O)).rigid \
-                and {"InteractionLoop"} == {"InteractionLoop", "ContactDynamics"} & {type(engine).__name__ for engine in new if not engine.dead}:
+        if (self.running or engine_methods.in_a_run()) and of_this_scene().replaces_rigid(new):
             raise RuntimeError("O.engines: springs cannot take over from ContactDynamics within a run, since its contacts have no stiffness. Call "
                                "O.pause() there; then call cd_engine.release() and set the engines in the script")
         engines.fset(self, new)
@@ -144,6 +146,11 @@ class _EngineCheck:
                 if self.rigid and hasattr(engine, "doSort"):
                     engine.doSort = True  # or a collider that springs had before would not find what came together since
             self.passed, self.rigid = live, False
+
+    def replaces_rigid(self, engines):
+        """Return whether these engines make springs go on where ContactDynamics ran last."""
+        names = [type(engine).__name__ for engine in engines if not engine.dead]
+        return self.rigid and "InteractionLoop" in names and "ContactDynamics" not in names
 
     def _check_stiffness(self):
         """RuntimeError if springs find contacts of ContactDynamics. A material with young = 0 gives contacts that look the same."""

@@ -54,9 +54,10 @@ def _draw_loops(runs, path, words):
         fig, axis = plt.subplots(figsize=(7.2, 5.6 if other else 4.6))
         _loops(axis, held, own)
         axis.set_ylabel(r"measured $\sigma_2/P_0$")
-        axis.legend(loc="lower left" if other else "best")
+        axis.legend(loc="lower left" if other else "upper left")
+        axis.set_ylim(top=1.5)  # room above the loops, for the legend
         for held, own in other:
-            axis.set(ylim=(None, 1.4), yticks=(1, 1.05, 1.1, 1.15, 1.2))  # room above the loops
+            axis.set(ylim=(None, 1.4), yticks=(1, 1.05, 1.1, 1.15, 1.2))  # for the inset
             _loops(axis.inset_axes([0.1, 0.71, 0.8, 0.28]), held, own)
         style.finish(fig, path, f"sigma2 rises by 0.2 P0 and falls back (dashed); {words} packings, a line each, bold: the first.", runs)
 

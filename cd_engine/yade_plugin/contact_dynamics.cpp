@@ -96,7 +96,6 @@ void ContactDynamics::action()
 		advance();
 	} catch (const std::bad_alloc&) { // arrays may be half filled: all but the motion before this step is given up
 		link.saveMotion();
-		scene_forces(scene).sync();
 		link = SceneLink();
 		step = cd::TimeStep();
 		last = {};
@@ -104,6 +103,7 @@ void ContactDynamics::action()
 		others.wakeUnsorted();
 		const std::string error = "ContactDynamics: no memory is left for this step; it has not been made";
 		exchangeError(error);
+		scene_forces(scene).sync(); // as below; last, since it may need memory itself
 		throw SceneError(error);
 	} catch (...) {
 		link.catchUp(scene, step);

@@ -77,7 +77,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Estimated largest error of a body's velocity change in the last step, relative to what acts on the body: the impulses of its contacts "
 	    "and the external one [1]. In packings, where some disks always carry hardly any load, it is relative to a mean over the island, "
 	    "weighted by mass (cd_engine/core/residual.hpp has the formula).");
-	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may be the most wrong; -1: none.");
+	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may have the largest error; -1: none.");
 	visit("unsolvableContact", &C::unsolvableContact, result,
 	    "If *status* is no_solution: ids of the two bodies of the contact that proves this most clearly. Example of such a step: a disk between "
 	    "two walls that move towards each other.");

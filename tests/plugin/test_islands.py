@@ -378,24 +378,3 @@ def test_a_saved_scene_goes_on_bitwise(O, tmp_path, before):
     O.load(str(tmp_path / "half.yade.gz"))
     O.run(300, True)
     assert (digest(O), seen(O)) == whole
-
-
-def test_a_scene_saved_after_steps_without_sweeps_goes_on_bitwise(O, tmp_path):
-    """Where a step needs no sweep, velocities are summed in another order; whether the next one begins so is part of the saved state."""
-    without = 0
-    for at in range(5, 120, 5):
-        O.reset()
-        mat = plane.material(0.5)
-        plane.floor(mat)
-        for k in range(16):
-            row, column = divmod(k, 4)
-            plane.disk((0.01 * (2 * column + 1 + row % 2 + 1e-4 * math.sin(k)), 0.01 * (1 + row * math.sqrt(3))), 0.01, mat=mat)
-        engine = plane.run(at, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-2)
-        without += engine.iterations == 0 and engine.sleeping == 0
-        O.save(str(tmp_path / "half.yade.gz"))
-        O.run(21, True)
-        whole = digest(O)
-        O.load(str(tmp_path / "half.yade.gz"))
-        O.run(21, True)
-        assert digest(O) == whole, at
-    assert without

@@ -62,7 +62,7 @@ if springs:
     ]
     O.dt = 0.5 * PWaveTimeStep()
 else:
-    reset, collider, contact_dynamics = cd_engine.engines(gravity=gravity, tolerance=1e-3, gapCorrection=0.1)  # without it: overlaps up to 0.07 radii
+    reset, collider, contact_dynamics = cd_engine.engines(gravity=gravity, tolerance=1e-3, gapCorrection=0.1)  # without it: overlaps of 0.05 radii
     O.engines = [reset, collider, turn, contact_dynamics]
     O.dt = cd_engine.timeStep(speed=0.5)                                                  # [m/s], of disks that roll down the surface
 O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, slope=slope())", virtPeriod=0.02)]
