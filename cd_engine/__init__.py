@@ -3,7 +3,7 @@
 Inside YADE (a script, a batch job, the console):
 
     import cd_engine
-    O.engines = cd_engine.engines(tolerance=1e-8, gravity=(0, -9.81, 0))
+    O.engines = cd_engine.engines(tolerance=1e-4, gravity=(0, -9.81, 0))
 
 `ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are
 for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums

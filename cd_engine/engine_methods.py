@@ -66,8 +66,8 @@ def runs_besides():
 
 
 def check_name(engine, name):
-    """Raise AttributeError for a result, and for a name that is no attribute of this class of engines, with the names that are near. The plug-in calls
-    it before an attribute is set."""
+    """Raise AttributeError for a result, and for a name that this class of engines lacks, with the names that are near. The plug-in calls this before
+    an attribute is set."""
     present = getattr(engine, name, None)
     if isinstance(present, property) and not present.fset:
         raise AttributeError(f"{engine.__name__}.{name} is a result and cannot be set")
@@ -75,6 +75,7 @@ def check_name(engine, name):
         return
     near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
-    remedy = {"damping": "Rigid contacts have no damping; see restitution.", "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
-              "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
+    bounce = "The share of the speed that an impact gives back is `restitution`."
+    remedy = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce,
+              "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
     raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")

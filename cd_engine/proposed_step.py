@@ -10,7 +10,7 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     """Propose O.dt [s] for ContactDynamics: share * min(R / v, sqrt(R / g)).
 
     R [m]      radius of the smallest disk that may move
-    g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one
+    g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (for a boundary that turns, of its
                farthest point). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
                upper faces, where a disk that slides down leaves it
@@ -25,29 +25,33 @@ def timeStep(gravity=None, speed=None, share=SHARE):
 
         O.dt = cd_engine.timeStep()
 
-    Raises ValueError if no disk can move, if no speed is known, or if an argument is out of range. With h = 0.5 m and R = 5 mm it returns 0.4 ms.
+    Raises ValueError if no disk can move, if no gravity or no speed is known, or if an argument is out of range. With h = 0.5 m and R = 5 mm it
+    returns 0.4 ms.
     """
     from yade import O
     if not (_is_finite(share) and share > 0):
         raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
     if speed is not None and not (_is_finite(speed) and speed >= 0):
         raise ValueError(f"timeStep: speed={speed!r} m/s is out of range: it must be a number, at least 0")
-    down = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), (0, 0, 0)) if gravity is None else gravity
+    if gravity is None:
+        gravity = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), None)
+        if gravity is None:
+            raise ValueError("timeStep: no engine of O.engines has a gravity. Set O.engines first, or give it: timeStep(gravity=(0, -9.81, 0))")
     try:
-        x, y, z = down
+        x, y, z = gravity
         g = math.hypot(x, y, z)
     except (TypeError, ValueError):
         g = math.nan
     if not math.isfinite(g):
-        raise ValueError(f"timeStep: gravity={down!r} is not a vector of three finite numbers, such as (0, -9.81, 0)")
+        raise ValueError(f"timeStep: gravity={gravity!r} is not a vector of three finite numbers, such as (0, -9.81, 0)")
     if z:
-        raise ValueError(f"timeStep: gravity={tuple(down)} m/s^2 points out of the plane of the disks. Set its z component to 0, as ContactDynamics asks")
+        raise ValueError(f"timeStep: gravity={tuple(gravity)} m/s^2 points out of the x-y plane, in which the scene lies. Set its z component to 0")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
     if not movable:
         raise ValueError("timeStep: no disk in the scene can move. Append the disks first")
     radius = min(body.shape.radius for body in movable)
     if speed is None:
-        fall = _fall(O.bodies, movable, [x / g for x in down]) if g else 0
+        fall = _fall(O.bodies, movable, [x / g for x in gravity]) if g else 0
         speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
     times = ([radius / speed] if speed else []) + ([math.sqrt(radius / g)] if g else [])
     if not times:

@@ -21,7 +21,7 @@ def install(plugin):
     checks = {}  # by the number of the scene
 
     def of_this_scene():
-        return checks.setdefault(O.thisScene, _EngineCheck(O))
+        return checks.setdefault(O.thisScene, _EngineCheck(O, plugin))
 
     def check():
         O.stopAtIter = plugin.former_stop(O.stopAtIter)
@@ -50,8 +50,8 @@ def install(plugin):
 
     def waited(original, self, *arguments):
         if engine_methods.in_a_run():
-            raise RuntimeError(f"O.{original.__name__}: an engine of a run (PyRunner) cannot wait for its own run. Call O.run(n) there without waiting, "
-                               "which ends this run after n more steps, or leave it to the script")
+            raise RuntimeError(f"O.{original.__name__}: an engine of a run (PyRunner) cannot wait for its own run. Call O.run(n) there without "
+                               "waiting, which ends this run after n more steps, or leave it to the script")
         plugin.wait_begins()
         try:
             original(self, *arguments)
@@ -115,8 +115,8 @@ class _EngineCheck:
     When springs and ContactDynamics take over from each other, colliders begin anew, and overlaps left by the springs count as touching again.
     """
 
-    def __init__(self, O):
-        self.O = O
+    def __init__(self, O, plugin):
+        self.O, self.plugin = O, plugin
         self.passed = []  # the engines of springs that ran last; none if ContactDynamics ran last
         self.rigid = False  # whether ContactDynamics ran last
         self.takers = []  # engines of ContactDynamics that have taken overlaps over; those of a loaded scene tell by handoverOverlap
@@ -135,6 +135,8 @@ class _EngineCheck:
                 raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
                                    "of cd_engine.engines()")
             engine = live[names.index("ContactDynamics")]
+            if not self.O.running:
+                self.plugin.check_engines(engine)
             if engine.handover and engine not in self.takers:
                 self.takers.append(engine)
             elif self.passed and (engine in self.takers or engine.handoverOverlap > 0):

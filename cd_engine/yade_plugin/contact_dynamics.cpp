@@ -142,7 +142,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.solver.guessSolved = converged || steps == 0;
 	s.solver.guessPressed = pressed;
 	if (gravity[2] != 0)
-		throw SceneError("ContactDynamics: gravity has a component out of the plane. Set its z component to 0");
+		throw SceneError("ContactDynamics: gravity has a component out of the x-y plane. Set its z component to 0");
 	return s;
 }
 
@@ -161,6 +161,8 @@ void ContactDynamics::show()
 	else
 		link.publishMotion(driven);
 }
+
+void ContactDynamics::checkEngines() { others.check(this, Singleton<yade::Omega>::instance().getScene().get(), gravity != Vector3r::Zero()); }
 
 void ContactDynamics::advance()
 {
@@ -195,6 +197,8 @@ void ContactDynamics::advance()
 
 	tellOfLost();
 	tellOfSpeed(settings.dt);
+	if (steps == 0)
+		tellOfShortStep(settings.dt, weighs);
 	if (restitution > 0 && gapCorrection > 0)
 		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
 		    "Set one of them to 0. A smaller O.dt reduces overlaps.");

@@ -87,6 +87,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkLoaded() const;
 
 	void action() override;
+	// Throws SceneError if it cannot work with the other engines, before one of them runs.
+	void checkEngines();
 	// Brings the scene up to date, by the engine that has made the last step.
 	static void settleLatest();
 	// What exportProblem (engine_methods.py) writes: the arguments of core/export.py's write_bodies, or of write_step, as bytes.
@@ -107,6 +109,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::string unsolved() const;
 	void tellOfLost();
 	void tellOfSpeed(double dt);
+	void tellOfShortStep(double dt, const Vector3r& weighs);
 	void watchPenetration(double before) const;
 
 	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.

@@ -31,6 +31,9 @@ namespace {
 		};
 		py::def("run_begins", runBegins, "A run begins or goes on.");
 		py::def(
+		    "check_engines", &ContactDynamics::checkEngines,
+		    "RuntimeError if this engine cannot work with others in O.engines. For use between runs.");
+		py::def(
 		    "pause_begins", +[] { paused = true; },
 		    "Another thread has paused the run and looks at the scene: until the next run begins, it has to see the last step.");
 		py::def("former_stop", formerStop, "O.stopAtIter as it was before stopUnsolved ended a run, given the present one.");

@@ -83,10 +83,11 @@ void SceneLink::checkMotion(int id)
 			refuseBody(id, "belongs to a clump", releaseClump);
 		if (kindOf(bodies[id].shape) < 0)
 			readShape(id, world.bodies[id]); // refuses it: to set its freedoms would not help
-		refuseBody(id, "is free to leave the plane", "Set O.bodies[#].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+		refuseBody(id, "is free to leave the x-y plane, in which a scene lies",
+		    "Set O.bodies[#].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
 	}
 	if (velocity[2] != 0 || spin[0] != 0 || spin[1] != 0)
-		refuseBody(id, "moves out of the plane", "Set its z velocity and its x and y angular velocities to 0");
+		refuseBody(id, "moves out of the x-y plane", "Set its z velocity and its x and y angular velocities to 0");
 }
 
 void SceneLink::readVelocity(int id, cd::Body& body) const
@@ -250,7 +251,7 @@ void SceneLink::readFriction(int id, void* mat)
 	world.bodies[id].friction = std::tan(angle);
 }
 
-// Warns if somebody sets the position of a boundary step by step, since no disk sees it come. Once or twice may be a new beginning.
+// Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.
 void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
 {
 	constexpr int often = 3;
@@ -296,7 +297,7 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 	readFriction(id, body_material(body).get());
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
 	readMotion(id, world.bodies[id], forces);
-	tellOfPlacing(id, same && known.boundary, x, y);
+	tellOfPlacing(id, same, x, y);
 	constexpr int bounded = 1; // YADE's bit of Body.flags
 	world.masks[id] = known.inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
 }

@@ -28,6 +28,6 @@ template <class... Parts> std::string text(const Parts&... parts)
 	throw SceneError(text("ContactDynamics: body #", id, " ", what, ". ", remedy));
 }
 
-inline const char* const releaseClump = "Release the clump (O.bodies.releaseClump) or use single disks";
+inline const char* const releaseClump = "Clumps are not supported: append its disks one by one (O.bodies.append instead of appendClumped)";
 
 } // namespace cd_engine

@@ -12,6 +12,7 @@ namespace {
 	constexpr double deep = 0.01;
 	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
 	constexpr double far = 4; // radii that a disk may move in a step without a warning
+	constexpr double shortStep = 1e-3; // over the time in which a disk moves or falls by its radius: below it O.dt is one for springs
 
 } // namespace
 
@@ -61,19 +62,24 @@ void ContactDynamics::tellOfLost()
 		return;
 	toldOfLost = true;
 	const cd::Body& body = link.world.bodies[id];
-	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left all others far behind: it is at (" << body.x
+	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left the scene: it is at (" << body.x
 		  << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
 		  << ")) or give the scene a boundary that holds it. Further bodies that leave are not reported.\n";
 }
 
-// Prints one line a run if a disk with neighbours moves so far in a step that it may jump over a body that it would have met.
+// Prints one line a run if a disk moves so far in a step, relative to a neighbour, that it may jump over it.
 void ContactDynamics::tellOfSpeed(double dt)
 {
 	if (toldOfSpeed || !(link.pairSearch().longestWay() > far))
 		return;
 	const auto& bodies = link.world.bodies;
-	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && dt * std::hypot(b.v[0], b.v[1]) > far * b.radius; };
-	const auto meets = [&](const cd::Pair& pair) { return tooFar(bodies[pair.a]) || tooFar(bodies[pair.b]); };
+	const auto wayOf = [&](const cd::Body& b) { return dt * std::hypot(b.v[0], b.v[1]); };
+	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && wayOf(b) > far * b.radius; };
+	const auto meets = [&](const cd::Pair& pair) {
+		const cd::Body &a = bodies[pair.a], &b = bodies[pair.b];
+		const double relative = dt * std::hypot(a.v[0] - b.v[0], a.v[1] - b.v[1]);
+		return (tooFar(a) && relative > far * a.radius) || (tooFar(b) && relative > far * b.radius);
+	};
 	const auto near = std::find_if(link.world.pairs.begin(), link.world.pairs.end(), meets);
 	if (near == link.world.pairs.end())
 		return;
@@ -81,9 +87,21 @@ void ContactDynamics::tellOfSpeed(double dt)
 	toldOfSpeed = true;
 	std::cerr
 	    << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves "
-	    << dt * std::hypot(fast->v[0], fast->v[1]) / fast->radius << " times its radius in a step and may jump over others. O.dt is " << dt
+	    << wayOf(*fast) / fast->radius << " times its radius in a step and may jump over others. O.dt is " << dt
 	    << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds and gravity; it does not know other forces, which may "
 	       "grow without bound, such as a strong drag. Further such bodies are not reported.\n";
+}
+
+// Says at the first step if O.dt is YADE's default or one for springs.
+void ContactDynamics::tellOfShortStep(double dt, const Vector3r& weighs)
+{
+	const double g = weighs.norm(); // without gravity a sample may deform as slowly as it likes
+	const double longest = g > 0 ? std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / g) / dt) : 0; // in steps
+	const std::string remedy = "Rigid contacts have no stiffness that asks for such short steps: cd_engine.timeStep() proposes O.dt, often 1e-3 s.";
+	if (dt == 1e-8)
+		link.tell("O.dt is 1e-8 s, the value that YADE starts with.", remedy);
+	else if (longest < cd::endless && shortStep * longest > 1)
+		link.tell(text("O.dt is ", dt, " s: a disk needs at least ", longest, " steps to fall or move by its radius."), remedy);
 }
 
 // Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is

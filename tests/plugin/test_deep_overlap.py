@@ -90,6 +90,20 @@ def test_what_adds_up_over_steps_is_said_to(O, capfd):
     assert engine.unconvergedSteps == 0 and "grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4" in said
 
 
+def test_disks_that_grow_are_pushed_apart_by_the_gap_correction(O, capfd):
+    """No impulse of a step undoes what a radius that grows adds to an overlap; the message names what does."""
+    for settings, told in ({}, True), (dict(gapCorrection=0.1), False):
+        O.reset()
+        mat = plane.material()
+        plane.floor(mat)
+        plane.disk((0, 0.01), 0.01, mat=mat)
+        plane.run(1, 1e-3, gravity=(0, -G, 0), **settings)
+        for _ in range(120):
+            O.bodies[1].shape.radius += 1e-6
+            O.run(1, True)
+        assert ("disks grow: set gapCorrection=0.1" in capfd.readouterr().err) == told
+
+
 def test_what_comes_in_one_step_is_said_to(O, capfd):
     """If the step is too long, an impact with rebound is treated only in the next step, and the bodies overlap."""
     mat = plane.material()

@@ -39,6 +39,7 @@ def test_the_fall_ends_at_the_foot_of_a_slope(O, slope):
 
 def test_the_speeds_present_count(O):
     plane.disk((0, 0), 0.01, velocity=(3, 4))
+    O.engines = cd_engine.engines()
     assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / 5)
     turning = plane.box((5, 0), (1, 0), blocked="xyzXYZ")
     O.bodies[turning].state.angVel = (0, 0, 100)
@@ -66,13 +67,14 @@ def test_a_wall_along_gravity_has_no_height(O):
 
 
 @pytest.mark.parametrize("disks, arguments, said", [
-    (0, {}, "no disk in the scene can move"),
-    (1, {}, r"no speed can be estimated.*speed=0\.1"),
+    (0, dict(gravity=(0, 0, 0)), "no disk in the scene can move"),
+    (1, {}, r"no engine of O.engines has a gravity\. Set O\.engines first"),
+    (1, dict(gravity=(0, 0, 0)), r"no speed can be estimated.*speed=0\.1"),
     (1, dict(share=0), "share=0 is out of range"),
     (1, dict(share="half"), "share='half' is out of range: it must be a number above 0"),
     (1, dict(speed=-1), "speed=-1 m/s is out of range"),
     (1, dict(speed=(1, 0, 0)), "speed=.1, 0, 0. m/s is out of range: it must be a number"),
-    (1, dict(gravity=(0, 0, -9.81)), "points out of the plane"),
+    (1, dict(gravity=(0, 0, -9.81)), "points out of the x-y plane"),
     (1, dict(gravity=9.81), "gravity=9.81 is not a vector of three finite numbers, such as .0, -9.81, 0."),
     (1, dict(gravity=(0, float("nan"), 0)), "not a vector of three finite numbers"),
     (1, dict(gravity=(0, -9.81)), "gravity=.0, -9.81. is not a vector of three finite numbers"),

@@ -249,7 +249,7 @@ def test_a_refused_driver_leaves_its_velocities(O):
     """It drives the floor out of the plane; what it has set stands in the scene."""
     def run(engine):
         O.engines = [*O.engines, wrapper.HarmonicMotionEngine(ids=[0], A=(1e-3, 1e-3, 1e-3), f=(3, 9, 9), fi=(0, 0, 0))]
-        with pytest.raises(RuntimeError, match="#0 moves out of the plane"):
+        with pytest.raises(RuntimeError, match="#0 moves out of the x-y plane"):
             O.run(90, True)
         return O.iter, [(*b.state.pos, *b.state.vel) for b in O.bodies]
 

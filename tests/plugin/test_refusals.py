@@ -86,13 +86,13 @@ def turning_wall(attribute, value):
 
 
 @pytest.mark.parametrize("spoil, words", [
-    (change("blockedDOFs", ""), ["#1", "leave the plane", "zXY"]),
-    (change("blockedDOFs", "zX"), ["#1", "leave the plane"]),
+    (change("blockedDOFs", ""), ["#1", "leave the x-y plane", "zXY"]),
+    (change("blockedDOFs", "zX"), ["#1", "leave the x-y plane"]),
     (change("vel", (NAN, 0, 0)), ["#1", "velocity", "not a number"]),
     (change("angVel", (0, 0, NAN)), ["#1", "has an angular velocity", "not a number"]),
     (change("pos", (0, math.inf, 0)), ["#1", "position", "not a number"]),
-    (change("vel", (0, 0, 1)), ["#1", "out of the plane"]),
-    (change("angVel", (0, 1, 0)), ["#1", "out of the plane"]),
+    (change("vel", (0, 0, 1)), ["#1", "out of the x-y plane"]),
+    (change("angVel", (0, 1, 0)), ["#1", "out of the x-y plane"]),
     (change("mass", 0), ["#1", "mass 0", "state.mass"]),
     (change("mass", -1), ["#1", "mass -1"]),
     (change("mass", NAN), ["#1", "mass"]),
@@ -105,7 +105,7 @@ def turning_wall(attribute, value):
     (append(lambda u, m: u.wall(1, axis=0, material="elastic")), ["#2", "friction angle", "FrictMat"]),
     (turning_wall("angVel", (0, 0, 2)), ["#2", "wall with the angular velocity 2 rad/s", "O.bodies[2].state.angVel"]),
     (turning_wall("blockedDOFs", "yzXY"), ["#2", "wall that is free to turn", "O.bodies[2].state.blockedDOFs"]),
-    (clump, ["#2", "belongs to a clump"]),
+    (clump, ["#2", "belongs to a clump", "append its disks one by one"]),
     (flat_clump, ["#4", "is a clump"]),
     (periodic, ["periodic"]),
     (bad_dt(0), ["O.dt", "0 s"]),

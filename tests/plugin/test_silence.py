@@ -22,12 +22,13 @@ def one_disk(**settings):
 
 @pytest.mark.parametrize("engine, said", [
     (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after it.*Put it between"),
+    (lambda: wrapper.HarmonicForceEngine(ids=[1], A=(1, 0, 0), f=(1, 0, 0)), r"HarmonicForceEngine stands after it"),
     (lambda: wrapper.RadialForceEngine(ids=[1]), r"RadialForceEngine stands after it"),
     (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after it"),
     (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
     (lambda: wrapper.TriaxialStressController(), r"TriaxialStressController moves walls.*O\.forces\.setPermF"),
     (lambda: wrapper.ServoPIDController(ids=[1]), r"ServoPIDController moves walls.*O\.forces\.setPermF"),
-], ids=["force", "radial force", "gravity", "time step", "triaxial", "servo"])
+], ids=["force", "harmonic force", "radial force", "gravity", "time step", "triaxial", "servo"])
 def test_engines_that_do_not_go_with_it(O, engine, said):
     O.engines = one_disk() + [engine()]
     O.dt = 1e-3
@@ -35,6 +36,18 @@ def test_engines_that_do_not_go_with_it(O, engine, said):
         O.run(1, True)
     O.engines[-1].dead = True
     O.run(1, True)
+
+
+@pytest.mark.parametrize("engine", [wrapper.GlobalStiffnessTimeStepper, wrapper.TriaxialStressController, lambda: wrapper.ServoPIDController(ids=[1]),
+                                    wrapper.NewtonIntegrator, wrapper.InteractionLoop], ids=["time step", "triaxial", "servo", "integrator", "loop"])
+@pytest.mark.parametrize("go", [lambda O: O.run(1, True), lambda O: O.run(1), lambda O: O.step()], ids=["run", "background", "step"])
+def test_they_are_refused_before_they_run(O, engine, go):
+    """Also where they stand before ContactDynamics: what YADE says of some of them there would not help."""
+    reset, collider, cd = one_disk()
+    O.engines, O.dt = [engine(), reset, collider, cd], 1e-3
+    with pytest.raises(RuntimeError, match="^ContactDynamics: .*Remove it"):
+        go(O)
+    assert O.iter == 0
 
 
 def test_gravity_of_two_engines(O):
@@ -206,6 +219,17 @@ def test_materials_of_which_only_friction_is_used(O, capfd, make):
     assert make.__name__ in line and "only the frictionAngle is used" in line and "Body #0" in line
 
 
+def test_a_fixed_disk_moved_by_its_position(O, capfd):
+    O.engines, O.dt = one_disk(), 1e-3
+    pusher = plane.disk((0.05, 0.01), 0.01, blocked="xyzXYZ")
+    lines = []
+    for _ in range(40):
+        O.bodies[pusher].state.pos -= yade.Vector3(1e-3, 0, 0)
+        lines += said_by(O, capfd, 1)
+    line, = lines
+    assert f"body #{pusher} is moved by its position" in line and f"O.bodies[{pusher}].state.vel" in line
+
+
 def test_a_boundary_moved_by_its_position(O, capfd):
     """Reported once, though it then overlaps bodies. One or two moves may be a restart, and a boundary with a velocity moves by itself."""
     reset, collider, cd = one_disk()
@@ -274,7 +298,7 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
 
 
-@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
+@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("en", "`restitution`"), ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
 @pytest.mark.parametrize("make", [cd_engine.engines, cd_engine.ContactDynamics])
 def test_misspelt_names(make, name, said):
     with pytest.raises(AttributeError, match=said):
@@ -291,6 +315,14 @@ def test_the_default_step_of_yade(O, capfd):
     O.dt = 1e-8
     line, = said_by(O, capfd)
     assert "O.dt is 1e-8 s" in line and "1e-3" in line
+
+
+@pytest.mark.parametrize("dt, told", [(1e-6, True), (1e-4, False)])
+def test_a_step_for_springs(O, capfd, dt, told):
+    """Told of at the first step. Steps that are merely short, as for a comparison, are not."""
+    O.engines, O.dt = one_disk(), dt
+    lines = said_by(O, capfd)
+    assert len(lines) == told and all(f"O.dt is {dt:g} s: a disk needs at least 3192" in line and "timeStep()" in line for line in lines), lines
 
 
 def test_a_boundary_that_gravity_moves(O, capfd):

@@ -4,24 +4,24 @@
     yade yade_scripts/examples/heap.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/heap.py           the rows of a table with columns disks, springs, seconds
 
-heap.png shows the kinetic energy against time; heap.yade.gz holds the scene at rest.
+heap.png shows the kinetic energy against time; heap-*.vtk hold the disks for Paraview, heap.yade.gz the scene at rest.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
 import cd_engine
-from yade import plot
+from yade import export, plot
 
 settings = dict(disks=300, springs=0, seconds=1.5)
 for word in sys.argv[1:]:
     name, _, value = word.partition("=")
     try:
         settings[name] = type(settings[name])(value)
-        if name != "springs" and not 0.1 <= settings[name] < 1e9:
-            raise ValueError
     except (KeyError, ValueError):
-        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}, the numbers at least 0.1 (springs: 0 or 1)")
+        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
+if not (disks == int(disks) >= 1 and 0.1 <= seconds < 1e9):
+    sys.exit(f"disks={disks}, seconds={seconds}: disks must be a whole number of at least 1, seconds at least 0.1")
 name = f"heap-{O.tags['d.id']}" if runningInBatch() else "heap"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
@@ -59,7 +59,9 @@ if springs:
 else:
     O.engines = cd_engine.engines(gravity=gravity, tolerance=1e-4, gapCorrection=0.1)
     O.dt = cd_engine.timeStep()
-O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, energy=kineticEnergy())", virtPeriod=0.01)]
+pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, energy=kineticEnergy())", virtPeriod=0.01),
+                         PyRunner(command="pictures.exportSpheres()", virtPeriod=0.25 * seconds)]
 plot.plots = {"t": "energy"}
 
 start = time.time()

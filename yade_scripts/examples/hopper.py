@@ -4,24 +4,25 @@
     yade yade_scripts/examples/hopper.py disks=200 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/hopper.py           the rows of a table with columns disks, springs, seconds
 
-The script removes disks that have left: a disk that falls for ever would get faster and faster. hopper.png shows the discharge.
+The script removes disks that have left: a disk that falls for ever would get faster and faster. hopper.png shows the discharge;
+hopper-*.vtk hold the disks for Paraview, hopper.yade.gz the last state (in another script: `import cd_engine`, then O.load).
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
 import cd_engine
-from yade import plot
+from yade import export, plot
 
 settings = dict(disks=600, springs=0, seconds=2.0)
 for word in sys.argv[1:]:
     name, _, value = word.partition("=")
     try:
         settings[name] = type(settings[name])(value)
-        if name != "springs" and not 0.1 <= settings[name] < 1e9:
-            raise ValueError
     except (KeyError, ValueError):
-        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}, the numbers at least 0.1 (springs: 0 or 1)")
+        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds
+if not (disks == int(disks) >= 1 and 0.1 <= seconds < 1e9):
+    sys.exit(f"disks={disks}, seconds={seconds}: disks must be a whole number of at least 1, seconds at least 0.1")
 name = f"hopper-{O.tags['d.id']}" if runningInBatch() else "hopper"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
@@ -59,7 +60,8 @@ if springs:
 else:
     O.engines = cd_engine.engines(gravity=gravity, tolerance=1e-4)
     O.dt = cd_engine.timeStep()
-O.engines = O.engines + [PyRunner(command="record()", virtPeriod=0.01)]
+pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+O.engines = O.engines + [PyRunner(command="record()", virtPeriod=0.01), PyRunner(command="pictures.exportSpheres()", virtPeriod=0.25 * seconds)]
 plot.plots = {"t": "left"}
 
 mass, start = sum(b.state.mass for b in O.bodies), time.time()
@@ -67,3 +69,4 @@ O.run(int(seconds / O.dt), True)
 plot.plot(noShow=True).savefig(f"{name}.png")
 print(f"{len(left)} of {disks} disks left the hopper in {O.time:.2f} s; mass left and remaining / mass at the start: "
       f"{(sum(left) + sum(b.state.mass for b in O.bodies)) / mass:.6f}; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
+O.save(f"{name}.yade.gz")

@@ -5,7 +5,8 @@
     yade-batch TABLE yade_scripts/examples/loaded_box.py           the rows of a table with columns disks, springs, load, seconds
 
 The lid is a Box that is free to move up and down; its load is a permanent force on it. There is no gravity. loaded_box.png shows the height of
-the lid; loaded_box-*.vtk hold the disks and the forces between them for Paraview.
+the lid; loaded_box-*.vtk hold the disks and the forces between them for Paraview, loaded_box.yade.gz the last state (in another script:
+`import cd_engine`, then O.load).
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
@@ -17,12 +18,12 @@ for word in sys.argv[1:]:
     name, _, value = word.partition("=")
     try:
         settings[name] = type(settings[name])(value)
-        if name != "springs" and not 0.1 <= settings[name] < 1e9:
-            raise ValueError
     except (KeyError, ValueError):
-        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}, the numbers at least 0.1 (springs: 0 or 1)")
+        sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]
+if not (disks == int(disks) >= 1 and 0.1 <= seconds < 1e9 and 0.1 <= load < 1e9):
+    sys.exit(f"disks={disks}, load={load}, seconds={seconds}: disks must be a whole number of at least 1, load and seconds at least 0.1")
 name = f"loaded_box-{O.tags['d.id']}" if runningInBatch() else "loaded_box"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
@@ -75,3 +76,4 @@ plot.plot(noShow=True).savefig(f"{name}.png")
 last = plot.data["floor"][-20:]
 print(f"the floor carries {sum(last) / len(last):.4g} N of {load:g} N; the net vertical force on the lid is {O.forces.f(lid)[1]:.2g} N; "
       f"{time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
+O.save(f"{name}.yade.gz")
