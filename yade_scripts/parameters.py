@@ -203,8 +203,7 @@ def _hint(name, legal, scene):
 def _check_together(full):
     scene = scenes.module(full["scene"])
     if full["method"] not in scene.METHODS:
-        raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since it leaves "
-                             f"out {scene.LEFT_OUT}")
+        raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since {scene.ONLY}")
     largest = full["radius_mean"] * (1 + full["radius_spread"])
     if full["depth"] <= 2 * largest:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "

@@ -138,8 +138,12 @@ def test_a_new_meaning_of_the_defaults_names_all_runs_anew(monkeypatch):
 
 
 def test_a_method_without_meaning_in_a_scene_is_refused_with_the_reason():
-    with pytest.raises(ParameterError, match="method = 'MD': the scene chain runs by CD only, since it leaves out .*sweeps of CD"):
-        complete({"scene": "chain", "method": "MD"})
+    for name in scenes.names():
+        for method in {"MD", "CD"} - set(scenes.module(name).METHODS):
+            with pytest.raises(ParameterError) as refused:
+                complete({"scene": name, "method": method})
+            other, reason = scenes.module(name).METHODS[0], scenes.module(name).ONLY
+            assert str(refused.value) == f"method = '{method}': the scene {name} runs by {other} only, since {reason}" and "METHODS" not in reason
 
 
 def test_row_overrides_scene_overrides_registry():

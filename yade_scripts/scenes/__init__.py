@@ -4,12 +4,13 @@ A scene's file declares
     TITLE       what is simulated
     KIND        kind of scene, in words that several scenes share: charts compare scenes of one kind
     HORIZON     one sentence: up to which time the errors of its known quantities mean something
-    LEFT_OUT    what the model leaves out, and why that is acceptable; if it runs by one method only, why
+    LEFT_OUT    what the model leaves out, and why that is acceptable
     DEFAULTS    {name: value} for the general parameters whose defaults it changes
     build(full, folder)     -> Scene; puts bodies, engines and time step into YADE's O. full: {name: value} of all parameters. folder: of the
                             results; its subfolder states/ has the prepared packings
 and may declare
-    METHODS     ("MD",) or ("CD",), if only one of them can run it
+    METHODS     ("MD",) or ("CD",), if only one of them can run it; then also
+    ONLY        why: a clause that ends the sentence 'the scene runs by CD only, since'
     PARAMETERS  the parameters that only this scene has, a tuple of parameters.Parameter
     CHART       Chart: what the charts of speed against accuracy vary; only if an exact value is known
     check(full)             raises ParameterError if values of parameters do not fit together
@@ -112,7 +113,7 @@ def names():
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
     return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
-                         {"METHODS": ("MD", "CD"), "PARAMETERS": (), "CHART": None, "check": lambda full: None})
+                         {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "CHART": None, "check": lambda full: None})
 
 
 def method(full):

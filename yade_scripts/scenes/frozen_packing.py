@@ -12,8 +12,9 @@ from yade_scripts.scenes import Scene
 TITLE = "Walk over the force networks of a packing at rest"
 KIND = "dense packings under load"
 METHODS = ("CD",)
+ONLY = "the positions of the grains determine the forces of springs"
 HORIZON = "Each step by itself, since the grains are put back; nothing is known exactly except the balance of forces."
-LEFT_OUT = "motion; and springs, whose forces are determined by the positions of the grains"
+LEFT_OUT = "motion"
 DEFAULTS = dict(method="CD", network_seed=1, tolerance=1e-10, cd_dt=1e-6, period=2e-4)
 
 

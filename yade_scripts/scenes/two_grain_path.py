@@ -22,8 +22,9 @@ from yade_scripts.scenes import Chart, Known
 TITLE = "Closed path of two disks"
 KIND = "closed paths"
 METHODS = ("MD",)
+ONLY = "rigid contacts store no force along a path"
 HORIZON = "Whole paths, any number of them while nothing slips."
-LEFT_OUT = "inertia and spins, since the motion of the disks is prescribed; CD, since rigid contacts store no force along a path"
+LEFT_OUT = "inertia and spins, since the motion of the disks is prescribed"
 DEFAULTS = dict(disks=2, friction=2.0, beta_n=0.0, records_per_cycle=40)
 CHART = Chart(physics=("stiffening", "beta_n"), rolling=True, exact={"left_force": 0.0, "loop_work": 0.0})
 
