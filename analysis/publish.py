@@ -25,7 +25,7 @@ def publish(collection, folder):
     """Write the three files of a study into `folder`. Return their common stem. Raise ResultError if no run has finished."""
     if not collection.runs:
         reason = collection.missing[0][2] if collection.missing else "it has no rows"
-        raise ResultError(collection.name, f"no run has finished (the first: {reason})", f"make them: {command('study', collection)}")
+        raise ResultError(collection.name, f"no run has finished (the first: {reason})", f"make them: {command(collection)}")
     study, stem = studies.module(collection.name), Path(folder) / collection.name
     stem.parent.mkdir(parents=True, exist_ok=True)
     rows = study.summarize(collection.runs)
@@ -95,7 +95,7 @@ def origin(collection):
         "unsolved_steps": sum(observables.unconverged_steps(run) for run in runs if run.method == "CD"), "energy_balance": energy_balance(runs),
         "commits": sorted({run.attributes["git_commit"] for run in runs}),
         "yade": sorted({str(run.attributes["yade_version"]) for run in runs}),
-        "run_command": command("study", collection), "parameters": constant, "varied": varied} | machine()
+        "run_command": command(collection), "parameters": constant, "varied": varied} | machine()
 
 
 def of_other_rows(name, facts, table):
@@ -120,16 +120,16 @@ def energy_balance(runs):
     """Return {method: how many runs have a balance, its median and largest error}; see observables.balance_error."""
     found = {}
     for method in ("MD", "CD"):
-        errors = np.abs([observables.balance_error(run) for run in runs if run.method == method and "wall_work" in run.history])
+        errors = np.abs([observables.balance_error(run) for run in runs if run.method == method])
         errors = errors[np.isfinite(errors)]
         if len(errors):
             found[method] = {"runs": len(errors), "median": float(np.median(errors)), "largest": float(errors.max())}
     return found
 
 
-def command(target, collection):
+def command(collection):
     """Return the make command that runs a study's rows and draws it."""
-    return f"make {target} STUDY={collection.name}" + " FULL=1" * collection.full
+    return f"make study STUDY={collection.name}" + " FULL=1" * collection.full
 
 
 def _split(rows):

@@ -51,7 +51,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Run:
-    """One result file: names, units and shapes as in `yade_scripts.results.schema`.
+    """One result file: names and units as in `yade_scripts.results.schema`.
 
     extra: {name: array} of quantities that only this scene has. known: {name: Known}.
     """

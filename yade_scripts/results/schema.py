@@ -1,4 +1,4 @@
-"""The fields of a result file: every name, unit, shape and meaning.
+"""The fields of a result file: every name, unit and meaning.
 
 The recorder writes according to these tables and the reader checks against them. One run is one HDF5 file. Its root attributes describe the run,
 `/history/<name>` is a 1-D array for each quantity (all of the same length, unit in the attribute `unit`), `/snapshots/<k>/` is the whole sample at
@@ -22,17 +22,11 @@ OUTCOME_COLLAPSED = "collapsed: "  # followed by what was seen; the sample gave 
 
 @dataclass(frozen=True)
 class Field:
-    """One quantity of a result file.
-
-    `shape` holds numbers and the letters n (bodies), m (contacts); empty for history fields, which are 1-D. `methods` are those whose files
-    hold the field; older files may lack it if it is optional.
-    """
+    """One quantity of a result file. `methods` are those whose files hold it."""
     name: str
     unit: str
     doc: str
-    shape: tuple = ()
     methods: tuple = METHODS
-    optional: bool = False
 
 
 def _table(*fields):
@@ -54,31 +48,32 @@ HISTORY = _table(
     Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
     Field("max_penetration", "m", "largest overlap; in CD that of the last step, beyond the reference overlap of the start"),
     Field("wall_clock", "s", "computing time since the start of the run"),
-    Field("processor_time", "s", "processor time since the start of the run, of all threads, without that of the samples", optional=True),
+    Field("processor_time", "s", "processor time since the start of the run, of all threads, without that of the samples"),
     Field("iterations", "1", "sweeps and factorizations of the step, the most on one island", methods=("CD",)),
     Field("residual", "1", "error e of the step's contact problem", methods=("CD",)),
-    Field("sigma1_goal", "Pa", "sigma1 the loading asks for", optional=True),
-    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7", optional=True),
-    Field("wall_work", "J", "work of the wall loads on the sample since the start", optional=True),
-    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD", optional=True),
+    Field("sigma1_goal", "Pa", "sigma1 the loading asks for"),
+    Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7"),
+    Field("wall_work", "J", "work of the wall loads on the sample since the start"),
+    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD"),
     Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots; NaN without md_energies and "
-          "where contacts with walls slip under another law than those between disks", methods=("MD",), optional=True),
-    Field("residual_max", "1", "largest error e of all steps so far", methods=("CD",), optional=True),
-    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=("CD",), optional=True),
+          "where contacts with walls slip under another law than those between disks", methods=("MD",)),
+    Field("residual_max", "1", "largest error e of all steps so far", methods=("CD",)),
+    Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=("CD",)),
 )
 
+# Arrays with a row for each disk, the contact fields with one for each contact; the box has four numbers.
 SNAPSHOT = _table(
-    Field("position", "m", "centres of the disks", ("n", 2)),
-    Field("angle", "rad", "rotation of each disk since the start", ("n",)),
-    Field("radius", "m", "radius of each disk", ("n",)),
-    Field("body_ids", "1", "YADE's id of each disk", ("n",)),
-    Field("contact_ids", "1", "ids of the two bodies, walls included", ("m", 2)),
-    Field("contact_point", "m", "where the force acts", ("m", 2)),
-    Field("contact_normal", "1", "unit vector from the first to the second body", ("m", 2)),
-    Field("contact_friction", "1", "friction coefficient mu of the contact", ("m",)),
-    Field("force_normal", "N", "R, compression positive", ("m",)),
-    Field("force_tangential", "N", "T on the second body, along the normal turned by +90 degrees", ("m",)),
-    Field("box", "m", "inner faces of the walls x-, x+, y-, y+; NaN where there is no box", (4,)),
+    Field("position", "m", "centres of the disks"),
+    Field("angle", "rad", "rotation of each disk since the start"),
+    Field("radius", "m", "radius of each disk"),
+    Field("body_ids", "1", "YADE's id of each disk"),
+    Field("contact_ids", "1", "ids of the two bodies, walls included"),
+    Field("contact_point", "m", "where the force acts"),
+    Field("contact_normal", "1", "unit vector from the first to the second body"),
+    Field("contact_friction", "1", "friction coefficient mu of the contact"),
+    Field("force_normal", "N", "R, compression positive"),
+    Field("force_tangential", "N", "T on the second body, along the normal turned by +90 degrees"),
+    Field("box", "m", "inner faces of the walls x-, x+, y-, y+; NaN where there is no box"),
 )
 
 KNOWN = _table(
@@ -151,7 +146,7 @@ def problems(file):
         return [f"its schema version is {attributes['schema_version']}, this program reads {SCHEMA_VERSION}"]
     if attributes["method"] not in METHODS:
         return [f"its method is {attributes['method']!r}, not one of {', '.join(METHODS)}"]
-    needed = [name for name, field in HISTORY.items() if attributes["method"] in field.methods and not field.optional]
+    needed = [name for name, field in HISTORY.items() if attributes["method"] in field.methods]
     if missing := [name for name in needed if name not in history]:
         return [f"/history lacks {', '.join(missing)}"]
     found = [f"/history/{name} is in {unit!r}, expected {HISTORY[name].unit!r}" for name, column in history.items()
