@@ -75,7 +75,7 @@ lint: ## style and static checks
 	@.ci/install-packages lint
 	@$(PYTHON) -m pyflakes $(shell find $(packages) -name '*.py' -not -path '*/examples/*')
 	@PYFLAKES_BUILTINS=$(yade) $(PYTHON) -m pyflakes yade_scripts/examples
-	$(if $(wildcard .clang-format),clang-format --dry-run --Werror $(cpp))
+	clang-format --dry-run --Werror $(cpp)
 
 install: build ## let every YADE console of this user import cd_engine
 	install -d $(site)/cd_engine/core

@@ -18,7 +18,7 @@ SEEDS = ("0", "2", "5", "7", "9", "12", "116", "503",
          "13", "178", "217", "214", "376", "65", "75", "81", "271", "417", "148", "1069", "2003")
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_random_scenes(root):
     """The command below, with the seed that it reports, makes a scene again."""
     done = subprocess.run([sys.executable, "-m", "tests.plugin.fuzz", *SEEDS], cwd=root, capture_output=True, text=True)
