@@ -1,7 +1,4 @@
-"""Draws the figures of `make bench`: error against time, cost of a sweep and of a step against size, number of sweeps against size.
-
-It also writes goals.csv: what a step costs beside what was asked for.
-"""
+"""Draws the figures of `make bench`: error against time, cost of a sweep and of a step against size, number of sweeps against size."""
 import math
 from pathlib import Path
 
@@ -23,12 +20,9 @@ PANELS = 6
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 TEXTS = "status", "problem", "kind", "start", "method", "order"
 COLUMNS = {"solutions": ("status", "problem", "kind", "start", "method", "disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"),
-           "sweeps": ("disks", "contacts", "accelerated_ns", "look_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated",
+           "sweeps": ("disks", "contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain", "bytes_accelerated",
                       "bandwidth_gb_per_s"),
-           "step": ("order", "disks", "contacts", "tolerance", "ns_a_contact", "sweeps_a_step", "seconds_a_step", "seconds_of_springs", "over_springs",
-                    "two_threads_step", "two_threads_solver", "ns_a_disk_at_rest", "bytes_a_contact_of_interactions", "bytes_a_contact_of_engine",
-                    "bytes_in_all")}
-TYPICAL, COARSE = 40000, 1e-4  # disks and tolerance of most goals
+           "step": ("order", "disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs")}
 
 
 def draw(folder):
@@ -50,36 +44,7 @@ def draw(folder):
             if (busy := of_table["processes_running_before"]) > 0.5:
                 source += f"; {busy:.1f} other processes were running"
             style.finish(fig, drawn[-1], note, source)
-    if len(tables["step"]):
-        drawn.append(folder / "goals.csv")
-        goals(tables["step"], tables["sweeps"]).to_csv(drawn[-1], index=False)
     return drawn
-
-
-def goals(steps, sweeps):
-    """Return a table: what a warm step of a packing at rest costs, before its redesign and now, and what was asked for. Now: NaN if not measured."""
-    def of(table, name, **which):
-        found = table[(table[list(which)] == pandas.Series(which)).all(axis=1)] if len(table) else table
-        return found[name].iloc[0] if len(found) else math.nan
-
-    def step(name, disks=TYPICAL, order="built"):
-        return of(steps, name, disks=disks, order=order, tolerance=COARSE)
-
-    sweep, look = (of(sweeps, name, disks=TYPICAL) for name in ("accelerated_ns", "look_ns"))
-    plain = min(of(sweeps, name, disks=TYPICAL) for name in sweeps if name.startswith("plain_")) if len(sweeps) else math.nan
-    rows = (("all but the sweeps, 40 000 disks", "ns a contact", 370, 60, step("ns_a_contact") - step("sweeps_a_step") * sweep),
-            ("a step, 40 000 disks", "steps of springs", 1.27, 0.35, step("over_springs")),
-            ("a step, 400 disks", "steps of springs", math.nan, 0.5, step("over_springs", 400)),
-            ("shuffled ids, 40 000 disks", "steps with ordered ids", 1.64, 1.1, step("seconds_a_step", order="shuffled") / step("seconds_a_step")),
-            ("a look at the error, 40 000 disks", "sweeps", 5, 1.5, look / plain),
-            ("memory of YADE's interactions", "bytes a contact", math.nan, math.nan, step("bytes_a_contact_of_interactions")),
-            ("memory of Contact Dynamics beside them", "bytes a contact", 1600, 500, step("bytes_a_contact_of_engine")),
-            ("two threads, sweeps, 40 000 disks", "times as fast as one", 1, 1.8, step("two_threads_solver")),
-            ("two threads, whole step, 40 000 disks", "times as fast as one", 1, 1.6, step("two_threads_step")),
-            ("a step, 1 000 000 disks", "s", math.nan, 0.3, step("seconds_a_step", 10**6)),
-            ("memory in all, 1 000 000 disks", "GB", math.nan, 8, step("bytes_in_all", 10**6) / 1e9),
-            ("a step, 40 000 disks that sleep", "ns a disk", math.nan, 5, step("ns_a_disk_at_rest")))
-    return pandas.DataFrame(rows, columns=("what", "unit", "before", "goal", "now"))
 
 
 def _rows(path, columns):

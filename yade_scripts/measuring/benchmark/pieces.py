@@ -17,7 +17,6 @@ BOTH = ("cold", "warm")
 # What measures the rows of each table, as function(folder of the problems, **settings).
 MEASURE = {
     "solutions": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
-    "oracle": lambda folder, **crystal: solutions.oracle(problems.crystal(**crystal)),
     "sweeps": sweeps.measure,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
 }
@@ -76,7 +75,6 @@ def quick(files):
     """Return the pieces of a benchmark of one minute: one small packing, a row or two in each table."""
     peer = siconos.available() is None
     return (_solve(_packings(400, 1, BOTH), product(kind="crystal", rows=10, mu=0.8), _of_files(files), targets=(1e-2, 1e-4, 1e-6), most_seconds=2.0)
-            + _pieces("oracle", product(rows=4, mu=0.5) * peer)
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
             + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built")))
 
@@ -91,7 +89,6 @@ def full(files):
                      product(kind="masses", disks=400, seed=1, mu=(0.5, 0.1)), product(kind="masses", disks=4000, seed=1, mu=0.1),
                      product(kind="crystal", rows=20, mu=(0.5, 0.8), ratio=1000.0, name="pile 1000:1 of"))
             + _solve(_of_files(files), **longer)
-            + _pieces("oracle", (product(rows=3, mu=0.5) + product(rows=4, mu=(0.1, 0.5, 0.8))) * peer)
             + _pieces("sweeps", product(disks=400, copies=1, rounds=5, peer=peer), product(disks=4000, copies=(1, 10), rounds=5, peer=peer),
                       product(disks=4000, copies=200, rounds=3, peer=peer))
             + _pieces("step", *(product(**step, columns=columns, steps=steps, tolerance=(1e-4, 1e-6))

@@ -1,6 +1,6 @@
-"""Runs Siconos's 2D solvers on the same W, q and mu: fc2d_nsgs for packings, fc2d_lexicolemke as an oracle for a few contacts.
+"""Runs Siconos's Gauss-Seidel, fc2d_nsgs, on the same W, q and mu.
 
-fc2d_nsgs (Gauss-Seidel) gets W in sparse blocks, its fastest storage here. It keeps no state between calls, so it can be stopped every few sweeps and
+It gets W in sparse blocks, its fastest storage here. It keeps no state between calls, so it can be stopped every few sweeps and
 continues with the same bits. Only its sweeps are timed, without its own stopping test (which uses another measure than e); our code
 computes the error e in between. So this is the shortest time in which Siconos can reach an error e.
 """
@@ -77,14 +77,6 @@ class Peer:
             count = max(FEWEST, int(made * (GROWTH - 1)))
             seconds += self.sweeps(p, count)
             made += count
-
-    def lemke(self):
-        """Return (impulses, status) of the pivoting solver; status 0 means that it reports success."""
-        n = self.numerics
-        dense = n.FrictionContactProblem(2, self.contacts, self.matrix.W.toarray(), self.matrix.q, self.matrix.mu)
-        options = n.SolverOptions(n.SICONOS_FRICTION_2D_LEMKE)
-        p, u = np.zeros(2 * self.contacts), np.zeros(2 * self.contacts)
-        return p, n.fc2d_driver(dense, p, u, options)
 
 
 def reached(points, target):

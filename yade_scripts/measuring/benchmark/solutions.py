@@ -72,15 +72,3 @@ def _of_peer(histories, target):
         return [Run(*point._replace(sweeps=round(point.sweeps)), SOLVED) for point in met]
     last = histories[0][-1]
     return [Run(*last, f"not within {last.seconds:.3g} s" if np.isfinite(last.residual) else "not finite")]
-
-
-def oracle(case):
-    """Return the row of a case of at most 50 contacts: the error e of Siconos's pivoting solver, and its relative velocities against ours."""
-    ours = core.solve(case.problem, tolerance=1e-12, max_iterations=MOST_SWEEPS)
-    p, claim = siconos.Peer(case.problem).lemke()
-    e = core.residual(case.problem, p)
-    difference = np.abs(case.problem.velocities(p) - case.problem.velocities(ours.impulses)).max()
-    scale = np.abs(case.problem.free_velocities).max()
-    return [{"status": SOLVED if e < 1e-10 else f"error {e:.1e}, though it claims {'success' if claim == 0 else f'status {claim}'}",
-             "problem": case.name, "contacts": case.problem.contacts, "mu": case.mu, "lemke_residual": e, "our_residual": ours.residual,
-             "largest_velocity_difference": difference / scale}]
