@@ -1,6 +1,6 @@
 """Runs every row of tables, several at a time, each in a YADE process of its own; finished rows are skipped.
 
-    /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2]
+    /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2] [--share INDEX/TASKS]
 
 A row counts as finished if its result file says so. Rows that need the same packing prepare it once. Two calls at the same time
 share the rows. When a call ends, even by kill -9, its runs end with it; the same command then runs the rows that have not finished.
@@ -79,10 +79,19 @@ def work_off(jobs, at_once, ended=lambda path: None):
     return failed
 
 
+def share(text):
+    """Convert INDEX/TASKS, a task's share of the rows, to a slice."""
+    index, _, tasks = text.partition("/")
+    return slice(commands.whole(0)(index), None, commands.whole(1)(tasks))
+
+
 @commands.command("batch")
 def main(arguments=None):
-    options = commands.parser(__doc__, "tables", "--jobs", "--results").parse_args(arguments)
-    jobs = jobs_of([row for path in options.tables for row in tables.read(path).values()], options.results)
+    parser = commands.parser(__doc__, "tables", "--jobs", "--results")
+    parser.add_argument("--share", type=share, default="0/1", metavar="INDEX/TASKS",
+                        help="run every TASKS-th row only, beginning with row INDEX, counted from 0: the task of a cluster")
+    options = parser.parse_args(arguments)
+    jobs = jobs_of([row for path in options.tables for row in tables.read(path).values()][options.share], options.results)
     try:
         return 1 if work_off(jobs, options.jobs) else 0
     except OSError as error:

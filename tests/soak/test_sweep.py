@@ -18,10 +18,10 @@ from yade_scripts.cluster import slurm, sweep
 
 TABLE = """\
 description     scene   speed
-plain           bounce  1
-node-dies       bounce  2
-over-its-limit  bounce  3
-leaves-no-file  bounce  4
+plain           bounce  1.0
+node-dies       bounce  2.0
+over-its-limit  bounce  3.0
+leaves-no-file  bounce  4.0
 """
 # The real YADE, once the test lets go of the row; of the last row it ends before it can write.
 YADE = """\
@@ -29,7 +29,7 @@ YADE = """\
 for word; do
     case $word in speed=*)
         touch "{folder}/reached-${{word#speed=}}"
-        [ "${{word#speed=}}" != 4 ] || {{ echo "libhdf5 is of another version"; exit 1; }}
+        [ "${{word#speed=}}" != 4.0 ] || {{ echo "libhdf5 is of another version"; exit 1; }}
         while [ -e "{folder}/hold-${{word#speed=}}" ]; do sleep 0.2; done
     esac
 done
@@ -75,11 +75,11 @@ def test_a_killed_node_a_time_limit_and_a_stopped_watch_change_no_result(cluster
     program.parent.mkdir()
     program.write_text(YADE.format(folder=tmp_path, yade=shutil.which("yade")))
     program.chmod(0o755)
-    for row in "23":
+    for row in ("2.0", "3.0"):
         (tmp_path / f"hold-{row}").touch()
 
     first = start(cluster_here, root, table, tmp_path, tmp_path / "first")
-    cluster.until(lambda: all((tmp_path / f"reached-{row}").exists() for row in "23"), 90, "start of both tasks that wait")
+    cluster.until(lambda: all((tmp_path / f"reached-{row}").exists() for row in ("2.0", "3.0")), 90, "start of both tasks that wait")
     first.send_signal(signal.SIGINT)
     assert first.wait(150) == 130, (tmp_path / "first").read_text()
     assert "The tasks go on" in (tmp_path / "first").read_text()
@@ -90,10 +90,10 @@ def test_a_killed_node_a_time_limit_and_a_stopped_watch_change_no_result(cluster
     job = cluster_here.ask("squeue", "-h", "-o", "%F").split()[0]
     cluster_here.ask("scontrol", "update", f"JobId={job}_2", "EndTime=now+2")
     cluster_here.kill(tasks[1][1])
-    (tmp_path / "hold-2").unlink()
+    (tmp_path / "hold-2.0").unlink()
     # Slurm looks for tasks beyond their limit every 30 s.
     cluster.until(lambda: cluster_here.tasks().get(2, ("gone",))[0] not in ("RUNNING", "COMPLETING"), 90, "end of the task beyond its limit")
-    (tmp_path / "hold-3").unlink()
+    (tmp_path / "hold-3.0").unlink()
     status, said = second.wait(200), (tmp_path / "second").read_text()
     assert status == 1, said
 
@@ -151,8 +151,8 @@ def test_more_rows_than_an_array_has_tasks_are_shared_out(monkeypatch, tmp_path,
     jobs = [batch.Row({"scene": "bounce", "speed": float(k + 1)}, str(tmp_path)) for k in range(rows_open)]
     sweep.Sweep(jobs, options(tmp_path)).submit(0)
     (command, count), = submitted
-    assert count == tasks and command.endswith(f"$SLURM_ARRAY_TASK_ID {tasks}")
-    shares = [range(rows_open)[index::tasks] for index in range(tasks)]  # as task.py takes them
+    assert count == tasks and command.endswith(f"--share $SLURM_ARRAY_TASK_ID/{tasks}")
+    shares = [range(rows_open)[batch.share(f"{index}/{tasks}")] for index in range(tasks)]
     assert sorted(row for share in shares for row in share) == list(range(rows_open))
 
 

@@ -10,7 +10,6 @@ Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 130 end
 """
 import collections
 import hashlib
-import json
 import os
 import pathlib
 import re
@@ -89,11 +88,12 @@ class Sweep:
         for old in self.folder.glob("task-*.out"):
             old.unlink()
         todo = _packings_first(self.open)
-        plan = self.folder / f"rows-{attempt}.json"
-        plan.write_text(json.dumps({"results": self.options.results, "rows": [job.row for job in todo]}))
+        plan = self.folder / f"rows-{attempt}.txt"
+        plan.write_text(tables.text([job.row for job in todo]), encoding="utf-8")
         tasks = min(len(todo), slurm.largest_array())
         minutes = self.options.minutes and self.options.minutes * 2**attempt
-        command = f"exec {shlex.join(map(str, (sys.executable, HERE / 'task.py', plan)))} $SLURM_ARRAY_TASK_ID {tasks}"
+        words = sys.executable, HERE.parent / "batch.py", plan, "--results", self.options.results, "--jobs", 1, "--share"
+        command = f"exec {shlex.join(map(str, words))} $SLURM_ARRAY_TASK_ID/{tasks}"
         output = self.folder / "task-%A_%a.out"
         number = slurm.submit(self.name, command, tasks, output, minutes, self.options.at_once, shlex.split(self.options.sbatch))
         limit = f" of at most {minutes} min" if minutes else ""
