@@ -13,7 +13,7 @@ from yade_scripts.results.reader import ResultError
 from yade_scripts.theory import spring_limits
 from yade_scripts.measuring.maps import INACCURATE, Outcome, STABLE, Search, UNSTABLE
 
-STORED = json.loads((pathlib.Path(maps.__file__).parent / "boundaries.json").read_text())["boundaries"]
+STORED = json.loads((pathlib.Path(__file__).parent / "boundaries.json").read_text())["boundaries"]
 
 
 def jump(limit, good_below=True):
