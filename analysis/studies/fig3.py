@@ -1,4 +1,4 @@
-"""Fig. 3: strain rate per cycle against accumulated strain for MD and CD; which loads packings stand, and each cycle, in figures of their own."""
+"""Fig. 3: strain rate per cycle against accumulated strain for MD and CD; which loads packings stand, in a figure of its own."""
 import numpy as np
 import pandas
 
@@ -63,8 +63,8 @@ def _row(run):
 
 
 def draw(runs, rows, path):
-    """Draw the strain rate against the strain of dense packings, a panel a stress path, both methods on the same axes. Which loads packings stand, and
-    what slides, dissipates and touches, are figures of their own."""
+    """Draw the strain rate against the strain of dense packings, a panel a stress path, both methods on the same axes. Which loads packings stand is a
+    figure of its own."""
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
     dense = [run for run in runs if run.parameters["preparation_friction"] == 0]
     paths = dict(reversed(summary.by(dense, "stress path").items()))
@@ -86,8 +86,6 @@ def draw(runs, rows, path):
     style.finish(fig, path, "Dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver, and MD's rates below "
                  "1e-8 are noise.", dense)
     _draw_stands(pandas.DataFrame(rows), runs, path.with_name(f"{path.stem}-loads.png"))
-    held = [run for run in runs if run.parameters["stress_path"] == "mean"]
-    _draw_each_cycle(held or runs, look, path.with_name(f"{path.stem}-cycles.png"))
 
 
 LINES = {"MD": "-", "CD": "--"}
@@ -122,31 +120,6 @@ def _draw_stands(table, runs, path):
     starts.legend(fontsize=6.5)
     style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until collapse, drawn 1 % beside the load; open: none within so "
                  "many cycles.", runs)
-
-
-def _draw_each_cycle(runs, look, path):
-    """Draw cycle by cycle the most sliding contacts, the energy dissipated, and the contacts; a column a method and preparation."""
-    columns = summary.by(runs, "method", "preparation friction")
-    fig, axes = plt.subplots(3, len(columns), figsize=(1 + 2.6 * len(columns), 7.5), squeeze=False, sharex=True, sharey="row")
-    for line, (method, friction), own in zip(axes.T, columns, columns.values()):
-        line[0].set_title(f"{method}, prepared with $\\mu$ = {friction:g}", fontsize=9)
-        for load, same in summary.by(own, "dSigma").items():
-            several = [found for run in same if len((found := cycles.of(run)).number)]
-            count = min((len(found.number) for found in several), default=0)
-            for axis, name in zip(line, ("sliding_max", "dissipated", "contacts")):
-                if count:
-                    median = np.median([getattr(found, name)[:count] for found in several], axis=0)
-                    axis.plot(range(1, count + 1), np.where((median > 0) | (name != "dissipated"), median, np.nan), color=look[load],
-                              marker=".", ms=3, label=rf"$\Delta\sigma$ = {load:g}")
-        for axis in line:
-            axis.set_xscale("log")
-            axis.grid(True)
-        line[1].set_yscale("log")
-        line[2].set_xlabel("cycle")
-    for axis, label in zip(axes[:, 0], ("most contacts at the Coulomb\nlimit / contacts", "dissipated in a cycle\n/ $P_0V_0$", "contacts $2M/N$")):
-        axis.set_ylabel(label)
-    axes[0, -1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "Medians over the packings; a curve ends where the first of its packings collapses.", runs)
 
 
 ANSWER = """
