@@ -63,7 +63,7 @@ def _solved(runs):
     """Return the tolerances of the CD runs and how many steps missed them, and that those of a fixed number of sweeps have none, in words."""
     rigid = [run for run in runs if run.method == "CD"]
     solved = [run for run in rigid if not run.parameters["fixed_iterations"]]
-    without = f"; runs of fixed sweeps have {'none' if solved else 'no tolerance'}" if len(solved) < len(rigid) else ""
+    without = "; runs with a fixed number of sweeps have no tolerance" if len(solved) < len(rigid) else ""
     if not solved:
         return without
     tolerances = [run.parameters["tolerance"] for run in solved]

@@ -64,7 +64,7 @@ def draw(rows, folder, line):
             x, y = share(rows, series, level)
             if len(x):
                 axes.step(np.append(x, last), np.append(y, y[-1]), where="post", label=series, linewidth=width, color=colour, linestyle=dashes)
-        axes.set(xscale="log", xlabel="time over the fastest's", title=f"to an error of {level:g}", ylim=(0, 1.03), xlim=(0.8, last))
+        axes.set(xscale="log", xlabel="time over that of the fastest series", title=f"to an error of {level:g}", ylim=(0, 1.03), xlim=(0.8, last))
         axes.grid(True)
     panels[0].set_ylabel("share of scenes solved")
     handles = charts.entries(panels)

@@ -17,7 +17,7 @@ ROWS = {"quick": product(path_angle=0.1, **PATHS),
 
 LAWS = {"standard": ("standard (Cundall-Strack)", "#0072B2", "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", "#D55E00", "s"),
         "path_independent": ("path-independent: round-off", "#1A1A1A", "^")}
-# Without the step's error, of s = h/2R: for each law the force left and the work taken (its size).
+# Theory for infinitely small steps, as functions of s = h/(2R): force left, size of the work.
 SMALL_STEPS = {("standard", "left_force"): lambda s: s, ("standard", "loop_work"): lambda s: s**2, ("avoid_ratcheting", "loop_work"): lambda s: s}
 FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
 

@@ -103,7 +103,7 @@ def draw(runs, rows, path):
                      mfc="none" if threshold != CRITICAL else None, label=rf"{method}, $|\gamma|$ = {threshold:g}")
     ends = [table["limit load"].min(), table["limit load"].max()]
     axes[1].plot(ends, ends, color="0.4", ls=":", label="equal")
-    axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes")
+    axes[1].set(xlabel=r"static limit $\sigma_2/P_0$ (linear programme)", ylabel=r"$\sigma_2/P_0$ at which $|\gamma|$ passes the value in the legend")
     words = "CD: difference from the springs' network"
     for run in (run for run in mine if run.parameters["network_seed"] > 0 and "CD" in own):
         axes[2].plot(*zip(*_apart(run, own["CD"])), color=style.COLOUR["CD"], lw=0.8, label=words)

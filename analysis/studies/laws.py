@@ -53,7 +53,7 @@ def draw(runs, rows, path):
     left.axvline(1, color="#444444", lw=0.8, ls="--")
     left.set_yticks(range(len(labels)), labels, fontsize=7)
     left.invert_yaxis()
-    left.set(xscale="log", xlabel="over that of the standard law, same packing")
+    left.set(xscale="log", xlabel="value over that with the standard law, same packing")
     length = lambda run: (-run.parameters["cycles"], run.parameters["delta_sigma"], run.parameters["seed"])
     for run in summary.groups(runs, length)[min(map(length, runs))]:
         found, (colour, marker) = cycles.of(run), LOOK[run.parameters["tangential_law"]]

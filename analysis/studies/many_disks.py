@@ -145,8 +145,7 @@ ANSWER = """
 A tolerance of 1e-2, which suffices for 5000 disks in some flows, is too large for 50 000. Rigid contacts with steps of 1 ms and a tolerance of 1e-3
 cost 3.2 to 7.1 times less than springs of 2e7 N/m in the first 0.2 s of a silo, a drum and a collapse. The work of gravity up to then differs by 0.1
 to 3.1 % between the methods. In the last quarter of this window rigid contacts cost 1.7 to 5.5 times less, since they become more expensive as the
-disks speed up. No run with finer steps confirms these results. So a factor of ten at equal accuracy was not found in these flows; in the filling it
-is to be expected.
+disks speed up. No finer run was made to confirm this. A factor of ten was not reached in these flows; in the filling it is to be expected.
 
 Silo: rigid contacts with steps of 2 ms and a tolerance of 1e-2 cost 13.0 s in the window, springs 297 s, 23 times as much. But the disks overlap so
 much that gravity does 10.0 % more work than with 1e-3. Still they flow out at 12042 disks per sqrt(D/g), where D is the width of the slot. That is
@@ -159,12 +158,13 @@ collapse they cost 1577 s. A run of 5000 disks over half the time of the study o
 with 1e-3 it is 23.3 degrees at 0.81 times the cost (one seed).
 
 Collapse: 2 ms to 1e-2 let disks pass into each other after 0.32 s, and the run was ended. 1 ms to 1e-2 cost 22 s in the window, to 1e-3 44 s; the
-weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. Fronts after the window lie 0.2 % of a width
-apart by 1e-3 and by springs. They fell from two deposits: rigid contacts refuse that of seed 1, which has two disks 0.34 of a radius inside each
+weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. After 0.2 s the
+fronts of rigid contacts (tolerance 1e-3) and of springs differ by 0.2 % of the column's width. They fell from two deposits: rigid contacts refuse that of seed 1, which has two disks 0.34 of a radius inside each
 other.
 
 Why it gets harder: the tolerance is relative to the impulses, which grow with the depth, and what contacts miss adds up over the layers. So the
-tolerance has to shrink, not only the step. To 1e-3 up to 7.6 % of the steps in the window missed it within 2000 sweeps, most in the drum. The error
+tolerance has to shrink, not only the step. With a tolerance of 1e-3 up to 7.6 % of the steps in the window did not reach it within 2000 sweeps, most in
+the drum. The error
 of the contact law never exceeded 8e-4; what they missed is the error of single bodies.
 
 Filling: 248 s of rigid contacts, 1 ms to 1e-3, and 1677 s of springs of 2e6 N/m, 6.8 times as much. The springs are far too soft: disks overlap by up

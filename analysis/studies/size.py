@@ -69,7 +69,7 @@ def draw(runs, rows, path):
         axis.minorticks_off()
         if len(several) > 1:
             axis.legend()
-    style.finish(fig, path, "A point a packing, a line the median of a size. Cycles get slower with the number of disks, in full runs.", runs)
+    style.finish(fig, path, "A point a packing, a line the median of a size. The period of a cycle grows with the number of disks.", runs)
 
 
 ANSWER = """

@@ -41,14 +41,15 @@ class Bounds:
         undefined = MAY_BE_UNDEFINED | (set() if self.loaded else OF_A_BOX)
         for name, value in row.items():
             if name not in undefined and not math.isfinite(value):
-                raise OutOfBounds(f"{where}: {name} is {value}, which arose in a step after {self.seen}; lower md_dt_factor (MD) or cd_dt (CD)")
+                raise OutOfBounds(f"{where}: {name} is {value}, which arose between step {self.seen} and this one; lower md_dt_factor (MD) or cd_dt "
+                                  "(CD)")
         if not deepest <= PENETRATION * self.full["radius_mean"]:
             raise OutOfBounds(f"{where}: the largest overlap is {deepest / self.full['radius_mean']:.3g} mean radii, the limit {PENETRATION}; "
-                              f"it arose in a step after {self.seen}. Bodies pass into each other; lower cd_dt or tolerance (CD), or "
+                              f"it arose between step {self.seen} and this one. Bodies pass into each other; lower cd_dt or tolerance (CD), or "
                               "pressure_ratio, speed or md_dt_factor (MD)")
         if self.full["method"] == "CD" and not self.full["fixed_iterations"] and row["residual_max"] > RESIDUAL:
-            raise OutOfBounds(f"{where}: in a step after {self.seen} the error e of the contact problem was {row['residual_max']:.3g}, the limit is "
-                              f"{RESIDUAL:g}: its forces are no solution; lower cd_dt, raise max_iterations, or take another method_cd")
+            raise OutOfBounds(f"{where}: between step {self.seen} and this one the error e of the contact problem was {row['residual_max']:.3g}, the "
+                              f"limit is {RESIDUAL:g}: its forces are no solution; lower cd_dt, raise max_iterations, or take another method_cd")
         self.seen = step
         if self.loaded:
             self._energies(row, where)

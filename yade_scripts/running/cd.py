@@ -30,7 +30,7 @@ def set_engines(full, scene, goals=None):
 
 
 def _forget_dashpots():
-    """Give all bodies a FrictMat of the same friction: ContactDynamics says of every other material that it leaves part of it unused."""
+    """Give all bodies a FrictMat of the same friction: ContactDynamics warns of any other material, part of which it ignores."""
     plain = {}
     for body in O.bodies:
         values = {name: getattr(body.material, name) for name in ("frictionAngle", "density", "label")}
