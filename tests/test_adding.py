@@ -23,8 +23,7 @@ def build(full, folder):
     """One disk in empty space."""
     from yade import O
 
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import stage
+    from yade_scripts.running import bodies, stage
     radius, time = full["radius_mean"], full["period"] * full["cycles"]
     bodies.append_material("disk", full["friction"], full)
     state = O.bodies[bodies.append_disk((0, 0), radius, bodies.disk_mass(radius, full), "disk")].state

@@ -24,7 +24,8 @@ def offenders(root, folder, forbidden):
     ("cd_engine", ("yade_scripts", "analysis", "matplotlib", "tests")),
     ("yade_scripts", ("analysis", "matplotlib", "PIL", "jinja2", "tests")),
     ("yade_scripts/results", ("yade", "yade_scripts.running", "yade_scripts.preparing", "yade_scripts.measuring", "yade_scripts.tables")),
-    ("yade_scripts/theory", ("yade_scripts.measuring", "yade_scripts.cluster")),
+    ("yade_scripts/theory", ("yade", "yade_scripts.running", "yade_scripts.preparing", "yade_scripts.measuring", "yade_scripts.cluster")),
+    ("yade_scripts/running", ("yade_scripts.preparing", "yade_scripts.measuring", "yade_scripts.cluster")),
     ("analysis", ("yade", "tests"))])
 def test_imports_go_one_way(root, folder, forbidden):
     assert offenders(root, folder, forbidden) == []

@@ -104,8 +104,7 @@ def run_in_yade(folder):
     """Return a run(row) -> Level for `search`; `folder` holds the prepared packings."""
     from yade import O
     from yade_scripts import scenes
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import hooks, timing, walls
+    from yade_scripts.running import bodies, hooks, timing, walls
 
     def run(row):
         full, moved = parameters.complete(row), [0.0]

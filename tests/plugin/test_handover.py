@@ -11,8 +11,8 @@ sys.path.insert(0, {root!r})
 from yade import O
 import cd_engine
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies, prepare
-from yade_scripts.running import walls
+from yade_scripts.preparing import prepare
+from yade_scripts.running import bodies, walls
 
 full = parameters.complete({{}})
 path, _ = prepare.ensure(full, {folder!r})

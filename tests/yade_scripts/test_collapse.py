@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from yade_scripts.preparing.deposit import deposit
+from yade_scripts.running.deposit import deposit
 
 
 def heap(count, seed, width):

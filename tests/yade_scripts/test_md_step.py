@@ -11,8 +11,7 @@ def test_limit_of_two_free_disks_and_of_a_held_one(yade_elsewhere):
 import math
 from yade import O
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks, md, md_step
+from yade_scripts.running import bodies, hooks, md, md_step
 from yade_scripts.theory import spring_limits
 found = []
 full = parameters.complete({"friction": 0.5, "beta_n": 0.3, "kt_over_kn": 0.25})
@@ -39,8 +38,8 @@ def test_a_light_wall_counts(yade60):
     heavy, light = yade60.code("""
 from yade import O
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies, prepare
-from yade_scripts.running import md_step, walls
+from yade_scripts.preparing import prepare
+from yade_scripts.running import bodies, md_step, walls
 found = []
 for ratio in (20, 0.05):
     O.load(str(prepare.ensure(parameters.complete({"disks": 60}), "results")[0]))

@@ -4,8 +4,7 @@ from yade import O
 import cd_engine
 from yade_scripts import parameters
 from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, UNSTABLE, judged
-from yade_scripts.preparing import bodies
-from yade_scripts.running import stage
+from yade_scripts.running import bodies, stage
 
 DEFAULTS = parameters.complete({})
 RADIUS = DEFAULTS["radius_mean"]  # [m]

@@ -1,1 +1,1 @@
-"""Makes samples: disks, packings at rest under a load, deposited heaps, and further force networks of one packing."""
+"""Makes samples: packings at rest under a load, and further force networks of one packing."""

@@ -9,8 +9,7 @@ import random
 import numpy as np
 from yade import O, Vector3
 
-from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks
+from yade_scripts.running import bodies, hooks
 
 
 class NetworkError(RuntimeError):

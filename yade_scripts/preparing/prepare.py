@@ -24,8 +24,7 @@ from yade import O, config, utils
 import cd_engine
 from yade_scripts import commands, parameters, results
 from yade_scripts.results import sealed
-from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks, locks, md, progress, saved_scene, walls
+from yade_scripts.running import bodies, hooks, locks, md, progress, saved_scene, walls
 
 # Part of the hash: raise it when the procedure below changes.
 RECIPE = 2
@@ -92,7 +91,7 @@ def _verified(path, wanted):
 
 def _save(full, path):
     """Write state and record, each to a temporary file that is then renamed. Return the SHA-256 of the state."""
-    # Without the computing speed [steps/s], for which YADE has no setter; the value is the first match of its bytes.
+    # YADE saves its computing speed, which differs in every run and cannot be set: its eight bytes, found by their value, become zero.
     content = gzip.compress(saved_scene.take().replace(struct.pack("<d", O.speed), bytes(8), 1), mtime=0)
     checksum = hashlib.sha256(content).hexdigest()
     facts = {"sha256": checksum, "inputs": inputs(full), "sigma": walls.mean_stresses(), "sides": walls.sides(),

@@ -1,1 +1,1 @@
-"""Runs a scene in YADE: engines of both methods, loaded walls, samples, checks, checkpoints, and many runs at a time."""
+"""Runs a scene in YADE: disks, engines of both methods, loaded walls, samples, checks, checkpoints, and many runs at a time."""

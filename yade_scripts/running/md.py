@@ -16,8 +16,7 @@ from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_
 
 import cd_engine
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks, walls
+from yade_scripts.running import bodies, hooks, walls
 
 
 def contact_engines(full, tangential_law="standard"):

@@ -10,7 +10,7 @@ from yade import O
 
 from yade_scripts.theory import spring_limits
 from yade_scripts.parameters import ParameterError
-from yade_scripts.preparing import bodies
+from yade_scripts.running import bodies
 
 
 class StepError(ParameterError, RuntimeError):

@@ -3,8 +3,7 @@ import math
 
 import numpy as np
 
-from yade_scripts.preparing import bodies
-from yade_scripts.running import walls
+from yade_scripts.running import bodies, walls
 
 
 def loaded_contacts():

@@ -14,9 +14,8 @@ import numpy as np
 from yade import O, config, utils
 
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies
 from yade_scripts.results import reader, schema, sealed
-from yade_scripts.running import hooks, md, md_step, observe, walls
+from yade_scripts.running import bodies, hooks, md, md_step, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
 from yade_scripts.running.sums import total

@@ -5,8 +5,7 @@ import random
 from yade import O, Quaternion, utils
 
 from yade_scripts import parameters
-from yade_scripts.preparing import bodies, deposit
-from yade_scripts.running import md, md_step, walls
+from yade_scripts.running import bodies, deposit, md, md_step, walls
 from yade_scripts.scenes import Scene, method
 
 

@@ -1,6 +1,6 @@
 """A column of disks is released on one side and collapses onto a rough floor.
 
-The column is deposited without dynamics (preparing/deposit.py), with width L0 and height about column_aspect L0, against a smooth wall on the left.
+The column is deposited without dynamics (running/deposit.py), with width L0 and height about column_aspect L0, against a smooth wall on the left.
 There is no wall on the right. The floor is a row of fixed disks. The exact heap at rest is known only as a mean over runs: round-off changes the
 paths of single grains, but front and height of the heap vary little between deposits. Both methods agree without rebound (restitution 0,
 beta_n 0.9). CD's tolerance hardly matters (1e-2 gives the same as 1e-4), its time step a little: the front of 400 disks reaches
@@ -33,8 +33,7 @@ def build(full, folder):
     """Build the deposit of `seed` from x = 0 to L0 on the row of fixed disks, whose tops are at y = 0."""
     import numpy as np
     from yade import O
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import stage
+    from yade_scripts.running import bodies, stage
     ground = stage.Ground(full)
     bodies.append_material("wall", 0.0, full)
     radius, span = ground.radius, parameters.width(full, full["column_aspect"])

@@ -29,8 +29,7 @@ def build(full, folder):
     """Build the drum about the origin, with the disks in rows in its lower part."""
     from yade import O
     from yade.wrapper import RotationEngine
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import hooks, stage
+    from yade_scripts.running import bodies, hooks, stage
     ground = stage.Ground(full)
     radius = ground.radius
     inner = radius * math.sqrt(2 * full["disks"] * (1 + full["radius_spread"]**2 / 3) / 0.8)  # half full at a solid fraction of 0.8

@@ -1,7 +1,7 @@
 """A small step of sigma2 on a packing, far from any slip: springs strain by linear elasticity, rigid contacts do not strain.
 
 The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs follows from the stiffness matrix of
-the contact network (theory/elastic.py) and is proportional to 1/k_n. In the stiff limit, and in CD, it is 0.
+the contact network (running/elastic.py) and is proportional to 1/k_n. In the stiff limit, and in CD, it is 0.
 """
 import math
 
@@ -18,8 +18,7 @@ CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 
 
 def build(full, folder):
     """Build the packing and the walls of the biaxial test, loaded by this step."""
-    from yade_scripts.running import walls
-    from yade_scripts.theory import elastic
+    from yade_scripts.running import elastic, walls
     p0, time = parameters.pressure(full), full["period"] * full["cycles"]
 
     def goals(t):

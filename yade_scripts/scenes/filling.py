@@ -25,8 +25,7 @@ SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=
 
 def build(full, folder):
     """Build the rows above a floor at y = 0, between walls at x = 0 and at the width of the box."""
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import stage
+    from yade_scripts.running import bodies, stage
     ground = stage.Ground(full)
     radius = ground.radius
     pitch = 2.2 * radius * (1 + full["radius_spread"])

@@ -19,8 +19,7 @@ CHART = Chart()
 
 def build(full, folder):
     """Build both disks of radius_mean, touching."""
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import stage
+    from yade_scripts.running import bodies, stage
     ground = stage.Ground(full)
     radius, light = ground.radius, ground.mass
     heavy, floor = full["mass_ratio"] * light, ground.floor()

@@ -1,6 +1,6 @@
 """A silo with a flat floor runs empty through a slot into a bin below: how many disks leave it in a second?
 
-The disks are deposited without dynamics (preparing/deposit.py) between two walls; from time 0 the slot in the floor is open. The rate is the
+The disks are deposited without dynamics (running/deposit.py) between two walls; from time 0 the slot in the floor is open. The rate is the
 mean between the times at which 15 % and 50 % of the disks have passed, in disks per sqrt(D/g), where D is the width of the slot. In the plane
 Beverloo's law gives it as C (D - k d)^(3/2) sqrt(g) over the area of a disk, where d is the mean diameter. C and k depend on friction and packing,
 so the rate is compared with runs of rigid contacts and fine steps. Rigid contacts and springs of 2e7 N/m

@@ -15,8 +15,7 @@ CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 def build(full, folder):
     """Build as many disks as fill a square, at most `disks`; the springs of MD are compressed by P0 from the start."""
     from yade_scripts import parameters
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import stage, walls
+    from yade_scripts.running import bodies, stage, walls
     ground = stage.Ground(full)
     radius, rows, p0 = ground.radius, math.isqrt(full["disks"]), parameters.pressure(full)
     bodies.append_material("wall", 0.0, full)

@@ -11,8 +11,7 @@ CHART = Chart(sizes=(4, 16, 64, 256))
 
 def build(full, folder):
     """Build `disks` equal disks; the springs of MD are compressed by the weights from the start."""
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import stage
+    from yade_scripts.running import bodies, stage
     ground = stage.Ground(full)
     ground.floor()
     weights = [(full["disks"] - k) * ground.mass * full["gravity"] for k in range(full["disks"])]

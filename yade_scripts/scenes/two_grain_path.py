@@ -42,8 +42,7 @@ def check(full):
 def build(full, folder):
     """Build two disks of radius_mean (1 -+ radius_spread); the second one is led `cycles` times around the path."""
     from yade import O
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import hooks, md, stage
+    from yade_scripts.running import bodies, hooks, md, stage
     path = Path(full)
     ground = stage.Ground(full)
     disks = [ground.disk(place, radius=full["radius_mean"] * (1 + sign * full["radius_spread"]), blocked="xyzXYZ")

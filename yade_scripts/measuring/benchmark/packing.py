@@ -14,8 +14,7 @@ from yade import O
 from yade.wrapper import FrictMat
 
 import cd_engine
-from yade_scripts.preparing import bodies
-from yade_scripts.running import hooks, walls
+from yade_scripts.running import bodies, hooks, walls
 from yade_scripts.measuring.benchmark.jammed import jammed
 
 PRESSURE = 1.0      # [N/m]

@@ -25,8 +25,8 @@ MAP = Map(
 def probe(case):
     from yade import O
     from yade_scripts.measuring import rigid
-    from yade_scripts.preparing import bodies, prepare
-    from yade_scripts.running import cd, hooks, walls
+    from yade_scripts.preparing import prepare
+    from yade_scripts.running import bodies, cd, hooks, walls
     full = parameters.complete({"disks": DISKS, "method": "CD", "tolerance": case["tolerance"]})
     prepare.load(parameters.complete({"disks": DISKS}))
     O.dt = case["dt"]

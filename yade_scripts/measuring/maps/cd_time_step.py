@@ -36,8 +36,7 @@ MAP = Map(
 def probe(case):
     from yade import O, utils
     from yade_scripts.measuring import rigid
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import hooks
+    from yade_scripts.running import bodies, hooks
     pour(case["friction"])
     dt = case["dt"] * math.sqrt(rigid.RADIUS / rigid.GRAVITY)
     fall = rigid.GRAVITY * total(b.state.mass for b in bodies.disks()) * ROWS * rigid.RADIUS

@@ -40,8 +40,7 @@ MAP = Map(
 
 def probe(case):
     from yade import O, utils
-    from yade_scripts.preparing import bodies
-    from yade_scripts.running import hooks, md, md_step
+    from yade_scripts.running import bodies, hooks, md, md_step
     full = parameters.complete({"disks": DISKS, "beta_n": case["beta_n"], "kt_over_kn": case["kt_over_kn"]})
     load(full)
     lightest = min(b.state.mass for b in bodies.disks())
@@ -76,8 +75,8 @@ def step_limits(kt_over_kn, beta_n):
 
 def load(full):
     """Load the prepared packing, the same for all cases. Give its contacts the stiffness ratio and damping of the case, and let them stick."""
-    from yade_scripts.preparing import bodies, prepare
-    from yade_scripts.running import md
+    from yade_scripts.preparing import prepare
+    from yade_scripts.running import bodies, md
     prepare.load(parameters.complete({"disks": DISKS}))
     md.set_friction(2.0, 0.0)
     md.set_damping(full["beta_n"])

@@ -72,8 +72,8 @@ def gain_limit(own_gain):
 def run(case):
     """Run a case. Return (the message of the error that ended it or '', what the map measures but for the strain_error)."""
     from yade import O
-    from yade_scripts.preparing import bodies, prepare
-    from yade_scripts.running import hooks, loading, md, recorder, stage, wall_check, walls
+    from yade_scripts.preparing import prepare
+    from yade_scripts.running import bodies, hooks, loading, md, recorder, stage, wall_check, walls
     prepare.load(parameters.complete({"disks": DISKS}))
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
     md.set_damping(BETA)

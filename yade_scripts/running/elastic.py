@@ -8,8 +8,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
-from yade_scripts.preparing import bodies
-from yade_scripts.running import md_step, walls
+from yade_scripts.running import bodies, md_step, walls
 from yade_scripts.theory.statics import FREE_WALLS
 
 SOFT = 1e-15  # over the stiffest
