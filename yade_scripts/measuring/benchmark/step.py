@@ -8,7 +8,7 @@ runs of steps/RUNS each. Springs follow: SETTLING steps, not counted, and as man
 time, medians over the runs; nothing is recorded in them.
     A run of Contact Dynamics begins with a search by YADE's collider and ends with writing all contacts to the scene. Runs of one step tell what
     this costs, so that the cost of a step is that of a long run, and the cost of a run stands by itself.
-    Two threads: wall-clock time of the same runs with one thread over that with two, in turn, medians; of the steps and of the solver alone.
+    Two threads: wall-clock time with one thread over that with two, medians of alternating runs, for the step and for the solver.
     order "shuffled": the disks' ids are in random order, as after pouring; "built": row by row.
     At rest: as many disks, up to RESTING, lie side by side on a floor and do not touch. A step is timed when all of them sleep.
 Memory: what the scene adds to the process per disk; what YADE's collider and interactions for springs add

@@ -8,7 +8,7 @@ DISTANCES = (2.13, 2.38, 2.63, 2.88)  # start from the wall, in displacements of
 CD_STEPS, MD_STEPS, CD_DT = 12, 400, 1e-4
 NEAR = (0.1, 0.2, 0.3, 0.4)  # the same for flights that begin within half a step of the wall
 DEPTH = 0.5
-KINDS = ("MD", "CD", "CD e=0.5", "CD from near")
+KINDS = ("MD", "CD", "CD e=0.5", "CD, start within half a step of the wall")
 THICKNESSES = {True: logarithmic(0.01, 10, 4), False: [0.1, 1.0]}  # of the full and of the quick map
 
 
@@ -37,7 +37,7 @@ def probe(case):
     from yade import O
     from yade_scripts.measuring import rigid
     throw, half, flights = springs if case["kind"] == "MD" else rigidly, case["thickness"] * rigid.RADIUS / 2, []
-    for distance in NEAR if case["kind"] == "CD from near" else DISTANCES:
+    for distance in NEAR if case["kind"] == KINDS[-1] else DISTANCES:
         O.reset()
         ground = rigid.ground(0.0)
         ground.box((0, 0), (1000 * rigid.RADIUS, half))
