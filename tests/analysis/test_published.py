@@ -17,6 +17,7 @@ from analysis import charts, publish, report, studies, style
 from yade_scripts.results import reader
 from tests import numbers
 from yade_scripts import parameters, results
+from yade_scripts.measuring import maps
 
 FOLDER = reader.RESULTS.parent / "analysis" / "published"
 PUBLISHED = sorted(path.stem for path in FOLDER.glob("*.json"))
@@ -99,6 +100,21 @@ def test_every_number_about_a_chart_stands_in_its_table(name):
     found = json.loads((folder / f"{name}.json").read_text())
     assert all((folder / file).is_file() for file in found["figures"])
     assert numbers.wrong(chart.ANSWER, chart.numbers(publish.read_table(folder / f"{name}.csv")), chart.GIVEN) == []
+
+
+# Of the numbers in a map's remedy: settings or theory, and what was measured, from the table of its cells.
+REMEDIES = {
+    "md_contact": ("0.2", {}), "md_packing": ("0.25", {}), "cd_sweeps": ("1", {}), "cd_load_step": ("1 2 10 1e-6 1e-8", {}), "cd_impact": ("1 1985", {}),
+    "tunnelling": ("2 100", {}), "servo": ("0.2 1 5 1e-3", {"38": lambda cells: 100 * cells.strain_error[cells.told.isna()].max()}),
+    "cd_tolerance": ("", {"0.69": lambda cells: (cells.force_error / cells.tolerance)[cells.verdict != "not solved"].max(), "300": lambda cells: cells.disks.max()}),
+    "cd_time_step": ("", {"0.646": lambda cells: cells.dt[cells.reason == "energy growth"].min()})}
+
+
+@pytest.mark.parametrize("name", maps.names())
+def test_every_number_about_a_map_stands_in_its_table(name):
+    given, measured = REMEDIES.get(name, ("", {}))
+    cells = publish.read_table(FOLDER / charts.FOLDER / f"map_{name}.csv")
+    assert numbers.wrong(maps.get(name).remedy, {number: of(cells) for number, of in measured.items()}, given.split()) == []
 
 
 # The numbers of README's short answer and of its advice, one by one: values behind words that stand so in the answers of studies, or settings there.
