@@ -28,7 +28,7 @@ help: ## this list
 	@echo 'Every target installs the Debian packages that it needs and builds the engine where that is out of date.'
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo 'Settings: FULL=1 the whole tables, hours, to be stopped and started again at will; STUDY="fig3 fig4" some studies only;'
-	@echo '          PUBLISHED=1 with make report: of the committed run; QUICK=1 with make bench: a minute; JOBS=1 one run at a time.'
+	@echo '          PUBLISHED=1 with make report: of the committed run; JOBS=1 one run at a time.'
 
 deps: ## install the Debian packages that are missing
 	@.ci/install-packages run
@@ -61,10 +61,10 @@ console: build ## YADE's console with the engine and the prepared packing
 regression: build ## every scene, headless, against stored numbers
 	$(PYTHON) yade_scripts/measuring/regression.py --full
 
-bench: build ## measure the contact solvers beside Siconos's; QUICK=1; AGAIN=1 repeats all, FILES="..." adds problems
+bench: build ## measure the contact solvers beside Siconos's, a minute; FULL=1; AGAIN=1 repeats all, FILES="..." adds problems
 	@.ci/install-packages test
-	$(PYTHON) -m yade_scripts.measuring.benchmark $(if $(QUICK),--quick,--full) $(if $(AGAIN),--again) $(FILES)
-	$(PYTHON) -m analysis benchmark results/benchmark$(if $(QUICK),/quick)
+	$(PYTHON) -m yade_scripts.measuring.benchmark $(extent) $(if $(AGAIN),--again) $(FILES)
+	$(PYTHON) -m analysis benchmark results/benchmark$(if $(FULL),,/quick)
 
 sweep: build ## the rows of tables, or of STUDY="fig3", on a Slurm cluster: TABLE="a.txt b.txt" MINUTES=60 SBATCH="--partition=long"
 	@mkdir -p results

@@ -118,8 +118,9 @@ def test_a_new_study_scene_and_map_are_run_drawn_and_reported(copy):
 
 
 def test_make_runs_these_commands(root):
-    said = subprocess.run(["make", "-n", "study", "charts", "report"], cwd=root, capture_output=True, text=True, check=True).stdout
-    for words in ("-m analysis study --run --quick", "-m yade_scripts.measuring --quick", "-m analysis charts --quick", "-m analysis report --quick"):
-        assert words in said
-    said = subprocess.run(["make", "-n", "bench", "regression"], cwd=root, capture_output=True, text=True, check=True).stdout
-    assert "benchmark --full" in said and "regression.py --full" in said
+    said = {extent: subprocess.run(["make", "-n", "study", "charts", "report", "bench", "regression", *setting], cwd=root, capture_output=True, text=True,
+                                   check=True).stdout for extent, setting in (("quick", []), ("full", ["FULL=1"]))}
+    for words in ("analysis study --run", "yade_scripts.measuring", "analysis charts", "analysis report", "yade_scripts.measuring.benchmark"):
+        for extent in ("quick", "full"):
+            assert f"-m {words} --{extent}" in said[extent]
+    assert "regression.py --full" in said["quick"]

@@ -1,4 +1,4 @@
-"""The benchmark as `make bench QUICK=1` runs it: a minute of measuring, which tests that the parts, tested elsewhere, fit together."""
+"""The benchmark as `make bench` runs it: a minute of measuring, which tests that the parts, tested elsewhere, fit together."""
 import json
 import subprocess
 
