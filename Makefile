@@ -75,6 +75,7 @@ lint: ## style and static checks
 	@.ci/install-packages lint
 	@$(PYTHON) -m pyflakes $(shell find $(packages) -name '*.py' -not -path '*/examples/*')
 	@PYFLAKES_BUILTINS=$(yade) $(PYTHON) -m pyflakes yade_scripts/examples
+	@! LC_ALL=C.UTF-8 grep -rnE --include='*.py' '^.{151,}' $(packages)  # longer than 150 columns, as .clang-format has it for C++
 	clang-format --dry-run --Werror $(cpp)
 
 install: build ## let every YADE console of this user import cd_engine

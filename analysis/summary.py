@@ -10,7 +10,8 @@ from yade_scripts import parameters
 # Columns that several tables have, as functions of a run; every other name is that of a parameter.
 # static limit: largest sigma2/P0 that the packing's contacts can carry on the stress path (yade_scripts/theory/statics.py).
 # load over limit: largest sigma2/sigma1 of repeated loading over the largest that the contacts can carry.
-# cycles: completed ones; asked: those that the run was to have. late rate: strain a cycle over the last half of the cycles; see cycles.py for this and for the last quarter's rate.
+# cycles: completed ones; asked: those that the run was to have. late rate: strain a cycle over the last half of the cycles; see cycles.py for this
+# and for the last quarter's rate.
 COLUMNS = {
     "method": lambda run: run.method,
     "law": lambda run: run.parameters["tangential_law"],

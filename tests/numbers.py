@@ -23,12 +23,14 @@ def agrees(number, value):
 
 def wrong(text, known, given=()):
     """What is wrong with the numbers of a text: sentences, empty if nothing is."""
-    found = [f"{number}: nothing in the tables stands behind it" for number in dict.fromkeys(written(text)) if number not in known and number not in given]
+    found = [f"{number}: nothing in the tables stands behind it" for number in dict.fromkeys(written(text)) if number not in known
+             and number not in given]
     found += [f"{number} is not in the text" for number in known if number not in written(text)]
     first = [number for number in dict.fromkeys(written(text)) if number in known]
     swapped = [pair for pair in zip(first, (number for number in known if number in first)) if pair[0] != pair[1]]
     found += [f"{number} stands where {other} is expected" for number, other in swapped[:1]]
-    return found + [f"{number}: the table says {value:g}" for number, values in known.items() for value in np.atleast_1d(values) if not agrees(number, value)]
+    return found + [f"{number}: the table says {value:g}" for number, values in known.items() for value in np.atleast_1d(values)
+                    if not agrees(number, value)]
 
 
 def misplaced(text, values):

@@ -12,7 +12,8 @@ from typing import Callable
 
 from yade_scripts import parameters, tables
 
-PIECES = [b"nan", b"inf", b"-1", b"1e999", b"=", b"#", b"\xff", b"\0", b'"', b"'", b"True", b"10**9", b"seed", b"1_0", b"\xc2\xb2", b"0x10", b"9" * 400, b"[", b"{}",
+PIECES = [b"nan", b"inf", b"-1", b"1e999", b"=", b"#", b"\xff", b"\0", b'"', b"'", b"True", b"10**9", b"seed", b"1_0", b"\xc2\xb2", b"0x10",
+          b"9" * 400, b"[", b"{}",
           b"scene", b"chain", b" ", b"\n", b"\t", b",", b"30", b"1e6", b"method", b"CD", b"null", b"[" * 3000]
 
 
@@ -198,7 +199,8 @@ def benchmark_table(folder):
 
 
 READERS = {function.__name__: function for function in (
-    table, result, ending, problem_text, problem_dense, problem_fclib, problem_bodies, state, state_record, measurements, published_table, study_of_the_page,
+    table, result, ending, problem_text, problem_dense, problem_fclib, problem_bodies, state, state_record, measurements, published_table,
+    study_of_the_page,
     benchmark_table)}
 
 

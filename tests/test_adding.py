@@ -87,7 +87,8 @@ def probe(case):
 def copy(root, tmp_path_factory):
     """The tracked files and the built engine, with one study, one scene and one map more."""
     target = tmp_path_factory.mktemp("copy")
-    for name in subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines():
+    for name in subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True,
+                               check=True).stdout.splitlines():
         if name.startswith(("analysis", "yade_scripts", "cd_engine", "README.md")) and (root / name).is_file():
             (target / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(root / name, target / name)
@@ -100,7 +101,8 @@ def copy(root, tmp_path_factory):
 
 
 def run(copy, *arguments):
-    done = subprocess.run([sys.executable, "-m", *arguments], cwd=copy, capture_output=True, text=True, timeout=1200, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    done = subprocess.run([sys.executable, "-m", *arguments], cwd=copy, capture_output=True, text=True, timeout=1200,
+                          env=os.environ | {"OMP_NUM_THREADS": "1"})
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -118,7 +120,8 @@ def test_a_new_study_scene_and_map_are_run_drawn_and_reported(copy):
 
 
 def test_make_runs_these_commands(root):
-    said = {extent: subprocess.run(["make", "-n", "study", "charts", "report", "bench", "regression", *setting], cwd=root, capture_output=True, text=True,
+    said = {extent: subprocess.run(["make", "-n", "study", "charts", "report", "bench", "regression", *setting], cwd=root, capture_output=True,
+                                   text=True,
                                    check=True).stdout for extent, setting in (("quick", []), ("full", ["FULL=1"]))}
     for words in ("analysis study --run", "yade_scripts.measuring", "analysis charts", "analysis report", "yade_scripts.measuring.benchmark"):
         for extent in ("quick", "full"):

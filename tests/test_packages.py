@@ -28,7 +28,8 @@ def listed():
 
 def sources():
     """The Python files that git knows."""
-    names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py"], cwd=ROOT, capture_output=True, text=True,
+                           check=True).stdout.split()
     return [name for name in names if (ROOT / name).exists()]
 
 
@@ -59,7 +60,8 @@ def executed(tree):
 def installed():
     """{package: (its source package, whether it is in every Debian)} of this machine."""
     form = "${Package}|${source:Package}|${Essential}|${Priority}\n"
-    rows = (line.split("|") for line in subprocess.run(["dpkg-query", "-W", "-f", form], capture_output=True, text=True, check=True).stdout.splitlines())
+    rows = (line.split("|") for line in subprocess.run(["dpkg-query", "-W", "-f", form], capture_output=True, text=True,
+                                                       check=True).stdout.splitlines())
     return {name: (source, essential == "yes" or priority == "required") for name, source, essential, priority in rows}
 
 
@@ -117,14 +119,16 @@ STUBS = {"dpkg-query": "exit 1", "id": "echo 0",
          "apt-get": 'echo "$*" >> {log}; case "$* " in *" yade "*) [ "{lacking}" != yade ] ;; esac'}
 
 
-@pytest.mark.parametrize("lacking, status, left_out", [("", 0, []), ("python3-siconos libfclib0", 0, ["python3-siconos", "libfclib0"]), ("yade", 1, [])])
+@pytest.mark.parametrize("lacking, status, left_out", [("", 0, []), ("python3-siconos libfclib0", 0, ["python3-siconos", "libfclib0"]),
+                                                       ("yade", 1, [])])
 def test_what_a_release_does_not_package_is_left_out_unless_it_is_needed_to_run(tmp_path, lacking, status, left_out):
     log = tmp_path / "log"
     for name, text in STUBS.items():
         program = tmp_path / name
         program.write_text("#!/bin/sh\n" + text.replace("{lacking}", lacking).replace("{log}", str(log)) + "\n")
         program.chmod(0o755)
-    done = subprocess.run([ROOT / ".ci" / "install-packages", "run", "test"], env={"PATH": f"{tmp_path}:/usr/bin:/bin"}, capture_output=True, text=True)
+    done = subprocess.run([ROOT / ".ci" / "install-packages", "run", "test"], env={"PATH": f"{tmp_path}:/usr/bin:/bin"}, capture_output=True,
+                          text=True)
     assert done.returncode == status, done.stderr
     assert [line.split()[5][:-1] for line in done.stdout.splitlines() if line.endswith("what needs it is left out.")] == left_out
     assert log.read_text().splitlines()[0] == "-y update"
@@ -159,5 +163,6 @@ def test_objects_made_with_other_tools_are_made_anew(tmp_path):
 
 def test_all_processors_are_used_whatever_make_hands_on():
     """GNU make 4.4 gives its exported variables to the programs it asks, too, and nproc takes OMP_NUM_THREADS for the number of processors."""
-    said = subprocess.run(["make", "-n", "study"], cwd=ROOT, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(["make", "-n", "study"], cwd=ROOT, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, text=True,
+                          check=True).stdout
     assert f"--jobs {len(os.sched_getaffinity(0))}\n" in said

@@ -20,7 +20,8 @@ STIFF, ANOTHER_LAW = dict(stiffening=10.0), dict(tangential_law="path_independen
 RIGID_CHANGES = {"tolerance 1e-6": dict(tolerance=1e-6), "step / 5": dict(cd_dt=5e-4), "other forces": dict(network_seed=1)}
 # What is changed of springs and of rigid contacts; the packings of 10 k_n are the same ones, stiffened.
 CASES = {name: SPRINGS | change for name, change in {
-    "springs": {}, "springs, 10 k_n": STIFF, "springs, 10 k_n, path-independent law": STIFF | ANOTHER_LAW, "springs, step / 3": dict(md_dt_factor=0.1),
+    "springs": {}, "springs, 10 k_n": STIFF, "springs, 10 k_n, path-independent law": STIFF | ANOTHER_LAW,
+    "springs, step / 3": dict(md_dt_factor=0.1),
     "springs, path-independent law": ANOTHER_LAW, "springs, servo for walls": dict(md_walls="servo"),
     "springs, damping x 3": dict(damping_factor=3.0, md_dt_factor=0.1),
     "springs, 2 s": SLOW}.items()}
@@ -45,7 +46,8 @@ def summarize(run):
     """Return the row of a run: when it collapses, in cycles and seconds, or how far it has strained where it stands."""
     return {"method": run.method, "case": case(run.parameters),
             **summary.columns(run, "dSigma", "seed", "static limit", "load over limit", "collapses after"),
-            "seconds": run.values("time")[-1] if run.collapsed else np.nan, "seconds above the limit": _above(run), "stands": np.nan if run.collapsed else run.values("cycle")[-1],
+            "seconds": run.values("time")[-1] if run.collapsed else np.nan, "seconds above the limit": _above(run),
+            "stands": np.nan if run.collapsed else run.values("cycle")[-1],
             **summary.columns(run, "gamma at the end", "unsolved steps", "balance error", "outcome")}
 
 

@@ -1,7 +1,8 @@
 """At which load does a rigid packing yield under a ramp? Compared with the initial force network, the packing, and limit analysis.
 
 The static theorem (yade_scripts/theory/statics.py) gives the largest sigma2 at which the contacts of a packing can be in balance. It depends only on
-friction and on which contacts touch, and comes from a linear programme without dynamics. Here it is compared with the load at which the packing moves.
+friction and on which contacts touch, and comes from a linear programme without dynamics. Here it is compared with the load at which the packing
+moves.
 """
 import numpy as np
 import pandas
@@ -132,9 +133,9 @@ R in CD and 4e-3 R in MD (medians). Up to 0.95 of the limit every step of CD met
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
     (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "disagrees",
-     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor do rigid grains need undetermined "
-     "forces to rest: where the forces are unique they still rest below the limit, and beyond it they strain about as far as very stiff springs (study "
-     "isostatic)."),
+     "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor do rigid grains need "
+     "undetermined forces to rest: where the forces are unique they still rest below the limit, and beyond it they strain about as far as very stiff "
+     "springs (study isostatic)."),
     (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
      "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most "
      "moves by 5.0e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % just "
@@ -155,8 +156,10 @@ def numbers(table):
     moved = cd[cd.network > 0][motion]
     assert not cd["unconverged before"].any()
     return {"11": len(same), "1.599": [same[load].median(), alike[load].max()], "4e-4": np.ptp(same[load]),
-            "3": len(several) - 1, "2": [2 if (several[several < several.max()] == 1).all() else 0, cd["unsolved steps"].max()], "18": 100 * apart.median(),
+            "3": len(several) - 1, "2": [2 if (several[several < several.max()] == 1).all() else 0, cd["unsolved steps"].max()],
+            "18": 100 * apart.median(),
             "5": 100 * end.median(), "6": len(alike), "1.413": alike[load].min(), "22": len(cd), "9": [len(own), len(md)],
             **summary.stated("0.993 1.020", ratio), **summary.stated("0.986 0.999", lower), **summary.stated("1.010 1.080", higher),
             "4e-8": own[creep].median(), "3e-3": md[creep].median(), "3.9": [100 * own[change].median(), 100 * md[change].median()],
-            "6e-7": own[motion].median(), "4e-3": md[motion].median(), "10": cd["unsolved steps"].sum() - cd["unconverged before"].sum(), "13": len(apart), **summary.stated("5.0e-7 1.0e-6", moved)}
+            "6e-7": own[motion].median(), "4e-3": md[motion].median(), "10": cd["unsolved steps"].sum() - cd["unconverged before"].sum(),
+            "13": len(apart), **summary.stated("5.0e-7 1.0e-6", moved)}

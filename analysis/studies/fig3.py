@@ -63,8 +63,8 @@ def _row(run):
 
 
 def draw(runs, rows, path):
-    """Draw the strain rate against the strain of dense packings, a panel a stress path, both methods on the same axes. Which loads packings stand is a
-    figure of its own."""
+    """Draw the strain rate against the strain of dense packings, a panel a stress path, both methods on the same axes. Which loads packings stand is
+    a figure of its own."""
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
     dense = [run for run in runs if run.parameters["preparation_friction"] == 0]
     paths = dict(reversed(summary.by(dense, "stress path").items()))
@@ -83,8 +83,8 @@ def draw(runs, rows, path):
     entries += [dict(color="#444444", ls=line, marker=style.MARKER[method], ms=4, label=method)
                 for method, line in LINES.items() if any(run.method == method for run in dense)]
     style.legend(axes[-1], entries, fontsize=6.5, loc="upper left")
-    style.finish(fig, path, "Dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver, and MD's rates below "
-                 "1e-8 are noise.", dense)
+    style.finish(fig, path, "Dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver, and MD's rates "
+                 "below 1e-8 are noise.", dense)
     _draw_stands(pandas.DataFrame(rows), runs, path.with_name(f"{path.stem}-loads.png"))
 
 
@@ -158,9 +158,9 @@ POINTS = (
      "and 0.6 % at least (medians of 5). How many of them slip was not measured."),
     (2, "the strain rate does not apparently diminish, leading to a fast failure of the material. This incremental collapse can be seen in cases "
      "dSigma = 0.40 and dSigma = 0.50 of the figure.", "section 3, Fig. 3", "agrees in part",
-     "With the mean stress held 10 of 10 dense MD samples collapse at these loads, after 0.90 to 2.65 cycles. But so do 5 of 5 at 0.3, which the paper "
-     "does not name, after 10.70 cycles (median), and within two cycles where these take 2 s (study of collapse). With sigma1 held, where the loads mean "
-     "a smaller stress ratio, none collapses within 40 cycles. Neither reading makes just the paper's loads collapse."),
+     "With the mean stress held 10 of 10 dense MD samples collapse at these loads, after 0.90 to 2.65 cycles. But so do 5 of 5 at 0.3, which the "
+     "paper does not name, after 10.70 cycles (median), and within two cycles where these take 2 s (study of collapse). With sigma1 held, where the "
+     "loads mean a smaller stress ratio, none collapses within 40 cycles. Neither reading makes just the paper's loads collapse."),
     (3, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small rate. "
      "This behavior is associated to a quasi-periodic response of the sliding contacts [...].", "section 3, Fig. 3", "agrees in part",
      "Between shakedown and collapse the rates are not constant but fall slowly: with sigma1 held and dSigma = 0.4 the rate of the second half of "

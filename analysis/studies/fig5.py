@@ -72,7 +72,8 @@ def draw(runs, rows, path):
 
     Ramps at another rate and of stiffer packings stand in the table only.
     """
-    table, usual = pandas.DataFrame(rows), [run for run in runs if run.parameters["ramp_rate"] in (USUAL, QUICK) and run.parameters["stiffening"] == 1]
+    table, usual = pandas.DataFrame(rows), [run for run in runs if run.parameters["ramp_rate"] in (USUAL, QUICK)
+                                            and run.parameters["stiffening"] == 1]
     panels = summary.by(usual, "preparation friction", "stress path")
     frictions, paths = (list(dict.fromkeys(values)) for values in (table["preparation friction"].sort_values(), table["stress path"].sort_values()))
     fig, axes = plt.subplots(len(frictions), len(paths) + 1, figsize=(1 + 3.6 * (len(paths) + 1), 0.6 + 3.3 * len(frictions)), squeeze=False)
@@ -155,16 +156,16 @@ POINTS = (
      "packings only, and when MD reaches 0.2, CD has passed 1e-2 in 29 of 30."),
     (10, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
      "expands.", "section 3, Fig. 5", "agrees",
-     "CD stays below |gamma| = 1e-4 up to 0.99 to 1.02 of the static limit. Beyond it strains; if expanding means the area, it has grown in the end in "
-     "30 of 30 runs."),
+     "CD stays below |gamma| = 1e-4 up to 0.99 to 1.02 of the static limit. Beyond it strains; if expanding means the area, it has grown in the end "
+     "in 30 of 30 runs."),
     (11, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
      "agrees in part",
      "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 30 of 30 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp "
      "went."),
     (12, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
      "agrees in part",
-     "The sign agrees, \"much\" does not. Under a ramp CD yields at 1.05 times the ratio of MD on dense packings and 1.02 times on loose ones, with springs of 10 k_n at 1.003 times. What "
-     "differs is the strain on the way."),
+     "The sign agrees, \"much\" does not. Under a ramp CD yields at 1.05 times the ratio of MD on dense packings and 1.02 times on loose ones, with "
+     "springs of 10 k_n at 1.003 times. What differs is the strain on the way."),
 )
 
 

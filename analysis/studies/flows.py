@@ -51,7 +51,8 @@ ROWS = {"quick": _flow("filling", SMALL, [COARSE, SOFT], 1),
 def _key(run):
     row = run.parameters
     cd = run.method == "CD"
-    return (row["scene"], row["disks"], run.method, *((row["cd_dt"], row["tolerance"], row["gap_correction"]) if cd else (row["kn"], row["md_dt_factor"], 0.0)))
+    setting = (row["cd_dt"], row["tolerance"], row["gap_correction"]) if cd else (row["kn"], row["md_dt_factor"], 0.0)
+    return (row["scene"], row["disks"], run.method, *setting)
 
 
 def summarize(runs):
@@ -116,7 +117,8 @@ def measured(table):
 
 
 def gains(rows, disks):
-    """Return {scene: cost of the cheapest springs over that of the cheapest rigid contacts}, both within 2 % of the rigid answer, or else the nearest."""
+    """Return {scene: cost of the cheapest springs over that of the cheapest rigid contacts}, both within 2 % of the rigid answer, or else the
+    nearest."""
     pairs = {scene: [cheapest(rows, scene, disks, method) for method in ("MD", "CD")] for scene in QUANTITY}
     return {scene: md["seconds"] / cd["seconds"] for scene, (md, cd) in pairs.items() if md and cd}
 
@@ -156,7 +158,8 @@ def draw(runs, rows, path):
     entries = [dict(marker=style.MARKER[method], color=style.COLOUR[method], label=method) for method in ("CD", "MD")]
     entries += [dict(marker="o", color="0.4", ms=size, label=f"{disks} disks") for disks, size in sizes.items()]
     style.legend(panels[0][-1], [dict(ls="", mfc="none") | entry for entry in entries], fontsize=7)
-    style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Filled: the rigid answer. Grey: 2 %.", runs)
+    style.finish(fig, path, "Each point: one setting; bars: standard error over the seeds, where there are several. Filled: the rigid answer. "
+                 "Grey: 2 %.", runs)
 
 
 ANSWER = """
@@ -228,6 +231,7 @@ def numbers(table):
             "24.3": [large["filling"], large_ranges["filling"][1]], "11.9": large_ranges["filling"][0], "4.5": 100 * fallen_far["error"],
             "3.4": large["collapse"], "0.6": off[0].min(), "3.2": off[0].max(), "0.2": off[1].min(), "2.6": [off[1].max(), against.max()],
             "0.12": [coarse.overlap.max(), 100 * table.unsolved.max()], "0.04": coarser.overlap.max(), **summary.stated("0.67 0.80", shorter),
-            "0.5": off[2].min(), "3.7": off[2].max(), "0.34": longest.overlap.max(), **summary.stated("0.50 6.3", proposed.seconds), "0.62": against.min(),
+            "0.5": off[2].min(), "3.7": off[2].max(), "0.34": longest.overlap.max(), **summary.stated("0.50 6.3", proposed.seconds),
+            "0.62": against.min(),
             **summary.stated("1.7 4.6", more), "5.7": 100 * many.error.abs()["filling"], **summary.stated("0.15 0.36", many.overlap),
             "0.59": 100 * many_fine.error.abs().min()}

@@ -123,8 +123,10 @@ def numbers(table):
     third = "md_dt_factor = 0.1"
     return {"6": [rows.packings["none"], rows.packings[loose]], "1.2e-3": rows["least |gamma|"]["none"], "3.8e-3": rows["most |gamma|"]["none"],
             "13": middle[loose], "2.4": low[loose], "36": high[loose], "0.24": low[sizes].min(), "5.7": high[sizes].max(), "0.31": low[light],
-            "3.7": high[light], "0.37": low[damped], "6.7": high[damped], **summary.stated("0.97 1.02", rows.loc[dampings, ["least ratio", "largest ratio"]].stack()),
+            "3.7": high[light], "0.37": low[damped], "6.7": high[damped],
+            **summary.stated("0.97 1.02", rows.loc[dampings, ["least ratio", "largest ratio"]].stack()),
             **summary.stated("0.94 1.07", rows.loc[dampings, ["least rate ratio", "largest rate ratio"]].stack()), "0.63": low["kt_over_kn = 0.1"],
             "1.6": [high["kt_over_kn = 0.1"], high[heavy]], "1.3": middle[heavy], "1.1": low[heavy], "0.82": middle[servo], "0.62": low[servo],
-            "0.91": high[servo], "3": [rows.packings[slow], 100 * (rows["largest rate ratio"][third] - 1)], "0.56": low[slow], "0.88": [high[slow], rows["largest rate ratio"][slow]],
+            "0.91": high[servo], "3": [rows.packings[slow], 100 * (rows["largest rate ratio"][third] - 1)], "0.56": low[slow],
+            "0.88": [high[slow], rows["largest rate ratio"][slow]],
             "0.34": rows["least rate ratio"][slow], "0.9": 100 * max(high[third] - 1, 1 - low[third])}

@@ -95,7 +95,8 @@ def numbers(table):
     pressed, rates = soft[LAWS[2]][[first, strain]].stack(), pandas.concat(soft)["late rate"].abs()
     return {"6": [len(free), len(avoids), len(near), len(slow[LAWS[2]])], **summary.stated("0.994 0.999", free[first]), "0.995": free[strain].min(),
             "1.000": [free[strain].max(), avoids[strain].min()], **summary.stated("0.93 1.02", free[late]),
-            "1.01": [free[late].median(), slow[LAWS[2]][late].max()], **summary.stated("0.993 1.001", slow[LAWS[2]][first]), **summary.stated("0.88 0.99", slow[LAWS[2]][late], "min median"),
+            "1.01": [free[late].median(), slow[LAWS[2]][late].max()], **summary.stated("0.993 1.001", slow[LAWS[2]][first]),
+            **summary.stated("0.88 0.99", slow[LAWS[2]][late], "min median"),
             "4.5e-6": pandas.concat(rates_above).min(), "1.006": avoids[strain].max(), **summary.stated("0.94 1.05", both),
             **summary.stated("0.39 1.27", near[late][near[late] > 0]),
             "5": (near[late] > 0).sum(), "-0.91": near[late].min(), "6.5e-5": near["late rate"].max(), "4": soft[LAWS[2]].seed.nunique(),

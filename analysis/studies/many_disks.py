@@ -21,8 +21,8 @@ WORDS = {"filling": "filling of a box", "hopper": "a silo runs empty", "drum": "
 FILLING = dict(scene="filling", seed=1)
 SILO, DRUM = dict(scene="hopper", seed=1, slot=100.0), dict(scene="drum", seed=1)
 COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
-# Speeds and depths grow, too: a disk goes as far in 1 ms as one of 5000 disks in 1.8 ms. Newton's method is not tried for so many disks, so that sweeps
-# have to be enough.
+# Speeds and depths grow, too: a disk goes as far in 1 ms as one of 5000 disks in 1.8 ms. Newton's method is not tried for so many disks, so that
+# sweeps have to be enough.
 COARSE, MEDIUM, FINE = (dict(method="CD", max_iterations=20000) | dict(cd_dt=step, tolerance=tolerance)
                         for step, tolerance in ((2e-3, 1e-2), (1e-3, 1e-2), (1e-3, 1e-3)))
 SOFT, STIFF = (springs | {"md_energies": True} for springs in (flows.SOFT, flows.STIFF))
@@ -158,14 +158,13 @@ collapse they cost 1577 s. A run of 5000 disks over half the time of the study o
 with 1e-3 it is 23.3 degrees at 0.81 times the cost (one seed).
 
 Collapse: 2 ms to 1e-2 let disks pass into each other after 0.32 s, and the run was ended. 1 ms to 1e-2 cost 22 s in the window, to 1e-3 44 s; the
-weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. After 0.2 s the
-fronts of rigid contacts (tolerance 1e-3) and of springs differ by 0.2 % of the column's width. They fell from two deposits: rigid contacts refuse that of seed 1, which has two disks 0.34 of a radius inside each
-other.
+weights do 11.2 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of 0.00012. After 0.2 s the fronts of rigid contacts
+(tolerance 1e-3) and of springs differ by 0.2 % of the column's width. They fell from two deposits: rigid contacts refuse that of seed 1, which has
+two disks 0.34 of a radius inside each other.
 
 Why it gets harder: the tolerance is relative to the impulses, which grow with the depth, and what contacts miss adds up over the layers. So the
-tolerance has to shrink, not only the step. With a tolerance of 1e-3 up to 7.6 % of the steps in the window did not reach it within 2000 sweeps, most in
-the drum. The error
-of the contact law never exceeded 8e-4; what they missed is the error of single bodies.
+tolerance has to shrink, not only the step. With a tolerance of 1e-3 up to 7.6 % of the steps in the window did not reach it within 2000 sweeps, most
+in the drum. The error of the contact law never exceeded 8e-4; what they missed is the error of single bodies.
 
 Filling: 248 s of rigid contacts, 1 ms to 1e-3, and 1677 s of springs of 2e6 N/m, 6.8 times as much. The springs are far too soft: disks overlap by up
 to 0.47 radii, the filling is 7.5 % lower, and the energy that the disks hold and have dissipated is 93 times the work of gravity, so the time
@@ -227,10 +226,13 @@ def numbers(table):
     return {"3.2": [min(gains), 10**0.5], "7.1": max(gains), "0.2": [WINDOW, apart], "0.1": [min(works), 100 * cd.mean_overlap / 2],
             "3.1": max(works), "1.7": min(late), "5.5": max(late), "13.0": silo.window_seconds, "297": falling.seconds,
             "23": falling.seconds / silo.window_seconds, "10.0": 100 * (silo.window_work / falling_fine.window_work - 1), "12042": silo.value,
-            "1.3": 100 * (silo.value / law(100.0) - 1), "11.5": 100 * (silo.value / narrow_law(100.0) - 1), "1.6": silo.period, "73": 100 * silo.passed,
+            "1.3": 100 * (silo.value / law(100.0) - 1), "11.5": 100 * (silo.value / narrow_law(100.0) - 1), "1.6": silo.period,
+            "73": 100 * silo.passed,
             "293": silo.seconds, "8.1": falling.seconds / WINDOW * silo.period / silo.seconds, "517": stiff["drum"].seconds / WINDOW,
             "1577": stiff["collapse"].seconds / WINDOW, "19.3": turned.value, "23.3": turned_fine.value, "0.81": turned_fine.seconds / turned.seconds,
             "22": column.seconds, "44": fine["collapse"].seconds, "11.2": 100 * (column.window_work / fine["collapse"].window_work - 1),
-            "0.0069": column.mean_overlap, "0.00012": fine["collapse"].mean_overlap, "7.6": max(missed), "8e-4": max(fine[scene].law for scene in scenes),
+            "0.0069": column.mean_overlap, "0.00012": fine["collapse"].mean_overlap, "7.6": max(missed),
+            "8e-4": max(fine[scene].law for scene in scenes),
             "248": cd.seconds, "1677": md.seconds, "6.8": more, "0.47": md.overlap, "7.5": 100 * (1 - md.value / cd.value), "93": md.energy,
-            "21": more * 10**0.5, "0.02": cd.moving_overlap, "0.08": cd.overlap, "0.0029": cd.mean_overlap, "0.09": 100 * cd.unsolved, "1.8": 10**0.25}
+            "21": more * 10**0.5, "0.02": cd.moving_overlap, "0.08": cd.overlap, "0.0029": cd.mean_overlap, "0.09": 100 * cd.unsolved,
+            "1.8": 10**0.25}

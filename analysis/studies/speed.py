@@ -6,8 +6,8 @@ from analysis import observables, style, summary
 from yade_scripts.tables import product
 
 TITLE = "Speed against accuracy, with rigid grains and with springs as the reference"
-QUESTION = ("What does one load cycle of 400 disks cost by each method for a given error, if the exact answer is that of rigid grains, and if it is that of "
-            "springs of k_n? And what does the height of a filling cost? In the cycle stiffness and step of the springs are both varied, so "
+QUESTION = ("What does one load cycle of 400 disks cost by each method for a given error, if the exact answer is that of rigid grains, and if it is "
+            "that of springs of k_n? And what does the height of a filling cost? In the cycle stiffness and step of the springs are both varied, so "
             "that the cheapest settings for each error are among them.")
 ORDER = 19  # in the report
 # Few samples, since their recording counts as time of computing.
@@ -106,7 +106,8 @@ def draw(runs, rows, path):
         axis.step(ordered[:, 0], np.minimum.accumulate(ordered[:, 1]), where="post", color="#888888", lw=0.8)
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
     shown = [series for series in looks if series in drawn]
-    axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left",
+                       bbox_to_anchor=(1.0, 0.5))
     style.finish(fig, path, "A point a setting of stiffness, step and tolerance. Grey: least error of springs that cost no more. "
                  "Bars: standard errors over fillings.", runs)
 
@@ -164,7 +165,8 @@ def numbers(table):
     return {"4.4e-4": springs.loc[usual, 1.0, FINEST]["|gamma|"], "0.012": [springs.loc[usual, 100.0]["rigid error"].median(), faster["rigid error"]],
             "7.6": stiff.seconds, "0.80": faster.seconds, "0.017": loose["rigid error"], "0.094": loose.seconds,
             "81": stiff.seconds / loose.seconds, "8.5": faster.seconds / loose.seconds, "0.022": hasty.seconds, "36": faster.seconds / hasty.seconds,
-            "2.9e-5": strict["rigid error"], "0.177": strict.seconds, "4.5": faster.seconds / strict.seconds, "1e-5": soft["elastic error"], "0.83": soft.seconds,
+            "2.9e-5": strict["rigid error"], "0.177": strict.seconds, "4.5": faster.seconds / strict.seconds, "1e-5": soft["elastic error"],
+            "0.83": soft.seconds,
             "0.88": springs.loc[usual, 10.0, longest]["elastic error"], "0.002": sweeps["elastic error"].min(),
             "0.053": sweeps["elastic error"].max(), "0.088": sweeps.seconds.min(), "0.125": sweeps.seconds.max(),
             "1.3": 100 * abs(coarse["rigid error"]), "0.2": 100 * coarse["standard error"], "0.090": coarse.seconds,

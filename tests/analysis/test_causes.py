@@ -29,7 +29,8 @@ def stiffness_of_collapse():
 
 
 def tolerance_of_a_rate():
-    rows, tight = published("ratcheting").query("`load over limit` < 1 and `k_n over the usual` == 1 and dSigma == 0.4"), ratcheting.RIGID["tolerance"]
+    rows = published("ratcheting").query("`load over limit` < 1 and `k_n over the usual` == 1 and dSigma == 0.4")
+    tight = ratcheting.RIGID["tolerance"]
     loose, own = (rows[rows.tolerance == tolerance].rate for tolerance in (ratcheting.LOOSER, tight))
     return [loose.abs().median(), ratcheting.LOOSER, own.abs().median(), tight, [len(loose), len(own)], tight, (own > 1e-7).sum()]
 
@@ -49,7 +50,8 @@ def limit_of_a_rate():
 
 
 def limit_of_collapse():
-    load = publish.finished(published("fig3")).assign(falls=lambda rows: rows["collapses after"].notna()).groupby(["method", "falls"])["load over limit"]
+    rows = publish.finished(published("fig3")).assign(falls=lambda rows: rows["collapses after"].notna())
+    load = rows.groupby(["method", "falls"])["load over limit"]
     return [number for method in ("MD", "CD") for number in (load.min()[method, True], load.max()[method, False])]
 
 
@@ -81,7 +83,8 @@ def path_of_collapse():
     ("Static limit: the load that contact forces can balance", lambda: (
         values("fig4", "1.5 4 4 1.6e-6 5.0e-4 4.6e-3 6 6 4.4 13.5"), limit_of_a_rate(), limit_of_collapse())),
     ("Tangential law", lambda: (
-        values("laws", "0.994 0.999 6"), values("laws", "1.01 0.93 1.02 0.4 2 0.99 0.88 1.01 0.5 0.39 1.27 5 -0.91"), quotients("springs, path-independent law", "springs"))),
+        values("laws", "0.994 0.999 6"), values("laws", "1.01 0.93 1.02 0.4 2 0.99 0.88 1.01 0.5 0.39 1.27 5 -0.91"),
+        quotients("springs, path-independent law", "springs"))),
     ("Stress path", lambda: (same_ratio("first cycle"), [*same_ratio("gamma after 20"), 20], path_of_collapse()))])
 def test_every_number_of_a_cause_is_that_of_the_published_tables(cause, expected):
     for cell, known in zip(causes.TABLE[cause], expected(), strict=True):
@@ -94,7 +97,8 @@ def test_every_process_has_a_cell():
 
 def test_what_is_known_of_lives_that_end_with_the_run(tmp_path):
     cells = {"springs": (2, 4, 8, None), "rigid": (4, None, 6, None)}
-    publish.write_table(tmp_path / "collapse.csv", [{"case": case, "dSigma": 0.3, "seed": seed, "collapses after": life, "stands": np.nan if life else 80}
+    publish.write_table(tmp_path / "collapse.csv", [{"case": case, "dSigma": 0.3, "seed": seed, "collapses after": life,
+                                                     "stands": np.nan if life else 80}
                                                     for case, lives in cells.items() for seed, life in enumerate(lives)])
     found = collapse.times(publish.read_table(tmp_path / "collapse.csv"), "rigid", "springs")
     assert found.least.tolist() == [2, 20, 0.75, 0] and found.most.tolist() == [2, np.inf, 0.75, np.inf]

@@ -26,10 +26,14 @@ def series(series, errors, seconds=None, scene="stack", size=0):
     made = []
     for rank, error in enumerate(errors):
         lost = isinstance(error, str)
-        made.append({"name": f"{scene}-{series}-{rank}", "status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest", "size": size, "method": series[:2], "series": series,
-                     "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}", "error": None if lost else error,
-                     "worst": "" if lost else "force", "seconds": None if lost else (seconds or [0.1 * 2**rank] * 99)[rank] if seconds else 0.1 * 2**rank,
-                     "fastest": None if lost else 0.1, "slowest": None if lost else 0.2, "repeats": 3, "steps": 10, "sweeps": 5, "unconverged_steps": 0, "disks": 4})
+        made.append({"name": f"{scene}-{series}-{rank}", "status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest",
+                     "size": size, "method": series[:2], "series": series,
+                     "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}",
+                     "error": None if lost else error,
+                     "worst": "" if lost else "force",
+                     "seconds": None if lost else (seconds or [0.1 * 2**rank] * 99)[rank] if seconds else 0.1 * 2**rank,
+                     "fastest": None if lost else 0.1, "slowest": None if lost else 0.2, "repeats": 3, "steps": 10, "sweeps": 5,
+                     "unconverged_steps": 0, "disks": 4})
     return made
 
 
@@ -125,7 +129,8 @@ def measurement(setting, error):
     lost = isinstance(error, str)
     known = [] if lost else [{"name": "force", "measured": error, "exact": 0.0, "scale": 1.0, "deviation": 0.0}]
     return {"scene": "stack", "row": setting.row, "status": f"failed: {error}" if lost else "finished", "seconds": [] if lost else [0.1, 0.3, 0.2],
-            "error": None if lost else error, "steps": 10, "disks": 4, "git_commit": "c" * 40, "yade_version": "2023.02a", "processor": "made up"}, known
+            "error": None if lost else error, "steps": 10, "disks": 4, "git_commit": "c" * 40, "yade_version": "2023.02a",
+            "processor": "made up"}, known
 
 
 def test_all_charts_are_drawn_and_say_where_they_come_from(tmp_path, capsys):

@@ -123,14 +123,16 @@ def test_check_of_measurements(tmp_path, capsys):
         store.add(tmp_path, {"map": "m", "case": {"x": case}, "git_commit": "c" * 40} | facts)
     good, bad = sorted(tmp_path.glob("*.h5"))
     assert main(["check", str(good), str(bad)]) == 0
-    assert {line.partition(": ")[2] for line in capsys.readouterr().out.splitlines()} == {"finished, a measurement (stable)", "finished, a measurement (not solved)"}
+    said = {line.partition(": ")[2] for line in capsys.readouterr().out.splitlines()}
+    assert said == {"finished, a measurement (stable)", "finished, a measurement (not solved)"}
     assert main(["summary", str(good)]) == 2
     assert capsys.readouterr().err == f"analysis: {good}: is a measurement, not a run; `python3 -m analysis check` reads it\n"
     renamed = bad.rename(tmp_path / "m-0.h5")
     good.write_bytes(good.read_bytes().replace(b'"verdict"', b'"Verdict"'))
     assert main(["check", str(renamed)]) == 1 and main(["check", str(good)]) == 1
     said = capsys.readouterr().out.splitlines()
-    assert said[0].startswith(f"{renamed}: holds another measurement than its name says (m-") and "is damaged, or another program has changed it" in said[1]
+    assert said[0].startswith(f"{renamed}: holds another measurement than its name says (m-")
+    assert "is damaged, or another program has changed it" in said[1]
 
 
 @pytest.mark.parametrize("more", (["--full"], ["--quick"], ["--results", "elsewhere"]))
@@ -178,6 +180,7 @@ def test_a_closed_output_is_no_traceback(root, md):
 
 
 def test_a_closed_pipe_is_no_traceback(root):
-    done = subprocess.run("exec 2>&1; { /usr/bin/python3 -m analysis table fig3 --full; echo status $? >&3; } 3>&1 | head -1; true", cwd=root, shell=True,
+    done = subprocess.run("exec 2>&1; { /usr/bin/python3 -m analysis table fig3 --full; echo status $? >&3; } 3>&1 | head -1; true", cwd=root,
+                          shell=True,
                           executable="/bin/bash", capture_output=True, text=True)
     assert "Traceback" not in done.stdout and "Error" not in done.stdout

@@ -20,7 +20,8 @@ def run_of(folder, rates, name="run.h5", first=0.0, **attributes):
     columns |= dict(time=cycle, cycle=cycle, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma1=np.full(samples, 1200.0),
                     sigma2=np.full(samples, 1200.0), contacts=np.full(samples, 800.0), dissipated_energy=cycle * 1e-3,
                     sliding_contacts=80 * np.sin(np.pi * cycle)**2)
-    return reader.load(write(folder / name, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=PER_CYCLE), **attributes))
+    return reader.load(write(folder / name, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=PER_CYCLE),
+                             **attributes))
 
 
 def test_numbers_per_cycle(tmp_path):

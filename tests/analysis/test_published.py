@@ -1,4 +1,5 @@
-"""What is committed in analysis/published: complete, with the numbers of its text, and one cheap study run anew. tests/soak asks that nothing lacks there."""
+"""What is committed in analysis/published: complete, with the numbers of its text, and one cheap study run anew. tests/soak asks that nothing lacks
+there."""
 
 import base64
 import functools
@@ -104,9 +105,11 @@ def test_every_number_about_a_chart_stands_in_its_table(name):
 
 # Of the numbers in a map's remedy: settings or theory, and what was measured, from the table of its cells.
 REMEDIES = {
-    "md_contact": ("0.2", {}), "md_packing": ("0.25", {}), "cd_sweeps": ("1", {}), "cd_load_step": ("1 2 10 1e-6 1e-8", {}), "cd_impact": ("1 1985", {}),
+    "md_contact": ("0.2", {}), "md_packing": ("0.25", {}), "cd_sweeps": ("1", {}), "cd_load_step": ("1 2 10 1e-6 1e-8", {}),
+    "cd_impact": ("1 1985", {}),
     "tunnelling": ("2 100", {}), "servo": ("0.2 1 5 1e-3", {"38": lambda cells: 100 * cells.strain_error[cells.told.isna()].max()}),
-    "cd_tolerance": ("", {"0.69": lambda cells: (cells.force_error / cells.tolerance)[cells.verdict != "not solved"].max(), "300": lambda cells: cells.disks.max()}),
+    "cd_tolerance": ("", {"0.69": lambda cells: (cells.force_error / cells.tolerance)[cells.verdict != "not solved"].max(),
+                          "300": lambda cells: cells.disks.max()}),
     "cd_time_step": ("", {"0.646": lambda cells: cells.dt[cells.reason == "energy growth"].min()})}
 
 
@@ -159,11 +162,13 @@ def test_every_number_of_the_cost_of_the_engine_is_that_of_the_benchmark(root):
     cold = solved[(solved.kind == "packing") & (solved.disks == 4000) & (solved.start == "cold") & (solved.target == 1e-4)]
     cold = cold.pivot(index="problem", columns="method", values="seconds")
     faster = cold["siconos nsgs"] / cold["auto"]
-    assert numbers.misplaced(solver, [4000, sweep.plain_avx512_ns, sweep.siconos_ns, 1e-4, 1e3 * cold["auto"].median(), len(cold), faster.min(), faster.max()]) == []
+    assert numbers.misplaced(solver, [4000, sweep.plain_avx512_ns, sweep.siconos_ns, 1e-4, 1e3 * cold["auto"].median(), len(cold), faster.min(),
+                                      faster.max()]) == []
     rows = steps[(steps.order == "built") & (steps.tolerance == 1e-4)].set_index("disks").loc[[400, 40000, 250000, 1000000]]
     small, middle, large, million = rows.ns_a_contact
     assert numbers.misplaced(step, [1e-4, small, 400, middle, 40000, large, 250000, million, rows.sweeps_a_step.iloc[-1], *rows.over_springs, 40000,
-                                    rows.two_threads_step[40000], 400, 40000, rows.ns_a_disk_at_rest[40000], rows.seconds_around_a_run.iloc[-1]]) == []
+                                    rows.two_threads_step[40000], 400, 40000, rows.ns_a_disk_at_rest[40000],
+                                    rows.seconds_around_a_run.iloc[-1]]) == []
 
 
 def test_a_wrong_number_would_be_found():

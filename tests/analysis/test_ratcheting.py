@@ -10,7 +10,8 @@ def springs(power, noise=0.0):
     """Rows whose rate is k_n^power exp(5 load), of six seeds; stiffer packings are nearer to their limits. noise: of each seed, in log."""
     random = np.random.default_rng(1)
     shift = noise * random.standard_normal(6)
-    rows = [(stiffer, seed, 0.8 + 0.01 * seed + 0.04 * np.log10(stiffer), shift[seed] * np.log(stiffer)) for stiffer in (1, 10, 100) for seed in range(6)]
+    rows = [(stiffer, seed, 0.8 + 0.01 * seed + 0.04 * np.log10(stiffer), shift[seed] * np.log(stiffer)) for stiffer in (1, 10, 100)
+            for seed in range(6)]
     return pandas.DataFrame([{"k_n over the usual": stiffer, "seed": seed, "load over limit": load, "rate": stiffer**power * np.exp(5 * load + own)}
                              for stiffer, seed, load, own in rows])
 
@@ -29,7 +30,8 @@ def test_seeds_that_differ_in_their_power_give_its_standard_error():
 
 def test_contacts_that_open_or_close_or_lose_their_force_have_changed():
     def snapshot(**forces):
-        return dict(contact_ids=np.array([list(map(int, pair.strip("c").split("_"))) for pair in forces]), force_normal=np.array(list(forces.values())))
+        return dict(contact_ids=np.array([list(map(int, pair.strip("c").split("_"))) for pair in forces]),
+                    force_normal=np.array(list(forces.values())))
 
     first = snapshot(c1_2=1.0, c2_3=2.0, c3_4=0.5, c4_5=0.0)
     assert ratcheting.changed(first, first) == 0

@@ -208,7 +208,8 @@ def test_summary_says_what_is_known(md, capsys):
     add_known(md, "way", 2.5, exact=2.0, scale=10.0)
     add_known(md, "share", 0.5, exact=0.5, unit="1")
     assert main(["summary", str(md)]) == 0
-    assert capsys.readouterr().out.splitlines()[-2:] == [f"{md.name}: share: 0.5, exact 0.5, error 0", f"{md.name}: way: 2.5 m, exact 2 m, error 0.05"]
+    assert capsys.readouterr().out.splitlines()[-2:] == [f"{md.name}: share: 0.5, exact 0.5, error 0",
+                                                         f"{md.name}: way: 2.5 m, exact 2 m, error 0.05"]
 
 
 def test_names_of_the_schema_have_units():

@@ -67,7 +67,8 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path / "none")  # not what `make study` has left here
     assert main(["study", "fig5"]) == 2 and main(["report", "--results", str(tmp_path / "none")]) == 2
     said = [line for line in capsys.readouterr().err.splitlines() if "fig5" in line]
-    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare") for line in said)
+    assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare")
+                                  for line in said)
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "Left out: " in text and "fig5.py lacks ROWS, draw; " in text and studies.module("fig4").TITLE in text
@@ -184,7 +185,8 @@ def test_a_place_where_nothing_can_be_written_is_named(tmp_path, monkeypatch, ca
 def test_all_studies_names_those_without_runs(fig4_results, tmp_path, capsys):
     assert main(["study", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == 0
     assert "fig3: no run has finished" in capsys.readouterr().err
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig4.csv", "fig4.json", "fig4.png", "force_networks.csv", "force_networks.json", "force_networks.png"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig4.csv", "fig4.json", "fig4.png", "force_networks.csv",
+                                                                          "force_networks.json", "force_networks.png"]
 
 
 def test_report_is_one_page_that_loads_nothing(fig4_results, tmp_path, capsys):
@@ -218,7 +220,8 @@ def test_a_report_of_nothing_is_a_mistake(tmp_path, capsys):
 
 def test_symbols_of_the_page():
     assert report.symbols("**Rest.** |gamma| = 1.2e-05 and 1e-06 to 1.1e3 at sigma2/P0 < 2 k_n") == (
-        "<b>Rest.</b> |\u2060γ\u2060| = 1.2·10<sup>−5</sup> and 10<sup>−6</sup> to 1.1·10<sup>3</sup> at σ<sub>2</sub>/P<sub>0</sub> &lt; 2 k<sub>n</sub>")
+        "<b>Rest.</b> |\u2060γ\u2060| = 1.2·10<sup>−5</sup> and 10<sup>−6</sup> to 1.1·10<sup>3</sup> at σ<sub>2</sub>/P<sub>0</sub> &lt; 2 "
+        "k<sub>n</sub>")
 
 
 def ramp(folder, method, slope, name):

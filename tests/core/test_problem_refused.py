@@ -58,7 +58,8 @@ def test_a_mask_that_hides_nothing_is_none():
     ({"method": "lemke"}, "lemke"), ({"tolerance": 0}, "tolerance"), ({"tolerance": np.nan}, "tolerance"), ({"tolerance": "small"}, "tolerance"),
     ({"max_iterations": 0}, "max_iterations"), ({"max_iterations": 2.5}, "max_iterations"), ({"fixed_iterations": -1}, "fixed_iterations"),
     ({"max_iterations": 2**31}, "max_iterations"), ({"tolerance": 10**400}, "tolerance"), ({"method": np.array(["nsgs", "auto"])}, "method"),
-    ({"impulses": np.ma.masked_all(4)}, "masked"), ({"seed": -1}, "seed"), ({"impulses": [1.0]}, "impulses"), ({"impulses": [np.nan] * 4}, "impulses"),
+    ({"impulses": np.ma.masked_all(4)}, "masked"), ({"seed": -1}, "seed"), ({"impulses": [1.0]}, "impulses"),
+    ({"impulses": [np.nan] * 4}, "impulses"),
 ])
 def test_refused_by_solve(wrong, words):
     with pytest.raises(ValueError, match=words):

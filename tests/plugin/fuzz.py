@@ -49,7 +49,8 @@ class Run:
             if free:
                 pushed = self.r.choice(free)
                 push = [yade.wrapper.ForceEngine(ids=[pushed.id], force=(3 * pushed.state.mass, 0, 0))]
-        yade.O.engines = [hooks.runner(self.begin, iterPeriod=1, initRun=True), *first, *push, hooks.runner(lambda: self.watch.before(), iterPeriod=1, initRun=True), cd,
+        yade.O.engines = [hooks.runner(self.begin, iterPeriod=1, initRun=True), *first, *push,
+                          hooks.runner(lambda: self.watch.before(), iterPeriod=1, initRun=True), cd,
                           hooks.runner(self.after, iterPeriod=1, initRun=True)]
 
     def begin(self):
@@ -136,7 +137,8 @@ def scene(seed):
             return False, f"{what}\n    changes: {', '.join(run.changes) if run else 'none'}"
     w = run.watch
     worst = ", ".join(f"{name} {share:.2g}" for name, share in sorted(w.worst.items(), key=lambda x: -x[1])[:3])
-    return True, f"{w.steps} steps, {w.unsolved} unsolved, {w.loaded} loaded contacts, {w.exact} exact; nearest to its bound: {worst}{'; refused: ' + end if end else ''}"
+    refused = f"; refused: {end}" if end else ""
+    return True, f"{w.steps} steps, {w.unsolved} unsolved, {w.loaded} loaded contacts, {w.exact} exact; nearest to its bound: {worst}{refused}"
 
 
 def apart(seed):

@@ -1,4 +1,5 @@
-"""Changes that may happen to a scene between two steps. Each takes the Run; some return the pattern of the words with which the next step may refuse it."""
+"""Changes that may happen to a scene between two steps. Each takes the Run; some return the pattern of the words with which the next step may refuse
+it."""
 import math
 
 import yade
@@ -13,7 +14,8 @@ NAN = float("nan")
 
 def pick(run, *kinds, free=None):
     """Return a random body of these kinds, or None."""
-    some = [b for b in yade.O.bodies if KINDS[type(b.shape).__name__] in (kinds or KINDS.values()) and (free is None or free == (b.state.blockedDOFs != "xyzXYZ"))]
+    some = [b for b in yade.O.bodies if KINDS[type(b.shape).__name__] in (kinds or KINDS.values())
+            and (free is None or free == (b.state.blockedDOFs != "xyzXYZ"))]
     return run.r.choice(some) if some else None
 
 

@@ -72,8 +72,8 @@ class Watch:
         self.worst[law] = max(self.worst.get(law, 0), share[worst])
         if not share[worst] <= 1:
             cd = engine()
-            raise Broken(f"{law}: {what(worst)}: {found[worst]:.3g}, allowed {allowed[worst]:.3g}; step {yade.O.iter}, dt {self.picture.dt:g}, {cd.method}, "
-                         f"tolerance {cd.tolerance:g}, status {cd.status}, error {cd.residual:.3g}")
+            raise Broken(f"{law}: {what(worst)}: {found[worst]:.3g}, allowed {allowed[worst]:.3g}; step {yade.O.iter}, dt {self.picture.dt:g}, "
+                         f"{cd.method}, tolerance {cd.tolerance:g}, status {cd.status}, error {cd.residual:.3g}")
 
     def _look(self, cd):
         self.steps += 1
@@ -94,7 +94,8 @@ class Watch:
         self._cone()
         self._momentum(cd)
         self._motion()
-        self.hold("maxPenetration tells of the deepest overlap", max(0, self.deepest - cd.maxPenetration), 64 * EPS * self.extent, lambda _: "overlap")
+        self.hold("maxPenetration tells of the deepest overlap", max(0, self.deepest - cd.maxPenetration), 64 * EPS * self.extent,
+                  lambda _: "overlap")
         if cd.converged and cd.restitution == 0:
             self._contact_law(cd)
             self._penetration(cd)
@@ -179,7 +180,8 @@ class Watch:
                 continue
             n = sign * np.array(n)[:2]
             impulse = sign * p.dt * np.array(fn + ft)[:2]
-            self.hold("normal of a contact", np.hypot(*(n - self.normal[k])), 64 * EPS * (1 + self.extent / p.radius[second]) + 1e-12, lambda _: f"#{first}, #{second}")
+            self.hold("normal of a contact", np.hypot(*(n - self.normal[k])), 64 * EPS * (1 + self.extent / p.radius[second]) + 1e-12,
+                      lambda _: f"#{first}, #{second}")
             self.pn[k], self.pt[k] = sign * p.dt * np.dot(np.array(fn)[:2], n), sign * p.dt * (n[0] * ft[1] - n[1] * ft[0])
             size = np.hypot(*impulse)
             for body, way in ((first, -1), (second, 1)):
@@ -242,7 +244,8 @@ class Watch:
         return (row[:, 0] * v[self.a]).sum(axis=1) + (row[:, 1] * v[self.b]).sum(axis=1)
 
     def _typical(self):
-        """By pair: of an island whose contacts make loops, the velocity S' to which its contacts are relative (cd_engine/core/residual.hpp); else 0."""
+        """By pair: of an island whose contacts make loops, the velocity S' to which its contacts are relative (cd_engine/core/residual.hpp); else
+        0."""
         p, k = self.picture, np.flatnonzero(self.near)
         n, free = len(p.kind), p.w.any(axis=1)
         both = k[free[self.a[k]] & free[self.b[k]]]
@@ -362,7 +365,8 @@ class Watch:
             raise Broken(f"converged where no solution is: bodies cannot give way, step {yade.O.iter}, contacts {pushing[:200]}")
         if sticks.any():
             needs = [-(self._of(k, row_n, start) + self.bias[k]), -self._of(k, row_t, start)[sticks], self._of(k, row_t, start)[sticks]]
-            change = self._least_distance(np.concatenate([k, k[sticks], k[sticks]]), np.concatenate([row_n, row_t[sticks], -row_t[sticks]]), np.concatenate(needs))
+            change = self._least_distance(np.concatenate([k, k[sticks], k[sticks]]), np.concatenate([row_n, row_t[sticks], -row_t[sticks]]),
+                                          np.concatenate(needs))
             if change is None or change is UNSURE:
                 return  # sticking everywhere is impossible to the last digit, though not to the tolerance
         else:

@@ -126,7 +126,8 @@ def moving_wall(scene):
 def paddle(scene):
     """Turns at a prescribed rate."""
     r = scene.r
-    k = plane.box((r.uniform(-0.3, 0.3), r.uniform(0.3, 0.7)), (r.uniform(0.05, 0.25), 10 ** r.uniform(-3, -1.5)), angle=r.uniform(-3, 3), mat=scene.material())
+    k = plane.box((r.uniform(-0.3, 0.3), r.uniform(0.3, 0.7)), (r.uniform(0.05, 0.25), 10 ** r.uniform(-3, -1.5)), angle=r.uniform(-3, 3),
+                  mat=scene.material())
     yade.O.bodies[k].state.angVel = (0, 0, r.choice((-1, 1)) * 10 ** r.uniform(-1, 0.7) * min(scene.speed / 0.2, 0.3 / scene.dt))
 
 
@@ -147,7 +148,8 @@ def bar(scene):
     r = scene.r
     half = (r.uniform(0.05, 0.2), r.uniform(0.01, 0.05))
     mass = scene.mass(LARGEST)
-    k = plane.box((r.uniform(-0.3, 0.3), 0.95), half, angle=r.uniform(-2, 2), blocked="zXY", mass=mass, inertia=mass * (half[0] ** 2 + half[1] ** 2) / 3, mat=scene.material())
+    k = plane.box((r.uniform(-0.3, 0.3), 0.95), half, angle=r.uniform(-2, 2), blocked="zXY", mass=mass,
+                  inertia=mass * (half[0] ** 2 + half[1] ** 2) / 3, mat=scene.material())
     yade.O.bodies[k].state.vel = (*scene.velocity(), 0)
 
 

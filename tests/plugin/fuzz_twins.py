@@ -24,7 +24,8 @@ def describe(permanent):
     for b in yade.O.bodies:
         s, kind = b.state, type(b.shape).__name__
         q = s.ori
-        found.append({"kind": kind, "x": np.array([s.pos[0], s.pos[1]]), "angle": 2 * np.arctan2(q[2], q[3]), "v": np.array([s.vel[0], s.vel[1]]), "spin": s.angVel[2],
+        found.append({"kind": kind, "x": np.array([s.pos[0], s.pos[1]]), "angle": 2 * np.arctan2(q[2], q[3]), "v": np.array([s.vel[0], s.vel[1]]),
+                      "spin": s.angVel[2],
                       "mass": s.mass, "inertia": s.inertia[2], "blocked": s.blockedDOFs, "friction": b.mat.frictionAngle,
                       "radius": getattr(b.shape, "radius", 0), "half": tuple(getattr(b.shape, "extents", ())), "axis": getattr(b.shape, "axis", 0),
                       "sense": getattr(b.shape, "sense", 0), "force": np.array(permanent.get(b.id, (0, 0, 0)))[:2]})
@@ -44,7 +45,8 @@ def make(bodies, order, by, gravity, settings, dt):
         elif b["kind"] == "Box":
             # Of the turned box the first axis is the old one's, turned.
             first = by @ (np.cos(b["angle"]), np.sin(b["angle"]))
-            body = utils.box((*x, 0), b["half"], orientation=yade.Quaternion((0, 0, 1), float(np.arctan2(first[1], first[0]))), fixed=True, material=material)
+            body = utils.box((*x, 0), b["half"], orientation=yade.Quaternion((0, 0, 1), float(np.arctan2(first[1], first[0]))), fixed=True,
+                             material=material)
         else:
             normal = by @ (b["axis"] == 0, b["axis"] == 1)
             axis = int(abs(normal[1]) > 0.5)
@@ -59,7 +61,8 @@ def make(bodies, order, by, gravity, settings, dt):
     g = by @ np.array(gravity)[:2]
     watch = Watch()
     reset, collider, cd = cd_engine.engines(**settings | {"gravity": (*g, 0), "warmStart": False, "handover": True})
-    yade.O.engines = [reset, collider, hooks.runner(watch.before, iterPeriod=1, initRun=True), cd, hooks.runner(watch.after, iterPeriod=1, initRun=True)]
+    yade.O.engines = [reset, collider, hooks.runner(watch.before, iterPeriod=1, initRun=True), cd,
+                      hooks.runner(watch.after, iterPeriod=1, initRun=True)]
     for new, old in enumerate(order):
         force = by @ bodies[old]["force"]
         if force.any():
@@ -93,8 +96,8 @@ def leaves_open():
 
 
 def compare(run):
-    """Makes the twins of the scene as it is, which is gone afterwards; how many were compared. Overlaps too deep to be taken over are compared with none,
-    nor is what has many solutions."""
+    """Makes the twins of the scene as it is, which is gone afterwards; how many were compared. Overlaps too deep to be taken over are compared with
+    none, nor is what has many solutions."""
     try:
         return _compare(run)
     except RuntimeError as refused:
@@ -123,6 +126,8 @@ def _compare(run):
         compared += 1
         blocked = np.array([[dof in b["blocked"] for dof in "xyZ"] for b in bodies])
         off = np.where(blocked, 0, masses * np.abs(v - first))
-        allowed = SLACK_WHOLE * settings["tolerance"] * np.maximum(acts, acts_too)[:, None] * sizes + 1e-9 * masses * (np.abs(v) + np.abs(first)).max()
-        run.watch.hold(f"the same scene {name}", off.ravel(), allowed.ravel(), lambda i: f"body #{i // 3} ({bodies[i // 3]['kind']}), {'x y turn'.split()[i % 3]}")
+        allowed = (SLACK_WHOLE * settings["tolerance"] * np.maximum(acts, acts_too)[:, None] * sizes
+                   + 1e-9 * masses * (np.abs(v) + np.abs(first)).max())
+        run.watch.hold(f"the same scene {name}", off.ravel(), allowed.ravel(),
+                       lambda i: f"body #{i // 3} ({bodies[i // 3]['kind']}), {'x y turn'.split()[i % 3]}")
     return compared

@@ -140,7 +140,8 @@ def test_gravity_that_a_thread_sets_acts_at_once(O, height):
     assert energy["kinetic"] + energy["gravWork"] == pytest.approx(5e-11 * (height > 1), abs=1e-3 * energy["kinetic"])
 
 
-REPLACING = ("load('a.yade')", "loadTmp()", "reload()", "reset()", "resetAllScenes()", "resetCurrentScene()", "resetThisScene()", "stringToScene(scene)")
+REPLACING = ("load('a.yade')", "loadTmp()", "reload()", "reset()", "resetAllScenes()", "resetCurrentScene()", "resetThisScene()",
+             "stringToScene(scene)")
 SCRIPT = """
 sys.path[:0] = [{root!r}]
 from tests.plugin import plane

@@ -17,7 +17,8 @@ def plugin():
 def test_layout_is_confirmed_and_agrees_with_the_documented_offsets(plugin):
     """Offsets of amd64's 2023.02a-1, read independently from the package's machine code and Python registration."""
     layout = dict(plugin.layout())
-    known = {"Scene.forces": 32, "Scene.dt": 440, "Scene.iter": 448, "Scene.bodies": 600, "Scene.interactions": 616, "State.vel": 144, "State.mass": 168,
+    known = {"Scene.forces": 32, "Scene.dt": 440, "Scene.iter": 448, "Scene.bodies": 600, "Scene.interactions": 616, "State.vel": 144,
+             "State.mass": 168,
              "State.angVel": 176, "State.blockedDOFs": 304, "Interaction.geom": 112, "Interaction.phys": 128, "Engine.scene": 24, "Engine.label": 72,
              "ScGeom.penetrationDepth": 160, "NormPhys.kn": 32, "NormPhys.normalForce": 40, "NormShearPhys.ks": 64,
              "NormShearPhys.shearForce": 72}
@@ -44,7 +45,8 @@ def test_every_wrong_offset_is_found_out(plugin):
 
 
 def test_every_wrong_type_is_found_out(plugin):
-    confirmed_by_round_trip = {"State.pos", "State.ori", "State.blockedDOFs", "Scene.engines", "Scene.bodies", "Scene.interactions", "Scene.forces", "InteractionContainer.linear",
+    confirmed_by_round_trip = {"State.pos", "State.ori", "State.blockedDOFs", "Scene.engines", "Scene.bodies", "Scene.interactions", "Scene.forces",
+                               "InteractionContainer.linear",
                                "GlobalEngine.sizeof", "Engine.scene", "Engine.timingInfo"}
     for name, _ in layout_claims(plugin):
         if name in confirmed_by_round_trip or name.endswith(".Factorable"):  # the place of a base class has no type of its own
@@ -61,7 +63,8 @@ def test_every_wrong_virtual_function_is_found_out(plugin):
 
 
 @pytest.mark.parametrize("wild", [1 << 40, 4096, 100000, 3])
-@pytest.mark.parametrize("member", ["Scene.forces", "Scene.engines", "Scene.bodies", "Scene.interactions", "InteractionContainer.linear", "State.blockedDOFs", "Engine.scene", "State.pos"])
+@pytest.mark.parametrize("member", ["Scene.forces", "Scene.engines", "Scene.bodies", "Scene.interactions", "InteractionContainer.linear",
+                                    "State.blockedDOFs", "Engine.scene", "State.pos"])
 def test_a_wild_offset_is_refused_and_does_not_crash(plugin, member, wild):
     with pytest.raises(ImportError, match=re.escape(member)):
         plugin.verify_layout({member: wild})
@@ -90,6 +93,7 @@ def test_vtable_order_agrees_with_the_relocations_of_the_library():
         if len(parts) >= 5 and re.fullmatch("[0-9a-f]{12,16}", parts[0]) and parts[2] == "R_X86_64_64":
             slots[int(parts[0], 16)] = parts[4]
     order = [slots.get(start + 16 + 8 * i, "") for i in range(14)]
-    names = ["12GlobalEngineD1Ev", "12GlobalEngineD0Ev", "16getBaseClassName", "18getBaseClassNumber", "12getClassName", "9pySetAttr", "6pyDict", "12pyDictCustom",
+    names = ["12GlobalEngineD1Ev", "12GlobalEngineD0Ev", "16getBaseClassName", "18getBaseClassNumber", "12getClassName", "9pySetAttr", "6pyDict",
+             "12pyDictCustom",
              "12callPostLoad", "27checkPyClassRegistersItself", "15pyRegisterClass", "22pyHandleCustomCtorArgs", "11isActivated", "6action"]
     assert all(name in slot for name, slot in zip(names, order)), order

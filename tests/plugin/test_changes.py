@@ -130,7 +130,8 @@ LATER = {
     "wall's sense": (FLOOR, set_shape("sense", 5), ["sense 5", "shape.sense"]),
     "extents NaN": (BOX, set_shape("extents", (0.1, NAN, 0.1)), ["extents 0.1, nan, 0.1 m", "shape.extents"]),
     "extents negative": (BOX, set_shape("extents", (-0.1, 0.1, 0.1)), ["extents -0.1,", "shape.extents"]),
-    "orientation NaN": (BOX, lambda O, body: setattr(O.bodies[body].state, "ori", Quaternion(1, NAN, 0, 0)), ["turned out of the plane", "state.ori"]),
+    "orientation NaN": (BOX, lambda O, body: setattr(O.bodies[body].state, "ori", Quaternion(1, NAN, 0, 0)),
+                        ["turned out of the plane", "state.ori"]),
     "mass NaN": (DISK, set_state("mass", NAN), ["mass nan kg", "state.mass"]),
     "mass 0": (DISK, set_state("mass", 0), ["mass 0 kg", "state.mass"]),
     "inertia negative": (DISK, set_state("inertia", (1, 1, -1)), ["inertia -1", "state.inertia"]),
@@ -244,7 +245,8 @@ def outside_the_cone(O):
 @pytest.mark.parametrize("share, reduce", [(0.5, False), (0, False), (0.999, True), (1 - 1e-6, True)])
 def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, share, reduce, method):
     """Three disks lean on each other beside two a thousand times as heavy, whose forces are what e sees: at a tolerance of 1e-2 the forces of the
-    step before are within it, whatever friction has become. So they are by themselves (`reduce`) where it is little less than they use. 1e-9: on the cone but for the round-off of a force."""
+    step before are within it, whatever friction has become. So they are by themselves (`reduce`) where it is little less than they use. 1e-9: on the
+    cone but for the round-off of a force."""
     mat = plane.material(0.9)
     plane.floor(mat)
     for k in range(2):

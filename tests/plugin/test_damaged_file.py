@@ -25,7 +25,8 @@ def load(O, folder, text):
 def with_list(text, name, values):
     """The text with other values in that list."""
     items = "".join(f"<item>{value}</item>" for value in values)
-    changed, found = re.subn(rf"(<{name}>\s*<count>)\d+(</count>.*?)(<item>.*?)?(</{name}>)", rf"\g<1>{len(values)}\g<2>{items}\g<4>", text, flags=re.DOTALL)
+    changed, found = re.subn(rf"(<{name}>\s*<count>)\d+(</count>.*?)(<item>.*?)?(</{name}>)", rf"\g<1>{len(values)}\g<2>{items}\g<4>", text,
+                             flags=re.DOTALL)
     assert found == 1
     return changed
 
@@ -51,7 +52,8 @@ def test_overlaps_that_cannot_be_are_refused(O, tmp_path, name):
 
 @pytest.mark.parametrize("name, value, words", [
     ("tolerance", "nan", "out of range"), ("searchMargin", "-3", "out of range"), ("restitution", "7", "out of range"),
-    ("maxIterations", "0", "out of range"), ("method", "magic", "is not known; there is 'nsgs'"), ("publish", "never", "is not known; there is 'due', 'always'"),
+    ("maxIterations", "0", "out of range"), ("method", "magic", "is not known; there is 'nsgs'"),
+    ("publish", "never", "is not known; there is 'due', 'always'"),
 ])
 def test_settings_that_cannot_be_are_refused(O, tmp_path, name, value, words):
     """With a tolerance that is no number the disks of such a scene fell through their floor."""

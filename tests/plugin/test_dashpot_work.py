@@ -25,7 +25,8 @@ def test_an_impact_loses_what_the_dashpot_takes(O, speed, damping):
     O.engines = [
         w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=1e-3),
         w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()],
-                          [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=w.MatchMaker(algo="val", val=stiffness), kRatio=w.MatchMaker(algo="val", val=0.5))],
+                          [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=w.MatchMaker(algo="val", val=stiffness),
+                                                                            kRatio=w.MatchMaker(algo="val", val=0.5))],
                           [w.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
         cd_engine.DashpotWork(label="dashpots"), w.NewtonIntegrator(damping=0)]
     contact = math.pi * math.sqrt(mass / 2 / stiffness / (1 - damping**2))

@@ -22,7 +22,8 @@ SEEDS = ("0", "2", "5", "7", "9", "12", "116", "503",
 def test_random_scenes(root):
     """The command below, with the seed that it reports, makes a scene again."""
     done = subprocess.run([sys.executable, "-m", "tests.plugin.fuzz", *SEEDS], cwd=root, capture_output=True, text=True)
-    assert done.returncode == 0, "\n".join(line for line in done.stdout.splitlines() if not line.startswith("seed") or "BROKEN" in line) + done.stderr[-2000:]
+    said = [line for line in done.stdout.splitlines() if not line.startswith("seed") or "BROKEN" in line]
+    assert done.returncode == 0, "\n".join(said) + done.stderr[-2000:]
 
 
 def tell(O, spoil, **settings):
@@ -35,7 +36,8 @@ def tell(O, spoil, **settings):
     watch = fuzz_laws.Watch()
     reset, collider, cd = cd_engine.engines(gravity=(0, -9.81, 0), **{"tolerance": 1e-9, "maxIterations": 100000} | settings)
     late = hooks.runner(lambda: O.iter >= 29 and spoil(cd), iterPeriod=1, initRun=True)
-    O.engines = [reset, collider, hooks.runner(watch.before, iterPeriod=1, initRun=True), cd, late, hooks.runner(watch.after, iterPeriod=1, initRun=True)]
+    O.engines = [reset, collider, hooks.runner(watch.before, iterPeriod=1, initRun=True), cd, late,
+                 hooks.runner(watch.after, iterPeriod=1, initRun=True)]
     O.dt = 1e-3
     hooks.simulate(29)
     assert watch.steps == 29 and watch.loaded > 50 and watch.exact > 20
@@ -52,7 +54,8 @@ SPOILS = {
     "balance of momentum": lambda O, cd: setattr(O.bodies[2].state, "vel", O.bodies[2].state.vel * (1 + 1e-9)),
     "positions follow velocities": lambda O, cd: setattr(O.bodies[2].state, "pos", O.bodies[2].state.pos * (1 + 1e-12)),
     "O.forces holds the total": lambda O, cd: O.forces.addF(2, (1e-9, 0, 0)),
-    "Coulomb's cone": lambda O, cd: setattr(contact(O).phys, "shearForce", contact(O).phys.normalForce.norm() * 0.5001 * contact(O).phys.shearForce.normalized()),
+    "Coulomb's cone": lambda O, cd: setattr(contact(O).phys, "shearForce",
+                                            contact(O).phys.normalForce.norm() * 0.5001 * contact(O).phys.shearForce.normalized()),
     "no tension": lambda O, cd: setattr(contact(O).phys, "normalForce", -contact(O).phys.normalForce),
     "not finite": lambda O, cd: setattr(O.bodies[2].state, "angVel", (0, 0, float("nan"))),
     "normal of a contact": lambda O, cd: setattr(contact(O).geom, "normal", (1e-9, 1, 0)),

@@ -133,7 +133,8 @@ def test_same_inputs_same_bits_in_every_process(tmp_path, root):
     """Also with the random order of sweeps, which has its own seed."""
     script = tmp_path / "scenes.py"
     script.write_text(SCENES.format(root=str(root)))
-    one, other = ([line for line in subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, check=True).stdout.splitlines() if line.startswith("hash")]
+    one, other = ([line for line in subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, check=True).stdout.splitlines()
+                   if line.startswith("hash")]
                   for _ in range(2))
     assert one == other and len(set(one)) == 2
 

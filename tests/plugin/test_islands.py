@@ -42,7 +42,8 @@ def seen(O):
                        i.phys.tangensOfFrictionAngle)
                       for i in O.interactions if i.isReal)
     forces = [x for b in O.bodies for x in (*O.forces.f(b.id), *O.forces.t(b.id))]
-    names = ("contacts", "unknowns", "islands", "resting", "sleeping", "loadedContacts", "slidingContacts", "maxPenetration", "residual", "residualMax")
+    names = ("contacts", "unknowns", "islands", "resting", "sleeping", "loadedContacts", "slidingContacts", "maxPenetration", "residual",
+             "residualMax")
     return motion(O), contacts, forces, [getattr(cd, name) for name in names]
 
 

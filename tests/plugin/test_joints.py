@@ -15,8 +15,8 @@ def turned(x, y, angle):
 @pytest.mark.parametrize("angle", (0, 0.3, -1.1))
 @pytest.mark.parametrize("friction", (0, 0.5))
 def test_a_disk_goes_over_flush_boxes_as_over_one(O, angle, friction):
-    """By half a radius a step: neither speed nor height change by more than round-off. It glides without friction and rolls with it. Two of the joints
-    stand over a box whose own corners are inside the floor."""
+    """By half a radius a step: neither speed nor height change by more than round-off. It glides without friction and rolls with it. Two of the
+    joints stand over a box whose own corners are inside the floor."""
     mat = plane.material(friction)
     for k in range(12):
         plane.box(turned(0.1 * k, -0.01, angle), (0.05, 0.01), angle, mat=mat)
@@ -29,7 +29,8 @@ def test_a_disk_goes_over_flush_boxes_as_over_one(O, angle, friction):
 
 
 def test_a_step_up_is_an_obstacle(O):
-    """Of a tenth of a radius: the impact on its edge leaves 0.9 of the speed, along the tangent there; landing leaves 0.9 of that, along the floor."""
+    """Of a tenth of a radius: the impact on its edge leaves 0.9 of the speed, along the tangent there; landing leaves 0.9 of that, along the
+    floor."""
     mat = plane.material(0)
     plane.box((0, -0.01), (0.1, 0.01), mat=mat)
     plane.box((0.2, -0.01 + 0.1 * R), (0.1, 0.01), mat=mat)

@@ -37,7 +37,8 @@ def on_a_belt(dice, method, tolerance):
     belt, lid, along = 10**dice.uniform(-2, 1), 10**dice.uniform(-5, -1.3), dice.choice([0, 0, 0.5, -1])
     height = r * (2 + math.sqrt(3) * (rows - 1))
     for place, half, velocity in (((rows * r, -r), (10 * rows * r, r), (belt, 0)), ((-r, height), (r, 2 * height), (0, 0)),
-                                  (((2 * rows + 1) * r, height), (r, 2 * height), (0, 0)), ((rows * r, height + r), (2 * rows * r, r), (along, -lid))):
+                                  (((2 * rows + 1) * r, height), (r, 2 * height), (0, 0)),
+                                  ((rows * r, height + r), (2 * rows * r, r), (along, -lid))):
         yade.O.bodies[plane.box(place, half, mat=mat)].state.vel = (*velocity, 0)
     for j in range(rows):
         for i in range(rows - j % 2):

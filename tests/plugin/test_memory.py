@@ -38,7 +38,8 @@ def counter(tmp_path_factory):
 
 
 def requests(counter, root, folder, **scene):
-    """Requests for memory a step: the engine's, also through YADE's class factory, and those that YADE's collider and forces make when it calls them."""
+    """Requests for memory a step: the engine's, also through YADE's class factory, and those that YADE's collider and forces make when it calls
+    them."""
     output = folder / "requests.txt"
     program = PROGRAM.format(root=str(root), output=str(output), **scene)
     subprocess.run([sys.executable, "-c", program], env=os.environ | {"LD_PRELOAD": str(counter)}, check=True, timeout=200)
@@ -69,7 +70,8 @@ engine = plane.run(1, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-6)
 
 def test_while_contacts_come_and_go_none_but_for_new_records(counter, root, tmp_path):
     """More contacts than ever before ask for memory, 0.003 times a step after 20 000 steps and falling; those that replace others do not, where
-    five contacts close in every four steps. By sweeps: Newton's method plans its factorization anew for every set of contacts. YADE makes a new interaction in every fourth step, by four requests."""
+    five contacts close in every four steps. By sweeps: Newton's method plans its factorization anew for every set of contacts. YADE makes a new
+    interaction in every fourth step, by four requests."""
     ours, yades = requests(counter, root, tmp_path, scene="engine = tumbler.build(40); engine.method = 'accelerated'", settle=6000, steps=2000)
     assert yades > 0.5
     assert ours < 0.03

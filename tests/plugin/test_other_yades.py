@@ -48,7 +48,8 @@ def test_another_precision_refuses_every_way_in(precision, root, tmp_path):
         pytest.skip(f"yade-{precision} is not installed here")
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(root=str(root)))
-    done = subprocess.run([f"yade-{precision}", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+    done = subprocess.run([f"yade-{precision}", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=200)
     said = done.stdout + done.stderr
     assert done.returncode == 0, said
     assert "engine refused: cd_engine computes in double precision; this is YADE " in said and "Start `yade`" in said
@@ -128,7 +129,8 @@ def test_two_boosts_in_one_process_are_refused(root, tmp_path):
     script.write_text(f"import ctypes, sys\nctypes.CDLL({str(other)!r})\nsys.path.insert(0, {str(root)!r})\nimport cd_engine\n"
                       "try:\n    cd_engine.ContactDynamics\nexcept ImportError as error:\n    print('refused:', error)\n")
     done = subprocess.run(["yade", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
-    assert re.search("refused: .*libboost_python: expected one .* and libboost_python00.so.1.0|refused: .*found libboost_python00.so.1.0 and ", done.stdout), done.stdout + done.stderr
+    assert re.search("refused: .*libboost_python: expected one .* and libboost_python00.so.1.0|refused: .*found libboost_python00.so.1.0 and ",
+                     done.stdout), done.stdout + done.stderr
 
 
 def test_tested_versions_stand_in_the_readme(root):

@@ -190,7 +190,8 @@ def cloud(O, count, seed, mu):
     r, mat, columns = random.Random(seed), plane.material(mu), math.ceil(math.sqrt(count))
     for k in range(count):
         x, y = (0.025 * (j - (columns - 1) / 2) + r.uniform(-1e-3, 1e-3) for j in divmod(k, columns))
-        plane.disk((x, y), r.uniform(0.008, 0.012), mass=r.uniform(0.5, 1.5), velocity=(-30 * x + r.uniform(-.2, .2), -30 * y), spin=r.uniform(-30, 30),
+        plane.disk((x, y), r.uniform(0.008, 0.012), mass=r.uniform(0.5, 1.5), velocity=(-30 * x + r.uniform(-.2, .2), -30 * y),
+                   spin=r.uniform(-30, 30),
                    mat=mat)
 
 

@@ -17,7 +17,8 @@ def seen(O, born=True):
     """Digest of all that a step leaves in the scene; born: with the steps in which contacts became loaded."""
     rows = [(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel, *O.forces.f(b.id), *O.forces.t(b.id)) for b in O.bodies]
     for i in sorted((i for i in O.interactions if i.isReal), key=lambda i: (i.id1, i.id2)):
-        rows.append((i.id1, i.id2, i.iterMadeReal if born else 0, *i.phys.normalForce, *i.phys.shearForce, i.phys.tangensOfFrictionAngle, *i.geom.normal, *i.geom.contactPoint,
+        rows.append((i.id1, i.id2, i.iterMadeReal if born else 0, *i.phys.normalForce, *i.phys.shearForce, i.phys.tangensOfFrictionAngle,
+                     *i.geom.normal, *i.geom.contactPoint,
                      i.geom.penetrationDepth, i.geom.refR1, i.geom.refR2))
     return hashlib.sha256(b"".join(np.array(row, float).tobytes() for row in rows)).hexdigest()
 
@@ -74,7 +75,8 @@ def test_at_the_end_of_every_run(O):
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
-@pytest.mark.parametrize("period", [dict(iterPeriod=1), dict(iterPeriod=7), dict(iterPeriod=7, initRun=True), dict(virtPeriod=0.013), dict(virtPeriod=0.001),
+@pytest.mark.parametrize("period", [dict(iterPeriod=1), dict(iterPeriod=7), dict(iterPeriod=7, initRun=True), dict(virtPeriod=0.013),
+                                    dict(virtPeriod=0.001),
                                     dict(virtPeriod=0.0125, initRun=True), dict(iterPeriod=5, nDo=4), dict(iterPeriod=30, virtPeriod=0.02)])
 def test_before_an_engine_that_looks(O, call, place, period):
     """Recorders see every step's state when their period is over, wherever they stand."""
@@ -356,7 +358,8 @@ def test_springs_take_over(O):
         O.run(200, True)
         before = seen(O)
         cd_engine.release()
-        O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb(), wrapper.Bo1_Box_Aabb()]),
+        O.engines = [wrapper.ForceResetter(),
+                     wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb(), wrapper.Bo1_Box_Aabb()]),
                      wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom(), wrapper.Ig2_Wall_Sphere_ScGeom(), wrapper.Ig2_Box_Sphere_ScGeom()],
                                              [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
                      wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]

@@ -54,7 +54,8 @@ def test_help_and_dict_show_settings_and_results_only(O, cd):
 def test_keyword_constructor_sets_attributes(cd):
     engine = cd(tolerance=1e-9, gravity=(1, 2, 0), label="name", seed=3, warmStart=False)
     values = engine.dict()
-    assert (values["tolerance"], tuple(values["gravity"]), values["label"], values["seed"], values["warmStart"]) == (1e-9, (1, 2, 0), "name", 3, False)
+    found = values["tolerance"], tuple(values["gravity"]), values["label"], values["seed"], values["warmStart"]
+    assert found == (1e-9, (1, 2, 0), "name", 3, False)
 
 
 @pytest.mark.parametrize("keywords, error, words", [
@@ -114,7 +115,8 @@ def test_label_reaches_the_engine(O, cd):
     import yade, cd_engine
     O.engines = cd_engine.engines(label="contactDynamics")
     import builtins
-    found = getattr(yade.runtime, "contactDynamics", None) or getattr(builtins, "contactDynamics", None) or getattr(sys.modules["__main__"], "contactDynamics", None)
+    places = yade.runtime, builtins, sys.modules["__main__"]
+    found = next(filter(None, (getattr(place, "contactDynamics", None) for place in places)), None)
     assert found is None or found.label == "contactDynamics"
     assert [e.label for e in O.engines if type(e) is cd] == ["contactDynamics"]
 

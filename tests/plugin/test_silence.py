@@ -118,7 +118,8 @@ def test_lists_at_which_yade_would_end(O, go):
 
 def springs():
     return [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()]),
-            wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+            wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                    [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
             wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
 
 
@@ -347,7 +348,8 @@ def test_a_scene_that_falls_as_a_whole(O, capfd):
     assert "gravity moves every boundary, such as body #0" in line and "blockedDOFs='xyzXYZ'" in line
 
 
-@pytest.mark.parametrize("push", [lambda box: yade.O.forces.setPermF(box, (0, -10, 0)), lambda box: setattr(yade.O.bodies[box].state, "vel", (0, -1, 0))],
+@pytest.mark.parametrize("push", [lambda box: yade.O.forces.setPermF(box, (0, -10, 0)),
+                                  lambda box: setattr(yade.O.bodies[box].state, "vel", (0, -1, 0))],
                          ids=["force", "velocity"])
 def test_a_boundary_that_something_else_moves(O, capfd, push):
     """It is told of before they meet."""
@@ -406,7 +408,8 @@ def test_nothing_is_said_of_a_scene_that_is_well(O, capfd):
 def test_importing_it_makes_its_classes_known(root, tmp_path):
     """A scene with the engine is loaded after the import alone."""
     path = tmp_path / "scene.yade.gz"
-    program = f"import glob, sys; sys.path[:0] = [{str(root)!r}, *glob.glob('/usr/lib/*/yade-double/py')]; import yade, cd_engine; from yade import O; "
+    program = (f"import glob, sys; sys.path[:0] = [{str(root)!r}, *glob.glob('/usr/lib/*/yade-double/py')]; "
+               "import yade, cd_engine; from yade import O; ")
     for task in (f"O.engines = cd_engine.engines(tolerance=1e-5); O.save({str(path)!r})", f"O.load({str(path)!r}); print(O.engines[-1].tolerance)"):
         done = subprocess.run([sys.executable, "-c", program + task], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr

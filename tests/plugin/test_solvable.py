@@ -127,7 +127,8 @@ def test_a_packing_pressed_slowly_has_no_solution_and_one_that_rests_after_it_ha
 
 @pytest.mark.parametrize("mu, speed, method, tolerance, along", [
     (0.5, 1e-3, "auto", 1e-4, 3), (0.5, 1e-3, "newton", 1e-8, 0.5), (0.5, 1e-3, "newton", 1e-10, 0.5),
-    (1, 1e-3, "auto", 1e-4, 3), (1, 1e-3, "auto", 1e-8, 0.5), (1, 1e-3, "newton", 1e-10, 0.5), (1, 1e-5, "auto", 1e-4, 3), (1, 1e-5, "newton", 1e-8, 0.5)])
+    (1, 1e-3, "auto", 1e-4, 3), (1, 1e-3, "auto", 1e-8, 0.5), (1, 1e-3, "newton", 1e-10, 0.5), (1, 1e-5, "auto", 1e-4, 3),
+    (1, 1e-5, "newton", 1e-8, 0.5)])
 def test_nor_where_the_boundary_also_slides(O, method, tolerance, along, mu, speed):
     """The power of sliding, which friction takes, is a hundred times that of closing, and the disk may turn with it."""
     _, engine = hexagons(1, speed, mu, along=along, method=method, tolerance=tolerance)
@@ -162,7 +163,8 @@ def test_wedged_disks_that_rebound_gain_no_energy(O, method):
             plane.box((x, 0.1), (0.01, 0.2), mat=mat)
         for j in range(draw.randint(1, 4)):
             for i in range(columns):
-                plane.disk(((2 * i + 1) * 0.01, (2 * j + 1) * 0.01), 0.01 * draw.uniform(0.95, 1), velocity=(draw.uniform(-1, 1), draw.uniform(-1, 1)), mat=mat)
+                plane.disk(((2 * i + 1) * 0.01, (2 * j + 1) * 0.01), 0.01 * draw.uniform(0.95, 1),
+                           velocity=(draw.uniform(-1, 1), draw.uniform(-1, 1)), mat=mat)
         tolerance = 10.0**draw.choice([-2, -3, -4])
         O.engines = cd_engine.engines(method=method, tolerance=tolerance, restitution=draw.choice([0.3, 0.5, 0.8, 0.95]), maxIterations=3000)
         O.dt = 1e-3

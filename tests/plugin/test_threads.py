@@ -112,7 +112,8 @@ def test_none_given_takes_as_many_as_yade_has(root):
             "import yade\nfrom tests.plugin import test_threads as t\n"
             "yade.O.engines = t.crystal().engines(gravity=(0, -9.81, 0), tolerance=1e-2)\n"
             "yade.O.run(2, True)\nprint(t.helpers())")
-    done = subprocess.run([sys.executable, "-c", code], env=os.environ | {"OMP_NUM_THREADS": "3", "OMP_WAIT_POLICY": "passive"}, cwd=root, capture_output=True, text=True,
+    done = subprocess.run([sys.executable, "-c", code], env=os.environ | {"OMP_NUM_THREADS": "3", "OMP_WAIT_POLICY": "passive"}, cwd=root,
+                          capture_output=True, text=True,
                           timeout=600)
     assert done.returncode == 0 and done.stdout.split()[-1:] == ["2"], done.stdout + done.stderr
 

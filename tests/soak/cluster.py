@@ -86,7 +86,8 @@ class Cluster:
     def __enter__(self):
         for name in ("munge", "state", *NODES):
             (self.folder / name).mkdir(parents=True, mode=0o700)
-        (self.folder / "slurm.conf").write_text(CONFIGURATION.format(host=socket.gethostname(), user=getpass.getuser(), folder=self.folder, ports=_ports()))
+        (self.folder / "slurm.conf").write_text(CONFIGURATION.format(host=socket.gethostname(), user=getpass.getuser(), folder=self.folder,
+                                                                     ports=_ports()))
         (self.folder / "cgroup.conf").write_text(CGROUPS)
         key = self.folder / "munge" / "key"
         key.write_bytes(os.urandom(128))
@@ -115,7 +116,8 @@ class Cluster:
 
     def _start(self, program, *arguments, name=None):
         with open(self.folder / f"{name or program}.out", "w") as log:
-            self.servers[name or program] = subprocess.Popen([shutil.which(program, path=SERVERS), *arguments], env=self.environment, stdin=subprocess.DEVNULL,
+            self.servers[name or program] = subprocess.Popen([shutil.which(program, path=SERVERS), *arguments], env=self.environment,
+                                                             stdin=subprocess.DEVNULL,
                                                              stdout=log, stderr=subprocess.STDOUT)
 
     def __exit__(self, *_):

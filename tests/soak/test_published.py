@@ -15,6 +15,7 @@ def test_every_study_is_published():
 def test_summary_regenerates_from_the_result_files(name, tmp_path):
     collection, found = studies.collect(name, reader.RESULTS, full=True), said(name)
     if len(collection.runs) != found["runs_finished"] or publish.origin(collection)["commits"] != found["commits"]:
-        pytest.skip(f"the {found['runs_finished']} runs of {name} by commit {found['commits'][0][:12]} are not in {reader.RESULTS}: {found['run_command']}")
+        pytest.skip(f"the {found['runs_finished']} runs of {name} by commit {found['commits'][0][:12]} are not in {reader.RESULTS}: "
+                    f"{found['run_command']}")
     stem = publish.publish(collection, tmp_path)
     assert stem.with_suffix(".csv").read_text() == (FOLDER / f"{name}.csv").read_text()

@@ -16,7 +16,8 @@ def test_two_commands_on_a_fresh_debian(root, release):
         pytest.skip("needs root, to install a Debian into a folder")
     if shutil.which("debootstrap") is None:
         pytest.skip("debootstrap is not installed: .ci/install-packages soak")
-    done = subprocess.run([root / ".ci" / "clean-root", release], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run([root / ".ci" / "clean-root", release], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True)
     print(done.stdout)
     assert done.returncode == 0 and f"both commands did all the set-up of {release}" in done.stdout
     assert " passed" in done.stdout and " failed" not in done.stdout

@@ -50,7 +50,8 @@ def start(cluster_here, root, table, folder, said):
     """A sweep of the table, in the background."""
     environment = cluster_here.environment | {"PATH": f"{folder}/bin:{os.environ['PATH']}"}
     with open(said, "w") as log:
-        return subprocess.Popen([sys.executable, root / "yade_scripts/cluster/sweep.py", table, "--results", folder / "results", "--minutes", "3", "--retries", "1",
+        return subprocess.Popen([sys.executable, root / "yade_scripts/cluster/sweep.py", table, "--results", folder / "results", "--minutes", "3",
+                                 "--retries", "1",
                                  "--seconds", "1"], env=environment, cwd=folder, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                                 # A test run in the background has Ctrl-C ignored, which its children inherit.
                                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
@@ -138,7 +139,8 @@ def test_a_row_that_says_why_it_failed_has_its_answer_and_an_old_failure_is_none
 
 
 def test_rows_of_one_packing_do_not_start_together(tmp_path):
-    jobs = [batch.Row({"scene": "biaxial", "seed": seed, "method": method}, str(tmp_path)) for seed, method in itertools.product((1, 2), ("MD", "CD"))]
+    jobs = [batch.Row({"scene": "biaxial", "seed": seed, "method": method}, str(tmp_path))
+            for seed, method in itertools.product((1, 2), ("MD", "CD"))]
     assert [job.full["seed"] for job in sweep._packings_first(jobs)] == [1, 2, 1, 2]
 
 

@@ -74,8 +74,10 @@ def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tm
     preloaded = ":".join(map(library, ("libasan.so", "libubsan.so", "libstdc++.so")))
     options = f"detect_leaks=0:suppressions={HERE / 'sanitizers.txt'}:log_path={tmp_path / 'fault'}"
     # Those left out preload a library of their own or build it anew.
-    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/plugin", "--ignore", "tests/plugin/test_memory.py"], cwd=copy,
-                          env=os.environ | {"LD_PRELOAD": preloaded, "ASAN_OPTIONS": options, "UBSAN_OPTIONS": f"print_stacktrace=1:log_path={tmp_path / 'fault'}"},
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/plugin", "--ignore", "tests/plugin/test_memory.py"],
+                          cwd=copy,
+                          env=os.environ | {"LD_PRELOAD": preloaded, "ASAN_OPTIONS": options,
+                                            "UBSAN_OPTIONS": f"print_stacktrace=1:log_path={tmp_path / 'fault'}"},
                           capture_output=True, text=True)
     faults = [path.read_text() for path in tmp_path.glob("fault*")]
     assert not faults, faults[0]
@@ -104,7 +106,8 @@ def test_valgrind_finds_nothing_of_ours(root, tmp_path):
     if shutil.which("valgrind") is None:
         pytest.skip("valgrind is not installed: .ci/install-packages soak")
     report = tmp_path / "report.xml"
-    done = subprocess.run(["valgrind", "--error-limit=no", "--num-callers=40", "--leak-check=full", "--show-leak-kinds=definite", f"--suppressions={HERE / 'valgrind.txt'}",
+    done = subprocess.run(["valgrind", "--error-limit=no", "--num-callers=40", "--leak-check=full", "--show-leak-kinds=definite",
+                           f"--suppressions={HERE / 'valgrind.txt'}",
                            "--xml=yes", f"--xml-file={report}", sys.executable, "-c", RUN.format(root=str(root), folder=str(tmp_path))],
                           env=os.environ | {"PYTHONMALLOC": "malloc", "OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
     assert done.returncode == 0 and "steps 320" in done.stdout, done.stderr[-3000:]

@@ -19,7 +19,8 @@ def forking():
 
 
 class Yade:
-    """Runs scripts by `yade -n -x` in a folder of its own, where results/ then is: in a fork of a YADE that has started, or in one started for each."""
+    """Runs scripts by `yade -n -x` in a folder of its own, where results/ then is: in a fork of a YADE that has started, or in one started for
+    each."""
 
     def __init__(self, folder, forks=True):
         self.folder, self.forks = folder, forks

@@ -57,7 +57,8 @@ def main(methods, *options):
         scene = scenes.build(parameters.complete(row), "results")
         hooks.simulate(min(STEPS, scene.every * scene.samples))
         found[name] = [digest(), O.iter]
-    print(json.dumps({"yade": config.version, "threads": O.numThreads, "instruction_set": used, "instruction_sets": list(_yade_plugin.instruction_sets()),
+    print(json.dumps({"yade": config.version, "threads": O.numThreads, "instruction_set": used,
+                      "instruction_sets": list(_yade_plugin.instruction_sets()),
                       "digests": found}))
 
 

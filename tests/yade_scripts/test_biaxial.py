@@ -62,7 +62,8 @@ def test_a_collapse_is_a_result(yade60):
 @pytest.mark.parametrize("law", ["standard", "path_independent"])
 def test_energy_balance_of_springs_closes(yade60, law, walls):
     """Work of the walls = stored + kinetic + friction + dashpots, each summed by itself, to a thousandth of what is dissipated."""
-    history = {name: values[:] for name, values in yade60.run(method="MD", loading="cosine", period=1, tangential_law=law, **walls)["history"].items()}
+    file = yade60.run(method="MD", loading="cosine", period=1, tangential_law=law, **walls)
+    history = {name: values[:] for name, values in file["history"].items()}
     gone = history["dissipated_energy"]
     missing = history["wall_work"] - gone - sum(history[name] - history[name][0] for name in ("kinetic_energy", "stored_energy"))
     assert 1e-5 < history["friction_dissipation"][-1] < gone[-1]

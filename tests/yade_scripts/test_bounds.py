@@ -8,7 +8,8 @@ from yade_scripts.running.bounds import BALANCE, Bounds, CREATED, OutOfBounds, P
 
 FULL = {method: parameters.complete({"method": method}) for method in ("MD", "CD")}
 SCALE = Bounds(FULL["MD"], True).scale
-SOUND = dict(time=0.5, gamma=-1e-4, sigma1=1200.0, sigma2=1300.0, kinetic_energy=0.2, dissipated_energy=0.2, stored_energy=0.1, wall_work=0.5, max_penetration=1e-4,
+SOUND = dict(time=0.5, gamma=-1e-4, sigma1=1200.0, sigma2=1300.0, kinetic_energy=0.2, dissipated_energy=0.2, stored_energy=0.1, wall_work=0.5,
+             max_penetration=1e-4,
              unbalanced_force=math.nan, friction_dissipation=0.3, residual_max=1e-6)
 
 

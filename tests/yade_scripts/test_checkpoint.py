@@ -114,7 +114,8 @@ def write(checkpoints, **origin):
         archive.writestr("memory.json", json.dumps({"origin": json.loads(json.dumps(checkpoints.origin | origin))}))
 
 
-@pytest.mark.parametrize("origin", [{"git_commit": "other"}, {"yade_version": "2024"}, {"state_sha256": "f"}, {"samples_between": 5}, {"parameters": {}}])
+@pytest.mark.parametrize("origin", [{"git_commit": "other"}, {"yade_version": "2024"}, {"state_sha256": "f"}, {"samples_between": 5},
+                                    {"parameters": {}}])
 def test_a_checkpoint_of_something_else_is_turned_down(checkpoints, capsys, origin):
     write(checkpoints)
     assert checkpoints.found()["scene.yade"] == b"s" * 100

@@ -54,5 +54,6 @@ def test_columns_nobody_has_measured_have_no_known_answer(yade60):
     assert yade60.code("""
 from yade_scripts import parameters, scenes
 rows = (dict(column_aspect=1.0), dict(method="MD", beta_n=0.1), dict(restitution=0.5), {})
-print(json.dumps([[known.name for known in scenes.build(parameters.complete(dict(scene="collapse", disks=400) | row), "results").known] for row in rows]))
+built = (scenes.build(parameters.complete(dict(scene="collapse", disks=400) | row), "results") for row in rows)
+print(json.dumps([[known.name for known in one.known] for one in built]))
 """) == [[], [], [], ["front", "height"]]

@@ -7,8 +7,10 @@ import pytest
 
 from yade_scripts.cluster import slurm
 
-NONSENSE = ["", "-", "--", "=", "--x", "--results", "--results=", "nonsense", "0", "-1", "1e9", "nan", "seed=1", "seed=x", "seed=", "=1", "disks=0", "method=CD", "method=",
-            "scene=chain", "scene=moon", "seed=1_0", "\u00b2", "/", "{folder}", "{folder}/none.txt", "{folder}/file", "{folder}/table.txt", "{folder}/file/below"]
+NONSENSE = ["", "-", "--", "=", "--x", "--results", "--results=", "nonsense", "0", "-1", "1e9", "nan", "seed=1", "seed=x", "seed=", "=1", "disks=0",
+            "method=CD", "method=",
+            "scene=chain", "scene=moon", "seed=1_0", "\u00b2", "/", "{folder}", "{folder}/none.txt", "{folder}/file", "{folder}/table.txt",
+            "{folder}/file/below"]
 
 
 class Started(Exception):
@@ -29,7 +31,8 @@ PROGRAMS = {
     "regression": ("yade_scripts.measuring.regression", ["compare"], ["--quick", "--full", "--record", "{folder}/new.json"]),
     "measuring": ("yade_scripts.measuring.__main__", ["queue.run"], ["--quick", "--full", "--only", "stack", "servo", "--jobs", "2"]),
     "benchmark": ("yade_scripts.measuring.benchmark.__main__", ["run"], ["--quick", "--again", "--results", "{folder}/out"]),
-    "analysis": ("analysis.__main__", [], ["study", "table", "summary", "check", "recommend", "--scene", "stack", "--accuracy", "1e-3", "--results", "-o",
+    "analysis": ("analysis.__main__", [], ["study", "table", "summary", "check", "recommend", "--scene", "stack", "--accuracy", "1e-3", "--results",
+                                           "-o",
                                            "{folder}/a.png", "--published", "fig4"]),
 }
 
@@ -60,7 +63,8 @@ def test_the_quick_extent_is_the_default_as_help_says(monkeypatch, capsys, tmp_p
         monkeypatch.setattr("analysis.publish.publish_all", lambda names, figures, results, full: extent(full))
     for option in ([], ["--quick"], ["--full"]):
         with pytest.raises(Started):
-            module.main([*words, *option, *(["--results", str(tmp_path)] if program != "regression" else []), *(["-o", str(tmp_path)] if program == "analysis" else [])])
+            module.main([*words, *option, *(["--results", str(tmp_path)] if program != "regression" else []),
+                         *(["-o", str(tmp_path)] if program == "analysis" else [])])
     assert asked == ["quick", "quick", "full"]
 
 

@@ -22,7 +22,8 @@ ROWS = [
     ("friction_angle", dict(method="MD", margin=0.1, kn=2e8), 2.2 / (0.1 * omega(2e8, 0.5)), "speed won while the spring is loaded, g sin t/omega"),
     ("stopping_distance", {}, 0.3 * G * 1e-6 / 8 / (1 / (2 * 0.3 * G)) * 1.001, "mu g dt^2/8, if it stops in the middle of a step"),
     ("stopping_distance", dict(method="MD", kn=2e8), 1.1 * 0.3 * G / omega(2e8, 0.5), "it swings on its tangential spring, mu g/omega of 1 m/s"),
-    ("zeno", {}, 50 * 1e-4 / 0.3029, "a bounce comes up to a step early, from g v dt too much height: 4 steps for each of the 12 bounces longer than a step"),
+    ("zeno", {}, 50 * 1e-4 / 0.3029, "a bounce comes up to a step early, from g v dt too much height: 4 steps for each of the 12 bounces longer than "
+     "a step"),
     ("zeno", dict(method="MD", kn=2e8), 0.04, "restitution 0.49 for steps of 0.2 sqrt(m/k_n), first order"),
     ("cradle", {}, 1e-12, "round-off"),
     ("cradle", dict(restitution=0.6), 1e-12, "round-off"),

@@ -49,7 +49,8 @@ def test_a_line_without_a_boundary_says_so():
 
 
 def test_accepted_verdicts_shift_the_boundary():
-    probe = lambda case: Outcome(STABLE) if case["x"] < 2 else Outcome(INACCURATE, "wrong motion") if case["x"] < 5 else Outcome(UNSTABLE, "energy growth")
+    probe = lambda case: (Outcome(STABLE) if case["x"] < 2 else Outcome(INACCURATE, "wrong motion") if case["x"] < 5
+                          else Outcome(UNSTABLE, "energy growth"))
     for accepted, limit in (((STABLE,), 2), ((STABLE, INACCURATE), 5)):
         assert maps.bisect(Search({}, "x", 1.0, 10.0, 1.001, accepted), probe).value == pytest.approx(limit, rel=1e-3)
 

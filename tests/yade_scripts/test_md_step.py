@@ -50,7 +50,9 @@ print(json.dumps(found))
     assert light < 0.5 * heavy
 
 
-@pytest.mark.parametrize("row, words", [({"disks": 60}, "time integration of the springs is unstable"), ({"scene": "stack", "method": "MD", "disks": 5, "beta_n": 0.5}, "time integration of the springs is unstable")])
+@pytest.mark.parametrize("row, words", [({"disks": 60}, "time integration of the springs is unstable"),
+                                        ({"scene": "stack", "method": "MD", "disks": 5, "beta_n": 0.5},
+                                         "time integration of the springs is unstable")])
 def test_a_step_above_the_limit_is_refused(yade60, row, words):
     """For a packing before the first step; for a scene whose contacts the first step finds, at that step. Without traceback."""
     done = yade60.script("run.py", "md_dt_factor=1", "beta_n=0.5", *(f"{name}={value}" for name, value in row.items() if name != "beta_n"))

@@ -12,8 +12,8 @@ MASS = 2600 * math.pi * 0.01**2
 
 @pytest.mark.parametrize("method, tolerance", [("CD", 1e-9), ("MD", 2e-3)])
 def test_sliding_into_rolling_dissipates_a_third_of_the_energy(yade60, method, tolerance):
-    """m v0^2/6, from 2/3 v0 at the end. MD's slips are summed at speeds of half a step to a step and a half before, while the slip ends within 0.34 s:
-    each step is 4e-4 of the work. The tangential spring swings on undamped and keeps 1e-4."""
+    """m v0^2/6, from 2/3 v0 at the end. MD's slips are summed at speeds of half a step to a step and a half before, while the slip ends within 0.34
+    s: each step is 4e-4 of the work. The tangential spring swings on undamped and keeps 1e-4."""
     with yade60.run(disks=1, scene="slide_to_roll", method=method) as file:
         history = file["history"]
         assert history["kinetic_energy"][0] == pytest.approx(MASS / 2, rel=1e-9)

@@ -66,13 +66,16 @@ def test_runs_end_with_their_study(table, number):
     wait_for(lambda: not runs_in(folder))
 
 
-@pytest.mark.parametrize("command", ["yade -n -x {scripts}/run.py disks=20 period=0.05 records_per_cycle=10", "{python} {scripts}/batch.py {table} --jobs 1"])
+@pytest.mark.parametrize("command", ["yade -n -x {scripts}/run.py disks=20 period=0.05 records_per_cycle=10",
+                                     "{python} {scripts}/batch.py {table} --jobs 1"])
 def test_no_run_ends_with_the_reader_of_its_output(table, command):
     """The program is still at work when `grep` has found its first line, later than those of YADE itself."""
     words = command.format(scripts=SCRIPTS, python=sys.executable, table=table)
-    done = subprocess.run(f"{words} --results={table.parent / 'results'} | grep -m 1 biaxial-; exit ${{PIPESTATUS[0]}}", shell=True, executable="/bin/bash", capture_output=True,
+    done = subprocess.run(f"{words} --results={table.parent / 'results'} | grep -m 1 biaxial-; exit ${{PIPESTATUS[0]}}", shell=True,
+                          executable="/bin/bash", capture_output=True,
                           text=True, stdin=subprocess.DEVNULL)
-    assert done.returncode == 0 and not [line for line in done.stderr.splitlines() if "Error" in line or "finished runs are kept" in line], done.stderr
+    wrong = [line for line in done.stderr.splitlines() if "Error" in line or "finished runs are kept" in line]
+    assert done.returncode == 0 and not wrong, done.stderr
     assert all(map(results.finished, paths(table)[:1 if "run.py" in command else 2]))
 
 

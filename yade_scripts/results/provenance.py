@@ -19,7 +19,8 @@ def git_commit():
 
     try:
         commit = git("rev-parse", "--verify", "--quiet", "HEAD")
-        own = git("ls-files", "--others", "--exclude-standard", *(f":(top,glob){folder}/**/*.py" for folder in ("cd_engine", "yade_scripts", "analysis")))
+        own = git("ls-files", "--others", "--exclude-standard",
+                  *(f":(top,glob){folder}/**/*.py" for folder in ("cd_engine", "yade_scripts", "analysis")))
         dirty = own or git("status", "--porcelain", "--untracked-files=no") or not _engine_is_of_these_sources()
         return commit + "-dirty" * bool(dirty) if commit else "unknown"
     except OSError:

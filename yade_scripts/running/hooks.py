@@ -19,7 +19,8 @@ _awaited = False  # whether `simulate` will raise the failure
 def runner(function, **period):
     """Return a PyRunner that calls `function()`; period: iterPeriod, initRun and so on."""
     _functions.append(function)
-    return PyRunner(command=f"import yade_scripts.running.hooks; yade_scripts.running.hooks.fire({len(_functions) - 1})", updateGlobals=False, **period)
+    return PyRunner(command=f"import yade_scripts.running.hooks; yade_scripts.running.hooks.fire({len(_functions) - 1})", updateGlobals=False,
+                    **period)
 
 
 def engine(kind):

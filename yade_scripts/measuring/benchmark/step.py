@@ -75,7 +75,8 @@ def build(rows, columns, order):
 def springs(reach=1):
     """Return YADE's engines for springs. reach: distance of two disks, over the sum of their radii, up to which they get an interaction."""
     return [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(aabbEnlargeFactor=reach), w.Bo1_Box_Aabb()], verletDist=0.1 * RADIUS),
-            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=reach), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=reach), w.Ig2_Box_Sphere_ScGeom()],
+                              [w.Ip2_FrictMat_FrictMat_FrictPhys()],
                               [w.Law2_ScGeom_FrictPhys_CundallStrack(neverErase=reach > 1)]),
             w.NewtonIntegrator(damping=0.3, gravity=(0, -GRAVITY, 0))]
 
@@ -89,7 +90,8 @@ def seconds(steps):
 
 def costs(engine, steps):
     """Return the median cost of a step of long runs, by the number of threads: {threads: [processor time, wall-clock time of all engines, wall-clock
-    time in the solver, sweeps, processor time of a run beside its steps]}, times in [s]. Both numbers of threads in turn; one where there is but one core.
+    time in the solver, sweeps, processor time of a run beside its steps]}, times in [s]. Both numbers of threads in turn; one where there is but one
+    core.
     """
     made = {threads: [] for threads in ((1, 2) if os.cpu_count() > 1 else (1,))}
 
