@@ -28,7 +28,7 @@ def test_a_sound_run_passes(method):
 @pytest.mark.parametrize("method, changed, words", [
     ("MD", {"kinetic_energy": math.nan}, "kinetic_energy is nan"), ("CD", {"gamma": math.inf}, "gamma is inf"),
     ("CD", {"residual_max": math.inf}, "residual_max is inf"), ("CD", {"residual_max": 1.01}, "no solution"),
-    *[(method, {"deepest": value}, "it arose in a step after 0. Bodies pass into each other")
+    *[(method, {"deepest": value}, "it arose between step 0 and this one. Bodies pass into each other")
       for method in FULL for value in (math.nan, 1.01 * PENETRATION * 0.01)],
     ("MD", {"wall_work": 0.3 - 1.01 * CREATED * SCALE}, "were created"), *[
         ("CD", {"wall_work": 0.5 + sign * 1.01 * BALANCE * SCALE}, "energy balance is off") for sign in (1, -1)]])
