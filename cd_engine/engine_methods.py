@@ -77,5 +77,6 @@ def check_name(engine, name):
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
     remedy = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce,
-              "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction, "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
+              "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction,
+              "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
     raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")

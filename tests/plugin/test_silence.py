@@ -299,7 +299,8 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
 
 
-@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("en", "`restitution`"), ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
+@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("en", "`restitution`"),
+                                        ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
 @pytest.mark.parametrize("make", [cd_engine.engines, cd_engine.ContactDynamics])
 def test_misspelt_names(make, name, said):
     with pytest.raises(AttributeError, match=said):
