@@ -24,6 +24,7 @@ FINE = dict(method="CD", cd_dt=1e-3, tolerance=1e-3)
 COARSER = dict(method="CD", cd_dt=2e-3, tolerance=1e-3)
 COARSE = dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
 PROPOSED = dict(method="CD", cd_dt=5e-4, tolerance=1e-4)  # about what cd_engine.timeStep() gives here, and the tolerance of README's example
+DEFAULT = PROPOSED | {"tolerance": 1e-6}  # of the engine
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_energies=False)
 SOFT, MIDDLE, HARDER, STIFF = (SPRINGS | {"kn": kn} for kn in (2e6, 5e6, 1e7, 2e7))
 
@@ -39,7 +40,7 @@ def _flow(scene, disks, settings, seeds):
 
 COMPARED = [FINEST, FINE, COARSER, COARSE, MIDDLE, HARDER, STIFF]  # with more seeds where one run differs much from another
 BEYOND = [FINEST | {"cd_dt": 1.25e-4}, SPRINGS | {"kn": 1e8}]  # of the collapse, where neither method has converged
-OTHERS = [PROPOSED, COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT]
+OTHERS = [PROPOSED, DEFAULT, COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT]
 SEEDS = {"hopper": range(1, 37), "drum": range(1, 37), "filling": range(1, 13), "collapse": range(1, 37)}  # of 500 disks
 ROWS = {"quick": _flow("filling", SMALL, [COARSE, SOFT], 1),
         "full": [row for scene in QUANTITY
@@ -59,7 +60,7 @@ def summarize(runs):
     """Return one row a scene, size and setting, over the seeds.
 
     error: of the mean, relative to the rigid answer; error_deviation: standard error of that difference. seconds: processor time, median.
-    overlap: largest overlap over the mean radius. unsolved: share of the steps that missed the tolerance.
+    sweeps: mean of the sampled steps. overlap: largest overlap over the mean radius. unsolved: share of the steps that missed the tolerance.
     """
     rows = [_row(key, group) for key, group in summary.groups(runs, _key).items()]
     for row in rows:
@@ -81,6 +82,7 @@ def _row(key, group):
             "deviation": float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan,
             "seconds": float(np.median([run.values("processor_time")[-1] for run in group])),
             "overlap": float(max(run.values("max_penetration").max() / run.parameters["radius_mean"] for run in group)),
+            "sweeps": float(np.mean([run.values("iterations")[1:].mean() for run in group])) if cd else math.nan,
             "unsolved": sum(run.values("unconverged_steps")[-1] for run in group) / sum(steps) if cd else 0.0}
 
 

@@ -30,8 +30,7 @@ namespace {
 			exchangeError("");
 		};
 		py::def("run_begins", runBegins, "A run begins or goes on.");
-		py::def(
-		    "check_engines", &ContactDynamics::checkEngines,
+		py::def("check_engines", &ContactDynamics::checkEngines,
 		    "RuntimeError if this engine cannot work with others in O.engines. For use between runs.");
 		py::def(
 		    "pause_begins", +[] { paused = true; },

@@ -31,8 +31,8 @@ namespace {
 		if (isA(name, "BoundaryController") || isA(name, "ServoPIDController"))
 			return name + " moves walls until springs carry their loads; rigid bodies have no springs." + remove
 			    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
-		for (const char* const pushing : { "ForceEngine", "HarmonicForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier", "DragEngine",
-			 "LinearDragEngine", "HydroForceEngine" })
+		for (const char* const pushing : { "ForceEngine", "HarmonicForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier",
+			 "DragEngine", "LinearDragEngine", "HydroForceEngine" })
 			if ((!before || !reset) && isA(name, pushing))
 				return name + " stands " + (before ? "before ForceResetter" : "after it")
 				    + ", so its forces are cleared before they can act. Put it between ForceResetter and ContactDynamics in "

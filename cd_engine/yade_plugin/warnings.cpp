@@ -62,8 +62,8 @@ void ContactDynamics::tellOfLost()
 		return;
 	toldOfLost = true;
 	const cd::Body& body = link.world.bodies[id];
-	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left the scene: it is at (" << body.x
-		  << ", " << body.y << ") m, at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
+	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left the scene: it is at (" << body.x << ", "
+		  << body.y << ") m, at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
 		  << ")) or give the scene a boundary that holds it. Further bodies that leave are not reported.\n";
 }
 
@@ -86,8 +86,8 @@ void ContactDynamics::tellOfSpeed(double dt)
 	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
 	toldOfSpeed = true;
 	std::cerr
-	    << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves "
-	    << wayOf(*fast) / fast->radius << " times its radius in a step and may jump over others. O.dt is " << dt
+	    << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves " << wayOf(*fast) / fast->radius
+	    << " times its radius in a step and may jump over others. O.dt is " << dt
 	    << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds and gravity; it does not know other forces, which may "
 	       "grow without bound, such as a strong drag. Further such bodies are not reported.\n";
 }
@@ -96,8 +96,10 @@ void ContactDynamics::tellOfSpeed(double dt)
 void ContactDynamics::tellOfShortStep(double dt, const Vector3r& weighs)
 {
 	const double g = weighs.norm(); // without gravity a sample may deform as slowly as it likes
-	const double longest = g > 0 ? std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / g) / dt) : 0; // in steps
-	const std::string remedy = "Rigid contacts have no stiffness that asks for such short steps: cd_engine.timeStep() proposes O.dt, often 1e-3 s.";
+	const double longest
+	    = g > 0 ? std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / g) / dt) : 0; // in steps
+	const std::string remedy
+	    = "Rigid contacts have no stiffness that asks for such short steps: cd_engine.timeStep() proposes O.dt, often 1e-3 s.";
 	if (dt == 1e-8)
 		link.tell("O.dt is 1e-8 s, the value that YADE starts with.", remedy);
 	else if (longest < cd::endless && shortStep * longest > 1)
