@@ -38,6 +38,15 @@ def box(position, half, angle=0.0, blocked="xyzXYZ", mass=1.0, inertia=1.0, mat=
     return yade.O.bodies.append(body)
 
 
+def disk_on_a_floor(**settings):
+    """Append a floor (#0) and a disk at rest on it (#1). Return the engines, with gravity."""
+    import cd_engine
+    mat = material()
+    floor(mat)
+    disk((0, 0.01), 0.01, mat=mat)
+    return cd_engine.engines(gravity=(0, -9.81, 0), **settings)
+
+
 def run(steps, dt, **settings):
     """Set the engines and make the steps. Return the ContactDynamics engine."""
     import cd_engine

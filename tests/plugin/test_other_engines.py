@@ -1,0 +1,164 @@
+"""Lists of engines that the engine cannot work with are refused, with the remedy."""
+import pytest
+from yade import wrapper
+
+import cd_engine
+from yade_scripts.running import hooks
+
+from . import plane
+
+
+@pytest.mark.parametrize("engine, said", [
+    (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after it.*Put it between"),
+    (lambda: wrapper.HarmonicForceEngine(ids=[1], A=(1, 0, 0), f=(1, 0, 0)), r"HarmonicForceEngine stands after it"),
+    (lambda: wrapper.RadialForceEngine(ids=[1]), r"RadialForceEngine stands after it"),
+    (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after it"),
+    (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
+    (lambda: wrapper.TriaxialStressController(), r"TriaxialStressController moves walls.*O\.forces\.setPermF"),
+    (lambda: wrapper.ServoPIDController(ids=[1]), r"ServoPIDController moves walls.*O\.forces\.setPermF"),
+], ids=["force", "harmonic force", "radial force", "gravity", "time step", "triaxial", "servo"])
+def test_engines_that_do_not_go_with_it(O, engine, said):
+    O.engines = plane.disk_on_a_floor() + [engine()]
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match=said):
+        O.run(1, True)
+    O.engines[-1].dead = True
+    O.run(1, True)
+
+
+@pytest.mark.parametrize("engine", [wrapper.GlobalStiffnessTimeStepper, wrapper.TriaxialStressController, lambda: wrapper.ServoPIDController(ids=[1]),
+                                    wrapper.NewtonIntegrator, wrapper.InteractionLoop], ids=["time step", "triaxial", "servo", "integrator", "loop"])
+@pytest.mark.parametrize("go", [lambda O: O.run(1, True), lambda O: O.run(1), lambda O: O.step()], ids=["run", "background", "step"])
+def test_they_are_refused_before_they_run(O, engine, go):
+    """Also where they stand before ContactDynamics: what YADE says of some of them there would not help."""
+    reset, collider, cd = plane.disk_on_a_floor()
+    O.engines, O.dt = [engine(), reset, collider, cd], 1e-3
+    with pytest.raises(RuntimeError, match="^ContactDynamics: .*Remove it"):
+        go(O)
+    assert O.iter == 0
+
+
+def test_gravity_of_two_engines(O):
+    """GravityEngine alone is fine."""
+    reset, collider, cd = plane.disk_on_a_floor()
+    O.engines = [reset, collider, wrapper.GravityEngine(gravity=(1, 0, 0)), cd]
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match=r"GravityEngine adds to the attribute `gravity`.*gravity=\(0, 0, 0\)"):
+        O.run(1, True)
+    cd.gravity = (0, 0, 0)
+    O.run(10, True)
+    assert O.bodies[1].state.vel[0] == pytest.approx(1 * 10 * 1e-3)
+    cd.gravity = (0, -9.81, 0)
+    with pytest.raises(RuntimeError, match="would weigh twice"):
+        O.run(1, True)
+
+
+def test_the_same_engine_twice(O):
+    reset, collider, cd = plane.disk_on_a_floor()
+    O.engines, O.dt = [reset, collider, cd, cd], 1e-3
+    with pytest.raises(RuntimeError, match="it stands twice in O.engines"):
+        O.run(1, True)
+
+
+def test_forces_that_are_cleared_at_once(O):
+    O.engines = [wrapper.ForceEngine(ids=[1], force=(1, 0, 0))] + plane.disk_on_a_floor()
+    O.dt = 1e-3
+    with pytest.raises(RuntimeError, match="ForceEngine stands before ForceResetter.*Put it between"):
+        O.run(1, True)
+
+
+@pytest.mark.parametrize("go", [lambda O: O.run(1, True), lambda O: O.step()], ids=["run", "step"])
+def test_lists_at_which_yade_would_end(O, go):
+    """YADE stops the whole process where an engine in a ParallelEngine throws, and its collider asks for an integrator that is not needed."""
+    reset, collider, cd = plane.disk_on_a_floor()
+    O.dt = 1e-3
+    O.engines = [reset, collider, wrapper.ParallelEngine([cd])]
+    with pytest.raises(RuntimeError, match="ParallelEngine.*into O.engines itself"):
+        go(O)
+    far_looking = wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()], verletDist=0.001)
+    O.engines = [reset, far_looking, cd]
+    with pytest.raises(RuntimeError, match="give it verletDist=0"):
+        go(O)
+    O.engines = [reset, far_looking, cd, wrapper.NewtonIntegrator(dead=True)]
+    go(O)
+    assert cd.steps == 1
+
+
+def springs():
+    return [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()]),
+            wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                    [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+            wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
+
+
+@pytest.mark.parametrize("path", ["run", "step", "loaded"])
+def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
+    """However ContactDynamics came to leave them: by O.run, by O.step, or in a file that is loaded when springs have run last."""
+    O.engines = plane.disk_on_a_floor()
+    O.dt = 1e-3
+    O.run(10, True)
+    O.save(str(tmp_path / "rigid.yade.gz"))
+    if path == "step":
+        O.step()
+    elif path == "loaded":
+        cd_engine.release()
+        O.engines = springs()
+        O.run(1, True)
+        O.load(str(tmp_path / "rigid.yade.gz"))
+    O.engines = springs()
+    for go in (lambda: O.run(1, True), O.step):
+        with pytest.raises(RuntimeError, match="no stiffness.*cd_engine.release()"):
+            go()
+    cd_engine.release()
+    O.dt = 1e-5
+    O.run(100, True)
+    assert O.interactions[0, 1].phys.kn > 0
+
+
+def test_springs_that_an_engine_of_a_run_sets(O):
+    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    reset, collider, cd = O.engines
+    O.run(5, True)
+
+    def change():
+        O.engines = springs()
+
+    O.engines = [reset, collider, cd, hooks.runner(change, iterPeriod=1)]
+    with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run.*cd_engine.release"):
+        hooks.simulate(5)
+    assert type(O.engines[2]).__name__ == "ContactDynamics"
+
+
+def test_springs_set_at_the_console_of_a_run(O):
+    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    O.run()
+    try:
+        with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run"):
+            O.engines = springs()
+    finally:
+        O.pause()
+    cd_engine.release()
+    O.engines = springs()
+    assert len(O.engines) == 4
+
+
+def test_springs_of_a_soft_material_are_its_own(O):
+    """Young's modulus 0 gives contacts without stiffness as well, and they are meant so."""
+    O.engines = plane.disk_on_a_floor()
+    O.bodies[1].material = wrapper.FrictMat(young=0, poisson=0.3)
+    cd_engine.release()
+    O.engines = springs()
+    O.dt = 1e-5
+    O.run(2, True)
+    O.engines = springs()
+    O.run(2, True)
+    assert O.interactions[0, 1].phys.kn == 0
+
+
+def test_forces_before_it_act(O):
+    reset, collider, cd = plane.disk_on_a_floor()
+    O.engines = [reset, collider, wrapper.ForceEngine(ids=[1], force=(3, 0, 0)), cd]
+    O.materials[0].frictionAngle = 0
+    O.dt = 1e-3
+    O.run(10, True)
+    assert O.bodies[1].state.vel[0] == pytest.approx(3 * 10 * 1e-3)
