@@ -22,7 +22,7 @@ packages = cd_engine yade_scripts analysis tests
 # What plain YADE scripts find defined.
 yade     = O,box,sphere,readParamsFromTable,runningInBatch,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
            Bo1_Sphere_Aabb,Bo1_Box_Aabb,InteractionLoop,Ig2_Sphere_Sphere_ScGeom,Ig2_Box_Sphere_ScGeom,Ip2_FrictMat_FrictMat_MindlinPhys,$\
-           Law2_ScGeom_MindlinPhys_Mindlin,NewtonIntegrator,PyRunner,RotationEngine,VTKRecorder
+           Law2_ScGeom_MindlinPhys_Mindlin,NewtonIntegrator,PyRunner,RotationEngine
 
 help: ## this list
 	@echo 'Every target installs the Debian packages that it needs and builds the engine where that is out of date.'

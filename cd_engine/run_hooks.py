@@ -135,7 +135,7 @@ class _EngineCheck:
                 raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
                                    "of cd_engine.engines()")
             engine = live[names.index("ContactDynamics")]
-            if not self.O.running:
+            if not self.O.running and self.O.subStep < 0:  # in mid-step, as after an error, a new list has not replaced the old one yet
                 self.plugin.check_engines(engine)
             if engine.handover and engine not in self.takers:
                 self.takers.append(engine)

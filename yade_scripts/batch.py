@@ -6,6 +6,7 @@ A row counts as finished if its result file says so. Rows that need the same pac
 share the rows. When a call ends, even by kill -9, its runs end with it; the same command then runs the rows that have not finished.
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 128 + n ended by signal n.
 """
+import argparse
 import pathlib
 import sys
 
@@ -81,8 +82,10 @@ def work_off(jobs, at_once, ended=lambda path: None):
 
 def share(text):
     """Convert INDEX/TASKS, a task's share of the rows, to a slice."""
-    index, _, tasks = text.partition("/")
-    return slice(commands.whole(0)(index), None, commands.whole(1)(tasks))
+    index, tasks = (commands.whole(least)(part) for least, part in enumerate(text.partition("/")[::2]))
+    if index >= tasks:
+        raise argparse.ArgumentTypeError(f"{text!r}: INDEX must be below TASKS")
+    return slice(index, None, tasks)
 
 
 @commands.command("batch")

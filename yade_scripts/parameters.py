@@ -317,7 +317,8 @@ def listing():
     lines = [_lines(parameter) for parameter in REGISTRY.values()]
     for name in scenes.names():
         scene = scenes.module(name)
-        lines += ["", f"scene={name}: {scene.TITLE} ({', '.join(scene.METHODS)})"]
+        methods = " and ".join(scene.METHODS) if len(scene.METHODS) > 1 else f"{scene.METHODS[0]} only, since {scene.ONLY}"
+        lines += ["", f"scene={name}: {scene.TITLE} ({methods})"]
         lines += [f"{'':24}{scene.HORIZON}", f"{'':24}Left out: {scene.LEFT_OUT}."]
         lines += [f"{'':24}defaults: " + ", ".join(f"{key}={value}" for key, value in scene.DEFAULTS.items())] * bool(scene.DEFAULTS)
         lines += [_lines(parameter) for parameter in scene.PARAMETERS]

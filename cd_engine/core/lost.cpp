@@ -36,7 +36,26 @@ namespace {
 		}
 	};
 
-	bool isBoundary(const World& world, std::size_t i) { return world.shapes[i].kind != ShapeKind::disk; }
+	bool isBoundary(const World& world, std::size_t i)
+	{
+		const double* const inverse = world.bodies[i].inverseMass;
+		return world.shapes[i].kind != ShapeKind::disk || (inverse[0] == 0 && inverse[1] == 0);
+	}
+
+	// Whether a Wall, which has no end, lies where the force on a body leads, or its velocity if there is none.
+	bool comesToWall(const World& world, const Body& b)
+	{
+		const bool pulled = b.force[0] != 0 || b.force[1] != 0;
+		for (std::size_t i = 0; i < world.bodies.size(); i++) {
+			if (world.shapes[i].kind != ShapeKind::wall || world.masks[i] == 0)
+				continue;
+			const int k = world.shapes[i].axis;
+			const double way = k == 0 ? world.bodies[i].x - b.x : world.bodies[i].y - b.y;
+			if (way * (pulled ? b.force[k] : b.v[k]) > 0)
+				return true;
+		}
+		return false;
+	}
 
 } // namespace
 
@@ -57,7 +76,8 @@ int leftBehind(const World& world, const std::vector<std::size_t>& some)
 	if (scene.empty())
 		return -1;
 	scene = extentOf([&](std::size_t i) { return isBoundary(world, i) || !scene.leaves(world.bodies[i]); });
-	const auto lost = std::find_if(some.begin(), some.end(), [&](std::size_t i) { return scene.leaves(world.bodies[i]); });
+	const auto isLost = [&](std::size_t i) { return scene.leaves(world.bodies[i]) && !comesToWall(world, world.bodies[i]); };
+	const auto lost = std::find_if(some.begin(), some.end(), isLost);
 	return lost == some.end() ? -1 : static_cast<int>(*lost);
 }
 

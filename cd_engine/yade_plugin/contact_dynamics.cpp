@@ -198,7 +198,7 @@ void ContactDynamics::advance()
 	tellOfLost();
 	tellOfSpeed(settings.dt);
 	if (steps == 0)
-		tellOfShortStep(settings.dt, weighs);
+		tellOfShortStep(settings.dt);
 	if (restitution > 0 && gapCorrection > 0)
 		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
 		    "Set one of them to 0. A smaller O.dt reduces overlaps.");

@@ -109,7 +109,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::string unsolved() const;
 	void tellOfLost();
 	void tellOfSpeed(double dt);
-	void tellOfShortStep(double dt, const Vector3r& weighs);
+	void tellOfShortStep(double dt);
 	void watchPenetration(double before) const;
 
 	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.

@@ -41,6 +41,8 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 {
 	if (scene_isPeriodic(scene))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
+	if (dt == 1e-8)
+		tell("O.dt is 1e-8 s, the value that YADE starts with.", "Rigid contacts take steps of about 1e-3 s: set O.dt.");
 	if (!(dt > 0 && std::isfinite(dt)))
 		throw SceneError(text("ContactDynamics: the time step O.dt is ", dt, " s. Set it to a positive number"));
 }

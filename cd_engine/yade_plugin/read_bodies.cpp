@@ -252,12 +252,15 @@ void SceneLink::readFriction(int id, void* mat)
 }
 
 // Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.
-void SceneLink::tellOfPlacing(int id, bool same, double x, double y)
+void SceneLink::tellOfPlacing(int id, bool same, double x, double y, long step)
 {
-	constexpr int often = 3;
+	constexpr int often = 3, apart = 100; // steps between two moves from which on a scene is rather set up anew
 	const cd::Body& b = world.bodies[id];
 	const bool placed = same && ((b.x != x && b.inverseMass[0] == 0 && b.v[0] == 0) || (b.y != y && b.inverseMass[1] == 0 && b.v[1] == 0));
-	bodies[id].placed = placed ? std::min(bodies[id].placed + 1, often) : 0;
+	const bool again = step - bodies[id].placedAt < apart;
+	bodies[id].placed = !placed ? 0 : again ? std::min(bodies[id].placed + 1, often) : 1;
+	if (placed)
+		bodies[id].placedAt = step;
 	if (bodies[id].placed < often)
 		return;
 	placesBoundaries = true;
@@ -297,9 +300,9 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 	readFriction(id, body_material(body).get());
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
 	readMotion(id, world.bodies[id], forces);
-	tellOfPlacing(id, same, x, y);
 	constexpr int bounded = 1; // YADE's bit of Body.flags
 	world.masks[id] = known.inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
+	tellOfPlacing(id, same && world.masks[id] != 0, x, y, step);
 }
 
 void SceneLink::gatherBodies(yade::Scene* scene)

@@ -51,6 +51,7 @@ struct KnownBody {
 	bool boundary = false;
 	long came = -1; // step in which it was first read
 	int placed = 0; // number of steps in a row before which somebody has set its position
+	long placedAt = 0; // the last of them
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
 };
 void prefetchBody(const KnownBody&);
@@ -123,7 +124,7 @@ class SceneLink {
 	void readBox(int id, cd::Shape&);
 	void readWall(int id, cd::Shape&);
 	void readFriction(int id, void* mat);
-	void tellOfPlacing(int id, bool same, double x, double y);
+	void tellOfPlacing(int id, bool same, double x, double y, long step);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
 	void tellOfFalls();

@@ -11,7 +11,7 @@ namespace {
 	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
 	constexpr double deep = 0.01;
 	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
-	constexpr double far = 4; // radii that a disk may move in a step without a warning
+	constexpr double far = 4; // mean radii that two bodies may pass each other in a step without a warning
 	constexpr double shortStep = 1e-3; // over the time in which a disk moves or falls by its radius: below it O.dt is one for springs
 
 } // namespace
@@ -67,43 +67,48 @@ void ContactDynamics::tellOfLost()
 		  << ")) or give the scene a boundary that holds it. Further bodies that leave are not reported.\n";
 }
 
-// Prints one line a run if a disk moves so far in a step, relative to a neighbour, that it may jump over it.
+// Prints one line a run if two bodies pass each other so fast that one may jump over the other: by more than their distance in half a step.
 void ContactDynamics::tellOfSpeed(double dt)
 {
-	if (toldOfSpeed || !(link.pairSearch().longestWay() > far))
+	if (toldOfSpeed || !(2 * link.pairSearch().longestWay() > far))
 		return;
 	const auto& bodies = link.world.bodies;
-	const auto wayOf = [&](const cd::Body& b) { return dt * std::hypot(b.v[0], b.v[1]); };
-	const auto tooFar = [&](const cd::Body& b) { return b.radius > 0 && wayOf(b) > far * b.radius; };
-	const auto meets = [&](const cd::Pair& pair) {
-		const cd::Body &a = bodies[pair.a], &b = bodies[pair.b];
-		const double relative = dt * std::hypot(a.v[0] - b.v[0], a.v[1] - b.v[1]);
-		return (tooFar(a) && relative > far * a.radius) || (tooFar(b) && relative > far * b.radius);
+	// The way of disk i in a step relative to what body j does at its place; 0 for two disks that part.
+	const auto relativeWay = [&](int i, int j) {
+		const cd::Body &a = bodies[i], &b = bodies[j];
+		const double x = a.x - b.x, y = a.y - b.y, turning = b.radius > 0 ? 0 : b.v[2];
+		const double u = a.v[0] - b.v[0] + turning * y, v = a.v[1] - b.v[1] - turning * x;
+		return b.radius > 0 && x * u + y * v >= 0 ? 0 : dt * std::hypot(u, v);
 	};
-	const auto near = std::find_if(link.world.pairs.begin(), link.world.pairs.end(), meets);
-	if (near == link.world.pairs.end())
+	for (const cd::Pair& pair : link.world.pairs) {
+		const auto speed = [&](int i) { return bodies[i].radius > 0 ? std::hypot(bodies[i].v[0], bodies[i].v[1]) : -1; };
+		const int fast = speed(pair.a) >= speed(pair.b) ? pair.a : pair.b, other = pair.a + pair.b - fast;
+		const double radius = bodies[fast].radius, mean = bodies[other].radius > 0 ? (radius + bodies[other].radius) / 2 : radius;
+		if (radius == 0 || !(relativeWay(fast, other) > far * mean))
+			continue;
+		toldOfSpeed = true;
+		std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast << " moves " << relativeWay(fast, other) / radius
+			  << " times its radius in a step relative to body #" << other << " and may jump over it. O.dt is " << dt
+			  << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds and gravity; it does not know other "
+			     "forces, which may grow without bound, such as a strong drag. Further such bodies are not reported.\n";
 		return;
-	const auto fast = bodies.begin() + (tooFar(bodies[near->a]) ? near->a : near->b);
-	toldOfSpeed = true;
-	std::cerr
-	    << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast - bodies.begin() << " moves " << wayOf(*fast) / fast->radius
-	    << " times its radius in a step and may jump over others. O.dt is " << dt
-	    << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds and gravity; it does not know other forces, which may "
-	       "grow without bound, such as a strong drag. Further such bodies are not reported.\n";
+	}
 }
 
-// Says at the first step if O.dt is YADE's default or one for springs.
-void ContactDynamics::tellOfShortStep(double dt, const Vector3r& weighs)
+// Says at the first step if O.dt is one for springs. Where no force acts on the disks they may move as slowly as they like.
+void ContactDynamics::tellOfShortStep(double dt)
 {
-	const double g = weighs.norm(); // without gravity a sample may deform as slowly as it likes
-	const double longest
-	    = g > 0 ? std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / g) / dt) : 0; // in steps
-	const std::string remedy
-	    = "Rigid contacts have no stiffness that asks for such short steps: cd_engine.timeStep() proposes O.dt, often 1e-3 s.";
-	if (dt == 1e-8)
-		link.tell("O.dt is 1e-8 s, the value that YADE starts with.", remedy);
-	else if (longest < cd::endless && shortStep * longest > 1)
-		link.tell(text("O.dt is ", dt, " s: a disk needs at least ", longest, " steps to fall or move by its radius."), remedy);
+	double pull = 0; // largest acceleration of a disk
+	for (const cd::Body& b : link.world.bodies)
+		if (b.radius > 0)
+			pull = std::max(pull, std::hypot(b.force[0] * b.inverseMass[0], b.force[1] * b.inverseMass[1]));
+	if (pull == 0 || dt == 1e-8) // which has a message of its own
+		return;
+	const double needed = std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / pull) / dt);
+	if (shortStep * needed > 1)
+		link.tell(text("O.dt is ", dt, " s: a disk needs at least ", needed, " steps to fall or move by its radius."),
+		    "Springs need such short steps; rigid contacts do not, unless something will be much faster. cd_engine.timeStep() proposes "
+		    "O.dt.");
 }
 
 // Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is

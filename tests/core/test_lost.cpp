@@ -64,4 +64,32 @@ TEST_CASE("a group that leaves the boundaries is noticed, a cloud around a small
 	w.bodies[2].x *= 5;
 	w.bodies[2].y *= 5;
 	CHECK(leftBehind(w, { 2, 4 }) == 2);
+	// The same where fixed disks are the boundary.
+	w.shapes[0].kind = ShapeKind::disk;
+	w.bodies[0].radius = 0.1;
+	CHECK(leftBehind(w, { 2, 4 }) == 2);
+}
+
+TEST_CASE("nobody is lost who comes to a Wall, by its force or, without one, by its velocity")
+{
+	World w;
+	w.bodies.resize(3);
+	w.shapes.resize(3);
+	w.masks.assign(3, 1);
+	w.shapes[0].kind = ShapeKind::box;
+	w.shapes[0].ex = w.shapes[0].ey = 0.1;
+	w.shapes[1].kind = ShapeKind::wall;
+	w.shapes[1].axis = 1;
+	w.bodies[1].y = -9;
+	Body& disk = w.bodies[2] = { 5, -3, 0, { 8, 0, 0 }, { 1, 1, 1 }, { 0, -1, 0 }, 0.01 };
+	CHECK(leftBehind(w, { 2 }) == -1);
+	w.masks[1] = 0;
+	CHECK(leftBehind(w, { 2 }) == 2);
+	w.masks[1] = 1;
+	disk.force[1] = 0;
+	CHECK(leftBehind(w, { 2 }) == 2);
+	disk.v[1] = -1;
+	CHECK(leftBehind(w, { 2 }) == -1);
+	w.bodies[1].y = 9; // behind it
+	CHECK(leftBehind(w, { 2 }) == 2);
 }

@@ -38,6 +38,22 @@ def test_they_are_refused_before_they_run(O, engine, go):
     assert O.iter == 0
 
 
+@pytest.mark.parametrize("fault", ["refused", "failed"])
+def test_a_new_list_after_an_error_in_a_step(O, fault):
+    """YADE keeps a list that is set in the middle of a step for the next one, and an error leaves the step in its middle."""
+    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    if fault == "refused":
+        O.bodies[1].state.blockedDOFs = ""
+    else:
+        O.engines = O.engines + [wrapper.PyRunner(command="1/0", iterPeriod=1)]
+    with pytest.raises(RuntimeError):
+        O.run(3, True)
+    O.bodies[1].state.blockedDOFs = "zXY"
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
+    O.run(5, True)
+    assert O.engines[-1].steps >= 4 and O.engines[-1].converged
+
+
 def test_gravity_of_two_engines(O):
     """GravityEngine alone is fine."""
     reset, collider, cd = plane.disk_on_a_floor()

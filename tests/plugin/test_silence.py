@@ -68,6 +68,18 @@ def test_a_fixed_disk_moved_by_its_position(O, capfd):
     assert f"body #{pusher} is moved by its position" in line and f"O.bodies[{pusher}].state.vel" in line
 
 
+def test_nothing_is_said_of_a_fixed_disk_that_harms_nobody(O, capfd):
+    """One that touches nothing follows another; a further one is put elsewhere between long runs."""
+    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    marker, obstacle = plane.disk((0, 0.01), 0.01, blocked="xyzXYZ"), plane.disk((0.1, 0.01), 0.01, blocked="xyzXYZ")
+    O.bodies[marker].bounded = False
+    for _ in range(6):
+        O.bodies[obstacle].state.pos += yade.Vector3(0.01, 0, 0)
+        for _ in range(12):
+            O.bodies[marker].state.pos += yade.Vector3(1e-4, 0, 0)
+            assert said_by(O, capfd, 10) == []
+
+
 def test_a_boundary_moved_by_its_position(O, capfd):
     """Reported once, though it then overlaps bodies. One or two moves may be a restart, and a boundary with a velocity moves by itself."""
     reset, collider, cd = plane.disk_on_a_floor()
@@ -134,6 +146,16 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     O.dt = 0.02
     line, = [line for line in said_by(O, capfd, 3) if "times its radius" in line]
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
+
+
+@pytest.mark.parametrize("ways, told", [((2.5, 2.5), True), ((1.9, 1.9), False), ((3, -9), False), ((9, -3), True), ((9, -9), False)])
+def test_two_disks_that_pass_each_other(O, capfd, ways, told):
+    """It counts how far they move relative to each other: they may fly side by side, or meet head on. All ways are in radii a step."""
+    mat, dt = plane.material(), 1e-3
+    for k, way in enumerate(ways):
+        plane.disk((0.08 * k, 0), 0.01, velocity=((1 - 2 * k) * way * 0.01 / dt, 0), mat=mat)
+    O.engines, O.dt = cd_engine.engines(), dt
+    assert any("and may jump over it" in line for line in said_by(O, capfd, 1)) == told
 
 
 @pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("en", "`restitution`"),

@@ -22,8 +22,10 @@ for word in sys.argv[1:]:
         sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, load, seconds                                # load [N]
-if not (disks == int(disks) >= 1 and 0.1 <= seconds < 1e9 and 0.1 <= load < 1e9):
-    sys.exit(f"disks={disks}, load={load}, seconds={seconds}: disks must be a whole number of at least 1, load and seconds at least 0.1")
+if not (isinstance(disks, int) and disks >= 1 and springs in (0, 1)
+        and all(isinstance(value, (int, float)) and 0.1 <= value < 1e9 for value in (load, seconds))):
+    sys.exit(f"disks={disks}, springs={springs}, load={load}, seconds={seconds}: disks must be a whole number of at least 1, springs 0 or 1, "
+             "load and seconds at least 0.1")
 name = f"loaded_box-{O.tags['d.id']}" if runningInBatch() else "loaded_box"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours

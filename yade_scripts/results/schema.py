@@ -157,6 +157,7 @@ def problems(file):
         found.append("it says that it has finished, but its history is empty")
     found += [f"/snapshots/{number} lacks {name}" for number, group in snapshots.items()
               for name in [*SNAPSHOT, *SNAPSHOT_ATTRIBUTES] if name not in group and name not in group.attrs]
+    found += [f"/known/{name} lacks {key}" for name, number in file.get("known", {}).items() for key in KNOWN if key not in number.attrs]
     return found or (_undefined(history, snapshots) if attributes["finished"] else [])
 
 
