@@ -73,28 +73,35 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-The number of disks changes neither the static limit nor the load at yield by more than the differences between packings of one size; for the strain
-under cycles these packings are too few. The static limit is 1.58 P0 (median of 10 packings of 100 disks; 1.42 to 1.79), 1.49 P0 (10 of 400; 1.41 to
-1.74) and 1.58 P0 (3 of 1600; 1.55 to 1.58); the one packing of 6400 has 1.51 P0. Under a ramp rigid contacts pass |gamma| = 1e-3 at 0.99 to 1.08 of
-the limit with 100 disks, at 1.00 to 1.08 with 400, at 1.01 to 1.02 with 1600 and at 1.02 with 6400; springs at 0.78 to 0.87, at 0.79 to 0.91 and at
-0.85 (one packing of 1600). The strain of springs under cycles follows the load over the limit: below 0.9 of it a late cycle strains 100 disks by
-2.1e-6 (median of 5 packings), 400 by 1.1e-5 (of 3) and 1600 by 2.1e-5 (one), too few to tell whether size or chance is the cause. Cycles of 0.5 s are
-short for these springs: see the study of ratcheting. The 3 packings of 1600 disks differ less than those of 400, but 3 are too few to prove it. On
-two of them MD's step was refused as unstable. Springs of 6400 disks were not run.
+The number of disks changes neither the static limit nor the load at yield by more than packings of one size differ among each other. The static limit
+is 1.58 P0 (median of 10 packings of 100 disks; 1.42 to 1.79), 1.49 P0 (10 of 400; 1.41 to 1.74) and 1.58 P0 (3 of 1600; 1.55 to 1.58). Under a ramp
+rigid contacts pass |gamma| = 1e-2 at 1.01 to 1.21 times the limit with 100 disks, at 1.01 to 1.11 with 400 and at 1.04 to 1.11 with 1600; springs at
+0.93 to 1.14, 0.99 to 1.05 and 1.01 to 1.06. These ranges get narrower with the number of disks. Rigid contacts yield at the higher load on 21 of 23
+packings, with 100, 400 and 1600 disks at 1.05, 1.05 and 1.04 times that of springs (medians): this difference does not vanish in larger samples.
+
+The strain of springs under cycles grows with the load over the limit (rank correlation 0.66 over the 23 packings), and from packing to packing it
+differs by a factor of ten and more: below 0.9 of the limit a late cycle strains 5 packings of 100 disks by 4.0e-8 to 3.1e-6, 3 of 400 by 2.9e-6 to
+7.6e-5 and 2 of 1600 by 6.1e-6 to 6.6e-6. That is too much to show whether the number of disks matters. The cycles last 1, 2 and 4 s, since the
+slowest motion of a larger sample takes longer.
+
+6400 disks were not run from this commit, since the preparation of one packing alone takes about two hours. In an earlier table, made by an engine of
+the same bits, the one packing of 6400 disks had a static limit of 1.51 P0, and rigid contacts passed |gamma| = 1e-3 at 1.02 times this limit.
 """
-GIVEN = ("100", "400", "1600", "6400", "1e-3", "0.9", "0.5")
+GIVEN = ("100", "400", "1600", "6400", "1e-2", "0.9", "1", "2", "4", "1.51", "1e-3", "1.02")
 
 
 def numbers(table):
     sizes = dict(list(table.groupby("disks")))
     limit, (md, cd) = "static limit", ((f"yields over the limit at, {method}") for method in style.MARKER)
     low = {disks: part[part["load over limit of the cycles"] < 0.9].rate for disks, part in sizes.items()}
-    assert len(low[1600]) == 1 and sizes[1600][md].count() == 1
+    ratio = (table[cd] / table[md]).groupby(table.disks).median()
     return {"1.58": [sizes[100][limit].median(), sizes[1600][limit].median(), sizes[1600][limit].max()],
             "10": [len(sizes[100]), len(sizes[400])], **summary.stated("1.42 1.79", sizes[100][limit]),
-            **summary.stated("1.49 1.41 1.74", sizes[400][limit], "median min max"),
-            "3": [len(sizes[1600]), len(low[400])], "1.55": sizes[1600][limit].min(), "1.51": sizes[6400][limit].max(), "0.99": sizes[100][cd].min(),
-            "1.08": [sizes[100][cd].max(), sizes[400][cd].max()], "1.00": sizes[400][cd].min(), "1.01": sizes[1600][cd].min(),
-            "1.02": [sizes[1600][cd].max(), sizes[6400][cd].max()], **summary.stated("0.78 0.87", sizes[100][md]),
-            **summary.stated("0.79 0.91", sizes[400][md]), "0.85": sizes[1600][md].max(), "2.1e-6": low[100].median(), "5": len(low[100]),
-            "1.1e-5": low[400].median(), "2.1e-5": low[1600].median()}
+            **summary.stated("1.49 1.41 1.74", sizes[400][limit], "median min max"), "3": [len(sizes[1600]), len(low[400])],
+            "1.55": sizes[1600][limit].min(), "1.01": [sizes[100][cd].min(), sizes[400][cd].min(), sizes[1600][md].min()],
+            "1.21": sizes[100][cd].max(), "1.11": [sizes[400][cd].max(), sizes[1600][cd].max()],
+            "1.04": [sizes[1600][cd].min(), ratio[1600]], **summary.stated("0.93 1.14", sizes[100][md]), "0.99": sizes[400][md].min(),
+            "1.05": [sizes[400][md].max(), ratio[100], ratio[400]], "1.06": sizes[1600][md].max(), "21": (table[cd] > table[md]).sum(),
+            "23": len(table), "0.66": table["load over limit of the cycles"].corr(table.rate, method="spearman"),
+            "5": len(low[100]), **summary.stated("4.0e-8 3.1e-6", low[100]), **summary.stated("2.9e-6 7.6e-5", low[400]),
+            **summary.stated("6.1e-6 6.6e-6", low[1600])}
