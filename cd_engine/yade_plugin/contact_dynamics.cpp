@@ -14,6 +14,7 @@ namespace {
 	// Steps between two trials of rest, and sweeps in one trial: about one sweep a step since the last trial. This costs less than an island at
 	// rest that stays awake. Islands that come to rest in a thousand sweeps mostly do so in a hundred, the others by chance in a later trial.
 	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
+	constexpr const char* noMemory = "ContactDynamics: no memory is left for this step; it has not been made";
 
 	struct Energy {
 		double kinetic = 0; // of all free motions [J]
@@ -101,7 +102,7 @@ void ContactDynamics::action()
 		last = {};
 		idle = false;
 		others.wakeUnsorted();
-		const std::string error = "ContactDynamics: no memory is left for this step; it has not been made";
+		const std::string error = noMemory;
 		exchangeError(error);
 		scene_forces(scene).sync(); // as below; last, since it may need memory itself
 		throw SceneError(error);
@@ -162,7 +163,14 @@ void ContactDynamics::show()
 		link.publishMotion(driven);
 }
 
-void ContactDynamics::checkEngines() { others.check(this, Singleton<yade::Omega>::instance().getScene().get(), gravity != Vector3r::Zero()); }
+void ContactDynamics::checkEngines()
+{
+	try {
+		others.check(this, Singleton<yade::Omega>::instance().getScene().get(), gravity != Vector3r::Zero());
+	} catch (const std::bad_alloc&) {
+		throw SceneError(noMemory);
+	}
+}
 
 void ContactDynamics::advance()
 {

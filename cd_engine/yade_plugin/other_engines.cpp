@@ -81,7 +81,8 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 		return;
 	weighed = weighs;
 	changedAt = scene_iter(scene);
-	others.clear();
+	others.clear(); // until all is known, so that after an error the next step checks again
+	std::vector<Other> seen;
 	std::string problem;
 	bool resets = false, before = true;
 	Shared<yade::Engine> found;
@@ -100,17 +101,16 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
 				problem = reason;
 		}
-		others.push_back(other);
+		seen.push_back(other);
 	}
 	if (!resets)
 		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
-	if (!problem.empty()) {
-		others.clear(); // so that the next step checks again
+	if (!problem.empty())
 		throw SceneError("ContactDynamics: " + problem);
-	}
+	asked = std::any_of(engines.begin(), engines.end(), [](const auto& engine) { return isA(engine->getClassName(), "SpheresFactory"); });
 	wake();
 	collider = found;
-	asked = std::any_of(engines.begin(), engines.end(), [](const auto& engine) { return isA(engine->getClassName(), "SpheresFactory"); });
+	others = std::move(seen);
 }
 
 void OtherEngines::restCollider(yade::Scene* scene)
