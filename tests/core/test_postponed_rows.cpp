@@ -98,10 +98,11 @@ TEST_CASE("a step without rows gives the same bits as one with rows")
 		int steps;
 		bool parted;
 	};
-	// The largest one has several blocks (blocks.hpp). To 1e-13 and with few iterations, accelerated sweeps give way to others in some steps.
+	// The largest one has several blocks (blocks.hpp); a loose tolerance is enough there. To 1e-13 and with few iterations, accelerated sweeps
+	// give way to others in some steps.
 	for (const Case c : { Case { 10, 12, 1, "auto", 1e-4, 150, false }, Case { 10, 12, 1, "nsgs", 1e-6, 100, false },
 		 Case { 8, 8, 1, "auto", 1e-13, 30, false }, Case { 10, 12, 1, "auto", 1e-4, 150, true },
-		 Case { 60, 60, 2, "accelerated", 1e-4, 25, false }, Case { 60, 60, 2, "accelerated", 1e-4, 25, true } })
+		 Case { 60, 60, 2, "accelerated", 1e-2, 25, false }, Case { 60, 60, 2, "accelerated", 1e-2, 25, true } })
 		for (const bool reduce : { false, true }) {
 			CAPTURE(c.rows);
 			CAPTURE(std::string(c.method));
