@@ -11,7 +11,7 @@ namespace {
 	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
 	constexpr double deep = 0.01;
 	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
-	constexpr double far = 4; // mean radii that two bodies may pass each other in a step without a warning
+	constexpr double far = 4; // motion of two disks relative to each other in a step, in mean radii: from there on the user is warned
 	constexpr double shortStep = 1e-3; // over the time in which a disk moves or falls by its radius: below it O.dt is one for springs
 
 } // namespace
@@ -67,7 +67,7 @@ void ContactDynamics::tellOfLost()
 		  << ")) or give the scene a boundary that holds it. Further bodies that leave are not reported.\n";
 }
 
-// Prints one line a run if two bodies pass each other so fast that one may jump over the other: by more than their distance in half a step.
+// Prints one line a run if two bodies approach so fast that one may jump over the other: by more than the sum of their radii in half a step.
 void ContactDynamics::tellOfSpeed(double dt)
 {
 	if (toldOfSpeed || !(2 * link.pairSearch().longestWay() > far))

@@ -193,6 +193,11 @@ def add_known(path, name, measured, **attributes):
         {"unit": "m", "scale": 1.0, "source": "", "deviation": 0.0} | attributes))
 
 
+def test_a_known_quantity_without_its_exact_value_is_refused(md):
+    add_known(md, "way", 2.5)
+    refused(md, "/known/way lacks exact")
+
+
 def test_error_of_a_run_is_the_largest_of_what_is_known(md):
     assert np.isnan(reader.load(md).error)
     add_known(md, "way", 2.5, exact=2.0, scale=10.0, source="a formula")

@@ -1,4 +1,6 @@
 """Our reader of tables against yade-batch's own, and its messages."""
+import argparse
+
 import pytest
 
 from yade_scripts import parameters, tables
@@ -69,3 +71,12 @@ def test_scenes_with_parameters_of_their_own_make_one_table(tmp_path):
     assert found == [dict(scene="hopper", slot=12.0, seed=2), dict(scene="filling", seed=3)]
     assert [parameters.complete(row) for row in found] == [parameters.complete(row) for row in rows]
     assert len(utils.TableParamReader(str(path)).paramDict()) == 2  # yade-batch starts one process for each
+
+
+def test_shares_are_all_rows_once():
+    from yade_scripts import batch
+    rows = list(range(7))
+    assert sorted(row for index in range(3) for row in rows[batch.share(f"{index}/3")]) == rows
+    for wrong in ("3/3", "1", "x/2", "1/0"):
+        with pytest.raises(argparse.ArgumentTypeError):
+            batch.share(wrong)

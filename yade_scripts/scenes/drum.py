@@ -15,8 +15,7 @@ KIND = "flow"
 HORIZON = "The mean over the second half of the run, and over seeds; one run is off by the spread."
 LEFT_OUT = "the third dimension; the curvature between the flat sides of the drum, of which there is one for about every two disks at the rim"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=3.0, cd_dt=1e-3,
-                records_per_cycle=30,
-                tolerance=1e-3, max_iterations=2000)
+                records_per_cycle=30, tolerance=1e-3, max_iterations=2000)
 PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, where R is its inner radius", low=1e-6, high=1),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
@@ -59,8 +58,7 @@ def build(full, folder):
     scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()), kept={"slopes": slopes},
                         extra={"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)})
     turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=math.sqrt(full["froude"] * full["gravity"] / inner),
-                          rotateAroundZero=True,
-                          zeroPoint=(0, 0, 0))
+                          rotateAroundZero=True, zeroPoint=(0, 0, 0))
     mover = [type(engine).__name__ for engine in O.engines].index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
     return scene
