@@ -43,10 +43,10 @@ BEYOND = [FINEST | {"cd_dt": 1.25e-4}, SPRINGS | {"kn": 1e8}]  # of the collapse
 OTHERS = [PROPOSED, DEFAULT, COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT]
 SEEDS = {"hopper": range(1, 37), "drum": range(1, 37), "filling": range(1, 13), "collapse": range(1, 37)}  # of 500 disks
 ROWS = {"quick": _flow("filling", SMALL, [COARSE, SOFT], 1),
-        "full": [row for scene in QUANTITY
-                 for row in _flow(scene, SMALL, COMPARED, SEEDS[scene]) + _flow(scene, SMALL, OTHERS, range(1, 13))
-                 + _flow(scene, 5000, [FINER, FINE, COARSER, COARSE, SOFT, MIDDLE, HARDER, STIFF], LARGE_SEEDS)]
-        + _flow("collapse", SMALL, BEYOND, SEEDS["collapse"])}
+        "full": [row for scene in QUANTITY for row in _flow(scene, SMALL, COMPARED, SEEDS[scene]) + _flow(scene, SMALL, OTHERS, range(1, 13))]
+        + _flow("collapse", SMALL, BEYOND, SEEDS["collapse"])
+        + [row for seed in LARGE_SEEDS for scene in QUANTITY
+           for row in _flow(scene, 5000, [FINER, FINE, COARSER, COARSE, MIDDLE, HARDER, STIFF], seed)]}
 
 
 def _key(run):

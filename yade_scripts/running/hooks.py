@@ -4,6 +4,7 @@ A PyRunner holds a string; an exception or sys.exit in it ends or hangs the proc
 again by `simulate`, so that a failed run can still write its file.
 """
 import sys
+import time
 
 from yade import O
 from yade.wrapper import PyRunner
@@ -12,15 +13,34 @@ from yade.wrapper import PyRunner
 SAMPLING, SUMMING, MEASURING = "sampling", "summing", "measuring"
 
 _functions = []
+_observing = 0.0  # processor time [s] that samples and measurements have taken since the program started
 _failure = None
 _awaited = False  # whether `simulate` will raise the failure
 
 
 def runner(function, **period):
-    """Return a PyRunner that calls `function()`; period: iterPeriod, initRun and so on."""
-    _functions.append(function)
+    """Return a PyRunner that calls `function()`; period: iterPeriod, initRun, label and so on."""
+    _functions.append(_apart(function) if period.get("label") in (SAMPLING, MEASURING) else function)
     return PyRunner(command=f"import yade_scripts.running.hooks; yade_scripts.running.hooks.fire({len(_functions) - 1})", updateGlobals=False,
                     **period)
+
+
+def _apart(function):
+    """Return a function that calls `function()` and leaves the time it takes out of `processor_time`."""
+    def observe():
+        global _observing
+        begin = time.process_time()
+        try:
+            function()
+        finally:
+            _observing += time.process_time() - begin
+    return observe
+
+
+def processor_time():
+    """Return the processor time [s] of this process, of all threads, without that of samples and measurements: a run that nobody observes
+    would not spend it."""
+    return time.process_time() - _observing
 
 
 def engine(kind):

@@ -2,9 +2,13 @@
 
 The drum is a ring of flat sides that turns about its axis; the disks are placed in rows at rest and settle while it turns. The slope follows
 from the centre of mass of the bed: in a half-full drum the normal of the surface runs from it to the axis. The result is the mean slope
-over the second half of the run, in degrees.
+over the second half of the run, in degrees, and the mean profile of velocity in the middle of the bed. For the profile the disks nearer than R/4 to
+the line from the axis through the centre of mass are sorted by their depth below the axis along this line, in layers one mean diameter thick. `speed`
+is the mean velocity down the slope of all disks found in a layer, over omega R; in a bed that turns with the drum it is -depth/R.
 """
 import math
+
+import numpy as np
 
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter
@@ -20,6 +24,8 @@ PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2
 CHART = Chart(physics=("beta_n",), rolling=True)
 
 EVERY = 0.01              # s between two measurements of the slope
+SELDOM = 5                # measurements of the slope for one of the profile
+ABOVE = 4                 # layers of the profile that lie above the axis
 # Found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
@@ -45,20 +51,46 @@ def build(full, folder):
         raise parameters.ParameterError(f"disks = {full['disks']}: so many disks, in loose rows, do not fit into a drum of their size; take more "
                                         "disks, or radius_spread below 0.3")
     ids = [ground.disk(place, radius=ground.draw_radius()).id for place in places[:full["disks"]]]  # from the lowest row upwards
-    slopes, half_time = [], full["period"] * full["cycles"] / 2
+    half_time, omega = full["period"] * full["cycles"] / 2, math.sqrt(full["froude"] * full["gravity"] / inner)
+    depths = (np.arange(-ABOVE, math.ceil(inner / (2 * radius))) + 0.5) * 2 * radius / inner
+    slopes, found, moved = [], [0.0] * len(depths), [0.0] * len(depths)  # found, moved: disks seen in each layer, and the sum of their speeds
 
     def look():
-        if O.time >= half_time:
-            x, y = bodies.centre_of_mass(ids)
-            slopes.append(math.degrees(math.atan2(x, -y)))
+        if O.time < half_time:
+            return
+        x, y = bodies.centre_of_mass(ids)
+        slopes.append(math.degrees(math.atan2(x, -y)))
+        if len(slopes) % SELDOM == 1:
+            _add_speeds([O.bodies[disk].state for disk in ids], np.array((x, y)) / math.hypot(x, y), inner / 4, depths * inner, found, moved)
 
     def slope():
         return sum(slopes) / len(slopes) if slopes else math.nan
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()), kept={"slopes": slopes},
-                        extra={"slope": ("degree", "slope of the bed, mean over the second half of the run", slope)})
-    turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=math.sqrt(full["froude"] * full["gravity"] / inner),
-                          rotateAroundZero=True, zeroPoint=(0, 0, 0))
+    def speed():
+        return np.divide(moved, found, out=np.full(len(depths), math.nan), where=np.array(found) > 0) / (omega * inner)
+
+    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()),
+                        kept={"slopes": slopes, "found": found, "moved": moved},
+                        extra={"slope": ("degree", "slope of the bed, mean over the second half of the run", slope),
+                               "depth": ("R", "depth of the middle of each layer below the axis", depths),
+                               "seen": ("1", "disks in each layer, summed over all looks", lambda: np.array(found)),
+                               "speed": ("omega R", "mean velocity down the slope in each layer, over the second half of the run", speed)})
+    turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=omega, rotateAroundZero=True, zeroPoint=(0, 0, 0))
     mover = [type(engine).__name__ for engine in O.engines].index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
     return scene
+
+
+
+def _add_speeds(states, deep, reach, depths, found, moved):
+    """Add 1 to `found` and the velocity down the slope [m/s] to `moved`, at its layer, for every disk nearer than `reach` [m] to the middle line.
+
+    states: of the disks. deep: unit vector from the axis to the centre of mass. depths: of the middles of the layers [m].
+    """
+    place, velocity = (np.array([(vector[0], vector[1]) for vector in vectors]) for vectors in ((state.pos for state in states),
+                                                                                             (state.vel for state in states)))
+    down = np.array((deep[1], -deep[0]))
+    layer = np.rint((place @ deep - depths[0]) / (depths[1] - depths[0])).astype(int)
+    middle = (abs(place @ down) < reach) & (layer >= 0) & (layer < len(depths))
+    for sums, weights in (found, None), (moved, (velocity @ down)[middle]):
+        sums[:] = (sums + np.bincount(layer[middle], weights, len(depths))).tolist()
