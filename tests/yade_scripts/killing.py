@@ -17,7 +17,7 @@ EVERY = 3
 BASE = dict(disks=20, period=0.05, cycles=3, records_per_cycle=10)
 ROWS = {"MD_force": BASE | dict(method="MD", md_walls="force", period=0.2, cycles=2), "CD": BASE | dict(method="CD"),
         "MD_servo": BASE | dict(method="MD", md_walls="servo"),
-        "heap": BASE | dict(scene="collapse", period=0.5, cycles=1, records_per_cycle=30)}
+        "drum": BASE | dict(scene="drum", period=0.5, cycles=1, records_per_cycle=30)}
 
 
 def make(folder, states):

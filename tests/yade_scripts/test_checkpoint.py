@@ -44,11 +44,11 @@ def test_killed_at_random_and_taken_up_is_as_if_never_killed(whole, tmp_path, na
 
 def test_what_a_killed_run_left_half_written_is_removed(whole, tmp_path):
     """Unfinished files beside checkpoint and result are removed; those of another run stay."""
-    reference, _ = whole("heap", f"--checkpoints={EVERY}")
+    reference, _ = whole("drum", f"--checkpoints={EVERY}")
     killing.make(tmp_path, states=reference.parent / "states")
     for name in (f"{reference.stem}.checkpoint.zip.7758.new", f"{reference.stem}.h5.7758.new", "other.h5.7758.new"):
         (tmp_path / name).write_bytes(b"half")
-    path, _ = killing.whole(tmp_path, ROWS["heap"], f"--checkpoints={EVERY}")
+    path, _ = killing.whole(tmp_path, ROWS["drum"], f"--checkpoints={EVERY}")
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([".locks", path.name, "other.h5.7758.new", "states"])
 
 

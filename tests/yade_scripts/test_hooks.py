@@ -31,3 +31,26 @@ def test_a_failure_ends_the_loop_with_its_step_and_is_raised(O):
     with pytest.raises(ArithmeticError, match="as meant"):
         hooks.simulate(10)
     assert ended == [0]
+
+
+def test_samples_and_measurements_cost_the_run_nothing(O):
+    """Only the third runner counts, which makes part of the simulation; one that fails is left out, too."""
+    from yade_scripts.running import hooks
+
+    def burn():
+        end = time.process_time() + 0.1
+        while time.process_time() < end:
+            pass
+        if O.iter == 2:
+            raise ArithmeticError("as meant")
+
+    def spent(label):
+        O.engines = [hooks.runner(burn, iterPeriod=1, initRun=True, label=label)]
+        before = hooks.processor_time()
+        with pytest.raises(ArithmeticError):
+            hooks.simulate(3)
+        return hooks.processor_time() - before
+
+    for label, least, most in ((hooks.SAMPLING, 0, 0.1), (hooks.MEASURING, 0, 0.1), ("", 0.3, 10)):
+        O.reset()
+        assert least <= spent(label) < most

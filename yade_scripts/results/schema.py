@@ -48,7 +48,7 @@ HISTORY = _table(
     Field("unbalanced_force", "1", "mean resultant on a body over mean contact force"),
     Field("max_penetration", "m", "largest overlap; in CD that of the last step, beyond the reference overlap of the start"),
     Field("wall_clock", "s", "computing time since the start of the run"),
-    Field("processor_time", "s", "processor time since the start of the run, of all threads, without that of samples and measurements"),
+    Field("processor_time", "s", "processor time since the start of the run, of all threads, without samples and measurements of known quantities"),
     Field("iterations", "1", "sweeps and factorizations of the step, the most on one island", methods=("CD",)),
     Field("residual", "1", "error e of the step's contact problem", methods=("CD",)),
     Field("sigma1_goal", "Pa", "sigma1 the loading asks for"),

@@ -4,7 +4,8 @@ The drum is a ring of flat sides that turns about its axis; the disks are placed
 from the centre of mass of the bed: in a half-full drum the normal of the surface runs from it to the axis. The result is the mean slope
 over the second half of the run, in degrees, and the mean profile of velocity in the middle of the bed. For the profile the disks nearer than R/4 to
 the line from the axis through the centre of mass are sorted by their depth below the axis along this line, in layers one mean diameter thick. `speed`
-is the mean velocity down the slope of all disks found in a layer, over omega R; in a bed that turns with the drum it is -depth/R.
+is the mean velocity down the slope of all disks found in a layer, over omega R; in a bed that turns with the drum it is -depth/R. The layers begin
+four diameters above the axis. Those at the surface and at the drum are filled in part: the mean depth of their disks is not that of their middle.
 """
 import math
 
@@ -23,7 +24,7 @@ DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7,
 PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, where R is its inner radius", low=1e-6, high=1),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-EVERY = 0.01              # s between two measurements of the slope
+EVERY = 0.01              # s between two measurements of the slope, or more if a step does not fit
 SELDOM = 5                # measurements of the slope for one of the profile
 ABOVE = 4                 # layers of the profile that lie above the axis
 # Found with the parameters of SAME. scenes.converged explains the form.
@@ -79,7 +80,6 @@ def build(full, folder):
     mover = [type(engine).__name__ for engine in O.engines].index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]
     return scene
-
 
 
 def _add_speeds(states, deep, reach, depths, found, moved):
