@@ -6,7 +6,7 @@ import pandas
 
 from analysis import publish, style, summary
 from analysis.studies import flows
-from analysis.studies.flows import QUANTITY, measured
+from analysis.studies.flows import QUANTITY
 from yade_scripts import parameters
 from yade_scripts.results import reader
 from yade_scripts.tables import product
@@ -149,9 +149,8 @@ disks speed up. No finer run was made to confirm this. A factor of ten was not r
 
 Silo: rigid contacts with steps of 2 ms and a tolerance of 1e-2 cost 13.0 s in the window, springs 297 s, 23 times as much. But the disks overlap so
 much that gravity does 10.0 % more work than with 1e-3. Still they flow out at 12042 disks per sqrt(D/g), where D is the width of the slot. That is
-1.3 % above Beverloo's law with the constants of 500 and 5000 disks in silos of the same shape (study of flows), and 11.5 % above the one of narrower
-slots (study of Beverloo's law). Steps become more expensive as the silo empties: the 1.6 s in which 73 % of the disks leave cost 293 s. If springs
-cost as much per second as in the window, they would take 8.1 times as long.
+11.5 % above Beverloo's law with the constants from narrower slots (study of Beverloo's law). Steps become more expensive as the silo empties: the 1.6
+s in which 73 % of the disks leave cost 293 s. If springs cost as much per second as in the window, they would take 8.1 times as long.
 
 Drum: in the window the disks still fall and have no slope yet. Springs, which have few contacts then, cost 517 s per simulated second; in the
 collapse they cost 1577 s. A run of 5000 disks over half the time of the study of flows shows that 1e-2 is too large here: the slope is 19.3 degrees,
@@ -182,20 +181,9 @@ PUBLISHED = reader.RESULTS.parent / "analysis" / "published"
 
 
 def law(width):
-    """Return the rate through a slot of `width` diameters by Beverloo's law in the plane, in disks per sqrt(D/g).
-
-    Its constants are those of the rigid answers for 500 and 5000 disks in the published table of the study of flows.
+    """Return the rate through a slot of `width` diameters in disks per sqrt(D/g), by Beverloo's law with its published constants of rigid contacts,
+    which come from narrower slots.
     """
-    table = measured(publish.read_table(PUBLISHED / "flows.csv"))
-    rigid = table[(table.scene == "hopper") & table.is_rigid_answer].set_index("disks").value
-    rates = {10 * math.sqrt(disks / 500): rigid[disks] for disks in (500, 5000)}
-    # The rate is C sqrt(D) (D - k)^(3/2), so that (rate^2/D)^(1/3) is a straight line.
-    (first, low), (second, high) = ((slot, (rate**2 / slot)**(1 / 3)) for slot, rate in rates.items())
-    return math.sqrt(width) * (low + (high - low) / (second - first) * (width - first))**1.5
-
-
-def narrow_law(width):
-    """Return the same rate with the constants of rigid contacts in the published table of Beverloo's law, from narrower slots."""
     rigid = publish.read_table(PUBLISHED / "beverloo.csv").set_index("method").loc["CD"].iloc[0]
     return rigid.C * (width - rigid.k)**1.5 * math.sqrt(width)
 
@@ -226,8 +214,7 @@ def numbers(table):
     return {"3.2": [min(gains), 10**0.5], "7.1": max(gains), "0.2": [WINDOW, apart], "0.1": [min(works), 100 * cd.mean_overlap / 2],
             "3.1": max(works), "1.7": min(late), "5.5": max(late), "13.0": silo.window_seconds, "297": falling.seconds,
             "23": falling.seconds / silo.window_seconds, "10.0": 100 * (silo.window_work / falling_fine.window_work - 1), "12042": silo.value,
-            "1.3": 100 * (silo.value / law(100.0) - 1), "11.5": 100 * (silo.value / narrow_law(100.0) - 1), "1.6": silo.period,
-            "73": 100 * silo.passed,
+            "11.5": 100 * (silo.value / law(100.0) - 1), "1.6": silo.period, "73": 100 * silo.passed,
             "293": silo.seconds, "8.1": falling.seconds / WINDOW * silo.period / silo.seconds, "517": stiff["drum"].seconds / WINDOW,
             "1577": stiff["collapse"].seconds / WINDOW, "19.3": turned.value, "23.3": turned_fine.value, "0.81": turned_fine.seconds / turned.seconds,
             "22": column.seconds, "44": fine["collapse"].seconds, "11.2": 100 * (column.window_work / fine["collapse"].window_work - 1),
