@@ -144,11 +144,11 @@ def drawn_gains(rows, disks, draws=2000):
 def draw(runs, rows, path):
     """Draw the error with its uncertainty against the cost, one panel a scene."""
     table = pandas.DataFrame(rows)
-    names = [scene for scene in QUANTITY if scene in set(table.scene)]
+    names, methods = [scene for scene in QUANTITY if scene in set(table.scene)], [name for name in ("CD", "MD") if name in set(table.method)]
     fig, panels = style.plt.subplots(1, len(names), figsize=(max(4.5, 2.9 * len(names)), 3.9), sharey=True, squeeze=False)
     for axes, scene in zip(panels[0], names):
         axes.axhspan(-100 * WITHIN, 100 * WITHIN, color="#EEEEEE", zorder=0)
-        for method in ("CD", "MD"):
+        for method in methods:
             own = table[(table.scene == scene) & (table.method == method)]
             style.points(axes, own[own.is_rigid_answer], "seconds", "error", method)
             part = own[~own.is_rigid_answer]
@@ -157,7 +157,7 @@ def draw(runs, rows, path):
         axes.set(xscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
     panels[0][0].set_ylabel("error, relative to rigid grains [%]")
     style.legend(panels[0][-1], [dict(ls="", mfc="none", marker=style.MARKER[method], color=style.COLOUR[method], label=style.WORDS[method])
-                                 for method in ("CD", "MD")], fontsize=7)
+                                 for method in methods], fontsize=7)
     style.finish(fig, path, f"{table.disks.max()} disks. Each point: one setting; bars: standard error over the seeds, where there are several. "
                  "Filled: the rigid answer. Grey: 2 %.", runs)
 
