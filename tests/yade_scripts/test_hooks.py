@@ -34,7 +34,7 @@ def test_a_failure_ends_the_loop_with_its_step_and_is_raised(O):
 
 
 def test_samples_and_measurements_cost_the_run_nothing(O):
-    """Only the third runner counts, which makes part of the simulation; one that fails is left out, too."""
+    """A runner without a label is part of the simulation and counts. The time of one that fails is left out, too."""
     from yade_scripts.running import hooks
 
     def burn():

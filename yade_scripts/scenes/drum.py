@@ -87,8 +87,8 @@ def _add_speeds(states, deep, reach, depths, found, moved):
 
     states: of the disks. deep: unit vector from the axis to the centre of mass. depths: of the middles of the layers [m].
     """
-    place, velocity = (np.array([(vector[0], vector[1]) for vector in vectors]) for vectors in ((state.pos for state in states),
-                                                                                             (state.vel for state in states)))
+    place = np.array([(state.pos[0], state.pos[1]) for state in states])
+    velocity = np.array([(state.vel[0], state.vel[1]) for state in states])
     down = np.array((deep[1], -deep[0]))
     layer = np.rint((place @ deep - depths[0]) / (depths[1] - depths[0])).astype(int)
     middle = (abs(place @ down) < reach) & (layer >= 0) & (layer < len(depths))
