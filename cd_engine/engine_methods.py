@@ -28,12 +28,13 @@ def exportProblem(self, path, bodies=False):
 
 def text(engine):
     """Return lines about the settings, the last step and all steps of an engine, as one text."""
-    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}, at most {engine.maxIterations} iterations a step, "
-             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, "
-             f"gravity {tuple(engine.gravity)} m/s^2" + (f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else "")]
+    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}"
+             + (f" (in flows {engine.flowTolerance:g})" if engine.flowTolerance > engine.tolerance else "")
+             + f", at most {engine.maxIterations} iterations a step, restitution {engine.restitution:g}, "
+             f"gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, gravity {tuple(engine.gravity)} m/s^2" + (f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else "")]
     if not engine.steps:
         return "\n".join(lines + ["No step yet."])
-    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}); "
+    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}), tolerance {engine.stepTolerance:g}; "
                  f"error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
     if engine.unsolvableContact:
         lines.append(f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} from overlapping")
@@ -66,17 +67,17 @@ def runs_besides():
 
 
 def check_name(engine, name):
-    """Raise AttributeError for a result, and for a name that this class of engines lacks, with the names that are near. The plug-in calls this before
+    """Raise AttributeError for a result, and for a name that this class of engines lacks, with the nearest name. The plug-in calls this before
     an attribute is set."""
     present = getattr(engine, name, None)
     if isinstance(present, property) and not present.fset:
         raise AttributeError(f"{engine.__name__}.{name} is a result and cannot be set")
     if hasattr(engine, name):
         return
-    near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")])
+    near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")], n=1)
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
     remedy = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce,
               "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction,
-              "frictionAngle": friction}.get(name, f"Did you mean {' or '.join(near)}?" if near else "")
+              "frictionAngle": friction}.get(name, f"Did you mean {near[0]}?" if near else "")
     raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")

@@ -158,6 +158,7 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 		return r;
 	}
 	r.norm = std::sqrt(all.difference / all.square);
+	r.work = all.squareEnergy;
 	r.energy = std::sqrt(all.differenceEnergy / all.squareEnergy);
 	r.maximum = std::sqrt(all.worst / (all.square / static_cast<double>(all.contacts)));
 	return r;

@@ -39,6 +39,7 @@ struct Residual {
 	double energy = 0; // the same with every contact weighted by its W_nn: a heavy body's impulses then do not hide a light body's error
 	double maximum = 0; // the largest |p - P_K(...)| of one contact over the root mean square of p
 	double difference = 0, impulse = 0; // the norms whose ratio is e: ||p - P_K(...)||_2 and ||p||_2 [N s]
+	double work = 0; // sum of W_nn |p|^2 over the contacts [J]
 	double bodies = 0; // the error of the bodies, the largest of all islands
 	int32_t body = -1; // the body with the smallest s, in the island with the largest error; -1: none
 

@@ -5,6 +5,7 @@
 #include "registered_engine.hpp"
 #include "scene_link.hpp"
 
+#include <array>
 #include <atomic>
 #include <mutex>
 
@@ -20,6 +21,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	// Set by the user.
 	Vector3r gravity = Vector3r::Zero();
 	double tolerance = 1e-6;
+	double flowTolerance = 0;
 	int maxIterations = 20000;
 	int fixedIterations = 0;
 	std::string method = "auto";
@@ -43,6 +45,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int worstBody = -1;
 	std::vector<int> unsolvableContact;
 	bool converged = false;
+	double stepTolerance = 0;
 	std::string status = "no step yet";
 	std::string solvedBy = "none";
 	int contacts = 0;
@@ -66,6 +69,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int restTrialPause = 16;
 	bool pressed = false;
 	bool rested = false; // cd::StepReport::rested of the last step
+	double unrest = 0; // energy dissipated in the last step over the sum of W_nn |p|^2; decides between the tolerances
 
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
@@ -85,6 +89,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	template <class Visitor> static void attributes(Visitor&& visit); // see RegisteredEngine
 	static std::string wordFault(const char* attribute, const std::string& value);
 	void checkLoaded() const;
+	void assigned(const std::string& attribute);
 
 	void action() override;
 	// Throws SceneError if it cannot work with the other engines, before one of them runs.
@@ -95,6 +100,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	py::tuple nextProblem(bool bodies);
 
     private:
+	double nextTolerance() const;
 	cd::StepSettings settings(yade::Scene*) const;
 	bool somebodyLooks() const;
 	void show();
@@ -120,6 +126,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	OtherEngines others;
 	bool warned = false, toldOfLost = false, toldOfSpeed = false, toldOfUnsolvable = false;
 	cd::StepSettings last; // settings of the last step
+	std::array<double, 2> lastTolerances {}; // `tolerance` and `flowTolerance` in it
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 	long known = 0; // attributes set before the last step
 };

@@ -22,6 +22,10 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("tolerance", &C::tolerance, Access { Access::set, 0, 1, true },
 	    "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
 	    "acts on a single body.");
+	visit("flowTolerance", &C::flowTolerance, within(0, 1),
+	    "Tolerance of steps in which bodies flow or collide, if it is larger than *tolerance*, which is then that of bodies at rest; in slow "
+	    "motion the engine takes a tenth of it, or less, but at least *tolerance* [1]. 0: *tolerance* holds in every step. "
+	    ":py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance; assigning *tolerance* sets it to 0.");
 	visit("maxIterations", &C::maxIterations, within(1, most),
 	    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
 	    "solved.");
@@ -82,8 +86,9 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "If *status* is no_solution: ids of the two bodies of the contact that proves this most clearly. Example of such a step: a disk between "
 	    "two walls that move towards each other.");
 	visit("converged", &C::converged, result,
-	    "Whether the last step is solved: the contact law holds to *tolerance*, relative to all impulses (*residual*), and the velocity change "
-	    "of every body is right to *tolerance*, relative to what acts on that body (*bodyError*).");
+	    "Whether the last step is solved: the contact law holds to *stepTolerance*, relative to all impulses (*residual*), and the velocity "
+	    "change of every body is right to *stepTolerance*, relative to what acts on that body (*bodyError*).");
+	visit("stepTolerance", &C::stepTolerance, result, "The tolerance of the last step: *tolerance*, *flowTolerance*, or one between them [1].");
 	visit("status", &C::status, result,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated, no_solution (*unsolvableContact*) or "
 	    "diverged.");
@@ -107,6 +112,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.");
 	visit("rested", &C::rested, internal,
 	    "Whether the last step solved its one large island without a sweep; this decides in which order impulses are added, and so last digits.");
+	visit("unrest", &C::unrest, internal,
+	    "Energy dissipated in the last step over the sum of W_nn |p|^2 of its contacts: decides between *tolerance* and *flowTolerance* [1].");
 	visit("restTrialPause", &C::restTrialPause, internal, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, result, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, result, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
@@ -120,7 +127,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "
 	    "'kinetic' and 'gravWork'.");
 	visit("steps", &C::steps, result, "Steps made [1].");
-	visit("unconvergedSteps", &C::unconvergedSteps, result, "Steps that missed *tolerance* [1]; steps under *fixedIterations* are not counted.");
+	visit("unconvergedSteps", &C::unconvergedSteps, result,
+	    "Steps that missed their tolerance [1]; steps under *fixedIterations* are not counted.");
 	visit("totalIterations", &C::totalIterations, result, "Sweeps and factorizations made in all steps [1].");
 	visit("solveTime", &C::solveTime, result,
 	    "Time spent in the solver [s]; what O.timingEnabled shows beyond it went into geometry, reading and writing the scene.");
@@ -131,6 +139,14 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "In scenes of more than 2048 bodies: the place of every body along a curve through space (Hilbert's), by which contacts are ordered in "
 	    "memory. Renewed where the bodies have moved far apart along it, and saved, so that a run goes on as if it had not been saved.");
 	visit("bodyOrderLength", &C::bodyOrderLength, internal, "Length of the way through the disks in that order, when it was made [m].");
+}
+
+// Whoever assigns a tolerance wants it in every step.
+void ContactDynamics::assigned(const std::string& attribute)
+{
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	if (attribute == "tolerance")
+		flowTolerance = 0;
 }
 
 // Checks loaded lists that steps use unchecked. bodyOrder is not checked: it is only a hint, and is made anew if it is invalid.

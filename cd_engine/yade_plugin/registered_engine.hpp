@@ -144,6 +144,9 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return changed;
 	}
 
+	// Called after `engine.name = value` in Python.
+	void assigned(const std::string&) { }
+
     private:
 	long changed = 0;
 
@@ -288,7 +291,10 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 		using T = std::decay_t<decltype(self().*member)>;
 		const py::object getter = py::make_function(
 		    [member](const E& engine) { return engine.read(member); }, py::default_call_policies(), boost::mpl::vector2<T, const E&>());
-		const auto set = [name](RegisteredEngine& engine, const py::object& value) { engine.setOwn(name, value); };
+		const auto set = [name](RegisteredEngine& engine, const py::object& value) {
+			engine.setOwn(name, value);
+			engine.self().assigned(name);
+		};
 		const py::object setter = py::make_function(set, py::default_call_policies(), boost::mpl::vector3<void, E&, const py::object&>());
 		const std::string doc = attributeText(self().*member, access, text);
 		if (access.kind == Access::set)

@@ -28,8 +28,9 @@ std::string ContactDynamics::unsolved() const
 	return text(begin, "the error of the contact law is ", residual, ", relative to all impulses",
 	    worstBody < 0 ? ""
 			  : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, ", relative to what acts on it"),
-	    "; the tolerance is ", tolerance, ". ",
-	    status == "stagnated" ? "More iterations do not help: raise tolerance" : "Raise maxIterations or tolerance", ", or take a smaller O.dt.");
+	    "; the tolerance is ", stepTolerance, ". ",
+	    status == "stagnated" ? "More iterations do not help: set a larger tolerance" : "Raise maxIterations or set a larger tolerance",
+	    ", or take a smaller O.dt.");
 }
 
 // Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).
@@ -142,7 +143,7 @@ void ContactDynamics::watchPenetration(double before) const
 			 "proposes one)";
 	else if (misses)
 		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
-	else if (tolerance > loose)
+	else if (stepTolerance > loose)
 		remedy = "It grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4 or less";
 	else if (gapCorrection == 0)
 		remedy = "It grew step by step, since solver errors within the tolerance add up, a boundary changes its velocity, or disks grow: set "

@@ -43,7 +43,7 @@ def test_help_and_dict_show_settings_and_results_only(O, cd):
     engine = plane.run(3, 1e-3, gravity=(0, -9.81, 0))
     assert len(engine._referenceOverlaps) == 200
     hidden = [name for name in plane.everything_in(engine) if name.startswith("_")]
-    assert len(hidden) == 9 and not [name for name in hidden if name in text or name[1:] in text]
+    assert len(hidden) == 10 and not [name for name in hidden if name in text or name[1:] in text]
     assert len(repr(engine.dict())) < 2000 and not [name for name in engine.dict() if name.startswith("_")]
     with pytest.raises(AttributeError, match="_referenceOverlaps"):
         cd(_referenceOverlaps=[1.0])

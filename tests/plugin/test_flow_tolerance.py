@@ -1,0 +1,89 @@
+"""The tolerance of a step: larger where bodies flow or collide than where they rest, unless a single one is asked for."""
+import pytest
+
+import cd_engine
+
+from . import plane, test_invariants
+from .test_publish import seen
+
+
+def settings(O, **asked):
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0), **asked)
+    O.dt = 1e-3
+    return O.engines[-1]
+
+
+def tolerances(O, engine, steps):
+    """The tolerances of so many steps, without repetitions."""
+    found = []
+    for _ in range(steps):
+        O.run(1, True)
+        found += [engine.stepTolerance] if not found or found[-1] != engine.stepTolerance else []
+    return found
+
+
+def test_a_heap_falls_and_comes_to_rest(O):
+    """All tolerances occur, powers of ten between the two; at rest it is the smaller one, and every step has reached its own."""
+    test_invariants.heap(O, 0.3)
+    engine = settings(O)
+    found = tolerances(O, engine, 1500)
+    assert {f"{tolerance:.0e}" for tolerance in found} == {"1e-04", "1e-05", "1e-06"}
+    assert engine.stepTolerance == engine.tolerance == 1e-6 and engine.unconvergedSteps == 0
+    assert max(engine.residual, engine.bodyError) <= 1e-6
+
+
+def test_a_heap_at_rest_is_solved_to_the_smaller_tolerance(O):
+    """Errors within the larger tolerance move the disks, but not so much that this counts as a flow."""
+    test_invariants.heap(O, 0.3)
+    engine = settings(O, tolerance=1e-4, reduce=False)  # reduce would stop it
+    O.run(1500, True)
+    assert engine._unrest < 1e-4
+    engine.tolerance = 1e-6
+    engine.flowTolerance = 1e-4
+    O.run(20, True)
+    assert engine.stepTolerance == engine.tolerance
+
+
+@pytest.mark.parametrize("speed, tolerance", [(1.0, 1e-4), (1e-5, 1e-4), (1e-6, 1e-5), (1e-7, 1e-6), (0, 1e-6)])
+def test_how_fast_a_disk_slides(O, speed, tolerance):
+    """A disk slides at constant speed v, driven against friction mu: p u/(W_nn |p|^2) = mu v/((1 + mu^2) g dt), and the tolerance is the
+    largest power of ten not above it, within its limits."""
+    mu, g, mass = 0.5, 9.81, 2.0
+    plane.floor(plane.material(mu))
+    disk = plane.disk((0, 0.01), 0.01, mass=mass, blocked="zXYZ", velocity=(speed, 0))
+    O.forces.setPermF(disk, (mu * mass * g if speed else 0, 0, 0))
+    engine = settings(O)
+    O.run(3, True)
+    assert engine._unrest == pytest.approx(mu * speed / ((1 + mu**2) * g * O.dt), rel=1e-9, abs=1e-12)
+    assert engine.stepTolerance == pytest.approx(tolerance, rel=1e-12)
+
+
+@pytest.mark.parametrize("set_by", ["engines", "assignment", "fixedIterations"])
+def test_a_tolerance_that_is_asked_for_holds_in_every_step(O, set_by):
+    test_invariants.heap(O, 0.3)
+    if set_by == "assignment":
+        engine = settings(O)
+        engine.tolerance = 1e-5
+    else:
+        engine = settings(O, tolerance=1e-5, fixedIterations=20 if set_by == "fixedIterations" else 0)
+    assert engine.flowTolerance == 0
+    assert tolerances(O, engine, 200) == [1e-5]
+
+
+def test_the_ways_to_make_a_step_choose_the_same_tolerance(O, tmp_path):
+    """publish, reduce, threads and a saved scene: the same bits."""
+    def after(saved=False, **asked):
+        O.reset()
+        test_invariants.heap(O, 0.3)
+        engine = settings(O, **asked)
+        O.run(150, True)
+        if saved:
+            O.save(str(tmp_path / "scene.yade"))
+            O.reset()
+            O.load(str(tmp_path / "scene.yade"))
+            engine = O.engines[-1]
+        O.run(150, True)
+        return seen(O), engine.stepTolerance
+
+    one = after()
+    assert all(after(**way) == one for way in (dict(publish="always"), dict(threads=2), dict(saved=True)))
