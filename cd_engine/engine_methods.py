@@ -28,14 +28,15 @@ def exportProblem(self, path, bodies=False):
 
 def text(engine):
     """Return lines about the settings, the last step and all steps of an engine, as one text."""
-    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}"
-             + (f" (in flows {engine.flowTolerance:g})" if engine.flowTolerance > engine.tolerance else "")
-             + f", at most {engine.maxIterations} iterations a step, restitution {engine.restitution:g}, "
-             f"gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, gravity {tuple(engine.gravity)} m/s^2" + (f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else "")]
+    flow = f" (in flows {engine.flowTolerance:g})" if engine.flowTolerance > engine.tolerance else ""
+    sweeps = f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else ""
+    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}{flow}, at most {engine.maxIterations} iterations a step, "
+             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, "
+             f"gravity {tuple(engine.gravity)} m/s^2{sweeps}"]
     if not engine.steps:
         return "\n".join(lines + ["No step yet."])
-    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}), tolerance {engine.stepTolerance:g}; "
-                 f"error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
+    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}), tolerance "
+                 f"{engine.stepTolerance:g}; error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
     if engine.unsolvableContact:
         lines.append(f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} from overlapping")
     elif engine.worstBody >= 0 and not engine.converged:

@@ -6,7 +6,8 @@ import cd_engine
 from yade_scripts.running import hooks, walls
 
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
-SETTINGS = {"tolerance": "tolerance", "flowTolerance": "flow_tolerance", "maxIterations": "max_iterations", "fixedIterations": "fixed_iterations", "method": "method_cd",
+SETTINGS = {"tolerance": "tolerance", "flowTolerance": "flow_tolerance", "maxIterations": "max_iterations",
+            "fixedIterations": "fixed_iterations", "method": "method_cd",
             "warmStart": "warm_start", "seed": "solver_seed", "restitution": "restitution", "gapCorrection": "gap_correction",
             "allowedOverlap": "allowed_overlap", "handover": "reference_overlaps"}
 
