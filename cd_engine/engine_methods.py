@@ -38,7 +38,9 @@ def text(engine):
     lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}), tolerance "
                  f"{engine.stepTolerance:g}; error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
     if engine.unsolvableContact:
-        lines.append(f"  no velocities keep bodies #{engine.unsolvableContact[0]} and #{engine.unsolvableContact[1]} from overlapping")
+        first, second = engine.unsolvableContact
+        lines.append(f"  no velocities keep bodies #{first} and #{second} from overlapping" if engine.status == "no_solution" else
+                     f"  there may be no solution; bodies #{first} and #{second} speak most against one")
     elif engine.worstBody >= 0 and not engine.converged:
         lines.append(f"  body #{engine.worstBody} may have the largest error of its velocity")
     lines += [

@@ -51,7 +51,8 @@ def of_flow(scene, accuracy):
         first = best[0]["method"] if best else "no setting that was tried reaches it"
         lines.append(f"{scene}, {flows.QUANTITY[scene]} of {disks:.0f} disks to {accuracy:g}: {first}")
         for row in best:
-            set_by = f"cd_dt={row['step']:g} tolerance={row['setting']:g} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
+            flow = "" if row["at_rest"] == row["setting"] else f" flow_tolerance={row['setting']:g}"
+            set_by = f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
                 else f"kn={row['setting']:g} md_dt_factor={row['step']:g}"
             spread = f"standard error {100 * row['error_deviation']:.1f} %, {row['seeds']:.0f} seeds" if row["seeds"] > 1 else "one seed"
             lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % ({spread}), {row['seconds']:.3g} s a run")

@@ -261,9 +261,12 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 {
 	all.clear();
 	int sweeps = 0;
+	double work = 0; // of the islands that are awake
 	for (std::size_t k = 0; k < islands.size(); k++) {
-		if (!islands[k].asleep)
+		if (!islands[k].asleep) {
 			all.push_back(sums[k]);
+			work += sums[k].squareEnergy;
+		}
 		sweeps = std::max(sweeps, islands[k].sweeps);
 	}
 	static const Sleepers nobody;
@@ -273,6 +276,7 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);
 	SolverReport report = reportOf(residual(all.data(), all.size()));
+	report.work = work;
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
 	if (unsolvable.contact >= 0) {

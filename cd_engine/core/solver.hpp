@@ -53,7 +53,7 @@ struct SolverReport {
 	double bodyError = 0; // the error of the bodies (residual.hpp)
 	int body = -1; // the body whose velocity may be the most wrong, in the island with the largest error of the bodies; -1: none
 	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies; compared with the tolerance
-	double work = 0; // sum of W_nn |p|^2 over the contacts [J]
+	double work = 0; // sum of W_nn |p|^2 over the contacts that are awake [J]
 	bool plain = false; // plain Gauss-Seidel sweeps ended the search, although the method has better ones
 	bool doubtful
 	    = false; // under fixedIterations: whether verdict.hpp does not accept the impulses as a solution, however small their errors may be

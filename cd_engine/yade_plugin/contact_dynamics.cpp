@@ -120,17 +120,25 @@ void ContactDynamics::action()
 	}
 }
 
-// The tolerance of the next step. An error changes velocities by about the tolerance times W_nn |p|. Beside the velocities of a flow this may be
-// little where it is much beside those of a packing at rest. `unrest`, a mean of p u over W_nn |p|^2, tells them apart: with 500 disks it is 4e-4 to
-// 0.2 while they flow out of a silo, in a drum or in a collapse. At rest, where errors alone move the disks, it is 0.02 to 0.5 tolerances. A step has
-// the largest tolerance that is not above it, so errors of a packing at rest do not keep the tolerance large. It changes by powers of ten, so that
-// the round-off of `unrest` does not change it.
+// The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about the
+// tolerance times W_nn |p|. Beside the velocities of a flow this may be little where it is much beside those of a packing at rest. The energy that a
+// step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 4e-4 to 0.2 while they flow out of a silo, in a drum or in a
+// collapse. At rest, where errors alone move the disks, it is 0.02 to 0.5 tolerances, so errors do not keep the tolerance large. Powers of ten,
+// because the round-off of `unrest` may depend on the way in which a step is made, and must not change the tolerance.
 double ContactDynamics::nextTolerance() const
 {
 	double next = flowTolerance;
 	while (next > tolerance && unrest < next)
-		next /= 10;
+		next = next > 11 * tolerance ? next / 10 : tolerance;
 	return std::max(next, tolerance);
+}
+
+// A step after one with a larger tolerance begins with a poor guess and takes many sweeps, so the tolerance falls only after some steps at rest.
+void ContactDynamics::noteUnrest(const cd::StepReport& report)
+{
+	constexpr double fades = 0.9; // in a step; tenfold in 22
+	const double now = report.solver.work > 0 ? report.dissipated / report.solver.work : 0;
+	unrest = std::max(now, fades * unrest);
 }
 
 cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
@@ -260,7 +268,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
 	stepTolerance = settings.solver.tolerance;
-	unrest = report.solver.work > 0 ? report.dissipated / report.solver.work : 0;
+	noteUnrest(report);
 	iterations = report.solver.iterations;
 	residual = report.solver.residual;
 	residualMax = report.solver.residualMax;

@@ -69,7 +69,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	int restTrialPause = 16;
 	bool pressed = false;
 	bool rested = false; // cd::StepReport::rested of the last step
-	double unrest = 0; // energy dissipated in the last step over the sum of W_nn |p|^2; decides between the tolerances
+	double unrest = 0; // of the last steps: energy dissipated over the sum of W_nn |p|^2; decides between the tolerances
 
 	// Summed over the steps.
 	double dissipatedEnergy = 0;
@@ -101,6 +101,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 
     private:
 	double nextTolerance() const;
+	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings settings(yade::Scene*) const;
 	bool somebodyLooks() const;
 	void show();

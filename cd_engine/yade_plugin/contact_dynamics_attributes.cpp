@@ -21,11 +21,13 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("gravity", &C::gravity, setting, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access { Access::set, 0, 1, true },
 	    "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
-	    "acts on a single body.");
+	    "acts on a single body. If *flowTolerance* is larger, this is for steps in which everything rests. Assigning it sets *flowTolerance* to "
+	    "0.");
 	visit("flowTolerance", &C::flowTolerance, within(0, 1),
-	    "Tolerance of steps in which bodies flow or collide, if it is larger than *tolerance*, which is then that of bodies at rest; in slow "
-	    "motion the engine takes a tenth of it, or less, but at least *tolerance* [1]. 0: *tolerance* holds in every step. "
-	    ":py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance; assigning *tolerance* sets it to 0.");
+	    "If larger than *tolerance*: tolerance of steps in which bodies have flowed or collided in the steps before; if they move slowly, a "
+	    "tenth "
+	    "of it or less, but at least *tolerance* [1]. 0: *tolerance* holds in every step. :py:func:`cd_engine.engines` sets it to 1e-4 if it is "
+	    "given no tolerance. Assign it after *tolerance*.");
 	visit("maxIterations", &C::maxIterations, within(1, most),
 	    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
 	    "solved.");
@@ -83,7 +85,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "weighted by mass (cd_engine/core/residual.hpp has the formula).");
 	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may have the largest error; -1: none.");
 	visit("unsolvableContact", &C::unsolvableContact, result,
-	    "If *status* is no_solution: ids of the two bodies of the contact that proves this most clearly. Example of such a step: a disk between "
+	    "Ids of the two bodies of the contact that speaks most against a solution, if *status* is no_solution or a doubt remains. Example of "
+	    "such a step: a disk between "
 	    "two walls that move towards each other.");
 	visit("converged", &C::converged, result,
 	    "Whether the last step is solved: the contact law holds to *stepTolerance*, relative to all impulses (*residual*), and the velocity "
@@ -113,7 +116,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("rested", &C::rested, internal,
 	    "Whether the last step solved its one large island without a sweep; this decides in which order impulses are added, and so last digits.");
 	visit("unrest", &C::unrest, internal,
-	    "Energy dissipated in the last step over the sum of W_nn |p|^2 of its contacts: decides between *tolerance* and *flowTolerance* [1].");
+	    "Energy dissipated in a step over the sum of W_nn |p|^2 of its contacts, the largest of the last steps: decides between *tolerance* and "
+	    "*flowTolerance* [1].");
 	visit("restTrialPause", &C::restTrialPause, internal, "Steps to the trial after that, 16 to 2048: more after each that fails [1].");
 	visit("loadedContacts", &C::loadedContacts, result, "Contacts that carry a force [1].");
 	visit("slidingContacts", &C::slidingContacts, result, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].");
@@ -144,7 +148,6 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 // Whoever assigns a tolerance wants it in every step.
 void ContactDynamics::assigned(const std::string& attribute)
 {
-	const std::lock_guard<std::mutex> lock(attributesLock);
 	if (attribute == "tolerance")
 		flowTolerance = 0;
 }

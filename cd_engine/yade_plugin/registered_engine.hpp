@@ -144,7 +144,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return changed;
 	}
 
-	// Called after `engine.name = value` in Python.
+	// Called after Python has set an attribute, with the lock held.
 	void assigned(const std::string&) { }
 
     private:
@@ -179,6 +179,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			self().*member = checked;
 			changed++;
+			self().assigned(key);
 		});
 		return found;
 	}
@@ -212,7 +213,13 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		if (py::len(arguments) > 1)
 			raise(PyExc_TypeError, std::string(E::name) + " takes keyword arguments only, for instance " + E::name + "(label='name')");
 		if (py::len(keywords) > 0) {
-			engine->pyUpdateAttrs(keywords);
+			py::dict ordered; // as the engine names its attributes: one may set another
+			E::attributes([&](const char* name, auto, const Access&, const char*) {
+				if (keywords.has_key(name))
+					ordered[name] = keywords[name];
+			});
+			ordered.update(keywords);
+			engine->pyUpdateAttrs(ordered);
 			engine->callPostLoad();
 		}
 		return py::object(arguments[0]).attr("__init__")(engine);
@@ -291,10 +298,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 		using T = std::decay_t<decltype(self().*member)>;
 		const py::object getter = py::make_function(
 		    [member](const E& engine) { return engine.read(member); }, py::default_call_policies(), boost::mpl::vector2<T, const E&>());
-		const auto set = [name](RegisteredEngine& engine, const py::object& value) {
-			engine.setOwn(name, value);
-			engine.self().assigned(name);
-		};
+		const auto set = [name](RegisteredEngine& engine, const py::object& value) { engine.setOwn(name, value); };
 		const py::object setter = py::make_function(set, py::default_call_policies(), boost::mpl::vector3<void, E&, const py::object&>());
 		const std::string doc = attributeText(self().*member, access, text);
 		if (access.kind == Access::set)

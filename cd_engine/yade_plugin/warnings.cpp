@@ -21,7 +21,8 @@ std::string ContactDynamics::unsolved() const
 {
 	const std::string begin
 	    = text("ContactDynamics: step ", scene_iter(scene), " is not solved (", status, " after ", iterations, " iterations): ");
-	if (!unsolvableContact.empty())
+	const bool proven = status == cd::name(cd::Status::no_solution) || status == cd::name(cd::Status::indefinite);
+	if (!unsolvableContact.empty() && proven)
 		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
 		    " from overlapping. Look for boundaries that move towards each other with disks between them; one that is to press with a force "
 		    "needs a mass, free directions and O.forces.setPermF instead of a velocity. Do not trust the steps that follow.");
@@ -30,7 +31,10 @@ std::string ContactDynamics::unsolved() const
 			  : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, ", relative to what acts on it"),
 	    "; the tolerance is ", stepTolerance, ". ",
 	    status == "stagnated" ? "More iterations do not help: set a larger tolerance" : "Raise maxIterations or set a larger tolerance",
-	    ", or take a smaller O.dt.");
+	    ", or take a smaller O.dt.",
+	    unsolvableContact.empty()
+		? ""
+		: text(" It may have no solution; bodies #", unsolvableContact[0], " and #", unsolvableContact[1], " speak most against one."));
 }
 
 // Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).

@@ -27,7 +27,7 @@ def test_a_heap_falls_and_comes_to_rest(O):
     test_invariants.heap(O, 0.3)
     engine = settings(O)
     found = tolerances(O, engine, 1500)
-    assert {f"{tolerance:.0e}" for tolerance in found} == {"1e-04", "1e-05", "1e-06"}
+    assert set(found) == {1e-4, 1e-5, 1e-6}
     assert engine.stepTolerance == engine.tolerance == 1e-6 and engine.unconvergedSteps == 0
     assert max(engine.residual, engine.bodyError) <= 1e-6
 
@@ -58,16 +58,55 @@ def test_how_fast_a_disk_slides(O, speed, tolerance):
     assert engine.stepTolerance == pytest.approx(tolerance, rel=1e-12)
 
 
-@pytest.mark.parametrize("set_by", ["engines", "assignment", "fixedIterations"])
+def test_what_sleeps_does_not_count(O):
+    """A heavy disk rests far away. Once it sleeps, the ratio is that of the sliding disk alone."""
+    mu, g, speed = 0.5, 9.81, 1e-5
+    plane.floor(plane.material(mu))
+    plane.disk((1, 0.01), 0.01, mass=1e4)
+    sliding = plane.disk((0, 0.01), 0.01, mass=2.0, blocked="zXYZ", velocity=(speed, 0))
+    O.forces.setPermF(sliding, (mu * 2.0 * g, 0, 0))
+    engine = settings(O)
+    O.run(100, True)
+    assert engine.sleeping == 1 and engine.islands == 2
+    assert engine._unrest == pytest.approx(mu * speed / ((1 + mu**2) * g * O.dt), rel=1e-6)
+
+
+def test_the_tolerance_falls_only_after_some_steps_at_rest(O):
+    """The ratio fades by a tenth a step: from a stop at ratio 0.4 it takes 79 steps to 1e-4, 22 more to 1e-5, and the test follows it to 1e-6."""
+    plane.floor(plane.material(0.5))
+    disk = plane.disk((0, 0.01), 0.01, mass=2.0, blocked="zXYZ", velocity=(0.01, 0))
+    O.forces.setPermF(disk, (0.5 * 2.0 * 9.81, 0, 0))
+    engine = settings(O, reduce=False)
+    O.run(3, True)
+    at_stop = engine._unrest
+    O.forces.setPermF(disk, (0, 0, 0))
+    O.bodies[disk].state.vel = (0, 0, 0)
+    for steps in 60, 30, 30, 30:
+        O.run(steps, True)
+        faded = at_stop * 0.9**(O.iter - 3)
+        assert engine._unrest == pytest.approx(faded, rel=1e-9)
+    assert faded < 1e-6 and engine.stepTolerance == 1e-6
+
+
+@pytest.mark.parametrize("set_by", ["engines", "assignment", "updateAttrs", "fixedIterations"])
 def test_a_tolerance_that_is_asked_for_holds_in_every_step(O, set_by):
     test_invariants.heap(O, 0.3)
     if set_by == "assignment":
         engine = settings(O)
         engine.tolerance = 1e-5
+    elif set_by == "updateAttrs":
+        engine = settings(O)
+        engine.updateAttrs({"tolerance": 1e-5})
     else:
         engine = settings(O, tolerance=1e-5, fixedIterations=20 if set_by == "fixedIterations" else 0)
     assert engine.flowTolerance == 0
     assert tolerances(O, engine, 200) == [1e-5]
+
+
+def test_both_tolerances_in_either_order(O):
+    for names in ("tolerance", "flowTolerance"), ("flowTolerance", "tolerance"):
+        engine = cd_engine.ContactDynamics(**{name: {"tolerance": 1e-7, "flowTolerance": 1e-3}[name] for name in names})
+        assert (engine.tolerance, engine.flowTolerance) == (1e-7, 1e-3)
 
 
 def test_the_ways_to_make_a_step_choose_the_same_tolerance(O, tmp_path):
