@@ -1,6 +1,7 @@
 """What is read back from result files, and what is refused: damage of any kind, other runs, missing or impossible numbers."""
 import errno
 import io
+import json
 import os
 import random
 import threading
@@ -105,6 +106,16 @@ def test_a_run_of_other_parameters_is_not_taken_for_this_one(tmp_path):
     write(path, row=dict(delta_sigma=0.4))
     assert not results.finished(path) and "holds another run than its name says" in results.status(path)
     refused(path, "another run", read=lambda _: reader.load_row(full, tmp_path))
+
+
+def test_parameters_younger_than_a_file_have_their_defaults(cd):
+    younger = json.loads(reader.load(cd).attributes["parameters"])
+    full = parameters.complete(dict(younger))
+    del younger["flow_tolerance"]
+    harm(cd, lambda file: file.attrs.__setitem__("parameters", json.dumps(younger)))
+    assert "flow_tolerance" not in reader.load(cd).parameters
+    path = cd.rename(results.path_of(full, cd.parent))
+    assert reader.load_row(full, path.parent).parameters == full
 
 
 def test_a_result_of_a_removed_scene_is_listed_with_the_reason(md, cd, capsys):

@@ -1,7 +1,7 @@
 """Reads result files and checks that they are undamaged, made by this project, finished, and without NaN or infinity."""
 import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -147,8 +147,10 @@ def load_named(path, finished=False):
 
 
 def load_row(full, folder=results.FOLDER):
-    """Return the run of a full row from its file in `folder`. Raise ResultError as `load_named` does."""
-    return load_named(results.path_of(full, folder))
+    """Return the run of a full row from its file in `folder`. Parameters that are younger than the file have their defaults. Raise ResultError as
+    `load_named` does."""
+    run = load_named(results.path_of(full, folder))
+    return replace(run, parameters=full | run.parameters)
 
 
 def _read(path, file):
