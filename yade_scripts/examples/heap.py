@@ -57,7 +57,7 @@ if springs:
     ]
     O.dt = 0.5 * PWaveTimeStep()
 else:
-    O.engines = cd_engine.engines(gravity=gravity, tolerance=1e-4, gapCorrection=0.1)
+    O.engines = cd_engine.engines(gravity=gravity)
     O.dt = cd_engine.timeStep()
 pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, energy=kineticEnergy())", virtPeriod=0.01),

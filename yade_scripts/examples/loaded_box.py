@@ -56,7 +56,7 @@ if springs:
     ]
     O.dt = 0.5 * PWaveTimeStep()
 else:
-    O.engines = cd_engine.engines(tolerance=1e-4, gapCorrection=0.1)
+    O.engines = cd_engine.engines()
     O.dt = cd_engine.timeStep(speed=math.sqrt(load * height / O.bodies[lid].state.mass))  # as if load times height became kinetic energy
 O.engines = O.engines + [
     PyRunner(command="plot.addData(t=O.time, height=O.bodies[lid].state.pos[1], floor=-O.forces.f(floor)[1])", virtPeriod=0.01),
