@@ -6,6 +6,8 @@ JOBS    ?= $(shell env -u OMP_NUM_THREADS nproc)
 # FULL=1: the full tables, hours; stop and start again at will. STUDY=name: one study only.
 FULL    ?=
 STUDY   ?=
+# HOURS=3: end a run that takes longer; the next call continues it.
+HOURS   ?=
 REPORT  ?= figures/report.html
 # PUBLISHED=1: make report of the committed full run, without any run here.
 PUBLISHED ?=
@@ -28,7 +30,7 @@ help: ## this list
 	@echo 'Every target installs the Debian packages that it needs and builds the engine where that is out of date.'
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo 'Settings: FULL=1 the whole tables, hours, to be stopped and started again at will; STUDY="fig3 fig4" some studies only;'
-	@echo '          PUBLISHED=1 with make report: of the committed run; JOBS=1 one run at a time.'
+	@echo '          PUBLISHED=1 with make report: of the committed run; JOBS=1 one run at a time; HOURS=3 with make study: none longer.'
 
 deps: ## install the Debian packages that are missing
 	@.ci/install-packages run
@@ -37,7 +39,7 @@ build: deps ## compile the engine
 	@flock cd_engine $(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
 
 study: build ## prepare packings, run MD and CD, draw the figures: a first version in about 8 minutes; FULL=1, STUDY=fig3
-	$(PYTHON) -m analysis study --run $(extent) $(STUDY) --jobs $(JOBS)
+	$(PYTHON) -m analysis study --run $(extent) $(STUDY) --jobs $(JOBS) $(if $(HOURS),--hours $(HOURS))
 
 report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1
 	@$(PYTHON) -m analysis report $(if $(PUBLISHED),--published analysis/published,$(extent)) -o $(REPORT)

@@ -39,7 +39,7 @@ def _parser():
     study = command("study", _study, "figure, summary table and provenance of studies")
     study.add_argument("names", nargs="*", metavar="NAME", help="studies (default: all)")
     study.add_argument("--run", dest="rows", action="store_true", help="first make the runs that have no result yet")
-    commands.add(study, "--jobs")
+    commands.add(study, "--jobs", "--hours")
     table = command("table", _table, "the rows of a study as a table for yade-batch")
     table.add_argument("name", metavar="NAME")
     charts = command("charts", _charts, "charts of speed against accuracy and maps of stability, from what `make charts` has measured")
@@ -79,7 +79,7 @@ def _study(options):
         raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name another folder")
     results.make(figures, "figures")
     if options.rows:
-        return make_study.run(names, options.full, options.results, figures, options.jobs) or (commands.MISTAKE if broken else 0)
+        return make_study.run(names, options.full, options.results, figures, options.jobs, options.hours) or (commands.MISTAKE if broken else 0)
     left = publish.publish_all(names, figures, options.results, options.full)
     for name in names:
         if name in left:

@@ -7,7 +7,7 @@ from yade_scripts import batch, commands, results
 from yade_scripts.running import locks
 
 
-def run(names, full, folder, figures, jobs):
+def run(names, full, folder, figures, jobs, hours):
     """Run and draw the studies. Return 0, or 1 if a row failed or a figure could not be drawn."""
     rows = {name: [results.path_of(row, folder) for row in studies.rows(name, full)] for name in names}
     left, drawn, failed_figures = {name: set(paths) for name, paths in rows.items()}, [], []
@@ -32,7 +32,7 @@ def run(names, full, folder, figures, jobs):
     try:
         queue = batch.jobs_of([row for name in names for row in studies.module(name).ROWS["full" if full else "quick"]], folder)
         print(f"{', '.join(names)}: ", end="")
-        failed = batch.work_off(queue, jobs, ended)
+        failed = batch.work_off(queue, jobs, ended, hours)
     except OSError as error:
         print(f"study: {error}: finished runs are kept; {commands.cure(error)} and give the same command again.", file=sys.stderr)
         return 1

@@ -1,12 +1,13 @@
 """Runs every row of tables, several at a time, each in a YADE process of its own; finished rows are skipped.
 
-    /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2] [--share INDEX/TASKS]
+    /usr/bin/python3 yade_scripts/batch.py TABLE.txt [--jobs 2] [--hours 3] [--share INDEX/TASKS]
 
 A row counts as finished if its result file says so. Rows that need the same packing prepare it once. Two calls at the same time
 share the rows. When a call ends, even by kill -9, its runs end with it; the same command then runs the rows that have not finished.
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 128 + n ended by signal n.
 """
 import argparse
+import math
 import pathlib
 import sys
 
@@ -58,8 +59,9 @@ def counted(jobs, finished):
     return f"{len(jobs)} run{'s' * (len(jobs) != 1)}, {len(finished)} finished before"
 
 
-def work_off(jobs, at_once, ended=lambda path: None):
-    """Run the jobs that have not finished; return the paths of failed ones. Call ended(path) for each result file that will not change any more."""
+def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):
+    """Run the jobs that have not finished; return the paths of those that still have not. Call ended(path) for each result file that will not change
+    any more. hours: a run that takes longer is ended; the next call continues it."""
     endings = {job: results.ending(job.path) for job in jobs}
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
     print(counted(jobs, finished), flush=True)
@@ -74,9 +76,11 @@ def work_off(jobs, at_once, ended=lambda path: None):
             failed.append(job.path)
         ended(job.path)
 
-    queue.run([job for job in jobs if job not in finished], at_once, note)
+    queue.run([job for job in jobs if job not in finished], at_once, note, hours)
     for path in failed:
-        print(f"batch: {path}: {results.status(path) or 'failed: see its log'}", file=sys.stderr)
+        late = any(job.late for job in jobs if job.path == path)
+        print(f"batch: {path}: " + (f"not finished within {hours:g} hours: the same command continues it from its last checkpoint" if late else
+                                    results.status(path) or "failed: see its log"), file=sys.stderr)
     return failed
 
 
@@ -90,13 +94,13 @@ def share(text):
 
 @commands.command("batch")
 def main(arguments=None):
-    parser = commands.parser(__doc__, "tables", "--jobs", "--results")
+    parser = commands.parser(__doc__, "tables", "--jobs", "--hours", "--results")
     parser.add_argument("--share", type=share, default="0/1", metavar="INDEX/TASKS",
                         help="run every TASKS-th row only, beginning with row INDEX, counted from 0: the task of a cluster")
     options = parser.parse_args(arguments)
     jobs = jobs_of([row for path in options.tables for row in tables.read(path).values()][options.share], options.results)
     try:
-        return 1 if work_off(jobs, options.jobs) else 0
+        return 1 if work_off(jobs, options.jobs, hours=options.hours) else 0
     except OSError as error:
         print(f"batch: {error}: finished runs are kept; {commands.cure(error)} and give the same command again.", file=sys.stderr)
         return 1

@@ -20,11 +20,13 @@ def parser(doc, *shared, **more):
 
 
 def add(options, *shared):
-    """Return a parser with arguments that several commands have: "row", "tables", "--results", "--jobs"."""
+    """Return a parser with arguments that several commands have: "row", "tables", "--results", "--jobs", "--hours"."""
     known = {"row": dict(nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters"),
              "--results": dict(metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)"),
              "tables": dict(nargs="+", metavar="TABLE", help="tables in yade-batch's format"),
-             "--jobs": dict(type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)")}
+             "--jobs": dict(type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)"),
+             "--hours": dict(type=positive, default=math.inf, metavar="H", help="end a run that takes longer; the same command continues it from its "
+                             "last checkpoint (default: no limit)")}
     for name in shared:
         options.add_argument(name, **known[name])
     return options

@@ -26,7 +26,7 @@ PROGRAMS = {
     "run": ("yade_scripts.run", ["execute"], ["--checkpoints=3", "--checkpoints=x", "--results={folder}"]),
     "prepare": ("yade_scripts.preparing.prepare", ["ensure"], []),
     "accuracy": ("yade_scripts.accuracy", ["search"], ["accuracy=1e-3", "accuracy=x", "accuracy=-1", "accuracy=nan"]),
-    "batch": ("yade_scripts.batch", ["work_off"], ["--jobs", "2", "--share", "0/2", "--results", "{folder}"]),
+    "batch": ("yade_scripts.batch", ["work_off"], ["--jobs", "2", "--hours", "3", "--share", "0/2", "--results", "{folder}"]),
     "sweep": ("yade_scripts.cluster.sweep", ["Sweep"], ["--minutes", "--retries", "--sbatch", "--at-once", "--seconds", "5"]),
     "regression": ("yade_scripts.measuring.regression", ["compare"], ["--quick", "--full", "--record", "{folder}/new.json"]),
     "measuring": ("yade_scripts.measuring.__main__", ["queue.run"], ["--quick", "--full", "--only", "stack", "servo", "--jobs", "2"]),

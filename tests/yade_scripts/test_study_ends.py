@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from yade_scripts import parameters, results, tables
+from yade_scripts import batch, parameters, results, tables
 from yade_scripts.running import locks, queue
 
 from .conftest import SCRIPTS
@@ -150,3 +150,14 @@ def test_a_packing_whose_preparation_is_killed_is_prepared_by_the_next(yade_else
     first.wait()
     state, record = yade_elsewhere.prepare("disks=20")
     assert state.exists() and record["sha256"]
+
+
+def test_a_run_that_takes_too_long_ends_and_goes_on_later(table, capsys):
+    """A fifth of a second is enough to start a process, not to finish a run. Without a limit both finish."""
+    folder = str(table.parent / "results")
+    assert batch.main([str(table), "--results", folder, "--hours", str(0.2 / 3600)]) == 1
+    said = capsys.readouterr()
+    assert said.out.count("ended, since it took longer than") == 2 and not runs_in(folder)
+    assert said.err.count("hours: the same command continues it from its last checkpoint") == 2
+    assert batch.main([str(table), "--results", folder]) == 0
+    assert all(results.finished(path) for path in paths(table))

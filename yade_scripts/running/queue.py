@@ -3,6 +3,7 @@
 Every run has a process and a log of its own. It uses one thread, since runs with several threads are not repeatable. The kernel ends the runs when
 the process that started them ends, even by kill -9.
 """
+import math
 import os
 import pathlib
 import signal
@@ -30,12 +31,14 @@ class Job:
 
     def __init__(self, script, arguments, log):
         self.script, self.arguments, self.log, self.process = script, [str(word) for word in arguments], pathlib.Path(log), None
+        self.began, self.late = math.nan, False  # when the process began, of time.monotonic() [s]; whether it has been ended for taking too long
 
     def start(self, mode="w"):
         self.log.parent.mkdir(parents=True, exist_ok=True)
         with open(sealed.regular(self.log), mode, encoding="utf-8") as log:
             self.process = subprocess.Popen([*WITH_ME, "yade", "-n", "-x", "-j", "1", str(SCRIPTS / self.script), *self.arguments],
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment())
+        self.began = time.monotonic()
 
     def elsewhere(self):
         """Tell whether another process does this job already."""
@@ -58,8 +61,11 @@ class Job:
         return f"ended with {self.process.returncode}"
 
 
-def run(jobs, at_once, ended=lambda job: None):
-    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. However this function ends, it ends the runs."""
+def run(jobs, at_once, ended=lambda job: None, hours=math.inf):
+    """Run all jobs in their order, `at_once` at a time, and call ended(job) after each. However this function ends, it ends the runs.
+
+    hours: a run that takes longer is ended, too.
+    """
     waiting, running, told = list(jobs), [], time.monotonic()
     bar = tqdm(total=len(waiting), unit="run", disable=not sys.stderr.isatty())
     try:
@@ -70,14 +76,18 @@ def run(jobs, at_once, ended=lambda job: None):
                 job.start()
                 running.append(job)  # only once it has a process, since a signal may come in between
             time.sleep(0.1)
+            for job in running:
+                if time.monotonic() - job.began > 3600 * hours and not job.late and job.process.poll() is None:
+                    job.late = True
+                    job.process.kill()
             for job in [job for job in running if job.process.poll() is not None]:
-                if job.again():
+                if not job.late and job.again():
                     job.start("a")
                     continue
                 running.remove(job)
                 bar.update()
                 with bar.external_write_mode(file=sys.stdout):
-                    print(f"{job.log.stem}: {job.outcome()}", flush=True)
+                    print(f"{job.log.stem}: {f'ended, since it took longer than {hours:g} hours' if job.late else job.outcome()}", flush=True)
                 ended(job)
             if running and time.monotonic() - told > SECONDS:
                 told = time.monotonic()
