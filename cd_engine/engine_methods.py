@@ -35,8 +35,9 @@ def text(engine):
              f"gravity {tuple(engine.gravity)} m/s^2{sweeps}"]
     if not engine.steps:
         return "\n".join(lines + ["No step yet."])
-    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {engine.solvedBy}), tolerance "
-                 f"{engine.stepTolerance:g}; error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
+    by = engine.solvedBy if engine.iterations else "the forces of the step before"
+    lines.append(f"Last step: {engine.status} after {engine.iterations} iterations (solved by {by}), tolerance {engine.stepTolerance:g}; "
+                 f"error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
     if engine.unsolvableContact:
         first, second = engine.unsolvableContact
         lines.append(f"  no velocities keep bodies #{first} and #{second} from overlapping" if engine.status == "no_solution" else

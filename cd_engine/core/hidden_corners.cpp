@@ -7,9 +7,6 @@ namespace {
 
 	constexpr double flush = 1e-6; // of a disk's radius: a corner that stands out by less is no obstacle
 
-	// Whether no force changes the motion of a body, so that it is known before the step is solved.
-	bool isGuided(const Body& b) { return b.inverseMass[0] == 0 && b.inverseMass[1] == 0 && b.inverseMass[2] == 0; }
-
 	// The velocity of a point of a body along n.
 	double speedOf(const Body& b, const Place& at, Vector point, Vector n)
 	{

@@ -7,8 +7,6 @@
 namespace cd {
 namespace {
 
-	bool isImmobile(const Body& b) { return b.inverseMass[0] == 0 && b.inverseMass[1] == 0 && b.inverseMass[2] == 0; }
-
 	// Whether a body does not move and all that a step reads of it is as before; forces only where they have an effect.
 	bool rests(const Body& b, const Body& c)
 	{
@@ -44,7 +42,7 @@ void Sleepers::look(World& world)
 	for (std::size_t i = 0; i < of.size(); i++) {
 		const auto body = static_cast<int32_t>(i);
 		const Body& now = world.bodies[i];
-		const bool immobile = isImmobile(now);
+		const bool immobile = isGuided(now);
 		if (of[i] == awake && !immobile)
 			continue;
 		const bool same = rests(now, bodies[i]) && (now.radius > 0 || allOf(world.shapes[i]) == allOf(shapes[i]));

@@ -60,7 +60,7 @@ TimeStep::Begun TimeStep::beginBodies(const World& world, double dt)
 	places.resize(count);
 	ways.resize(count);
 	const auto begin = [&](size_t from, size_t to) {
-		Begun begun { false, known };
+		Begun begun { false, known, false };
 		for (size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
 			begun.sameMasses = begun.sameMasses && std::equal(b.inverseMass, b.inverseMass + 3, system.bodies[i].w);
@@ -69,11 +69,12 @@ TimeStep::Begun TimeStep::beginBodies(const World& world, double dt)
 			system.places[i] = { places[i].x, places[i].y };
 			ways[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
 			begun.turns = begun.turns || (b.radius == 0 && system.bodies[i].v[2] != 0);
+			begun.guides = begun.guides || (b.radius > 0 && isGuided(b));
 		}
 		return begun;
 	};
 	return reduceRanges<Begun>(&threads, count, begin, [](const Begun& a, const Begun& b) {
-		return Begun { a.turns || b.turns, a.sameMasses && b.sameMasses };
+		return Begun { a.turns || b.turns, a.sameMasses && b.sameMasses, a.guides || b.guides };
 	});
 }
 
@@ -383,6 +384,12 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, const Be
 		    rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
+	if (begun.guides) { // no force keeps two guided bodies apart: such pairs have contacts, but their overlap means nothing
+		deepest = 0;
+		for (std::size_t i = 0; i < rows; i++)
+			if (const Pair& pair = world.pairs[rowPair[i]]; !isGuided(world.bodies[pair.a]) || !isGuided(world.bodies[pair.b]))
+				deepest = std::max(deepest, -gapOf(world, rowPair[i]));
+	}
 	const bool same = known && all.same;
 	system.contactSet += !same;
 	listing = world.listing;

@@ -118,7 +118,7 @@ class TimeStep : RowSource {
 	static void free(const Body&, double dt, BodyVelocity&);
 	void freeAgain(const World&, double dt);
 	struct Begun {
-		bool turns, sameMasses;
+		bool turns, sameMasses, guides; // guides: there is a disk that no force moves
 	};
 	Begun beginBodies(const World&, double dt);
 	void noteLoads(const World&, const StepSettings&);

@@ -33,6 +33,9 @@ struct Body {
 	double friction = 0; // coefficient of friction of the surface; a pair uses the smaller of its two
 };
 
+// Whether no force changes the motion of a body, so that it is known before the step is solved.
+inline bool isGuided(const Body& b) { return b.inverseMass[0] == 0 && b.inverseMass[1] == 0 && b.inverseMass[2] == 0; }
+
 // Two bodies near each other. If one of them is a boundary, it is `a`. Two boundaries never touch.
 struct Pair {
 	int32_t a, b;

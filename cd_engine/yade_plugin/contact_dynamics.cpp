@@ -232,6 +232,9 @@ void ContactDynamics::advance()
 	if (restitution > 0 && gapCorrection > 0)
 		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
 		    "Set one of them to 0. A smaller O.dt reduces overlaps.");
+	if (const std::string& late = others.lateDriver(); !late.empty())
+		link.tell(late + " stands after it in O.engines, so the motion that it sets comes a step late.",
+		    "Put it between ForceResetter and ContactDynamics.");
 	const bool tracks = scene_trackEnergy(scene);
 	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
 	cd::StepReport made = step(link.world, settings);

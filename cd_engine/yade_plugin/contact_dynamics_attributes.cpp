@@ -21,7 +21,8 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("gravity", &C::gravity, setting, "Acceleration acting on every free body [m/s^2], in the plane (x, y).");
 	visit("tolerance", &C::tolerance, Access { Access::set, 0, 1, true },
 	    "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
-	    "acts on a single body. If *flowTolerance* is larger, this is for steps in which everything rests. Assigning it sets *flowTolerance* to "
+	    "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
+	    "*flowTolerance* to "
 	    "0.");
 	visit("flowTolerance", &C::flowTolerance, within(0, 1),
 	    "If larger than *tolerance*: tolerance of steps in which bodies have flowed or collided in the steps before; if they move slowly, a "

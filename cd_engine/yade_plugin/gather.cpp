@@ -83,7 +83,8 @@ void SceneLink::tellOfFalls()
 			if (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))
 				tell(text("body #", upper, " is a boundary that ", falls ? "gravity" : "its velocity or a force",
 					 " moves onto another: Box and Wall never touch each other."),
-				    text("It will pass through body #", lower, ". To prevent this, block its motion (state.blockedDOFs)."));
+				    text("It will pass through body #", lower,
+					". To prevent this, block its motion (state.blockedDOFs), or leave a gap between the two."));
 		}
 	}
 	if (falling >= 0 && held == 0)

@@ -85,6 +85,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	std::vector<Other> seen;
 	std::string problem;
 	bool resets = false, before = true;
+	late.clear();
 	Shared<yade::Engine> found;
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
@@ -98,6 +99,8 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
+			if (!before && isA(name, "KinematicEngine"))
+				late = name;
 			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
 				problem = reason;
 		}

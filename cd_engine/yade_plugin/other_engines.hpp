@@ -27,6 +27,9 @@ class OtherEngines {
 	// The bodies whose velocities other engines set in every step, by the bodies' positions alone.
 	const std::vector<int>& drivenBodies();
 
+	// The class of an engine that sets motions but stands after `self`; empty: there is none.
+	const std::string& lateDriver() const { return late; }
+
 	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void restCollider(yade::Scene*);
 	// Switches it on again.
@@ -49,6 +52,7 @@ class OtherEngines {
 
 	std::vector<Other> others; // all engines, at the last check
 	bool weighed = false; // whether Contact Dynamics added the weights then
+	std::string late;
 	std::vector<int> driven;
 	long changedAt = -1; // iteration of the last check that found a changed list
 	Shared<yade::Engine> collider;

@@ -26,15 +26,19 @@ std::string ContactDynamics::unsolved() const
 		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
 		    " from overlapping. Look for boundaries that move towards each other with disks between them; one that is to press with a force "
 		    "needs a mass, free directions and O.forces.setPermF instead of a velocity. Do not trust the steps that follow.");
+	const std::string doubt = unsolvableContact.empty()
+	    ? ""
+	    : text(" It may have no solution; bodies #", unsolvableContact[0], " and #", unsolvableContact[1], " speak most against one.");
+	if (residual <= stepTolerance && bodyError <= stepTolerance)
+		return text(begin, "the error of the contact law, relative to all impulses, and that of the bodies are within the tolerance of ",
+		    stepTolerance, ", but ", doubt.empty() ? "the error weighted by W_nn is not." : "contacts close that should not.", doubt,
+		    " Take a smaller O.dt.");
 	return text(begin, "the error of the contact law is ", residual, ", relative to all impulses",
 	    worstBody < 0 ? ""
 			  : text(", and the velocity change of body #", worstBody, " may be wrong by ", bodyError, ", relative to what acts on it"),
 	    "; the tolerance is ", stepTolerance, ". ",
 	    status == "stagnated" ? "More iterations do not help: set a larger tolerance" : "Raise maxIterations or set a larger tolerance",
-	    ", or take a smaller O.dt.",
-	    unsolvableContact.empty()
-		? ""
-		: text(" It may have no solution; bodies #", unsolvableContact[0], " and #", unsolvableContact[1], " speak most against one."));
+	    ", or take a smaller O.dt.", doubt);
 }
 
 // Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).
@@ -150,8 +154,9 @@ void ContactDynamics::watchPenetration(double before) const
 	else if (stepTolerance > loose)
 		remedy = "It grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4 or less";
 	else if (gapCorrection == 0)
-		remedy = "It grew step by step, since solver errors within the tolerance add up, a boundary changes its velocity, or disks grow: set "
-			 "gapCorrection=0.1, which removes overlaps, or lower tolerance";
+		remedy
+		    = "It grew step by step, since solver errors within the tolerance add up, a boundary changes its velocity (by the change times "
+		      "O.dt/2), or disks grow: set gapCorrection=0.1, which removes overlaps, take a smaller O.dt, or lower tolerance";
 	else
 		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "

@@ -182,3 +182,24 @@ def test_allowed_overlap_is_a_share_of_the_smaller_disk(O, radii, turns):
     plane.run(1, 1e-3, handover=False, gapCorrection=0.5, allowedOverlap=0.05, tolerance=1e-9)
     apart = O.bodies[1].state.vel[1] - O.bodies[0].state.vel[1]
     assert apart == pytest.approx(0.5 * (0.001 - 0.05 * 0.01) / 1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("handover", [True, False])
+def test_fixed_disks_may_overlap_what_is_fixed(O, capfd, handover):
+    """A rough floor: fixed disks half sunk in a fixed box, and into each other. Only the overlap of the disk that rests on them counts."""
+    mat = plane.material()
+    plane.box((0, -0.05), (0.1, 0.05), mat=mat)
+    for k in range(-4, 5):
+        plane.disk((0.015 * k, 0), 0.01, blocked="xyzXYZ", mat=mat)
+    plane.disk((0.0075, 0.01853), 0.01, mat=mat)
+    engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0), handover=handover)
+    assert engine.loadedContacts == 2 and engine.converged
+    assert engine.deepestPenetration < 1e-5 and capfd.readouterr().err == ""
+
+
+def test_fixed_disks_may_be_driven_into_what_is_fixed(O, capfd):
+    mat = plane.material()
+    plane.box((0, -0.05), (0.1, 0.05), mat=mat)
+    plane.disk((0, 0.02), 0.01, blocked="xyzXYZ", velocity=(0, -0.1), mat=mat)
+    engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0))
+    assert engine.deepestPenetration == 0 and capfd.readouterr().err == ""

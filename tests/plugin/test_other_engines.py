@@ -178,3 +178,16 @@ def test_forces_before_it_act(O):
     O.dt = 1e-3
     O.run(10, True)
     assert O.bodies[1].state.vel[0] == pytest.approx(3 * 10 * 1e-3)
+
+
+def test_an_engine_that_moves_bodies_after_it_is_told(O, capfd):
+    """Its motion comes a step late. Before ContactDynamics it is welcome."""
+    for after in False, True:
+        O.reset()
+        reset, collider, engine = plane.disk_on_a_floor()
+        drive = wrapper.HarmonicMotionEngine(ids=[0], A=(0, 1e-3, 0), f=(0, 5, 0), fi=(0, 0, 0))
+        O.engines = [reset, collider, engine, drive] if after else [reset, collider, drive, engine]
+        O.dt = 1e-3
+        O.run(5, True)
+        said = capfd.readouterr().err
+        assert said.count("HarmonicMotionEngine stands after it in O.engines, so the motion that it sets comes a step late. Put it") == after
