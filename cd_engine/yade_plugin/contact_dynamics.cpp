@@ -202,6 +202,7 @@ void ContactDynamics::advance()
 		{
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
+			noteUnrest({});
 		}
 		if (scene_trackEnergy(scene))
 			track(energyOf(link.world, weighs).kinetic, 0, 0);

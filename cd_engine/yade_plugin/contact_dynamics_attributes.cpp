@@ -22,13 +22,11 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("tolerance", &C::tolerance, Access { Access::set, 0, 1, true },
 	    "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
 	    "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
-	    "*flowTolerance* to "
-	    "0.");
+	    "*flowTolerance* to 0.");
 	visit("flowTolerance", &C::flowTolerance, within(0, 1),
-	    "If larger than *tolerance*: tolerance of steps in which bodies have flowed or collided in the steps before; if they move slowly, a "
-	    "tenth "
-	    "of it or less, but at least *tolerance* [1]. 0: *tolerance* holds in every step. :py:func:`cd_engine.engines` sets it to 1e-4 if it is "
-	    "given no tolerance. Assign it after *tolerance*.");
+	    "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided; if they moved slowly, a tenth of it or less, but "
+	    "at least *tolerance* [1]. 0: *tolerance* holds in every step. :py:func:`cd_engine.engines` sets it to 1e-4 if it is given no "
+	    "tolerance. Assign it after *tolerance*.");
 	visit("maxIterations", &C::maxIterations, within(1, most),
 	    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
 	    "solved.");
@@ -87,8 +85,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may have the largest error; -1: none.");
 	visit("unsolvableContact", &C::unsolvableContact, result,
 	    "Ids of the two bodies of the contact that speaks most against a solution, if *status* is no_solution or a doubt remains. Example of "
-	    "such a step: a disk between "
-	    "two walls that move towards each other.");
+	    "such a step: a disk between two walls that move towards each other.");
 	visit("converged", &C::converged, result,
 	    "Whether the last step is solved: the contact law holds to *stepTolerance*, relative to all impulses (*residual*), and the velocity "
 	    "change of every body is right to *stepTolerance*, relative to what acts on that body (*bodyError*).");

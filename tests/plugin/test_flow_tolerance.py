@@ -109,6 +109,22 @@ def test_both_tolerances_in_either_order(O):
         assert (engine.tolerance, engine.flowTolerance) == (1e-7, 1e-3)
 
 
+def test_the_tolerance_falls_while_all_sleep(O):
+    """Steps that are skipped, since nothing can change, count like those that are made."""
+    def after(publish):
+        O.reset()
+        plane.floor(plane.material(0.5))
+        for x in 0, 0.05:
+            plane.disk((x, 0.0101), 0.01)
+        engine = settings(O, publish=publish)
+        O.run(60, True)
+        assert engine.sleeping == engine.islands == 2 and engine._unrest > 1e-4
+        O.run(100, True)
+        return engine._unrest
+
+    assert 0 < after("due") == after("always") < 1e-6
+
+
 def test_the_ways_to_make_a_step_choose_the_same_tolerance(O, tmp_path):
     """publish, reduce, threads and a saved scene: the same bits."""
     def after(saved=False, **asked):
