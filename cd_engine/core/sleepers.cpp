@@ -21,10 +21,10 @@ namespace {
 
 } // namespace
 
-void Sleepers::wakeAll(World& world)
+void Sleepers::wakeAll(World& world, const char* why)
 {
 	if (!none())
-		last = { "settings, or which bodies are near each other, have changed", -1 };
+		last = { why, -1 };
 	of.clear();
 	list.clear();
 	pushed.clear();

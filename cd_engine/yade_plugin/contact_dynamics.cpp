@@ -212,7 +212,7 @@ void ContactDynamics::advance()
 	others.check(this, scene, weighs != Vector3r::Zero());
 	cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
-		step.sleepers.wakeAll(link.world);
+		step.sleepers.wakeAll(link.world, "settings have changed");
 	last = settings;
 	lastTolerances = { tolerance, flowTolerance };
 	link.world.apart = others.maskApart();
