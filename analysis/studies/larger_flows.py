@@ -52,7 +52,8 @@ def numbers(table):
     soft, falling = md[md.setting == MIDDLE["kn"]], md.loc["collapse"]
     dearer = falling.seconds / fine.seconds["collapse"]
     return {"8.5": [gain["hopper"], high["hopper"]], "15.1": gain["drum"], "25.2": gain["filling"],
-            "0.1": [flows.OVERLAP, 100 * fine.error.abs().min()], "1.5": 100 * table[~table.is_rigid_answer].error_deviation.max(), "41": share["hopper"], "45": share["drum"], "96": share["filling"],
+            "0.1": [flows.OVERLAP, 100 * fine.error.abs().min()], "1.5": 100 * table[~table.is_rigid_answer].error_deviation.max(),
+            "41": share["hopper"], "45": share["drum"], "96": share["filling"],
             "5.8": [low["hopper"], dearer.max()], "6.4": low["drum"], "20.0": [high["drum"], low["filling"]], "32.6": high["filling"],
             **summary.stated("4.5 4.9", 100 * falling.error), "3.2": dearer.min(),
             "1.8": 100 * fine.error.abs().max(), **summary.stated("0.6 3.3", 100 * coarser.error.abs()), **summary.stated("27 278", coarser.sweeps),
