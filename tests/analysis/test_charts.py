@@ -115,6 +115,8 @@ def test_recommend_for_a_flow(published, capsys):
     assert main([*published, "--scene", "filling", "--accuracy", "0.02"]) == 0
     said = capsys.readouterr().out
     assert "filling, height of 500 disks to 0.02: CD" in said and "standard error" in said and "MD, kn=" in said
+    assert main([*published, "--scene", "collapse", "--accuracy", "0.02"]) == 0
+    assert "MD: not reached; the nearest is off by 2.3 %" in capsys.readouterr().out
     assert main([*published, "--scene", "filling", "--accuracy", "1e-6"]) == 2
     assert "no measured setting reaches an accuracy of 1e-06" in capsys.readouterr().err
 
