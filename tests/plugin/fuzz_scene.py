@@ -69,7 +69,9 @@ def settings(r):
     drawn = {"tolerance": 10 ** r.uniform(-8, -4), "method": r.choice(METHODS), "reduce": rarely(True, False), "warmStart": rarely(True, False),
              "maxIterations": rarely(20000, 1, 50), "fixedIterations": rarely(0, 30), "gapCorrection": rarely(0, 0.2, 1.0),
              "seed": rarely(0, 5), "searchMargin": r.choice((0.1, 0.1, 0.02, 1.0))}
-    return drawn | {"allowedOverlap": 1e-3 if drawn["searchMargin"] == 0.1 else 0.0}  # no draw of its own: the scenes of all seeds stay
+    # No draws of their own: the scenes of all seeds stay.
+    return drawn | {"allowedOverlap": 1e-3 if drawn["searchMargin"] == 0.1 else 0.0,
+                    "flowTolerance": 1e-3 if drawn["searchMargin"] == 0.02 else 0.0}
 
 
 def gaps_of(k):

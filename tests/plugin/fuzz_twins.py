@@ -126,7 +126,7 @@ def _compare(run):
         compared += 1
         blocked = np.array([[dof in b["blocked"] for dof in "xyZ"] for b in bodies])
         off = np.where(blocked, 0, masses * np.abs(v - first))
-        allowed = (SLACK_WHOLE * settings["tolerance"] * np.maximum(acts, acts_too)[:, None] * sizes
+        allowed = (SLACK_WHOLE * max(settings["tolerance"], settings["flowTolerance"]) * np.maximum(acts, acts_too)[:, None] * sizes
                    + 1e-9 * masses * (np.abs(v) + np.abs(first)).max())
         run.watch.hold(f"the same scene {name}", off.ravel(), allowed.ravel(),
                        lambda i: f"body #{i // 3} ({bodies[i // 3]['kind']}), {'x y turn'.split()[i % 3]}")
