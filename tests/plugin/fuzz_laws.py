@@ -31,6 +31,11 @@ UNSURE = object()  # stands for an exact solution that round-off has spoilt
 STATUS = {"converged", "fixed_iterations", "max_iterations", "stagnated", "no_solution"}
 
 
+def tolerance_of(cd):
+    """The tolerance of the last step; a test may pretend another one."""
+    return cd.stepTolerance if cd.flowTolerance > 0 else cd.tolerance
+
+
 class Broken(AssertionError):
     """A law that a step has broken."""
 
@@ -73,7 +78,7 @@ class Watch:
         if not share[worst] <= 1:
             cd = engine()
             raise Broken(f"{law}: {what(worst)}: {found[worst]:.3g}, allowed {allowed[worst]:.3g}; step {yade.O.iter}, dt {self.picture.dt:g}, "
-                         f"{cd.method}, tolerance {cd.stepTolerance:g}, status {cd.status}, error {cd.residual:.3g}")
+                         f"{cd.method}, tolerance {tolerance_of(cd):g}, status {cd.status}, error {cd.residual:.3g}")
 
     def _look(self, cd):
         self.steps += 1
@@ -82,7 +87,7 @@ class Watch:
         self.v, self.x = _motion(len(p.kind))
         if not (np.isfinite(self.v).all() and np.isfinite(self.x).all()):
             raise Broken(f"a number that is not finite at step {yade.O.iter}, status {cd.status}")
-        solved = max(cd.residual, cd.bodyError) <= cd.stepTolerance if cd.fixedIterations > 0 else cd.status == "converged"
+        solved = max(cd.residual, cd.bodyError) <= tolerance_of(cd) if cd.fixedIterations > 0 else cd.status == "converged"
         if cd.status not in STATUS or (cd.converged and not solved) or (cd.fixedIterations == 0 and cd.converged != solved):
             raise Broken(f"status {cd.status}, converged {cd.converged}, error {cd.residual:.3g} do not agree at step {yade.O.iter}")
         # A solution that closes contacts which were left out is solved again with them, with a tenth more iterations (README).
@@ -102,8 +107,8 @@ class Watch:
             self._exact(cd)
             if cd.gapCorrection == 0:
                 self._energy(cd)
-        if cd.converged and not cd.residual <= cd.stepTolerance * (1 + 1e-6):  # parts at the limit: their sum is rounded
-            raise Broken(f"converged with the error {cd.residual:.3g}, tolerance {cd.stepTolerance:.3g}, {cd.method}, at step {yade.O.iter}")
+        if cd.converged and not cd.residual <= tolerance_of(cd) * (1 + 1e-6):  # parts at the limit: their sum is rounded
+            raise Broken(f"converged with the error {cd.residual:.3g}, tolerance {tolerance_of(cd):.3g}, {cd.method}, at step {yade.O.iter}")
         self.unsolved += not cd.converged
 
     def _find_pairs(self, cd):
@@ -273,7 +278,7 @@ class Watch:
         given = ((row ** 2 * self.inverse).sum(axis=2) * acts).sum(axis=1)
         size = sum((np.abs(row) * np.stack([u[self.a], u[self.b]], axis=1)).sum(axis=(1, 2)) for u in (np.abs(p.v), np.abs(self.v)))
         missed = np.maximum(SLACK * given, SINGLE * coupling * self.typical)
-        return cd.stepTolerance * missed + 64 * EPS * (size + given + np.abs(self.bias) + self.extent / p.dt)
+        return tolerance_of(cd) * missed + 64 * EPS * (size + given + np.abs(self.bias) + self.extent / p.dt)
 
     def _contact_law(self, cd):
         """Signorini's and Coulomb's law in the velocities after the step: of each pair of complementary numbers one is zero to the tolerance."""
@@ -316,7 +321,7 @@ class Watch:
         bend = self._bend()
         acts = np.stack([self.acts[a], self.acts[b]], axis=1)
         missed = np.maximum(SLACK * (acts * self.inverse.max(axis=2)).sum(axis=1), SINGLE * (1 + self.mu) * self.typical)
-        allowed = h * cd.stepTolerance * missed + 64 * EPS * (self.extent + reach)
+        allowed = h * tolerance_of(cd) * missed + 64 * EPS * (self.extent + reach)
         # The others stay above their tangent.
         tangent = geometric + h * np.minimum(0, self._relative(self.rows[0], self.v))
         some = np.flatnonzero((geometric < reach) & (tangent < -before - allowed) & self.gives)
@@ -351,7 +356,7 @@ class Watch:
             return
         row_n, row_t = (row[k] for row in self.rows)
         limit = self.mu[k] * self.pn[k]
-        sticks = limit - np.abs(self.pt[k]) > SLACK * cd.stepTolerance * np.minimum(
+        sticks = limit - np.abs(self.pt[k]) > SLACK * tolerance_of(cd) * np.minimum(
             *(np.where(p.w[body[k]].any(axis=1), self.acts[body[k]], np.inf) for body in (self.a, self.b)))
         given = np.where(sticks, 0, self.pt[k])
         start = self.free_v.copy()
@@ -381,7 +386,7 @@ class Watch:
         for body in (self.a, self.b):
             np.maximum.at(typical, body[k], self.typical[k])
         acts = np.maximum(self._acts_nearby(), m[:, :2].max(axis=1) * typical)
-        allowed = SLACK_WHOLE * cd.stepTolerance * acts[:, None] * arm + 1e-9 * np.sqrt(m) * largest
+        allowed = SLACK_WHOLE * tolerance_of(cd) * acts[:, None] * arm + 1e-9 * np.sqrt(m) * largest
         self.hold("the exact velocity", off.ravel(), allowed.ravel(), lambda i: f"{self.body(i // 3)}, {'x y turn'.split()[i % 3]}")
 
     def _acts_nearby(self):
