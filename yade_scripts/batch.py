@@ -74,7 +74,8 @@ def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):
     def note(job):
         if not results.finished(job.path):
             failed.append(job.path)
-        ended(job.path)
+        if not job.late:
+            ended(job.path)
 
     queue.run([job for job in jobs if job not in finished], at_once, note, hours)
     for path in failed:

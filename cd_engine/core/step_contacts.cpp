@@ -384,11 +384,10 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, const Be
 		    rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
 	assembled = rows;
-	if (begun.guides) { // no force keeps two guided bodies apart: such pairs have contacts, but their overlap means nothing
+	if (begun.guides) {
 		deepest = 0;
-		for (std::size_t i = 0; i < rows; i++)
-			if (const Pair& pair = world.pairs[rowPair[i]]; !isGuided(world.bodies[pair.a]) || !isGuided(world.bodies[pair.b]))
-				deepest = std::max(deepest, -gapOf(world, rowPair[i]));
+		for (const int32_t i : rowPair)
+			deepest = isGuided(world, world.pairs[i]) ? deepest : std::max(deepest, -gapOf(world, i));
 	}
 	const bool same = known && all.same;
 	system.contactSet += !same;

@@ -92,6 +92,10 @@ struct World {
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
 };
 
+// Whether no force can keep the two bodies of a pair apart. Such pairs have contacts, but their overlap means nothing: fixed disks that make a fixed
+// floor rough may be half sunk in it.
+inline bool isGuided(const World& world, const Pair& pair) { return isGuided(world.bodies[pair.a]) && isGuided(world.bodies[pair.b]); }
+
 // The position of a body as the contact geometry needs it. It is small, so that those of many bodies stay in the first-level cache.
 struct alignas(32) Place {
 	double x, y; // [m]

@@ -122,8 +122,8 @@ void ContactDynamics::action()
 
 // The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about the
 // tolerance times W_nn |p|. Beside the velocities of a flow this may be little where it is much beside those of a packing at rest. The energy that a
-// step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 4e-4 to 0.2 while they flow out of a silo, in a drum or in a
-// collapse. At rest, where errors alone move the disks, it is 0.02 to 0.5 tolerances, so errors do not keep the tolerance large. Powers of ten,
+// step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 2e-4 to 0.2 while they flow out of a silo, in a drum or in a
+// collapse. At rest, where errors alone move the disks, it is at most half the tolerance, so errors do not keep the tolerance large. Powers of ten,
 // because the round-off of `unrest` may depend on the way in which a step is made, and must not change the tolerance.
 double ContactDynamics::nextTolerance() const
 {

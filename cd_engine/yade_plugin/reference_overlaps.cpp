@@ -35,8 +35,8 @@ void SceneLink::takeOverlaps()
 	for (cd::Pair& pair : world.pairs) {
 		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
 		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
-		if (isGuided(world.bodies[pair.a]) && isGuided(world.bodies[pair.b]))
-			continue; // as disks that make a fixed floor rough, half sunk in it
+		if (isGuided(world, pair))
+			continue;
 		const double share = pair.reference / world.bodies[pair.b].radius;
 		if (!(share <= worst.share))
 			worst = { &pair, share };
@@ -58,10 +58,7 @@ void SceneLink::takeOverlaps()
 const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
 {
 	const std::vector<int32_t>& pairs = step.pairs();
-	const auto gap = [&](int32_t i) {
-		const cd::Pair& pair = world.pairs[i];
-		return isGuided(world.bodies[pair.a]) && isGuided(world.bodies[pair.b]) ? cd::endless : step.gapOf(world, i);
-	};
+	const auto gap = [&](int32_t i) { return isGuided(world, world.pairs[i]) ? cd::endless : step.gapOf(world, i); };
 	return world.pairs[*std::min_element(pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return gap(i) < gap(k); })];
 }
 
