@@ -102,7 +102,7 @@ struct TimeStep::Account {
 // What the impulse of a contact does.
 struct TimeStep::Effect {
 	Share share;
-	Carried carried; // its force; `since` has no meaning here
+	double nx, ny, fnx, fny, ftx, fty; // as in Carried, whose members would have to be set to 0 first
 	double mu, pn, pt;
 	double work; // [J]
 };
@@ -115,33 +115,41 @@ inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, doub
 	const double dx = b[0] - a[0], dy = b[1] - a[1];
 	const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
 	const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-	return { share(row, c), { c.nx, c.ny, { fn * c.nx, fn * c.ny }, { -ft * c.ny, ft * c.nx } }, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
+	return { share(row, c), c.nx, c.ny, fn * c.nx, fn * c.ny, -ft * c.ny, ft * c.nx, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
 }
 
-// Books the effect of a contact on its pair, its bodies and the sums.
-inline void TimeStep::book(World& world, const StepSettings& settings, size_t row, const Effect& e, Account& sum)
+// Books the effect of a contact on its pair, its bodies and the sums. Inlined, so that no effect goes through
+// memory.
+[[gnu::always_inline]] inline void TimeStep::book(
+    World& world, const StepSettings& settings, size_t row, const Effect& e, bool anyAsleep, Account& sum)
 {
 	const Share& of = e.share;
-	Carried& was = world.carried[rowPair[row]];
+	const int32_t pair = rowPair[row];
+	Carried& was = world.carried[pair];
 	if (!shares.empty())
-		shares[row] = e.pn > 0 || !sleepers.none() ? of : Share { -1, -1, 0, 0, 0, 0 };
+		shares[row] = e.pn > 0 || anyAsleep ? of : Share { -1, -1, 0, 0, 0, 0 };
 	if (e.pn <= 0)
-		return release(world.pairs[rowPair[row]], was);
-	if (!keeps(e.carried.nx, e.carried.ny, e.pn, e.pt, was, settings.dt)) {
-		const long since = was.any() ? was.since : settings.iteration;
-		was = e.carried;
-		was.since = since;
-		sleepers.disturb(of.a, of.b);
+		return release(world.pairs[pair], was);
+	if (!keeps(e.nx, e.ny, e.pn, e.pt, was, settings.dt)) {
+		was.nx = e.nx;
+		was.ny = e.ny;
+		was.fn[0] = e.fnx;
+		was.fn[1] = e.fny;
+		was.ft[0] = e.ftx;
+		was.ft[1] = e.fty;
+		was.since = was.any() ? was.since : settings.iteration;
+		if (anyAsleep)
+			sleepers.disturb(of.a, of.b);
 	}
 	if (shares.empty())
 		give(of);
-	const bool asleep = !sleepers.none() && sleepers.islandAt(of.a, of.b);
+	const bool asleep = anyAsleep && sleepers.islandAt(of.a, of.b);
 	sum.loaded += !asleep;
 	sum.sliding += !asleep && slides(e.mu, e.pn, e.pt);
 	sum.dissipated -= e.work;
 }
 
-// The same for `count` postponed contacts, at most `batch`.
+// The same for `count` postponed contacts, at most `batch`. Contacts are postponed only if nothing sleeps.
 inline void TimeStep::bookPostponed(World& world, const StepSettings& settings, double rate, size_t from, size_t count, Account& sum)
 {
 	PairEffects effects[batch / PairLanes::lanes];
@@ -155,13 +163,13 @@ inline void TimeStep::bookPostponed(World& world, const StepSettings& settings, 
 			ContactRow c = specialRows[specialOf[i]];
 			c.pn = p[2 * k];
 			c.pt = p[2 * k + 1];
-			book(world, settings, i, effectOf(i, c, rate), sum);
-		} else
-			book(world, settings, i,
-			    { { pair.a, pair.b, e.x[l], e.y[l], e.turnA[l], e.turnB[l] },
-				{ e.nx[l], e.ny[l], { e.fn[0][l], e.fn[1][l] }, { e.ft[0][l], e.ft[1][l] } }, pair.mu, p[2 * k], p[2 * k + 1],
-				e.work[l] },
-			    sum);
+			book(world, settings, i, effectOf(i, c, rate), false, sum);
+			continue;
+		}
+		const Share share { pair.a, pair.b, e.x[l], e.y[l], e.turnA[l], e.turnB[l] };
+		book(world, settings, i,
+		    { share, e.nx[l], e.ny[l], e.fn[0][l], e.fn[1][l], e.ft[0][l], e.ft[1][l], pair.mu, p[2 * k], p[2 * k + 1], e.work[l] }, false,
+		    sum);
 	}
 }
 
@@ -181,7 +189,7 @@ TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, 
 			__builtin_prefetch(&means[rows[i + ahead].a]);
 			__builtin_prefetch(&means[rows[i + ahead].b]);
 		}
-		book(world, settings, i, effectOf(i, rows[i], rate), sum);
+		book(world, settings, i, effectOf(i, rows[i], rate), !sleepers.none(), sum);
 	}
 	return sum;
 }

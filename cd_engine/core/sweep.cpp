@@ -64,16 +64,23 @@ void Sweep::store()
 		system.contacts[contact].pt = pt;
 	};
 	inEveryBlock([&](const Part& block) {
-		for (const std::size_t k : block.lanes())
-			if (packed.grouping.members[k] >= 0) {
-				const Group& g = packed.groups[k / Group::lanes];
-				store(packed.grouping.members[k], g.pn[k % Group::lanes], g.pt[k % Group::lanes]);
+		for (const std::size_t k : block.groups) {
+			const Group& g = packed.groups[k];
+			if (k + soon < block.groups.to) { // only two of its eleven lines are read
+				__builtin_prefetch(&packed.groups[k + soon].pn);
+				__builtin_prefetch(&packed.groups[k + soon].pt);
 			}
+			for (std::size_t lane = 0; lane < Group::lanes; lane++)
+				if (const int32_t contact = packed.grouping.members[k * Group::lanes + lane]; contact >= 0)
+					store(contact, g.pn[lane], g.pt[lane]);
+		}
 		for (const std::size_t i : block.loose)
 			store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
 		for (const std::size_t i : block.bodies) {
-			if (i + soon < block.bodies.to)
+			if (i + soon < block.bodies.to) {
 				__builtin_prefetch(&system.bodies[packed.bodyAt[i + soon]], 1);
+				__builtin_prefetch(&packed.inverseRadii[packed.bodyAt[i + soon]]);
+			}
 			if (packed.partition.freedom[packed.bodyAt[i]] == 0)
 				continue; // immobile: keeps its velocity
 			BodyVelocity& b = system.bodies[packed.bodyAt[i]];

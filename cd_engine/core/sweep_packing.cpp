@@ -244,8 +244,10 @@ bool Sweep::fillLoose(const Part& block)
 void Sweep::packBodies(const Part& block)
 {
 	for (const std::size_t i : block.bodies) {
-		if (i + soon < block.bodies.to)
+		if (i + soon < block.bodies.to) {
 			__builtin_prefetch(&system.bodies[packed.bodyAt[i + soon]]);
+			__builtin_prefetch(&packed.kinds[packed.bodyAt[i + soon]]);
+		}
 		const BodyVelocity& b = system.bodies[packed.bodyAt[i]];
 		packed.bodies[i].w = b.w[0];
 		packed.freeBodies[i] = { b.v[0], b.v[1], b.v[2] * packed.kinds[packed.bodyAt[i]].radius, b.pushed };

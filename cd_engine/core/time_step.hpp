@@ -167,7 +167,7 @@ class TimeStep : RowSource {
 	struct Account;
 	struct Effect;
 	Effect effectOf(std::size_t row, const ContactRow&, double rate) const;
-	void book(World&, const StepSettings&, std::size_t row, const Effect&, Account&);
+	void book(World&, const StepSettings&, std::size_t row, const Effect&, bool anyAsleep, Account&);
 	void bookPostponed(World&, const StepSettings&, double rate, std::size_t from, std::size_t count, Account&);
 	Account account(World&, const StepSettings&, double dissipated, std::size_t from, std::size_t to);
 	static bool keeps(double nx, double ny, double pn, double pt, Carried&, double dt);
