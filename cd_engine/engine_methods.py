@@ -41,7 +41,7 @@ def text(engine):
     if engine.unsolvableContact:
         first, second = engine.unsolvableContact
         lines.append(f"  no velocities keep bodies #{first} and #{second} from overlapping" if engine.status == "no_solution" else
-                     f"  there may be no solution; bodies #{first} and #{second} speak most against one")
+                     f"  there may be no solution; the strongest sign of this is the contact of bodies #{first} and #{second}")
     elif engine.worstBody >= 0 and not engine.converged:
         lines.append(f"  body #{engine.worstBody} may have the largest error of its velocity")
     lines += [

@@ -102,8 +102,8 @@ REGISTRY = {p.name: p for p in (
     Parameter("stress_path", "constant", "1", "sigma1 while sigma2 changes: constant (sigma1 = P0, eq. 1) or mean (sigma1 = 2 P0 - sigma2, so that "
               "(sigma1 + sigma2)/2 stays P0); the paper does not say which one its Fig. 3 uses", choices=("constant", "mean")),
     Parameter("ramp_rate", 0.1, "1/s", "alpha of eq. 1, read by loading=ramp only", above=0, high=1e3),
-    Parameter("period", 1.0, "s", "t0 of eq. 7; a run simulates cycles times t0. For MD gamma at 1 s and at 4 s agree within 1 % under a cosine, 4 % "
-              "under a triangle", above=0, high=1e6),
+    Parameter("period", 1.0, "s", "t0 of eq. 7; a run simulates cycles times t0. At delta_sigma = 0.2 MD's gamma at 1 s and at 4 s agrees within 1 % "
+              "under a cosine, 4 % under a triangle; nearer the static limit take longer periods", above=0, high=1e6),
     Parameter("cycles", 1, "1", "number of periods that are simulated", low=1, high=10**6),
     Parameter("records_per_cycle", 200, "1", "samples of the history in a period; even, so that one falls on the load maximum", low=2, high=10**5),
     Parameter("collapse_strain", 0.2, "1", "a run counts as collapsed and ends when |gamma| exceeds this", above=0, high=10),
@@ -125,7 +125,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("cd_dt", 1e-3, "s", "largest CD step", above=0, high=1, method="CD"),
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
-    Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its error e is at most this", above=0, high=1, method="CD"),
+    Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its errors (residual, also weighted by W_nn, and bodyError) are at most this", above=0, high=1, method="CD"),
     Parameter("flow_tolerance", 0.0, "1", "if larger than tolerance: the tolerance of CD steps in which bodies flow or collide", low=0, high=1,
               method="CD"),
     Parameter("max_iterations", 20000, "1", "sweeps and factorizations after which a CD step counts as not converged",
@@ -136,8 +136,8 @@ REGISTRY = {p.name: p for p in (
     Parameter("solver_seed", 0, "1", "if positive: the sweeps visit the contacts in a random order drawn from this seed",
               low=0, high=2**31 - 1, method="CD"),
     Parameter("restitution", 0.0, "1", "Newton's coefficient of normal restitution", low=0, high=1, method="CD"),
-    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1, unconverged CD is an "
-              "elastic medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
+    Parameter("gap_correction", 0.0, "1", "share of an overlap, beyond the reference, that a CD step pushes out; with 1 and warm_start=False, "
+              "unconverged CD is an elastic medium (Unger and Kertesz 2002)", low=0, high=1, method="CD"),
     Parameter("allowed_overlap", 0.0, "1", "overlap that gap_correction leaves, as a share of the smaller disk's radius; 1e-3 keeps piles at rest",
               low=0, high=1, method="CD"),
     Parameter("reference_overlaps", True, "1", "True: gaps are measured from the overlaps that the springs left, so that rigid contacts open as soon "

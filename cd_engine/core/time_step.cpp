@@ -8,6 +8,8 @@
 
 namespace cd {
 
+constexpr int fewSweeps = 1000; // after so many a step is looked at, whether it may have a larger tolerance
+
 void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 {
 	fingerprints.clear();
@@ -107,7 +109,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		return false;
 	static const std::vector<int> unknown;
 	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
-	double tolerance = settings.solver.tolerance;
+	double requested = settings.solver.tolerance, tolerance = requested;
 	int first = 0; // iterations of the first solution
 	int most = settings.solver.maxIterations;
 	for (;;) {
@@ -117,8 +119,12 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		left.maxIterations = most - previous;
 		left.tolerance = tolerance;
 		left.threads = &threads;
+		// Collisions after a rest are the problems that take longest to solve to the tolerance of a rest, and do not need it.
+		left.sweepsOnly = previous == 0 && settings.restitution == 0 && settings.flowTolerance > tolerance && left.maxIterations > fewSweeps;
+		if (left.sweepsOnly)
+			left.maxIterations = fewSweeps;
 		// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
-		if (tolerance < settings.solver.tolerance)
+		if (tolerance < requested)
 			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
 		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
 						: solveWhole(system, settings.solve, left, report.effort);
@@ -128,13 +134,23 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		// A smaller tolerance serves only to add no energy. If it is missed, the requested one suffices.
 		const Status exactly = report.solver.status;
-		const bool less = tolerance < settings.solver.tolerance && (exactly == Status::stagnated || exactly == Status::max_iterations)
-		    && report.solver.contact < 0 && report.solver.error <= settings.solver.tolerance;
+		const bool less = tolerance < requested && (exactly == Status::stagnated || exactly == Status::max_iterations)
+		    && report.solver.contact < 0 && report.solver.error <= requested;
 		if (less)
 			report.solver.status = Status::converged;
 		const Status found = report.solver.status;
 		const bool outran = meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
+		if (left.sweepsOnly && (found == Status::max_iterations || found == Status::stagnated)) {
+			// Errors alone may dissipate half of themselves.
+			if (const double unrest = unrestOf(report.solver.work); unrest > report.solver.error)
+				report.tolerance = requested = tolerance = toleranceFor(unrest, requested, settings.flowTolerance);
+			if (report.solver.contact >= 0 || !(report.solver.error <= tolerance)) {
+				freeAgain(world, settings.dt);
+				continue;
+			}
+			report.solver.status = Status::converged;
+		}
 		if (settings.restitution > 0) {
 			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
 			if (!lowerRebounds(world, settings, report)) {
@@ -174,6 +190,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
 	StepReport report;
+	report.tolerance = settings.solver.tolerance;
 	solveIslands.rested = settings.rested;
 	threads.use(settings.threads);
 	forgotten.clear();

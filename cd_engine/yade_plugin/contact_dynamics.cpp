@@ -120,19 +120,6 @@ void ContactDynamics::action()
 	}
 }
 
-// The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about the
-// tolerance times W_nn |p|. Beside the velocities of a flow this may be little where it is much beside those of a packing at rest. The energy that a
-// step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 2e-4 to 0.2 while they flow out of a silo, in a drum or in a
-// collapse. At rest, where errors alone move the disks, it is at most half the tolerance, so errors do not keep the tolerance large. Powers of ten,
-// because the round-off of `unrest` may depend on the way in which a step is made, and must not change the tolerance.
-double ContactDynamics::nextTolerance() const
-{
-	double next = flowTolerance;
-	while (next > tolerance && unrest < next)
-		next = next > 11 * tolerance ? next / 10 : tolerance;
-	return std::max(next, tolerance);
-}
-
 // A step after one with a larger tolerance begins with a poor guess and takes many sweeps, so the tolerance falls only after some steps at rest.
 void ContactDynamics::noteUnrest(const cd::StepReport& report)
 {
@@ -158,7 +145,8 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.rested = rested;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
 	s.solve = cd::findSolver(read(&ContactDynamics::method));
-	s.solver = { nextTolerance(), maxIterations, fixedIterations };
+	s.flowTolerance = fixedIterations > 0 ? 0 : flowTolerance;
+	s.solver = { cd::toleranceFor(unrest, tolerance, flowTolerance), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	s.solver.guessSolved = converged || steps == 0;
@@ -218,7 +206,8 @@ void ContactDynamics::advance()
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
 	link.gather(scene, weighs, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
-	if (handover) {
+	const bool takesOver = handover;
+	if (takesOver) {
 		link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		link.collectOverlaps(memory().overlaps);
@@ -261,7 +250,7 @@ void ContactDynamics::advance()
 	if (!converged && fixedIterations == 0)
 		warn();
 	if (deepestPenetration > before)
-		watchPenetration(before);
+		watchPenetration(before, takesOver);
 }
 
 // Copies the report into the attributes.
@@ -271,7 +260,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	if (!step.overlapsForgotten().empty())
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
-	stepTolerance = settings.solver.tolerance;
+	stepTolerance = report.tolerance;
 	noteUnrest(report);
 	iterations = report.solver.iterations;
 	residual = report.solver.residual;

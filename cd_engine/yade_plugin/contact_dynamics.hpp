@@ -100,7 +100,6 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	py::tuple nextProblem(bool bodies);
 
     private:
-	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings settings(yade::Scene*) const;
 	bool somebodyLooks() const;
@@ -117,7 +116,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void tellOfLost();
 	void tellOfSpeed(double dt);
 	void tellOfShortStep(double dt);
-	void watchPenetration(double before) const;
+	void watchPenetration(double before, bool takesOver) const;
 
 	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
 	SceneLink link;

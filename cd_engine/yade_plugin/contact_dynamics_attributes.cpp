@@ -24,9 +24,9 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
 	    "*flowTolerance* to 0.");
 	visit("flowTolerance", &C::flowTolerance, within(0, 1),
-	    "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided; if they moved slowly, a tenth of it or less, but "
-	    "at least *tolerance* [1]. 0: *tolerance* holds in every step. :py:func:`cd_engine.engines` sets it to 1e-4 if it is given no "
-	    "tolerance. Assign it after *tolerance*.");
+	    "If larger than *tolerance*: tolerance of steps soon after bodies have flowed or collided, and of those that collide and are not solved "
+	    "to *tolerance* in 1000 iterations; if bodies moved slowly, a tenth of it or less, but at least *tolerance* [1]. 0: *tolerance* "
+	    "holds in every step. :py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance. Assign it after *tolerance*.");
 	visit("maxIterations", &C::maxIterations, within(1, most),
 	    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
 	    "solved.");
@@ -58,7 +58,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.");
 	visit("handover", &C::handover, setting,
 	    "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
-	    "Reset to False by that step, and set again when springs have run.");
+	    "Reset to False by that step. If it was True at first, it is set again when springs have run.");
 	visit("searchMargin", &C::searchMargin, within(0, 10),
 	    "How far around slow bodies near pairs are listed, at least, as a fraction of the smallest radius [1]; around fast ones as far as a step "
 	    "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, never its result.");
@@ -84,11 +84,13 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	    "weighted by mass (cd_engine/core/residual.hpp has the formula).");
 	visit("worstBody", &C::worstBody, result, "Id of the body whose velocity may have the largest error; -1: none.");
 	visit("unsolvableContact", &C::unsolvableContact, result,
-	    "Ids of the two bodies of the contact that speaks most against a solution, if *status* is no_solution or a doubt remains. Example of "
+	    "Ids of the two bodies whose contact is the strongest sign that there is no solution, if *status* is no_solution or a doubt remains. "
+	    "Example of "
 	    "such a step: a disk between two walls that move towards each other.");
 	visit("converged", &C::converged, result,
-	    "Whether the last step is solved: the contact law holds to *stepTolerance*, relative to all impulses (*residual*), and the velocity "
-	    "change of every body is right to *stepTolerance*, relative to what acts on that body (*bodyError*).");
+	    "Whether the last step is solved: the contact law holds to *stepTolerance*, relative to all impulses (*residual*), and the "
+	    "estimated error of every body's velocity change is at most that, relative to what acts on the body (*bodyError*). The true error may be "
+	    "many times larger (cd_engine/README.md).");
 	visit("stepTolerance", &C::stepTolerance, result, "The tolerance of the last step: *tolerance*, *flowTolerance*, or one between them [1].");
 	visit("status", &C::status, result,
 	    "How the last step's solution ended: converged, fixed_iterations, max_iterations, stagnated, no_solution (*unsolvableContact*) or "
@@ -122,7 +124,7 @@ template <class Visitor> void ContactDynamics::attributes(Visitor&& visit)
 	visit("maxPenetration", &C::maxPenetration, result, "Largest overlap beyond the reference one met in the last step [m].");
 	visit("deepestPenetration", &C::deepestPenetration, result,
 	    "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: if forces are far "
-	    "too small, bodies pass into each other, even though the error e may be within the tolerance.");
+	    "too small, bodies pass into each other, even though *residual* may be within the tolerance.");
 	visit("largestResidual", &C::largestResidual, result, "Largest *residual* of all steps [1].");
 	visit("handoverOverlap", &C::handoverOverlap, result, "Largest overlap taken as reference at the hand-over [m].");
 	visit("dissipatedEnergy", &C::dissipatedEnergy, result,

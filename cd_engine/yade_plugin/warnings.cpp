@@ -26,9 +26,9 @@ std::string ContactDynamics::unsolved() const
 		return text(begin, "no velocities keep bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
 		    " from overlapping. Look for boundaries that move towards each other with disks between them; one that is to press with a force "
 		    "needs a mass, free directions and O.forces.setPermF instead of a velocity. Do not trust the steps that follow.");
-	const std::string doubt = unsolvableContact.empty()
-	    ? ""
-	    : text(" It may have no solution; bodies #", unsolvableContact[0], " and #", unsolvableContact[1], " speak most against one.");
+	const std::string doubt = unsolvableContact.empty() ? ""
+							    : text(" It may have no solution; the strongest sign of this is the contact of bodies #",
+								unsolvableContact[0], " and #", unsolvableContact[1], ".");
 	if (residual <= stepTolerance && bodyError <= stepTolerance)
 		return text(begin, "the error of the contact law, relative to all impulses, and that of the bodies are within the tolerance of ",
 		    stepTolerance, ", but ", doubt.empty() ? "the error weighted by W_nn is not." : "contacts close that should not.", doubt,
@@ -122,7 +122,7 @@ void ContactDynamics::tellOfShortStep(double dt)
 
 // Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
 // carried; fixedIterations demand no error; small errors add up; and a step may be too long for the speed or rotation of the bodies.
-void ContactDynamics::watchPenetration(double before) const
+void ContactDynamics::watchPenetration(double before, bool takesOver) const
 {
 	const double smallest = cd::smallestRadius(link.world);
 	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
@@ -130,8 +130,9 @@ void ContactDynamics::watchPenetration(double before) const
 	const cd::Pair& deepest = link.deepest(step);
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
-	// That two bodies can approach each other in the step; one that has come with it approaches none.
-	const double way = link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b)
+	// That two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just
+	// been taken over, all have come, and only what they have approached since counts as overlap.
+	const double way = !takesOver && (link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b))
 	    ? 0
 	    : 2 * link.pairSearch().longestWay() * smallest;
 	if (const std::string behind = link.behindWall(deepest); atOnce && maxPenetration - before > way && !behind.empty())

@@ -1,4 +1,6 @@
 """The tolerance of a step: larger where bodies flow or collide than where they rest, unless a single one is asked for."""
+import math
+
 import pytest
 
 import cd_engine
@@ -56,6 +58,20 @@ def test_how_fast_a_disk_slides(O, speed, tolerance):
     O.run(3, True)
     assert engine._unrest == pytest.approx(mu * speed / ((1 + mu**2) * g * O.dt), rel=1e-9, abs=1e-12)
     assert engine.stepTolerance == pytest.approx(tolerance, rel=1e-12)
+
+
+@pytest.mark.parametrize("speed, tolerance", [(1.0, 1e-4), (0, 1e-6)])
+def test_a_step_that_takes_many_sweeps(O, speed, tolerance):
+    """A hexagonal packing of 400 disks takes more than 1000 sweeps to 1e-6 from no guess. At rest it gets them; if it falls onto the floor, it
+    dissipates its energy, and the larger tolerance is enough."""
+    plane.floor(plane.material(0.5))
+    for row in range(20):
+        for column in range(20):
+            plane.disk((0.02 * column + 0.01 * (row % 2), 0.01 + 0.01 * math.sqrt(3) * row), 0.01, velocity=(0, -speed))
+    engine = settings(O)
+    O.run(1, True)
+    assert engine.converged and engine.stepTolerance == tolerance and max(engine.residual, engine.bodyError) <= tolerance
+    assert engine.iterations == 1000 if speed else engine.iterations > 1000
 
 
 def test_what_sleeps_does_not_count(O):
