@@ -47,6 +47,15 @@ class WithoutInterpreterLock {
 	PyThreadState* state = PyEval_SaveThread();
 };
 
+// This thread may call Python while this exists.
+class WithInterpreterLock {
+    public:
+	~WithInterpreterLock() { PyGILState_Release(state); }
+
+    private:
+	PyGILState_STATE state = PyGILState_Ensure();
+};
+
 inline py::list instructionSets()
 {
 	py::list all;

@@ -47,7 +47,8 @@ namespace {
 		const int most = std::min(mostSteps, settings.maxIterations / 6); // iterations left for Newton's method
 		if (settings.fixedIterations > 0 || settings.sweepsOnly || size(system) > large || most == 0)
 			return accelerated(system, settings);
-		const Kept start(system, settings);
+		std::optional<Start> own;
+		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
 		SolverSettings part = settings;
 		part.maxIterations -= most;
 		const SolverReport sweeps = accelerated(system, part);
@@ -57,7 +58,7 @@ namespace {
 		part.mostWork = mostWork;
 		SolverReport report = newtonTwice(system, start, part);
 		report.iterations += sweeps.iterations;
-		// Newton's method ends by limits of its own. The iterations that it leaves are for plain sweeps (judged.hpp).
+		// Newton's method ends by limits of its own. The iterations that it leaves are for plain sweeps (solver.cpp).
 		if (report.status == Status::max_iterations && report.iterations < settings.maxIterations)
 			report.status = Status::stagnated;
 		return report;

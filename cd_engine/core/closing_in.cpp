@@ -1,5 +1,12 @@
-#include "closing_in.hpp"
+// Tests whether boundaries close in on bodies, so that no velocities at all keep every contact from overlapping further.
+//
+// A problem is solvable along the normals if velocities v of the movable bodies exist with  J v + b >= 0.  J v are normal relative velocities, b
+// those that the boundaries and the biases prescribe. Friction does not help, as it cannot open a contact. The least total closing velocity,
+//   min over v of |min(J v + b, 0)|^2,
+// is 0 if and only if such velocities exist. If it is not 0, y = -min(J v + b, 0) at the minimum is the proof (Farkas' lemma): y >= 0, J^T y = 0 and
+// b . y = -|y|^2 < 0. The proof does not use the impulses. It serves where impulses that balance each other for other reasons hide a press.
 #include "rigid_motion.hpp"
+#include "verdict.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
@@ -11,8 +18,8 @@ namespace {
 
 	constexpr int rounds = 30; // of Newton's method, at most; each finds which contacts close
 	constexpr int halvings = 50; // bisections in the line search of a Newton step
-	constexpr double solved = 1e-15; // a gradient below this share of its terms is round-off
-	// In a step that counts as solved, contacts together may close by this many tolerances. (A single contact may by ten, see judged.hpp.)
+	constexpr double solved = 1e-15; // a gradient below this share of its terms, twice closing(r), is round-off
+	// In a step that counts as solved, contacts together may close by this many tolerances. (A single contact may by ten, see solver.cpp.)
 	constexpr double missed = 3;
 	constexpr double share = 1e-8; // the work b . y must exceed this share of its terms
 
@@ -31,9 +38,7 @@ namespace {
 		{
 			system = &s;
 			left = mostProducts;
-			read(free);
-			unknowns = 3 * s.bodies.size();
-			const double scale = std::sqrt(closing(b)), all = std::max(scale, std::sqrt(closing(q)));
+			const double ofFree = read(free), scale = std::sqrt(closing(b)), all = std::max(scale, std::sqrt(ofFree));
 			const double least = std::max(share * scale, missed * tolerance * all);
 			tryRigidMotion(free);
 			if (!(closing(r) > least * least))
@@ -43,7 +48,7 @@ namespace {
 				if (!(before > share * share * scale * scale))
 					return -1;
 				descent(r);
-				if (square(g) <= solved * solved * terms(r))
+				if (square(g) <= solved * solved * 2 * closing(r))
 					break;
 				descend();
 				along(step, change);
@@ -55,17 +60,17 @@ namespace {
 		}
 
 	    private:
-		void read(const std::vector<double>& free)
+		// Returns what closing() is with the free velocities of all bodies.
+		double read(const std::vector<double>& free)
 		{
+			double ofFree = 0;
 			roots.clear();
 			for (const BodyVelocity& body : system->bodies)
 				for (const double w : body.w)
 					roots.push_back(std::sqrt(w));
-			rows.clear();
 			links.clear();
 			b.clear();
 			r.clear();
-			q.clear();
 			size.clear();
 			for (std::size_t i = 0; i < system->contacts.size(); i++) {
 				const ContactRow& c = system->contacts[i];
@@ -73,7 +78,7 @@ namespace {
 					continue;
 				const double root = std::sqrt(c.wnn);
 				double prescribed = c.bias, terms = std::abs(c.bias), all = c.bias;
-				Link link { { { 3 * c.a, {} }, { 3 * c.b, {} } } };
+				Link link { static_cast<int32_t>(i), { { 3 * c.a, {} }, { 3 * c.b, {} } } };
 				for (const int side : { -1, 1 }) {
 					const int32_t body = side < 0 ? c.a : c.b;
 					const double arms[3] = { c.nx, c.ny, side < 0 ? c.an : c.bn };
@@ -87,15 +92,15 @@ namespace {
 						link.ends[side > 0].row[k] = side * roots[3 * body + k] * arms[k] / root;
 					}
 				}
-				rows.push_back(static_cast<int32_t>(i));
 				links.push_back(link);
 				b.push_back(prescribed / root);
-				q.push_back(all / root);
+				ofFree += all < 0 ? (all / root) * (all / root) : 0;
 				size.push_back(terms / root);
 				double un, ut;
 				relativeVelocity(c, system->bodies[c.a], system->bodies[c.b], un, ut);
 				r.push_back((un + c.bias) / root);
 			}
+			return ofFree;
 		}
 
 		// Starts from the rigid motion of all bodies that best fits the prescribed ones, if contacts close less in it. Examples: a turning
@@ -113,8 +118,8 @@ namespace {
 						motion[3 * i + k] = along[k];
 			}
 			w.clear();
-			for (const int32_t row : rows) {
-				const ContactRow& c = system->contacts[row];
+			for (const Link& link : links) {
+				const ContactRow& c = system->contacts[link.contact];
 				const double *a = &motion[3 * c.a], *z = &motion[3 * c.b];
 				const double un = c.nx * (z[0] - a[0]) + c.ny * (z[1] - a[1]) + c.bn * z[2] - c.an * a[2];
 				w.push_back((un + c.bias) / std::sqrt(c.wnn));
@@ -130,9 +135,6 @@ namespace {
 				sum += e < 0 ? e * e : 0;
 			return sum;
 		}
-
-		// The magnitude with which round-off in the gradient is compared.
-		static double terms(const std::vector<double>& r) { return 2 * closing(r); }
 
 		// J x
 		void along(const std::vector<double>& x, std::vector<double>& to) const
@@ -150,7 +152,7 @@ namespace {
 		// Puts -J^T y, summed over the contacts that now close, into g.
 		void descent(const std::vector<double>& y)
 		{
-			g.assign(unknowns, 0);
+			g.assign(roots.size(), 0);
 			for (std::size_t i = 0; i < links.size(); i++) {
 				if (!(r[i] < 0))
 					continue;
@@ -163,13 +165,13 @@ namespace {
 		// Solves the least squares problem of the contacts that now close, by conjugate gradients (CGLS). The result goes to `step`.
 		void descend()
 		{
-			step.assign(unknowns, 0);
+			step.assign(roots.size(), 0);
 			rest = r;
 			descent(rest);
 			direction = g;
 			double gg = square(g);
 			const double goal = gg * 1e-24;
-			while (gg > goal && gg > solved * solved * terms(r) && left-- > 0) {
+			while (gg > goal && gg > solved * solved * 2 * closing(r) && left-- > 0) {
 				along(direction, w);
 				double ww = 0;
 				for (std::size_t i = 0; i < w.size(); i++)
@@ -213,7 +215,7 @@ namespace {
 			const double all = closing(r);
 			double work = 0, sum = 0;
 			std::size_t most = 0;
-			for (std::size_t i = 0; i < rows.size(); i++) {
+			for (std::size_t i = 0; i < links.size(); i++) {
 				const double y = std::max(-r[i], 0.);
 				work -= y * b[i];
 				sum += y * size[i];
@@ -221,24 +223,22 @@ namespace {
 					most = i;
 			}
 			const bool proven = all > 0 && work > share * sum && work > bound * scale * std::sqrt(square(g));
-			return proven ? rows[most] : -1;
+			return proven ? links[most].contact : -1;
 		}
 
 		const ContactSystem* system = nullptr;
 		int left = 0; // products that may still be made
-		std::vector<double> roots; // square roots of the inverse masses
-		std::vector<int32_t> rows; // contacts with a body that can move along the normal
+		std::vector<double> roots; // square roots of the inverse masses, one an unknown
 		struct Link { // a row of J
+			int32_t contact; // one with a body that can move along the normal
 			struct End {
 				int32_t first; // unknown of the body
 				double row[3];
 			} ends[2];
 		};
-		std::vector<Link> links; // one for each of `rows`
+		std::vector<Link> links;
 		std::vector<double> b, size; // the prescribed closing velocities, and the magnitude of their terms
-		std::vector<double> q; // the same with the free velocities of all bodies
 		std::vector<double> r; // J v + b; at first with the velocities in the system
-		std::size_t unknowns = 0;
 		std::vector<char> touched; // whether a body is a boundary that has a contact
 		std::vector<double> motion; // of the bodies
 		std::vector<double> g, step, direction; // of the bodies

@@ -8,25 +8,20 @@ namespace cd {
 // The functions of a target.
 #define KERNEL(name)                                                                                                                                 \
 	constexpr GroupKernel kernel                                                                                                                 \
-	    = { name, LANES, sweep, sweepAhead, extrapolate, press, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
+	    = { name, sweep, sweepAhead, extrapolate, press, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
 
 #define LANES 2
 namespace any_processor {
 #include "group_kernel.inl"
-#include "row_kernel.inl"
-#include "pair_kernel.inl"
 	KERNEL("any");
 }
 #undef LANES
 
-#ifdef __x86_64__
 #pragma GCC push_options
 #pragma GCC target("arch=x86-64-v3")
 #define LANES 4
 namespace avx2 {
 #include "group_kernel.inl"
-#include "row_kernel.inl"
-#include "pair_kernel.inl"
 	KERNEL("avx2");
 }
 #undef LANES
@@ -37,33 +32,24 @@ namespace avx2 {
 #define LANES 8
 namespace avx512 {
 #include "group_kernel.inl"
-#include "row_kernel.inl"
-#include "pair_kernel.inl"
 	KERNEL("avx512");
 }
 #undef LANES
 #pragma GCC pop_options
-#endif
 
 namespace {
 
 	const GroupKernel all[] = {
-#ifdef __x86_64__
 		avx512::kernel,
 		avx2::kernel,
-#endif
 		any_processor::kernel,
 	};
 	constexpr std::size_t known = sizeof all / sizeof *all;
 
 	std::size_t firstSupported()
 	{
-#ifdef __x86_64__
 		__builtin_cpu_init();
 		return __builtin_cpu_supports("x86-64-v4") ? 0 : __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
-#else
-		return 0;
-#endif
 	}
 
 	const GroupKernel* chosen = all + firstSupported();

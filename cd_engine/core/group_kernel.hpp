@@ -3,7 +3,6 @@
 
 #include "contact_system.hpp"
 #include "group.hpp"
-#include "row_group.hpp"
 #include "world.hpp"
 
 #include <cstddef>
@@ -53,7 +52,6 @@ struct RowSettings {
 
 struct GroupKernel {
 	const char* name;
-	int lanes; // contacts solved at once
 	// Solves the contacts of groups[0 .. count) in turn, while the others are held.
 	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
 	// The same from y = p + beta (p - before); `before` becomes p. The bodies must already have the velocities of y. Adds to the sums.

@@ -1,5 +1,6 @@
-// group_kernel.cpp includes this file once for every target, with LANES 2, 4 or 8 and the compiler set to that target. No #include here, and no calls
-// but of this file's own functions: the linker could take a function that other files compile, too, from here, and run it on an older processor.
+// group_kernel.cpp includes this file once for every target, with LANES 2, 4 or 8 and the compiler set to that target. No #include here but of its
+// own parts, and no calls but of their functions: the linker could take a function that other files compile, too, from here, and run it on an older
+// processor.
 
 typedef double Vector __attribute__((vector_size(8 * LANES)));
 typedef double Quad __attribute__((vector_size(32), aligned(32), may_alias)); // a body
@@ -272,3 +273,6 @@ static void miss(const Group* groups, std::size_t count, const PackedBody* moved
 		}
 	}
 }
+
+#include "row_kernel.inl"
+#include "pair_kernel.inl"

@@ -1,9 +1,7 @@
 // Which contacts can be solved at once: groups of eight that do not influence each other and are near each other in the order given.
 #pragma once
 
-#include "delassus_system.hpp"
 #include "group.hpp"
-#include "row_group.hpp"
 
 #include <algorithm>
 #include <cstddef>

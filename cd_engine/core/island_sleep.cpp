@@ -109,11 +109,11 @@ void IslandSolver::recognise(const ContactSystem& system, const std::vector<Body
 // next step.
 void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
-	if (stillness.loadsBefore.size() != system.bodies.size())
+	if (!stillness.loadsBefore || stillness.loadsBefore->size() != system.bodies.size())
 		return;
 	for (Island& island : islands)
 		island.calm = !island.asleep && island.sweeps <= fewSweeps;
-	excite([&](int32_t body) { return stillness.loads[body] != stillness.loadsBefore[body]; });
+	excite([&](int32_t body) { return stillness.loads[body] != (*stillness.loadsBefore)[body]; });
 	exciteFast(system, nullptr, settings.tolerance, slow);
 	const auto isCalm = [](const Island& island) { return island.calm; };
 	const auto countCalm = [&] { return static_cast<int>(std::count_if(islands.begin(), islands.end(), isCalm)); };

@@ -28,13 +28,6 @@ namespace {
 			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
 	}
 
-	SolverReport reportOf(const Residual& e)
-	{
-		SolverReport report;
-		report.measure(e);
-		return report;
-	}
-
 	// The impulses of a contact that no other contact influences.
 	void solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B, double& pn, double& pt)
 	{
@@ -133,7 +126,7 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 {
 	SolverReport report;
 	if (rested && surelySolvable(system, settings.threads)) {
-		report = reportOf(residual(system, freeVelocity));
+		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
 				addImpulse(system, c);
@@ -275,7 +268,8 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
 			addImpulse(system, system.contacts[i]);
-	SolverReport report = reportOf(residual(all.data(), all.size()));
+	SolverReport report;
+	report.measure(residual(all.data(), all.size()));
 	report.work = work;
 	report.iterations = sweeps;
 	report.factorizations = factorizations;

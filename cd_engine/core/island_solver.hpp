@@ -37,7 +37,7 @@ struct Stillness {
 	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: no trial
 	// Fingerprints of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is
 	// no trial.
-	const std::vector<int>&loads, &loadsBefore;
+	const std::vector<int>&loads, *loadsBefore;
 };
 
 // A hash of the velocity that forces add to a body in a step: equal loads have equal hashes.

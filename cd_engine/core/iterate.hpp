@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace cd {
 
@@ -35,7 +34,8 @@ template <class S> class Iteration {
 		if (settings.fixedIterations > 0) {
 			for (; report.iterations < settings.fixedIterations; report.iterations++)
 				sweep();
-			count(report.iterations);
+			if (settings.trace)
+				settings.trace->add(report.iterations);
 			report.status = Status::fixed_iterations;
 		} else {
 			begin();
@@ -69,11 +69,12 @@ template <class S> class Iteration {
 			const int plain = smooths && improve.mayPause() ? std::min(smoothing, more) : 0;
 			for (int i = plain; i < more; i++)
 				improve();
+			for (int i = 0; i < plain; i++)
+				sweep();
 			if (plain > 0)
-				smooth(improve, plain);
+				improve.restart();
 			report.iterations += more;
-			count(more);
-			evaluate();
+			evaluate(more);
 			// If the impulses fall to almost nothing, so does the scale of the relative error: the absolute error decides, too.
 			// A solution needs no copy: it is the last iterate.
 			if (!solved() && (error < best.error || (distance < best.distance && impulse < best.impulse)))
@@ -115,12 +116,6 @@ template <class S> class Iteration {
 	// after 100 sweeps, they would come too late in flows: 1.1 to 1.8 times as many sweeps.
 	static constexpr int smoothing = 3;
 	static constexpr double patience = 0.3;
-	template <class Improve> void smooth(Improve& improve, int plain)
-	{
-		for (int i = 0; i < plain; i++)
-			sweep();
-		improve.restart();
-	}
 
 	// Returns how many sweeps to make before the error is computed again, which costs as much as five sweeps: as many as the recent convergence
 	// needs to reach the tolerance, at least 4, at most a quarter of those made, and at most sqrt(2 x 5 x made). This last bound minimises the
@@ -160,7 +155,7 @@ template <class S> class Iteration {
 		return true;
 	}
 
-	void evaluate()
+	void evaluate(int more = 0) // sweeps since the last time
 	{
 		const Residual e = sweep.error();
 		report.measure(e);
@@ -168,14 +163,10 @@ template <class S> class Iteration {
 		impulse = e.impulse;
 		largest = std::max(largest, impulse);
 		distance = impulse > 0 ? e.law() * impulse : e.difference;
-		if (settings.trace)
-			settings.trace->look(error);
-	}
-
-	void count(int more)
-	{
-		if (settings.trace)
+		if (settings.trace) {
 			settings.trace->add(more);
+			settings.trace->look(error);
+		}
 	}
 
 	S& sweep;
@@ -195,14 +186,14 @@ template <class S> class Iteration {
 	Borrowed<typename S::Iterate, Iteration> bestIterate;
 };
 
-// `method(sweep)` returns an object whose operator() makes one sweep; after each call the sweep's impulses are the iterate. Stops when the errors of
+// `Improve { sweep }` makes one sweep by operator(); after each call the sweep's impulses are the iterate. Stops when the errors of
 // residual.hpp are at most settings.tolerance, after settings.maxIterations sweeps, or when nothing is gained any more. If the problem is not solved,
 // the best iterate is the result. With settings.fixedIterations it makes exactly so many plain sweeps, whatever the method, and computes the error at
 // the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain Gauss-Seidel.
-template <class S, class Method> SolverReport iterate(typename S::System& system, const SolverSettings& settings, const Method& method)
+template <class S, class Improve = PlainSweeps<S>> SolverReport iterate(typename S::System& system, const SolverSettings& settings)
 {
 	S sweep(system, settings.seed, settings.threads);
-	auto improve = method(sweep);
+	Improve improve { sweep };
 	return Iteration<S>(sweep, settings).run(improve);
 }
 

@@ -30,30 +30,26 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	return gap + turning(pair, world, touch, gap, dt) + dt * un < 0;
 }
 
-bool TimeStep::anyViolated(const World& world, const StepSettings& settings)
-{
-	return narrowest <= 2 * quick * settings.dt * fastest
-	    && anyOf(&threads, world.awake.size(), [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); });
-}
-
 // If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.
 // Returns whether there were such pairs.
 bool TimeStep::addViolated(World& world, const StepSettings& settings)
 {
-	if (!anyViolated(world, settings))
+	const auto violated = [&](size_t k) { return !solved[world.awake[k]] && crosses(world.awake[k], world, settings.dt); };
+	if (!(narrowest <= 2 * quick * settings.dt * fastest) || !anyOf(&threads, world.awake.size(), violated))
 		return false;
 	system.contacts.make();
 	system.contactSet++;
 	appended = true;
 	for (const int32_t i : world.awake)
 		if (!solved[i] && within(i, world, settings.dt)) {
-			resizeRows(rows + 1, settings);
+			const std::size_t row = system.contacts.size();
+			resizeRows(row + 1, settings);
 			rowPair.back() = i;
-			fillRows(world, settings, system.contacts.data(), rows - 1, rows);
+			fillRows(world, settings, system.contacts.data(), row, row + 1);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gapOf(world, i));
 			// The first guess is the impulse that would stop this contact alone. With 0 a large system's error may not show it.
-			ContactRow& c = system.contacts[rows - 1];
+			ContactRow& c = system.contacts[row];
 			double un, ut;
 			relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
 			c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;

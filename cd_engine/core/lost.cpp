@@ -1,4 +1,5 @@
-#include "lost.hpp"
+// Finds disks that have left the scene.
+#include "pair_search.hpp"
 
 #include <algorithm>
 #include <cmath>

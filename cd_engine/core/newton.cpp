@@ -153,14 +153,15 @@ namespace {
 	{
 		if (settings.fixedIterations > 0)
 			return accelerated(system, settings);
-		const Kept start(system, settings);
+		std::optional<Start> own;
+		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
 		SolverSettings sweeps = settings;
 		sweeps.tolerance = std::max(settings.tolerance, coarse);
 		sweeps.maxIterations = std::min(settings.maxIterations / 4, sweepsAtStart);
 		const SolverReport first = accelerated(system, sweeps);
 		if (first.error <= settings.tolerance || first.status == Status::diverged)
 			return first;
-		start->free(system);
+		start.free(system);
 		SolverSettings rest = settings;
 		rest.maxIterations -= first.iterations;
 		SolverReport report = Newton<Form>(system, rest).run();

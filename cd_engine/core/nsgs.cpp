@@ -5,16 +5,8 @@
 #include "sweep.hpp"
 
 namespace cd {
-namespace {
 
-	template <class S> SolverReport solve(typename S::System& system, const SolverSettings& settings)
-	{
-		return iterate<S>(system, settings, [](S& sweep) { return PlainSweeps<S> { sweep }; });
-	}
-
-} // namespace
-
-SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return solve<Sweep>(system, settings); }
-SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return solve<DelassusSweep>(system, settings); }
+SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep>(system, settings); }
+SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
 
 } // namespace cd

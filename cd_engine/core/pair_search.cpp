@@ -1,5 +1,4 @@
 #include "pair_search.hpp"
-#include "lost.hpp"
 #include "time_step.hpp"
 
 #include <algorithm>
@@ -114,7 +113,7 @@ void PairSearch::find(World& world, std::vector<NearPair>& found)
 	chooseMargins(world);
 	seen.clear();
 	for (const Body& b : world.bodies)
-		seen.push_back({ b.x, b.y, b.radius });
+		seen.push_back(placeAhead(b, 0));
 	seenShapes = world.shapes;
 	seenMasks = world.masks;
 	seenApart = world.apart;

@@ -23,9 +23,6 @@ class PairSearch {
 	double marginOf(int32_t body) const { return margins[body]; }
 
     private:
-	struct Place {
-		double x, y, radius;
-	};
 	void chooseMargins(const World&);
 	double used(const World&, std::size_t body) const;
 
@@ -40,5 +37,10 @@ class PairSearch {
 	int32_t seenApart = 0;
 	NearPairs nearPairs;
 };
+
+// The first of the bodies `some` that has left the scene: it is further from it than it is wide, moves away, and neither a force nor a Wall brings it
+// back. -1: none. The scene is the boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all
+// bodies but `some`. So a whole group that leaves is noticed. Looks at all bodies if `some` is not empty.
+int leftBehind(const World&, const std::vector<std::size_t>& some);
 
 } // namespace cd

@@ -60,8 +60,8 @@ bool TimeStep::findSpecial(const World& world, const StepSettings& settings)
 	if (specialFor != system.contactSet) {
 		specialFor = system.contactSet;
 		specials.clear();
-		specialOf.assign(rows, -1);
-		for (std::size_t i = 0; i < rows; i++)
+		specialOf.assign(special.size(), -1);
+		for (std::size_t i = 0; i < special.size(); i++)
 			if (special[i]) {
 				specialOf[i] = static_cast<int32_t>(specials.size());
 				specials.push_back(static_cast<int32_t>(i));

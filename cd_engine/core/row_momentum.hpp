@@ -8,7 +8,7 @@
 // packings. Halving every time gets caught in oscillations.
 #pragma once
 
-#include "row_group.hpp"
+#include "group.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 #include "space_order.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace cd {

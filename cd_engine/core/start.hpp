@@ -19,7 +19,7 @@ namespace cd {
 
 class Start {
     public:
-	explicit Start(const ContactSystem& s, Threads* t)
+	Start(const ContactSystem& s, Threads* t)
 	    : threads(t)
 	    , kept(s.memory)
 	{
@@ -49,7 +49,7 @@ class Start {
 		});
 		solvable = !driven;
 	}
-	explicit Start(const DelassusSystem& s, Threads* t)
+	Start(const DelassusSystem& s, Threads* t)
 	    : threads(t)
 	    , kept(s.memory)
 	{
@@ -116,22 +116,6 @@ class Start {
 	};
 	Borrowed<State> kept;
 	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;
-};
-
-// Refers to the Start that the caller keeps, or else makes its own.
-class Kept {
-    public:
-	template <class System>
-	Kept(const System& s, const SolverSettings& settings)
-	    : start(settings.start ? settings.start : &own.emplace(s, settings.threads))
-	{
-	}
-	operator const Start&() const { return *start; }
-	const Start* operator->() const { return start; }
-
-    private:
-	std::optional<Start> own;
-	const Start* start;
 };
 
 } // namespace cd

@@ -223,7 +223,7 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	    [](const Account& a, const Account& b) {
 		    return Account { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated };
 	    });
-	if (rows < world.awake.size())
+	if (rowPair.size() < world.awake.size())
 		for (const int32_t i : world.awake)
 			if (!solved[i])
 				release(world.pairs[i], world.carried[i]);

@@ -232,7 +232,6 @@ RowSettings TimeStep::asked(const StepSettings& settings)
 // Keeps the rows of the last step, so that they are not constructed again.
 void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 {
-	rows = count;
 	system.contacts.resize(count);
 	special.resize(count);
 	rowPair.resize(count);
@@ -354,16 +353,11 @@ TimeStep::Seen TimeStep::look(const World& world, const StepSettings& settings, 
 	return all;
 }
 
-// Whether the flags `solved` tell which pairs were contacts in the last step.
-bool TimeStep::looksOn(const World& world) const
-{
-	return world.listing != 0 && world.listing == listing && !appended && solved.size() == world.pairs.size()
-	    && world.awake.size() == world.pairs.size();
-}
-
 void TimeStep::findContacts(World& world, const StepSettings& settings, const Begun& begun)
 {
-	bool known = begun.sameMasses && looksOn(world);
+	// Whether the flags `solved` tell which pairs were contacts in the last step.
+	bool known = begun.sameMasses && world.listing != 0 && world.listing == listing && !appended && solved.size() == world.pairs.size()
+	    && world.awake.size() == world.pairs.size();
 	Seen parts[Cut::most], all = look(world, settings, parts);
 	if (all.through) {
 		known = false; // the flags are then those of the first look
@@ -383,7 +377,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, const Be
 		std::copy_n(rowPair.begin() + static_cast<long>(cut.from(part)), parts[part].contacts,
 		    rowPair.begin() + static_cast<long>(parts[part].first));
 	resizeRows(all.contacts, settings);
-	assembled = rows;
+	assembled = all.contacts;
 	if (begun.guides) {
 		deepest = 0;
 		for (const int32_t i : rowPair)

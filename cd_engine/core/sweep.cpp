@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <utility>
 
 namespace cd {
 namespace {
@@ -25,7 +24,10 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     , threads(t)
 {
 	const Same same = classifyBodies();
-	if (!same.kinds || !same.masses || !mayStayPostponed())
+	twisted = same.twisted;
+	// Sweeps take the contacts from the step itself where they link the same bodies as those that were grouped.
+	if (!same.kinds || !same.masses || !packed.partition.knows(system) || system.contacts.solvedBeside()
+	    || packed.blocks.contacts.size() != system.contacts.size())
 		system.contacts.make();
 	const bool others = packed.partition.update(system, threads), anew = others || !same.kinds || packed.parts.empty() || !fill();
 	if (anew) {

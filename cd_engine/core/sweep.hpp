@@ -144,16 +144,15 @@ class Sweep {
 	};
 	struct Same {
 		bool kinds, masses;
+		bool twisted; // whether external forces turn any body
 	};
 	Same classifyBodies(); // what has stayed the same since the last problem
-	bool mayStayPostponed() const;
 	bool groupable(const ContactRow&) const;
 	void groupContacts();
 	void numberBodies();
 	// Fills in this problem's numbers. Returns false if a contact is no longer what it was when groups were made.
 	bool fill();
 	bool fillGroups(const Part&);
-	static void clearLane(Group&, int lane);
 	bool fillLane(Group&, int lane, const ContactRow&) const;
 	bool fillLoose(const Part&);
 	const ContactRow& rowOf(int32_t contact, ContactRow& made) const;
@@ -179,7 +178,7 @@ class Sweep {
 	Packed& packed;
 	bool remembered = false; // whether `bodiesBefore` and `before` are set
 	bool current = false; // whether packed.moved has the velocities of the present impulses
-	bool twisted = false; // whether external forces turn any body
+	bool twisted; // whether external forces turn any body
 	RandomOrder order;
 	Threads* const threads;
 };

@@ -13,13 +13,11 @@ Sweep::Same Sweep::classifyBodies()
 	const bool known = packed.kinds.size() == system.bodies.size();
 	packed.kinds.resize(system.bodies.size());
 	packed.inverseRadii.resize(system.bodies.size());
-	std::atomic<bool> turned { false };
 	const auto classify = [&](std::size_t from, std::size_t to) {
-		Same same { known, known };
-		bool torques = false;
+		Same same { known, known, false };
 		for (std::size_t i = from; i < to; i++) {
 			const double* const w = system.bodies[i].w;
-			torques = torques || system.bodies[i].twisted > 0;
+			same.twisted = same.twisted || system.bodies[i].twisted > 0;
 			BodyKind& kind = packed.kinds[i];
 			if (known && std::equal(w, w + 3, kind.w))
 				continue;
@@ -30,26 +28,16 @@ Sweep::Same Sweep::classifyBodies()
 			kind = { { w[0], w[1], w[2] }, k, uniform, turns };
 			packed.inverseRadii[i] = 1 / k;
 		}
-		if (torques)
-			turned = true;
 		return same;
 	};
-	const auto both = [](const Same& a, const Same& b) { return Same { a.kinds && b.kinds, a.masses && b.masses }; };
-	const Same same = reduceRanges<Same>(threads, system.bodies.size(), classify, both);
-	twisted = turned;
-	return same;
+	const auto both = [](const Same& a, const Same& b) { return Same { a.kinds && b.kinds, a.masses && b.masses, a.twisted || b.twisted }; };
+	return reduceRanges<Same>(threads, system.bodies.size(), classify, both);
 }
 
 inline bool Sweep::groupable(const ContactRow& c) const
 {
 	const BodyKind &A = packed.kinds[c.a], &B = packed.kinds[c.b];
 	return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
-}
-
-// Whether sweeps may take the contacts from the step itself: they link the same bodies as those that were grouped.
-bool Sweep::mayStayPostponed() const
-{
-	return packed.partition.knows(system) && !system.contacts.solvedBeside() && packed.blocks.contacts.size() == system.contacts.size();
 }
 
 void Sweep::groupContacts()
@@ -96,33 +84,30 @@ void Sweep::numberBodies()
 	packed.metIn.assign(system.bodies.size(), -1);
 	packed.ends.resize(system.contacts.size());
 	packed.parts.resize(blocks.count());
-	std::size_t met = 0;
+	packed.bodyAt.clear();
 	for (std::size_t block = 0; block < blocks.count(); block++) {
 		Part& part = packed.parts[block];
 		part.contacts = { static_cast<std::size_t>(blocks.block[block]), static_cast<std::size_t>(blocks.block[block + 1]) };
-		part.bodies.from = met;
-		packed.bodyAt.resize(met + system.bodies.size() + 1); // one more, which is written to when no body is fresh
+		part.bodies.from = packed.bodyAt.size();
 		const auto number = [&](int32_t body) {
 			const int32_t in = packed.partition.freedom[body] > 0 ? 0 : static_cast<int32_t>(block);
-			const bool fresh = packed.metIn[body] != in;
-			const int32_t at = fresh ? static_cast<int32_t>(met) : packed.place[body]; // no branch: half of them would be mispredicted
-			packed.place[body] = at;
-			packed.metIn[body] = in;
-			packed.bodyAt[met] = body;
-			met += fresh;
-			return at;
+			if (std::exchange(packed.metIn[body], in) != in) {
+				packed.place[body] = static_cast<int32_t>(packed.bodyAt.size());
+				packed.bodyAt.push_back(body);
+			}
+			return packed.place[body];
 		};
 		for (const std::size_t k : part.contacts) {
 			const int32_t i = blocks.contacts[k];
 			packed.ends[i].a = number(system.contacts[i].a);
 			packed.ends[i].b = number(system.contacts[i].b);
 		}
-		part.bodies.to = met;
+		part.bodies.to = packed.bodyAt.size();
 	}
-	packed.bodyAt.resize(met);
+	auto nobody = static_cast<int32_t>(packed.bodyAt.size());
 	for (Part& part : packed.parts) {
-		part.nobody = static_cast<int32_t>(met);
-		met += 4;
+		part.nobody = nobody;
+		nobody += 4;
 	}
 }
 
@@ -171,13 +156,6 @@ inline const ContactRow& Sweep::rowOf(int32_t contact, ContactRow& made) const
 	return step ? made = step->row(contact) : system.contacts[contact];
 }
 
-// For a lane without a contact.
-inline void Sweep::clearLane(Group& g, int lane)
-{
-	for (double* const member : { g.nx, g.ny, g.at, g.bt, g.bias, g.mu, g.pn, g.pt, g.inverseWnn, g.inverseWtt })
-		member[lane] = 0;
-}
-
 // Returns false if the contact may not be in a group.
 inline bool Sweep::fillLane(Group& g, int lane, const ContactRow& c) const
 {
@@ -211,7 +189,8 @@ bool Sweep::fillGroups(const Part& block)
 				const int32_t contact = member[k * Group::lanes + lane];
 				Group& g = packed.groups[from + k];
 				if (contact < 0)
-					clearLane(g, lane);
+					for (double* const of : { g.nx, g.ny, g.at, g.bt, g.bias, g.mu, g.pn, g.pt, g.inverseWnn, g.inverseWtt })
+						of[lane] = 0;
 				else if (!fillLane(g, lane, rowOf(contact, made)))
 					return false;
 			}

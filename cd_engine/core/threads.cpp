@@ -19,10 +19,8 @@ namespace {
 	{
 		if (looks > alone && looks % 16 == 0)
 			std::this_thread::yield();
-#ifdef __x86_64__
 		else
 			__builtin_ia32_pause();
-#endif
 	}
 
 } // namespace
@@ -112,9 +110,7 @@ class Threads::Pool {
 
 	void help(std::size_t self)
 	{
-#ifdef __linux__
 		pthread_setname_np(pthread_self(), "cd_engine"); // what `top -H` shows
-#endif
 		uint32_t last = 0;
 		const auto none = [&] { return current.load() == last; };
 		for (;;) {

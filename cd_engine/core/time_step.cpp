@@ -29,12 +29,6 @@ inline double TimeStep::needed(const World& world, size_t i, double dt) const
 	return contact_limits::quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
 }
 
-void TimeStep::tellNeeded(const World& world, double dt, StepReport& report) const
-{
-	for (size_t i = 0; i < world.bodies.size(); i++)
-		report.outran.push_back(needed(world, i, dt));
-}
-
 // Velocities that are no solution may have any size. Their speeds are limited to four times the longest way plus two smallest radii, a step. Returns
 // whether a body has become so fast that it may reach, within the step, another body that is not listed with it.
 bool TimeStep::meanVelocities(const World& world, double dt, bool solved)
@@ -56,10 +50,7 @@ bool TimeStep::meanVelocities(const World& world, double dt, bool solved)
 				means[i].v[k] = 0.5 * (b.v[k] + v[k]);
 			means[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
 			found.fastest = std::max(found.fastest, means[i].speed);
-			// At most ways[i] is added to the way after the step, so most bodies need no second root.
-			const double bound = 1.01 * (dt * means[i].speed + ways[i]);
-			found.outran
-			    = found.outran || (i < world.listed.size() && !(bound <= world.listed[i]) && needed(world, i, dt) > world.listed[i]);
+			found.outran = found.outran || (i < world.listed.size() && needed(world, i, dt) > world.listed[i]);
 		}
 		return found;
 	};
@@ -97,8 +88,7 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
-	return status == Status::converged && settings.gapCorrection == 0
-	    && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance);
+	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, world.bodies, freeVelocity, report.tolerance);
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -107,9 +97,9 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	prepare(world, settings);
 	if (sleepers.wake(system.contacts, world))
 		return false;
-	static const std::vector<int> unknown;
-	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore ? *settings.loadsBefore : unknown };
-	double requested = settings.solver.tolerance, tolerance = requested;
+	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore };
+	double& requested = report.tolerance = toleranceFor(settings.unrest, settings.solver.tolerance, settings.flowTolerance);
+	double tolerance = requested;
 	int first = 0; // iterations of the first solution
 	int most = settings.solver.maxIterations;
 	for (;;) {
@@ -120,7 +110,8 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		left.tolerance = tolerance;
 		left.threads = &threads;
 		// Collisions after a rest are the problems that take longest to solve to the tolerance of a rest, and do not need it.
-		left.sweepsOnly = previous == 0 && settings.restitution == 0 && settings.flowTolerance > tolerance && left.maxIterations > fewSweeps;
+		left.sweepsOnly = previous == 0 && settings.flowTolerance > tolerance && left.maxIterations > fewSweeps && settings.restitution == 0
+		    && left.fixedIterations == 0;
 		if (left.sweepsOnly)
 			left.maxIterations = fewSweeps;
 		// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
@@ -144,7 +135,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		if (left.sweepsOnly && (found == Status::max_iterations || found == Status::stagnated)) {
 			// Errors alone may dissipate half of themselves.
 			if (const double unrest = unrestOf(report.solver.work); unrest > report.solver.error)
-				report.tolerance = requested = tolerance = toleranceFor(unrest, requested, settings.flowTolerance);
+				requested = tolerance = toleranceFor(unrest, requested, settings.flowTolerance);
 			if (report.solver.contact >= 0 || !(report.solver.error <= tolerance)) {
 				freeAgain(world, settings.dt);
 				continue;
@@ -167,7 +158,8 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		}
 		report.outran.clear();
 		if (found != Status::diverged && outran) {
-			tellNeeded(world, settings.dt, report);
+			for (size_t i = 0; i < world.bodies.size(); i++)
+				report.outran.push_back(needed(world, i, settings.dt));
 			return true;
 		}
 		const bool late = settings.solver.fixedIterations == 0 && report.solver.iterations > settings.solver.maxIterations;
@@ -190,14 +182,12 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
 	StepReport report;
-	report.tolerance = settings.solver.tolerance;
 	solveIslands.rested = settings.rested;
 	threads.use(settings.threads);
 	forgotten.clear();
 	noteLoads(world, settings);
 	while (!attempt(world, settings, report)) { }
 	report.rested = solveIslands.rested;
-	spared = system.contacts.postponed();
 	if (report.solver.status == Status::diverged || !report.outran.empty()) {
 		system.contacts.forgetSource(); // `world` and `settings` may be gone when somebody reads them
 		return report; // the world has not been changed
@@ -205,13 +195,13 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	report.dissipated += report.effort.stopped;
 	if (const int32_t i = report.solver.contact; i >= 0)
 		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
-	report.contacts = static_cast<int>(rows);
+	report.contacts = static_cast<int>(rowPair.size());
 	report.maxPenetration = deepest;
 	finishContacts(world, settings, report);
 	finishSleepers(report);
 	spared = system.contacts.postponed();
 	system.contacts.forgetSource();
-	report.idle = !finishBodies(world, settings.dt) && rows == 0;
+	report.idle = !finishBodies(world, settings.dt) && rowPair.empty();
 	return report;
 }
 

@@ -32,8 +32,8 @@ struct StepSettings {
 	bool rested = false; // StepReport::rested of the step before
 	Solver solve = nullptr;
 	SolverSettings solver;
-	// If larger than solver.tolerance: a step that is not solved soon is solved to toleranceFor(what it dissipates) only.
-	double flowTolerance = 0;
+	double flowTolerance = 0; // if larger than solver.tolerance: that of steps in which bodies flow (toleranceFor)
+	double unrest = 0; // what the last steps have dissipated, for this
 };
 
 // The tolerance of a step for `unrest`, the energy that contacts dissipate over the sum of W_nn |p|^2: the largest power of ten, within its limits,
@@ -140,7 +140,6 @@ class TimeStep : RowSource {
 	Begun beginBodies(const World&, double dt);
 	void noteLoads(const World&, const StepSettings&);
 	bool meanVelocities(const World&, double dt, bool solved);
-	void tellNeeded(const World&, double dt, StepReport&) const;
 	double needed(const World&, std::size_t body, double dt) const;
 	double relativeSpeed(const Pair&, const World&, const double* a, const double* b) const;
 	double smallerRadius(const Pair&) const;
@@ -150,7 +149,6 @@ class TimeStep : RowSource {
 	Seen look(const World&, const StepSettings&, Seen* parts);
 	bool judge(const Pair&, const World&, const StepSettings&, double beyond, double& overlap, double& gap, bool& through) const;
 	void findContacts(World&, const StepSettings&, const Begun&);
-	bool looksOn(const World&) const;
 	void prepare(World&, const StepSettings&);
 	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
 	void stopAtFaces(const World&, double dt);
@@ -171,7 +169,6 @@ class TimeStep : RowSource {
 	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;
 	bool within(std::size_t pair, const World&, double dt) const;
-	bool anyViolated(const World&, const StepSettings&);
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void guessAgain(const World&, const StepSettings&);
@@ -225,7 +222,6 @@ class TimeStep : RowSource {
 	double fastest = 0; // largest speed of a body after the step [m/s]
 	std::vector<int32_t> forgotten;
 	double deepest = 0; // largest overlap beyond the reference one [m]
-	std::size_t rows = 0; // contacts of the system, while it is assembled
 	std::vector<char> special; // of each contact: whether the kernel cannot make its row
 	// These contacts, their rows if all rows are postponed, and of every contact its index among them, -1: none. Known for this contactSet.
 	std::vector<int32_t> specials, specialOf;

@@ -1,13 +1,11 @@
 #include "verdict.hpp"
 
-#include "closing_in.hpp"
 #include "problem_form.hpp"
 #include "residual.hpp"
 #include "workspace.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 

@@ -14,7 +14,7 @@
 // slide could be a solution. So only the part of d . q without sliding counts, and these contacts must give way to it.) Conjugate gradients find d:
 // from impulses that have grown along it they remove the part that causes velocities.
 // Impulses may also be large because friction wedges bodies, and may hide the press of a slow boundary. If bodies and contacts are known, a second
-// proof does without the impulses: it tests whether any velocities keep all contacts open (closing_in.hpp).
+// proof does without the impulses: it tests whether any velocities keep all contacts open (closing_in.cpp).
 #pragma once
 
 #include "contact_system.hpp"
@@ -60,5 +60,11 @@ inline bool isDriven(const BodyVelocity& b)
 // Whether a motion is known that keeps every contact from overlapping further, so that a solution exists: if no blocked freedom moves and no bias is
 // negative, zero velocities are such a motion. Costs a look at every body and contact.
 bool surelySolvable(const ContactSystem& system, Threads* = nullptr);
+
+// Also a proof (closing_in.cpp). Returns the row of the contact that must close most, if mostProducts products with J and J^T suffice to prove that
+// there is no solution; else -1. freeVelocity: as in residual.hpp. The search begins at the velocities in system.bodies or at the rigid motion
+// nearest to that of the boundaries. If contacts close there by less than three tolerances of the free and prescribed closing, it ends at once.
+// Velocities beyond `bound` times the prescribed ones, both weighted by the masses, do not count as a solution.
+int closingIn(const ContactSystem& system, const std::vector<double>& freeVelocity, double tolerance, double bound, int mostProducts);
 
 } // namespace cd

@@ -39,15 +39,12 @@ namespace {
 	// same if neither boundaries nor other forces do work.
 	void track(double kinetic, double gravWork, double plastDissip)
 	{
-		const PyGILState_STATE gil = PyGILState_Ensure();
-		{
-			py::object energy = py::import("yade").attr("O").attr("energy");
-			const py::dict known(energy.attr("items")());
-			energy["kinetic"] = kinetic;
-			energy["gravWork"] = known.get("gravWork", 0.) + gravWork;
-			energy["plastDissip"] = known.get("plastDissip", 0.) + plastDissip;
-		}
-		PyGILState_Release(gil);
+		const WithInterpreterLock locked;
+		py::object energy = py::import("yade").attr("O").attr("energy");
+		const py::dict known(energy.attr("items")());
+		energy["kinetic"] = kinetic;
+		energy["gravWork"] = known.get("gravWork", 0.) + gravWork;
+		energy["plastDissip"] = known.get("plastDissip", 0.) + plastDissip;
 	}
 
 } // namespace
@@ -67,14 +64,14 @@ void ContactDynamics::takeOver()
 	ContactDynamics* const before = latest.exchange(this);
 	if (!before || before == this)
 		return;
-	const PyGILState_STATE gil = PyGILState_Ensure(); // needed to release objects made in Python, if these references are the last
+	const std::lock_guard<std::mutex> settled(before->stepping);
+	const WithInterpreterLock locked; // needed to release objects made in Python, if these references are the last
 	before->link = SceneLink();
 	before->step = cd::TimeStep();
 	before->others.wake();
 	before->others = OtherEngines();
 	before->last = {};
 	before->idle = false;
-	PyGILState_Release(gil);
 }
 
 void ContactDynamics::settleLatest()
@@ -130,6 +127,7 @@ void ContactDynamics::noteUnrest(const cd::StepReport& report)
 
 cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 {
+	const std::lock_guard<std::mutex> lock(attributesLock);
 	cd::StepSettings s;
 	s.dt = scene_dt(of);
 	s.restitution = restitution;
@@ -144,15 +142,14 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.loadsBefore = &loadsBeforeTrial;
 	s.rested = rested;
 	s.notesLoads = awake && steps + 1 == restTrialAt;
-	s.solve = cd::findSolver(read(&ContactDynamics::method));
-	s.flowTolerance = fixedIterations > 0 ? 0 : flowTolerance;
-	s.solver = { cd::toleranceFor(unrest, tolerance, flowTolerance), maxIterations, fixedIterations };
+	s.solve = cd::findSolver(method);
+	s.flowTolerance = flowTolerance;
+	s.unrest = unrest;
+	s.solver = { tolerance, maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	s.solver.guessSolved = converged || steps == 0;
 	s.solver.guessPressed = pressed;
-	if (gravity[2] != 0)
-		throw SceneError("ContactDynamics: gravity has a component out of the x-y plane. Set its z component to 0");
 	return s;
 }
 
@@ -190,6 +187,7 @@ void ContactDynamics::advance()
 		{
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			steps++;
+			stepTolerance = cd::toleranceFor(unrest, tolerance, flowTolerance);
 			noteUnrest({});
 		}
 		if (scene_trackEnergy(scene))
@@ -202,7 +200,6 @@ void ContactDynamics::advance()
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world, "settings have changed");
 	last = settings;
-	lastTolerances = { tolerance, flowTolerance };
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
 	link.gather(scene, weighs, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
@@ -306,8 +303,8 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
-	    && now.allowedOverlap == last.allowedOverlap && lastTolerances == std::array<double, 2> { tolerance, flowTolerance } && now.reduce
-	    && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart && !handover;
+	    && now.allowedOverlap == last.allowedOverlap && now.solver.tolerance == last.solver.tolerance && now.flowTolerance == last.flowTolerance
+	    && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart && !handover;
 }
 
 // After a failed trial, the next one comes later. After islands have been woken, it comes soon, because they may soon be at rest again.

@@ -247,9 +247,9 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 	return true;
 }
 
-void SceneLink::setFriction(cd::Threads* threads)
+void SceneLink::setFriction(cd::Threads& threads)
 {
-	cd::forRanges(threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
+	cd::forRanges(&threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t k = from; k < to; k++) {
 			cd::Pair& pair = world.pairs[world.awake[k]];
 			pair.mu = std::min(world.bodies[pair.a].friction, world.bodies[pair.b].friction); // the smaller angle of the two, as YADE
@@ -291,21 +291,14 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	}
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
 	if (read || searched || reordered)
-		setFriction(&step.threads);
+		setFriction(step.threads);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool look)
 {
 	inspecting = true;
-	checkScene(scene, dt);
-	gravity = g;
-	gatherBodies(scene);
-	cd::renewOrder(world, memory.order, look);
-	cd::Sleepers none;
-	search.needed(world, dt, 0, {});
-	search.find(world, pairs);
-	gatherPairs(scene, memory, true, true, true, none);
-	setFriction(nullptr);
+	cd::TimeStep none;
+	gather(scene, g, dt, memory, look, 0, none, {});
 }
 
 } // namespace cd_engine

@@ -134,7 +134,7 @@ class SceneLink {
 	void turn(std::size_t pair) const;
 	void listPairs(const Memory&, bool all);
 	bool readForces(cd::Sleepers*);
-	void setFriction(cd::Threads*);
+	void setFriction(cd::Threads&);
 	void recycle(Spare&&);
 	Spare takeSpare();
 	void makeReal(std::size_t pair);

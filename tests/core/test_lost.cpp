@@ -1,5 +1,5 @@
 // Which disks have left the scene.
-#include "lost.hpp"
+#include "pair_search.hpp"
 
 #include <doctest/doctest.h>
 
