@@ -9,8 +9,8 @@ NOTE = ("The rows on tolerance, tangential law and stress path compare one metho
 TABLE = {
     "Stiffness of the springs": (
         "MD's largest strain goes as k_n to the power -0.94 to -1.01 (5 packings): 4.5e-4 with k_n, 5.1e-6 with 100 k_n (means).",
-        "At the same ratio of load to static limit MD's strain of a late cycle goes as k_n to the power -1.02 (0.04; 42 runs from 10 seeds) up to 0.96 of the "
-        "limit. Between there and the limit 14 runs from 8 seeds scatter too much to tell: -0.50 (0.16).",
+        "At the same ratio of load to static limit MD's strain of a late cycle goes as k_n to the power -1.02 (0.04; 42 runs from 10 seeds) up to "
+        "0.96 of the limit. Between there and the limit 14 runs from 8 seeds scatter too much to tell: -0.50 (0.16).",
         "Rigid grains stand 2.44 times as many cycles as springs of k_n under dSigma = 0.3 (longer on 10 of 10 packings) and 1.38 times under 0.4 "
         "(10 of 10). Compared with springs of 10 k_n they stand 1.23 to 1.30 times as many under 0.3 (8 of 10) and 1.04 times under 0.4 (6 of 10), "
         "which may be chance."),

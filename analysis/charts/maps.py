@@ -17,13 +17,15 @@ QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds d
             "program warn when it is crossed?")
 ANSWER = """
 Springs are stable as theory says: one contact below the smaller of two limits, omega dt = 2 (sqrt(1 + beta^2) - beta) along the normal and 2/sqrt(2
-k_t/k_n) across it, within 0.1 %; a packing as long as dt^2 K + 2 dt C < 4 M, within 0.2 %. The walls' servo locks above a gain of 1.50; runs use a gain of 1 at most.
+k_t/k_n) across it, within 0.1 %; a packing as long as dt^2 K + 2 dt C < 4 M, within 0.2 %. The walls' servo locks above a gain of 1.50; runs use a
+gain of 1 at most.
 
-Rigid contacts without restitution neither overlap nor gain energy at any step tried, though the motion gets inaccurate. With restitution disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g)
-on, and the engine warns. Accelerated sweeps alone do not solve a heavy disk on a light one beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8
-and of 7.6e5 at 1e-6, and the engine says so; the default method goes on with Newton's method. It does not warn where the error that the tolerance allows is as large as the quantity of interest. One case is a slope
-for which tan(slope)/mu differs from 1 by less than 0.18 tolerances. The other is a packing under a small load: with steps of 1 ms its strain is
-wrong from a tolerance of 6.7e-5 on, with steps of 10 ms from 9.6e-7 on. The table lists every boundary that was searched.
+Rigid contacts without restitution neither overlap nor gain energy at any step tried, though the motion gets inaccurate. With restitution disks
+overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g) on, and the engine warns. Accelerated sweeps alone do not solve a heavy
+disk on a light one beyond a ratio of their masses of 5.9e4 at a tolerance of 1e-8 and of 7.6e5 at 1e-6, and the engine says so; the default method
+goes on with Newton's method. It does not warn where the error that the tolerance allows is as large as the quantity of interest. One case is a slope
+for which tan(slope)/mu differs from 1 by less than 0.18 tolerances. The other is a packing under a small load: with steps of 1 ms its strain is wrong
+from a tolerance of 6.7e-5 on, with steps of 10 ms from 9.6e-7 on. The table lists every boundary that was searched.
 """
 GIVEN = ("1", "2", "4", "10", "1e-6", "1e-8")
 

@@ -73,6 +73,9 @@ def by_kind(accuracy):
     """Return the lines of an answer for each kind of scene: one setting for all its scenes."""
     lines = []
     for kind, own in table.one_size(table.from_csv(table.PUBLISHED)).groupby("kind", sort=False):
+        if kind == "flow":
+            lines.append(f"flow: one run a setting says little. Name a scene: --scene {', '.join(sorted(flows.QUANTITY))}")
+            continue
         chosen, count = choice.of_kind(own, accuracy), own.scene.nunique()
         first = min(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()), default="no setting reaches it")
         lines.append(f"{kind} ({count} scene{'s' * (count > 1)}), accuracy {accuracy:g}: {first}")

@@ -133,10 +133,10 @@ differs by 1 to 12 %, on each of 5 packings.
 The stress ratio itself decides on collapse, not its ratio to the static limit, since a packing that moves makes new contacts. With ratios up to 1.5
 all 140 runs stand 40 cycles, dense or loose, springs or rigid grains. With 1.6 and 1.7 springs collapse in 6 and rigid grains in 5 of 20 cases, from
 1.8 on in 49 and 44 of 50. The static limit at the start does not predict collapse: between 1.1 and 1.3 times this limit springs collapse in 10 of 14
-runs of dense packings and in 1 of 18 runs of loose ones. So only with the mean stress held do the paper's loads reach collapse: no dense packing of MD strains by
-more than 2.6e-4 at 0.1; at 0.2 all 5 stand and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95 cycles
-(medians of 5). With sigma1 held, none of 25 runs collapses at 0.1 to 0.5. The path matters here: at a ratio of 1.86 with the mean stress held MD
-stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1 held, more on 4 of 5 packings.
+runs of dense packings and in 1 of 18 runs of loose ones. So only with the mean stress held do the paper's loads reach collapse: no dense packing of
+MD strains by more than 2.6e-4 at 0.1; at 0.2 all 5 stand and strain by 0.0066 to 0.0431; at 0.3, 0.4 and 0.5 all collapse, after 10.70, 1.95 and 0.95
+cycles (medians of 5). With sigma1 held, none of 25 runs collapses at 0.1 to 0.5. The path matters here: at a ratio of 1.86 with the mean stress held
+MD stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1 held, more on 4 of 5 packings.
 
 Above the limit both methods collapse in 49 of 101 pairs, neither in 46 and only springs in 6. Where MD collapses within 20 cycles, CD stands 1.49
 times as many cycles (median of 52 pairs from 10 packings; longer in 47, shorter in 1, to the end of the run in 4). Most of these packings collapse

@@ -191,8 +191,8 @@ Where does the time go? A step of 2 ms takes 28 to 84 sweeps to 1e-3 and 6 to 24
 same steps take 803 to 3674 sweeps and 6.6 to 13.7 times as long (two seeds), and in the drum 0.53 % of them miss it. The default of
 cd_engine.engines(), 1e-4 after disks have flowed or collided and 1e-6 when all rest, takes 1.07 to 1.21 times as long as 1e-4.
 
-Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two slow cores, while other
-runs used the other core.
+Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two slow cores, while other runs used
+the other core.
 """
 GIVEN = ("2", "500", "12", "36", "95", "1e8", "0.25", "0.5", "1e-4", "0.125", "1e-3", "1", "4", "1e-2", "1e-6")
 

@@ -142,13 +142,13 @@ published one is proportional to mu. The dense packings of the other studies are
 undetermined in 14 to 26 directions.
 
 The forces of the springs lie further from the mean of the admissible ones than the samples do (rms): 1.46 times as far near the rigid limit, for mu
-of 0.01 to 1 (median; further than the samples in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and more they lie nearer, at
-0.85 times.
+of 0.01 to 1 (median; further than the samples in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and more they lie
+nearer, at 0.85 times.
 
 On one packing the walk covers 48 to 67 % of the range of single forces that linear programmes give. 846 of 25600 samples were refused as not
-admissible, all of them at mu of 0.2 and more; packings with fewer than 100 remaining samples are left out here. Of the refused samples at
-most 15 missed the solver's tolerance. In the others the contacts meet Coulomb's law, but a grain starts to move: with much friction rest and motion can both be
-solutions. Two packings could not be prepared or sampled.
+admissible, all of them at mu of 0.2 and more; packings with fewer than 100 remaining samples are left out here. Of the refused samples at most 15
+missed the solver's tolerance. In the others the contacts meet Coulomb's law, but a grain starts to move: with much friction rest and motion can both
+be solutions. Two packings could not be prepared or sampled.
 """
 GIVEN = ("0.3", "0.1", "0.001", "0.01", "0.2", "1", "100")
 

@@ -31,8 +31,8 @@ Which settings suffice? With a tolerance of 1e-3 steps of 1 ms give errors of 0.
 with 27 to 278 sweeps a step. A tolerance of 1e-2 is too large: disks overlap by 0.15 to 0.36 radii, and the filling is 5.7 % too low. Springs of 5e6
 N/m, with which disks overlap by up to 0.21 radii in the silo, are too soft.
 
-Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two slow cores, while other
-runs used the other core.
+Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two slow cores, while other runs used
+the other core.
 """
 GIVEN = ("500", "2", "0.5", "1e-3", "3", "95", "5e6", "2e7", "1", "1e-2")
 

@@ -63,16 +63,17 @@ def draw(runs, rows, path):
 ANSWER = """
 A thousand cycles cannot be predicted from tens of them. Three packings stand 1000 cycles at 0.87 to 0.95 of their static limits. Packings 2 and 3
 strain steadily at first, by 9.0e-5 and 2.0e-4 a cycle in cycles 11 to 20. Before cycle 100 this is over. Packing 2 stops straining on average: over
-the last 500 cycles the mean is 1.5e-8 a cycle. Packing 3 goes on at a small and nearly constant rate, as the paper says: by 1.0e-6 a cycle in cycles 101
-to 200, by 5.8e-7 in cycles 201 to 500 and by 5.5e-7 over the last 500. In packing 1 the rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in cycles
-51 to 100. Then a burst comes: in cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over the last
-500 cycles the mean is 2.2e-7. In all three packings single cycles still strain by 1.4e-6 to 2.9e-6 (medians) in either direction, which nearly
-cancels in the sum. After 40 cycles one cannot say whether a packing shakes down.
+the last 500 cycles the mean is 1.5e-8 a cycle. Packing 3 goes on at a small and nearly constant rate, as the paper says: by 1.0e-6 a cycle in cycles
+101 to 200, by 5.8e-7 in cycles 201 to 500 and by 5.5e-7 over the last 500. In packing 1 the rate falls from 1.8e-5 in cycles 6 to 10 to 3.0e-6 in
+cycles 51 to 100. Then a burst comes: in cycles 201 to 500 it strains by 1.6e-3, as much as in the first 100, and by up to 2.4e-5 in one cycle. Over
+the last 500 cycles the mean is 2.2e-7. In all three packings single cycles still strain by 1.4e-6 to 2.9e-6 (medians) in either direction, which
+nearly cancels in the sum. After 40 cycles one cannot say whether a packing shakes down.
 
 Under the path-independent law, whose closed paths leave neither force nor energy, packings 1 and 2 do the same, including the burst and the end: in
 every row of the table they have strained 0.98 to 1.00 times as far. So the tangential law causes neither.
 
-Cycles of 0.5 s are too short for springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting). The error of the energy balance is 8.1e-5 of the work at most.
+Cycles of 0.5 s are too short for springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting). The error of the energy balance
+is 8.1e-5 of the work at most.
 """
 GIVEN = ("1", "2", "3", "6", "10", "11", "20", "51", "100", "101", "200", "201", "500", "40", "0.5", "1000")
 

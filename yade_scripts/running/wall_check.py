@@ -74,5 +74,6 @@ class LoadCheck:
             raise StressError(
                 f"wall stress off its goal by up to {100 * self.worst:.0f} % of P0 until t = {row['time']:.4g} s, {self.off} of "
                 f"{self.samples - self.left} samples off by more than {100 * TOLERANCE:g} % while gamma stayed between {self.gammas[0]:.3g} and "
-                f"{self.gammas[1]:.3g}: the walls have locked, or the load changes faster than they can follow; lengthen period, or use "
-                "md_walls=force")
+                f"{self.gammas[1]:.3g}: the walls have locked, or the load changes faster than they can follow; lengthen period"
+                + ("" if self.pushed else ", or use md_walls=force")
+                + (", or set wall_friction=0: with it the other walls carry part of the load" if self.full["wall_friction"] else ""))
