@@ -5,10 +5,9 @@
 #include <chrono>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace cd {
-
-constexpr int fewSweeps = 1000; // after so many a step is looked at, whether it may have a larger tolerance
 
 void TimeStep::noteLoads(const World& world, const StepSettings& settings)
 {
@@ -101,6 +100,7 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	double& requested = report.tolerance = toleranceFor(settings.unrest, settings.solver.tolerance, settings.flowTolerance);
 	double tolerance = requested;
 	int first = 0; // iterations of the first solution
+	int few = 1000; // sweeps after which the step is looked at, whether it may have a larger tolerance
 	int most = settings.solver.maxIterations;
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
@@ -109,11 +109,12 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		left.maxIterations = most - previous;
 		left.tolerance = tolerance;
 		left.threads = &threads;
-		// Collisions after a rest are the problems that take longest to solve to the tolerance of a rest, and do not need it.
-		left.sweepsOnly = previous == 0 && settings.flowTolerance > tolerance && left.maxIterations > fewSweeps && settings.restitution == 0
-		    && left.fixedIterations == 0;
+		// Collisions after a rest are the problems that take longest to solve to the tolerance of a rest, and do not need it. So the step is
+		// looked at after some sweeps, twice as many each time.
+		const bool flexible = settings.flowTolerance > tolerance && settings.restitution == 0 && left.fixedIterations == 0;
+		left.sweepsOnly = flexible && few < left.maxIterations;
 		if (left.sweepsOnly)
-			left.maxIterations = fewSweeps;
+			left.maxIterations = std::exchange(few, 2 * few);
 		// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
 		if (tolerance < requested)
 			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
@@ -132,15 +133,18 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		const Status found = report.solver.status;
 		const bool outran = meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
-		if (left.sweepsOnly && (found == Status::max_iterations || found == Status::stagnated)) {
+		if (flexible && (found == Status::max_iterations || found == Status::stagnated)) {
 			// Errors alone may dissipate half of themselves.
 			if (const double unrest = unrestOf(report.solver.work); unrest > report.solver.error)
 				requested = tolerance = toleranceFor(unrest, requested, settings.flowTolerance);
-			if (report.solver.contact >= 0 || !(report.solver.error <= tolerance)) {
+			if (report.solver.contact < 0 && report.solver.error <= tolerance)
+				report.solver.status = Status::converged;
+			else if (left.sweepsOnly) {
+				if (found == Status::stagnated)
+					few = most;
 				freeAgain(world, settings.dt);
 				continue;
 			}
-			report.solver.status = Status::converged;
 		}
 		if (settings.restitution > 0) {
 			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
