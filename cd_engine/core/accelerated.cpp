@@ -6,8 +6,8 @@
 // that is, moves straight on by the same change in each sweep. Frictional packings are hyperstatic: if residual gaps do not let all loaded contacts
 // stay closed or sticking, the impulses move along a self-stress. This changes no velocity, and so no error, until a contact opens or slides, far
 // away (1e4 to 1e6 plain sweeps, at errors from 1e-6 down). Momentum shortens such drifts. Elsewhere it may keep the error from falling; plain sweeps
-// then take part (iterate.hpp). An iteration costs a sweep, 32 bytes a contact more, and a
-// pass over the velocities. In the matrix form momentum is local (row_momentum.hpp).
+// then take part (iterate.hpp). An iteration costs a sweep, 32 bytes a contact more, and a pass over the velocities. In
+// the matrix form momentum is local (row_momentum.hpp).
 //
 // Alternatives tried on cold dense packings of 400 and 4000 disks, mu 0.1 and 0.5, none of them better (median sweeps to 1e-6 relative to this): a
 // separate momentum for each block of 1024 or 256 contacts, 1.3 to 2.1 times (to 1e-4 0.8 to 1.0, but a second pass over the contacts); restart on a

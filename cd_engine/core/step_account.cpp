@@ -127,8 +127,7 @@ double TimeStep::unrestOf(double work) const
 	return work > 0 ? lost / work : 0;
 }
 
-// Books the effect of a contact on its pair, its bodies and the sums. Inlined, so that no effect goes through
-// memory.
+// Books the effect of a contact on its pair, its bodies and the sums. Inlined, so that no effect goes through memory.
 [[gnu::always_inline]] inline void TimeStep::book(
     World& world, const StepSettings& settings, size_t row, const Effect& e, bool anyAsleep, Account& sum)
 {

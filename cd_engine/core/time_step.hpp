@@ -101,8 +101,8 @@ class TimeStep : RowSource {
 	// contact is looked at. Such a disk stops at the face. Restitution e > 0: a contact that is closed, or that the velocities before the step
 	// would close within it, takes u_n' >= -e u_n instead, or what its overlap demands if that is more (rebounds.hpp). A contact that only other
 	// contacts' impulses close is left to the next step and overlaps by up to its closing velocity times h. No body is moved in two cases: the
-	// solver met a number that is not finite, or impulses made a body so fast that it may reach others that are not in the list of pairs
-	// (World::listed). In the second case report.outran is not empty, and the step must be repeated with a longer list.
+	// solver met a number that is not finite, or, without restitution, impulses made a body so fast that it may reach others that are not in
+	// the list of pairs (World::listed). In the second case report.outran is not empty, and the step must be repeated with a longer list.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem that such a step would give to its solver, with the free velocities. The world is not moved. A pair is a contact if its bodies

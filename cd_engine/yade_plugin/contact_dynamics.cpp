@@ -64,7 +64,12 @@ void ContactDynamics::takeOver()
 	ContactDynamics* const before = latest.exchange(this);
 	if (!before || before == this)
 		return;
-	const std::lock_guard<std::mutex> settled(before->stepping);
+	std::unique_lock<std::mutex> settled(before->stepping, std::defer_lock); // settleLatest() may just publish its last step
+	if (PyGILState_Check()) {
+		const WithoutInterpreterLock unlocked; // whoever holds it may wait for Python
+		settled.lock();
+	} else
+		settled.lock();
 	const WithInterpreterLock locked; // needed to release objects made in Python, if these references are the last
 	before->link = SceneLink();
 	before->step = cd::TimeStep();
