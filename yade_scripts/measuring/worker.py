@@ -19,6 +19,7 @@ def main(kind, name, full, folder):
         signal.alarm(int(20 * seconds))
 
     def begun(name, seconds):
+        limit(0)  # of the measurement before; it must not end the process while the file is written
         under_way.write_text(name, encoding="utf-8")
         limit(seconds)
 
