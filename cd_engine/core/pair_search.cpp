@@ -79,6 +79,7 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 	struct Seen {
 		double fastest = 0, smallest = endless;
 		bool complete;
+		int32_t beyond = -1;
 	};
 	const auto look = [&](std::size_t from, std::size_t to) {
 		Seen all;
@@ -96,12 +97,15 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 				continue;
 			world.listed[i] = !joins && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
 			all.complete = needs[i] <= world.listed[i];
+			all.beyond = all.complete ? -1 : static_cast<int32_t>(i);
 		}
 		return all;
 	};
 	const Seen all = reduceRanges<Seen>(threads, count, look, [](const Seen& a, const Seen& b) {
-		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.complete && b.complete };
+		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.complete && b.complete,
+			a.beyond >= 0 ? a.beyond : b.beyond };
 	});
+	beyond = all.beyond;
 	fastest = all.fastest;
 	least = std::isinf(all.smallest) ? 0 : leastMargin * all.smallest;
 	longest = fastest / all.smallest;

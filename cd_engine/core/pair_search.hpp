@@ -20,12 +20,15 @@ class PairSearch {
 	int lost(const World&);
 	// The largest way of a body in this step, in radii of the smallest disk.
 	double longestWay() const { return longest; }
+	// The first body that `needed` has found beyond its margin, -1: none, since bodies have come or gone.
+	int32_t mover() const { return beyond; }
 	double marginOf(int32_t body) const { return margins[body]; }
 
     private:
 	void chooseMargins(const World&);
 	double used(const World&, std::size_t body) const;
 
+	int32_t beyond = -1;
 	double least = 0; // margin of slow bodies [m]
 	double fastest = 0, longest = 0; // largest way of a body in this step [m], and the same over the smallest radius
 	std::vector<double> ways, needs; // of the bodies: ways in this step, and distances up to which pairs must be listed [m]

@@ -21,10 +21,10 @@ namespace {
 
 } // namespace
 
-void Sleepers::wakeAll(World& world, const char* why)
+void Sleepers::wakeAll(World& world, const Cause& why)
 {
 	if (!none())
-		last = { why, -1 };
+		last = why;
 	of.clear();
 	list.clear();
 	pushed.clear();

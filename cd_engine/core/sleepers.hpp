@@ -49,7 +49,7 @@ class Sleepers {
     public:
 	// After the bodies of a step are read, but before its pairs. Lists in world.awake the pairs that the step must look at.
 	void look(World&);
-	void wakeAll(World&, const char* why = "near pairs were searched anew, since a body has moved far, come or gone");
+	void wakeAll(World&, const Cause& why = { "near pairs were searched anew, since a body has moved far, come or gone", -1 });
 	// Wakes the islands that have a body in one of these contacts. Returns whether there were any.
 	bool wake(const ContactRows&, World&);
 	// Adds the islands that a step has looked at and found asleep. names: of each body, the name of its island.

@@ -203,7 +203,7 @@ void ContactDynamics::advance()
 	others.check(this, scene, weighs != Vector3r::Zero());
 	cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
-		step.sleepers.wakeAll(link.world, "settings have changed");
+		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	last = settings;
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);

@@ -209,7 +209,10 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 	}
 	if (searched || taken) {
 		listPairs(memory, taken);
-		sleepers.wakeAll(world);
+		if (searched && search.mover() >= 0)
+			sleepers.wakeAll(world, { "near pairs were searched anew, since a body has moved far", search.mover() });
+		else
+			sleepers.wakeAll(world);
 	} else
 		sleepers.look(world);
 }

@@ -98,6 +98,18 @@ def test_a_single_island_is_the_same_to_the_last_bit(O):
     assert hashes[0] == hashes[1]
 
 
+def test_a_search_for_pairs_names_the_body_that_has_moved_far(O):
+    """A disk falls beside a column that sleeps. When it has used up its margin, pairs are searched anew, and this wakes the column."""
+    mat = plane.material(0.5)
+    plane.floor(mat)
+    column(-0.3, 3, mat)
+    falls = plane.disk((0.3, 5), 0.01, mat=mat)
+    cd = plane.run(200, 1e-3, gravity=GRAVITY, tolerance=1e-6)
+    while not cd.woken and O.iter < 600:
+        O.run(1, True)
+    assert cd.woken.endswith(f"near pairs were searched anew, since a body has moved far (body #{falls})")
+
+
 def test_what_is_at_rest_sleeps_until_something_changes(O):
     """Three columns apart; then one is pushed, and later gravity grows by a thousandth."""
     mat = plane.material(0.5)
