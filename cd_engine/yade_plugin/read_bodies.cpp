@@ -236,8 +236,9 @@ void SceneLink::readFriction(int id, void* mat)
 	KnownBody& known = bodies[id];
 	if (!mat || !isFrictMat(mat))
 		refuseBody(id, "has a material without friction angle", "Set O.bodies[#].mat to a FrictMat or a material derived from it");
-	if (const void* const vtable = *static_cast<const void* const*>(mat); vtable != material) {
-		material = vtable;
+	if (const void* const vtable = *static_cast<const void* const*>(mat);
+	    std::find(materials.begin(), materials.end(), vtable) == materials.end()) {
+		materials.push_back(vtable);
 		if (const std::string name = className(mat); name != "FrictMat")
 			tell(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));

@@ -146,7 +146,7 @@ class SceneLink {
 	void writeContact(std::size_t pair, const cd::Touch&);
 	void writeMotion(std::size_t id);
 
-	const void* material = nullptr; // vtable of the class of the material that was last told of
+	std::vector<const void*> materials; // vtables of the classes of materials that have been met
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
