@@ -5,7 +5,7 @@ import pandas
 from analysis import style
 from analysis.charts import choice, table
 from analysis.style import plt
-from yade_scripts import scenes
+from yade_scripts import parameters, scenes
 
 TITLE = "Speed against accuracy, scene by scene"
 QUESTION = ("How long does each method compute to reach a given accuracy? Only the time of the steps counts, not that of start-up, building the "
@@ -50,16 +50,23 @@ def _draw(rows, scene, path, line):
         for series, own in table.by_series(found[found.method == method]):
             colour, marker = LOOK.get(series, ("#7F7F7F", "h"))
             seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
-            coarsest, finest = (own.setting.iloc[k].split("=")[1] for k in (0, -1))
-            axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=f"{series[3:]}: {coarsest} to {finest}",
+            axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=_label(series, own),
                         linestyle="none" if chance or series in choice.NO_LADDER else "-" if method == "MD" else "--")
             axes.plot(seconds[0], errors[0], marker=marker, color=colour, markersize=8)
             missed = np.flatnonzero(pandas.to_numeric(own.unconverged_steps) > 0)
             axes.plot(seconds[missed], errors[missed], marker=marker, color=colour, ls="none", markerfacecolor="white", markersize=5)
         axes.set(xlabel="time of computing [s]", title=style.WORDS[method])
         axes.grid(True)
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, fontsize=7)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncol=2, fontsize=6, columnspacing=1, handlelength=1.5)
     panels[0, 0].set_ylabel("relative error")
     fig.suptitle(scene.TITLE)
-    style.finish(fig, path, "From the coarsest setting (large) to the finest. Hollow: with missed steps. "
+    style.finish(fig, path, "Each series varies one parameter of a run, from the coarsest value (large) to the finest. Hollow: with missed steps. "
                  + "Grey: the other method. " * (len(methods) > 1) + f"{(rows.status != '').sum()} of {len(rows)} settings failed.", line)
+
+
+def _label(series, rows):
+    """Return the name of a series with the parameter that it varies, its range and its unit."""
+    (name, coarsest), (_, finest) = (rows.setting.iloc[k].split("=") for k in (0, -1))
+    known = parameters.registry(rows.scene.iloc[0]).get(name)
+    unit = f" {known.unit}" if known and known.unit != "1" else ""
+    return f"{series[3:]}{'' if series[3:] == name else f', {name}'}: {coarsest} to {finest}{unit}"
