@@ -231,4 +231,5 @@ def numbers(table):
             **summary.stated("0.62 0.77", coarse.seconds / coarser.seconds), **summary.stated("1.8 4.0", of(COARSE, 0.1).seconds / coarse.seconds),
             **summary.stated("28 84", coarser.sweeps), **summary.stated("6 24", coarse.sweeps), **summary.stated("72 274", proposed.sweeps),
             "2.0": against.max(), **summary.stated("803 3674", strict.sweeps), **summary.stated("6.6 13.7", strict.seconds / proposed.seconds),
-            "0.53": 100 * strict.unsolved.max(), **summary.stated("0.97 1.18", default.seconds / proposed.seconds), **summary.stated("0.68 2.20", beside(default))}
+            "0.53": 100 * strict.unsolved.max(), **summary.stated("0.97 1.18", default.seconds / proposed.seconds),
+            **summary.stated("0.68 2.20", beside(default))}
