@@ -89,8 +89,8 @@ def methods():
 def engines(**settings):
     """Return the list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
-    settings: attributes of `ContactDynamics`. Without a tolerance, steps are solved to 1e-4 while bodies flow or collide, and to 1e-6 when
-    nothing slides or collides any more (flowTolerance). Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
+    settings: attributes of `ContactDynamics`. Without a tolerance, steps are solved to 1e-4 after bodies have flowed or collided, and to 1e-6
+    when nothing slides or collides any more (flowTolerance). Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
     ContactDynamics itself finds the pairs that may touch. The collider is for springs and for YADE's tools; it does nothing during a run.
     """
     _plugin()

@@ -45,7 +45,7 @@ namespace {
 	template <class System> SolverReport solve(System& system, const SolverSettings& settings)
 	{
 		const int most = std::min(mostSteps, settings.maxIterations / 6); // iterations left for Newton's method
-		if (settings.fixedIterations > 0 || settings.sweepsOnly || size(system) > large || most == 0)
+		if (settings.fixedIterations > 0 || size(system) > large || most == 0)
 			return accelerated(system, settings);
 		std::optional<Start> own;
 		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);

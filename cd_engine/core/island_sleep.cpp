@@ -9,7 +9,8 @@
 // before this step is tried again in the next one, in which nothing must be stopped, so that its impulses are those of rest. An island
 // sleeps if nothing in it moves before a step and its impulses keep it so, to a hundredth of the tolerance. It is not solved again, and
 // smaller forces may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene
-// continues identically. Islands in which nothing changes at all are not even looked at (sleepers.hpp).
+// continues identically. If the tolerance changes from step to step, rest is judged by the smallest one. Islands in which nothing changes at all are
+// not even looked at (sleepers.hpp).
 #include "island_solver.hpp"
 
 #include <algorithm>
@@ -122,7 +123,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 		return;
 	takePart(system, isCalm);
 	SolverSettings finer = settings;
-	finer.tolerance *= proof;
+	finer.tolerance = stillness.tolerance * proof;
 	finer.maxIterations = std::min(settings.maxIterations, stillness.trial);
 	for (bool ends = false; !ends;) {
 		// The error is a norm of the whole: a body that carries little may be solved far less exactly than others that carry much.
@@ -130,7 +131,7 @@ void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, cons
 		for (std::size_t i = 0; i < part.bodies.size(); i++)
 			std::copy_n(&partFree[3 * i], 3, part.bodies[i].v);
 		const SolverReport report = accelerated(part, finer);
-		judgeRest(settings.tolerance, (1 + 1e-9) * proof); // 1e-9: a single island may just reach its tolerance
+		judgeRest(stillness.tolerance, (1 + 1e-9) * proof); // 1e-9: a single island may just reach its tolerance
 		finer.maxIterations -= report.iterations;
 		finer.tolerance *= 0.1;
 		ends = std::all_of(partIsland.begin(), partIsland.end(), [&](int32_t k) { return islands[k].calm; })

@@ -294,7 +294,7 @@ SolverReport IslandSolver::operator()(
 	copyVelocities(system, freeVelocity, settings.threads);
 	sums.assign(islands.size(), {});
 	if (stillness)
-		recognise(system, stillness->before, settings.tolerance);
+		recognise(system, stillness->before, stillness->tolerance);
 	solveLoneContacts(system, settings.tolerance);
 	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
 	SolverReport report;

@@ -38,6 +38,7 @@ struct Stillness {
 	// Fingerprints of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is
 	// no trial.
 	const std::vector<int>&loads, *loadsBefore;
+	double tolerance; // by which rest is judged, at most that of the step
 };
 
 // A hash of the velocity that forces add to a body in a step: equal loads have equal hashes.

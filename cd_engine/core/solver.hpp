@@ -34,7 +34,6 @@ struct SolverSettings {
 	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, without a look at the error in between
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
-	bool sweepsOnly = false; // the automatic method does not go on with Newton's method
 	bool guessSolved = true; // whether the first guess is from a solved step; if not, its size does not excuse growth (verdict.hpp)
 	bool guessPressed = false; // whether the guess is from an unsolvable or doubtful step; its result is then confirmed from zero impulses
 	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)

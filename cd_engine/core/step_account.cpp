@@ -118,15 +118,6 @@ inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, doub
 	return { share(row, c), c.nx, c.ny, fn * c.nx, fn * c.ny, -ft * c.ny, ft * c.nx, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
 }
 
-// What the contacts dissipate over `work`, the sum of their W_nn |p|^2, with the impulses found.
-double TimeStep::unrestOf(double work) const
-{
-	double lost = 0;
-	for (size_t i = 0; i < system.contacts.size(); i++)
-		lost -= effectOf(i, system.contacts[i], 0).work;
-	return work > 0 ? lost / work : 0;
-}
-
 // Books the effect of a contact on its pair, its bodies and the sums. Inlined, so that no effect goes through memory.
 [[gnu::always_inline]] inline void TimeStep::book(
     World& world, const StepSettings& settings, size_t row, const Effect& e, bool anyAsleep, Account& sum)

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstring>
 #include <limits>
-#include <utility>
 
 namespace cd {
 
@@ -87,7 +86,8 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
-	return status == Status::converged && settings.gapCorrection == 0 && rebounds.lower(system, world.bodies, freeVelocity, report.tolerance);
+	return status == Status::converged && settings.gapCorrection == 0
+	    && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance);
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -96,11 +96,10 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 	prepare(world, settings);
 	if (sleepers.wake(system.contacts, world))
 		return false;
-	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore };
-	double& requested = report.tolerance = toleranceFor(settings.unrest, settings.solver.tolerance, settings.flowTolerance);
-	double tolerance = requested;
+	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore,
+		std::min(settings.restTolerance, settings.solver.tolerance) };
+	double tolerance = settings.solver.tolerance;
 	int first = 0; // iterations of the first solution
-	int few = 1000; // sweeps after which the step is looked at, whether it may have a larger tolerance
 	int most = settings.solver.maxIterations;
 	for (;;) {
 		const auto start = std::chrono::steady_clock::now();
@@ -109,14 +108,8 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		left.maxIterations = most - previous;
 		left.tolerance = tolerance;
 		left.threads = &threads;
-		// Collisions after a rest are the problems that take longest to solve to the tolerance of a rest, and do not need it. So the step is
-		// looked at after some sweeps, twice as many each time.
-		const bool flexible = settings.flowTolerance > tolerance && settings.restitution == 0 && left.fixedIterations == 0;
-		left.sweepsOnly = flexible && few < left.maxIterations;
-		if (left.sweepsOnly)
-			left.maxIterations = std::exchange(few, 2 * few);
 		// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
-		if (tolerance < requested)
+		if (tolerance < settings.solver.tolerance)
 			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
 		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
 						: solveWhole(system, settings.solve, left, report.effort);
@@ -126,26 +119,13 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		// A smaller tolerance serves only to add no energy. If it is missed, the requested one suffices.
 		const Status exactly = report.solver.status;
-		const bool less = tolerance < requested && (exactly == Status::stagnated || exactly == Status::max_iterations)
-		    && report.solver.contact < 0 && report.solver.error <= requested;
+		const bool less = tolerance < settings.solver.tolerance && (exactly == Status::stagnated || exactly == Status::max_iterations)
+		    && report.solver.contact < 0 && report.solver.error <= settings.solver.tolerance;
 		if (less)
 			report.solver.status = Status::converged;
 		const Status found = report.solver.status;
 		const bool outran = meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
-		if (flexible && (found == Status::max_iterations || found == Status::stagnated)) {
-			// Errors alone may dissipate half of themselves.
-			if (const double unrest = unrestOf(report.solver.work); unrest > report.solver.error)
-				requested = tolerance = toleranceFor(unrest, requested, settings.flowTolerance);
-			if (report.solver.contact < 0 && report.solver.error <= tolerance)
-				report.solver.status = Status::converged;
-			else if (left.sweepsOnly) {
-				if (found == Status::stagnated)
-					few = most;
-				freeAgain(world, settings.dt);
-				continue;
-			}
-		}
 		if (settings.restitution > 0) {
 			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
 			if (!lowerRebounds(world, settings, report)) {

@@ -32,27 +32,13 @@ struct StepSettings {
 	bool rested = false; // StepReport::rested of the step before
 	Solver solve = nullptr;
 	SolverSettings solver;
-	double flowTolerance = 0; // if larger than solver.tolerance: that of steps in which bodies flow (toleranceFor)
-	double unrest = 0; // what the last steps have dissipated, for this
+	// Tolerance by which rest is judged, if it is smaller than that of the step. The same in all steps, so that it does not matter in which of
+	// them an island is looked at.
+	double restTolerance = std::numeric_limits<double>::infinity();
 };
-
-// The tolerance of a step for `unrest`, the energy that contacts dissipate over the sum of W_nn |p|^2: the largest power of ten, within its limits,
-// that is not above it. An error changes velocities by about the tolerance times W_nn |p|. Beside the velocities of a flow this may be little where
-// it is much beside those of a packing at rest. The dissipated energy, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 2e-4 to
-// 0.2 while they flow out of a silo, in a drum or in a collapse. At rest, where errors alone move the disks, it is at most half the tolerance, so
-// errors do not keep the tolerance large. Powers of ten, because the round-off of `unrest` may depend on the way in which a step is made, and must
-// not change the tolerance.
-inline double toleranceFor(double unrest, double tolerance, double flowTolerance)
-{
-	double next = flowTolerance;
-	while (next > tolerance && unrest < next)
-		next = next > 11 * tolerance ? next / 10 : tolerance;
-	return std::max(next, tolerance);
-}
 
 struct StepReport {
 	SolverReport solver;
-	double tolerance = 0; // to which the step was to be solved
 	Effort effort;
 	bool rested = false; // IslandSolver::rested
 	std::array<int32_t, 2> unsolvable { -1, -1 }; // bodies of the contact that speaks most against a solution
@@ -173,7 +159,6 @@ class TimeStep : RowSource {
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void guessAgain(const World&, const StepSettings&);
 	bool lowerRebounds(const World&, const StepSettings&, const StepReport&);
-	double unrestOf(double work) const;
 	static bool end(StepReport&);
 	void finishContacts(World&, const StepSettings&, StepReport&);
 	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.

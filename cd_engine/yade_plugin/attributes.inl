@@ -5,9 +5,9 @@ CD_ATTRIBUTE(double, tolerance, 1e-6, Access { Access::set, 0, 1, true },
     "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
     "*flowTolerance* to 0.")
 CD_ATTRIBUTE(double, flowTolerance, 0, within(0, 1),
-    "If larger than *tolerance*: tolerance of steps soon after bodies have flowed or collided, and of those that collide and are not solved "
-    "to *tolerance* in 1000 iterations; if bodies moved slowly, a tenth of it or less, but at least *tolerance* [1]. 0: *tolerance* "
-    "holds in every step. :py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance. Assign it after *tolerance*.")
+    "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided; if they moved slowly, a tenth of it or less, but at "
+    "least *tolerance* [1]. 0: *tolerance* holds in every step. What is at rest is judged by *tolerance* in any case. "
+    ":py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance. Assign it after *tolerance*.")
 CD_ATTRIBUTE(int, maxIterations, 20000, within(1, most),
     "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
     "solved.")
@@ -83,14 +83,14 @@ CD_ATTRIBUTE(int, islands, 0, result, "Islands of contacts solved apart; 1 for a
 CD_ATTRIBUTE(int, resting, 0, result,
     "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].")
 CD_ATTRIBUTE(int, sleeping, 0, result,
-    "Of these, islands that are proven to be at rest, to a thousandth of the tolerance, and in which nothing changes: their velocities are "
+    "Of these, islands that are proven to be at rest, to a thousandth of *tolerance*, and in which nothing changes: their velocities are "
     "zero, and the engine only checks whether their bodies have changed [1].")
 CD_ATTRIBUTE(std::string, woken, {}, result, "Why islands were woken last: the step, what had changed, and the body.")
 CD_ATTRIBUTE(std::vector<int>, loadsBeforeTrial, {}, internal,
     "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].")
 CD_ATTRIBUTE(long, restTrialAt, 0, internal,
     "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
-    "to a thousandth of the tolerance are stopped and sleep [1].")
+    "to a thousandth of *tolerance* are stopped and sleep [1].")
 CD_ATTRIBUTE(bool, pressed, false, internal,
     "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.")
 CD_ATTRIBUTE(bool, rested, false, internal,

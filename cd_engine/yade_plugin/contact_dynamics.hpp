@@ -36,6 +36,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	py::tuple nextProblem(bool bodies);
 
     private:
+	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings settings(yade::Scene*) const;
 	bool somebodyLooks() const;
