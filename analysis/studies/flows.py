@@ -189,8 +189,8 @@ better use of the time.
 Where does the time go? A step of 2 ms takes 28 to 84 sweeps to 1e-3 and 6 to 24 to 1e-2. Steps of 0.5 ms, about what timeStep() proposes, take 72 to
 274 sweeps to 1e-4, and a run costs 0.7 to 2.0 times as much as the cheapest springs that count in the silo, the drum and the filling. To 1e-6 the
 same steps take 803 to 3674 sweeps and 6.6 to 13.7 times as long (two seeds), and in the drum 0.53 % of them miss it. The default of
-cd_engine.engines(), 1e-4 while disks flow or collide and 1e-6 when all rest, takes 0.97 to 1.18 times as long as 1e-4 in every step (measured on
-different days); so with it and steps of 0.5 ms rigid contacts cost 0.68 to 2.20 times as much as the cheapest springs that count.
+cd_engine.engines(), 1e-4 after disks have flowed or collided and 1e-6 when all rest, takes 1.04 to 1.17 times as long as 1e-4 in every step (measured
+on different days); so with it and steps of 0.5 ms rigid contacts cost 0.77 to 2.07 times as much as the cheapest springs that count.
 
 Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two slow cores, while other runs used
 the other core.
@@ -231,5 +231,5 @@ def numbers(table):
             **summary.stated("0.62 0.77", coarse.seconds / coarser.seconds), **summary.stated("1.8 4.0", of(COARSE, 0.1).seconds / coarse.seconds),
             **summary.stated("28 84", coarser.sweeps), **summary.stated("6 24", coarse.sweeps), **summary.stated("72 274", proposed.sweeps),
             "2.0": against.max(), **summary.stated("803 3674", strict.sweeps), **summary.stated("6.6 13.7", strict.seconds / proposed.seconds),
-            "0.53": 100 * strict.unsolved.max(), **summary.stated("0.97 1.18", default.seconds / proposed.seconds),
-            **summary.stated("0.68 2.20", beside(default))}
+            "0.53": 100 * strict.unsolved.max(), **summary.stated("1.04 1.17", default.seconds / proposed.seconds),
+            **summary.stated("0.77 2.07", beside(default))}
