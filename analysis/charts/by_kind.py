@@ -14,10 +14,10 @@ ANSWER = """
 If the exact answer is that of rigid grains, CD is the cheaper method for every kind of scene except closed paths of one contact, which concern
 springs only. Within an error of 1e-2 both methods solve piles, impacts and sliding; CD is 9.7 to 32 times faster (means over the scenes of a kind).
 Springs have an error that a smaller step does not reduce, of the order of P0/k_n or of the speed over the wave speed: it falls as 1/k_n, or only as
-its square root, while the cost rises as the square root of k_n. These charts have one run a setting, and runs of flows differ by 0.8 % (filling a
-box) to 4 % (collapse of a column), so smaller errors of flows cannot be shown here; the studies of flows take means over seeds. Springs fail one
-scene by its construction: in yield_ramp they reach the strain that counts as yield elastically, before the packing yields. For questions about
-springs (elastic waves, stiffness, closed paths) use MD.
+1/sqrt(k_n), while the cost rises as the square root of k_n. These charts have one run a setting, and runs of flows differ by 0.8 % (filling a box) to
+4 % (collapse of a column), so smaller errors of flows cannot be shown here; the studies of flows take means over seeds. Springs fail one scene by its
+construction: in yield_ramp they reach the strain that counts as yield elastically, before the packing yields. For questions about springs (elastic
+waves, stiffness, closed paths) use MD.
 """
 GIVEN = ("1e-2", "1", "0.8", "4")
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)

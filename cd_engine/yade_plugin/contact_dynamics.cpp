@@ -124,12 +124,12 @@ void ContactDynamics::action()
 	}
 }
 
-// The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about the
-// tolerance times W_nn |p|. Beside the velocities of a flow this may be little where it is much beside those of a packing at rest. The energy that a
-// step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 2e-4 to 0.2 while they flow out of a silo, in a drum or in a
-// collapse. At rest, where errors alone move the disks, it is mostly at most half the tolerance, so that the tolerance falls. Where contacts slide by
-// errors it can be more: 3.5 times the error in one of 13 silos whose forces had been forgotten. Powers of ten, because the round-off of `unrest` may
-// depend on the way in which a step is made, and must not change the tolerance.
+// The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about
+// the tolerance times W_nn |p|. Beside the velocities of a flow this may be little where it is much beside those of a packing at rest. The energy
+// that a step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 2e-4 to 0.2 while they flow out of a silo, in a
+// drum or in a collapse. At rest, where errors alone move the disks, it is mostly at most half the tolerance, so that the tolerance falls. Where
+// contacts slide by errors it can be more: 3.5 times the error in a silo of 300 disks whose forces had been forgotten. Powers of ten, because the
+// round-off of `unrest` may depend on the way in which a step is made, and must not change the tolerance.
 double ContactDynamics::nextTolerance() const
 {
 	double next = flowTolerance;
