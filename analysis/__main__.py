@@ -10,16 +10,16 @@ import pandas
 
 from yade_scripts import commands, parameters, results, tables
 from yade_scripts.measuring import store
-from yade_scripts.results import reader
+from yade_scripts.results import provenance, reader
 from yade_scripts.running import queue
 
 FIGURES = reader.RESULTS.parent / "figures"
-BAD = 1  # exit status of `check` for a bad file
+BAD = 1  # exit status of `check` for a bad file, or for files of several commits
 
 
 @commands.command("analysis")
 def main(arguments=None):
-    """Run one command; the exit status: 0, 1 if `check` found a bad file or a run failed, 2 for a mistake of the user."""
+    """Run one command; the exit status: 0, 1 if `check` found a bad file or files of several commits or a run failed, 2 for a mistake of the user."""
     options = _parser().parse_args(arguments)
     try:
         return options.run(options) or 0
@@ -86,6 +86,10 @@ def _study(options):
             print(f"analysis study: {left[name]}", file=sys.stderr)
         else:
             print((figures / f"{name}.png").resolve())
+            facts = publish.read_json(figures / f"{name}.json", {"runs_finished": int, "runs_failed": int, "runs_missing": int})
+            if others := facts["runs_failed"] + facts["runs_missing"]:
+                print(f"analysis study: {name}: {others} of {others + facts['runs_finished']} runs have failed or are missing; the table says why",
+                      file=sys.stderr)
     return commands.MISTAKE if broken or len(left) == len(names) else 0
 
 
@@ -121,7 +125,7 @@ def _report(options):
             print(f"analysis report: {message}", file=sys.stderr)
     page = options.output or FIGURES / "report.html"
     try:
-        print(report.build(folder, page).resolve())
+        print(report.build(folder, page, bool(options.published)).resolve())
     except OSError as error:
         raise parameters.ParameterError(f"{page} cannot be written: {error}") from None
 
@@ -162,7 +166,7 @@ def _numbers(run):
         "wall work J": lambda: observables.wall_work(run),
         "stress error/P0": lambda: observables.stress_error(run),
         "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
-        "commit": lambda: run.attributes["git_commit"][:12]}
+        "commit": lambda: provenance.short(run.attributes["git_commit"])}
     found = dict.fromkeys(columns, float("nan"))
     for name, value in columns.items():
         with contextlib.suppress(reader.ResultError):
@@ -171,7 +175,7 @@ def _numbers(run):
 
 
 def _check(options):
-    """Print a line a file, of a run or of a measurement; say also if files come from several commits."""
+    """Print a line a file, of a run or of a measurement; say also if files come from several commits; the exit status is then BAD, too."""
     bad, commits = 0, {}
     for name in options.files:
         try:

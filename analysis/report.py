@@ -23,8 +23,11 @@ CHART = {"figures": dict, "commits": list, "extent": str, "measured": int, "proc
 MOST_PIXELS, COLOURS = 1100, 96  # of an inlined picture, so that the page stays below 2 MB
 
 
-def build(folder, path):
-    """Write the page of the studies and charts in `folder` to `path`. Raise ResultError if there are none."""
+def build(folder, path, published=False):
+    """Write the page of the studies and charts in `folder` to `path`. Raise ResultError if there are none.
+
+    published: these are the results of which the texts speak.
+    """
     folder, path = Path(folder), Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
@@ -44,7 +47,7 @@ def build(folder, path):
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
         points=sorted((*point, name) for name in names for point in studies.module(name).POINTS),
         sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
-        commits=sorted({commit for study in found for commit in study["commits"]}), published=all(study["extent"] == "full" for study in found))
+        commits=sorted({commit for study in found for commit in study["commits"]}), published=published)
     path.write_text(page, encoding="utf-8")
     return path
 

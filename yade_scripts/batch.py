@@ -7,8 +7,11 @@ share the rows. When a call ends, even by kill -9, its runs end with it; the sam
 Exit status: 0 all finished, 1 a row failed, 2 the tables cannot be run, 128 + n ended by signal n.
 """
 import argparse
+import errno
 import math
+import os
 import pathlib
+import shutil
 import sys
 
 if __name__ == "__main__":
@@ -17,6 +20,8 @@ if __name__ == "__main__":
 from yade_scripts import commands, parameters, results, tables
 from yade_scripts.results import provenance
 from yade_scripts.running import locks, plausible, queue
+
+LEAST_SPACE = 10**6  # bytes: on a disk with less no run can write its file
 
 
 class Row(queue.Job):
@@ -61,7 +66,8 @@ def counted(jobs, finished):
 
 def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):
     """Run the jobs that have not finished; return the paths of those that still have not. Call ended(path) for each result file that will not change
-    any more. hours: a run that takes longer is ended; the next call continues it."""
+    any more. hours: a run that takes longer is ended; the next call continues it from its last checkpoint if it has one. Raise OSError when the
+    disk is full."""
     endings = {job: results.ending(job.path) for job in jobs}
     finished = {job: commit for job, (status, commit) in endings.items() if status == results.STATUS_FINISHED}
     print(counted(jobs, finished), flush=True)
@@ -74,13 +80,16 @@ def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):
     def note(job):
         if not results.finished(job.path):
             failed.append(job.path)
+            if not job.late and results.status(job.path) is None and shutil.disk_usage(job.path.parent).free < LEAST_SPACE:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.path.parent))
         if not job.late:
             ended(job.path)
 
     queue.run([job for job in jobs if job not in finished], at_once, note, hours)
     for path in failed:
         late = any(job.late for job in jobs if job.path == path)
-        print(f"batch: {path}: " + (f"not finished within {hours:g} hours: the same command continues it from its last checkpoint" if late else
+        goes_on = "continues it from its last checkpoint" if results.checkpoint_of(path).exists() else "begins it again: it has no checkpoint"
+        print(f"batch: {path}: " + (f"not finished within {hours:g} hours: the same command {goes_on}" if late else
                                     results.status(path) or "failed: see its log"), file=sys.stderr)
     return failed
 

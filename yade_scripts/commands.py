@@ -26,7 +26,7 @@ def add(options, *shared):
              "tables": dict(nargs="+", metavar="TABLE", help="tables in yade-batch's format"),
              "--jobs": dict(type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)"),
              "--hours": dict(type=positive, default=math.inf, metavar="H", help="end a run that takes longer; the same command continues it from its "
-                             "last checkpoint (default: no limit)")}
+                             "last checkpoint if it has one (default: no limit)")}
     for name in shared:
         options.add_argument(name, **known[name])
     return options

@@ -12,21 +12,31 @@ from yade import plot
 from yade_scripts import commands, parameters, run
 
 __all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # names for the user of the console
-row = {"method": "CD"}
+row, scene = {"method": "CD"}, None
 
 
 def start(**changes):
-    """Start again with `changes` to the current row; other parameters keep their values, also the method. Return the scenes.Scene."""
-    global row
-    scene = run.start(**row | changes)
-    row = row | changes
+    """Start again with `changes` to the current row; other parameters keep their values, also the method. Return the scenes.Scene.
+
+    Another scene keeps those that it knows. A mistake is printed, and all stays as it is.
+    """
+    global row, scene
+    try:
+        known = parameters.registry(changes.get("scene", row.get("scene", parameters.REGISTRY["scene"].default)))
+        changed = {name: value for name, value in row.items() if name in known} | changes
+        scene = run.start(**changed)
+        row = changed
+    except (parameters.ParameterError, ImportError, OSError) as error:
+        print(f"console: {error}", file=sys.stderr)
     return scene
 
 
 try:
-    scene = start(**parameters.from_arguments(sys.argv[1:]))
-except (parameters.ParameterError, ImportError, OSError) as error:
+    first = parameters.from_arguments(sys.argv[1:])
+except parameters.ParameterError as error:
     print(f"console: {error}", file=sys.stderr)
+    first = None
+if first is None or start(**first) is None:
     sys.exit(commands.MISTAKE)
 
 print("""

@@ -5,12 +5,13 @@
     from yade_scripts import run; run.start(method="CD")     at YADE's console: sets up the scene, ready for O.run()
 
 Results go to results/<scene>-<method>-<hash of the row>.h5, or to another folder with `--results=FOLDER`. A finished run is not run again.
-Long runs write checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` writes one every N samples, 0 none; the result
-file records N. If another process runs the same row, this one waits for it.
+Long runs of the biaxial box and of the four flows write checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` writes one every
+N samples, 0 none; the result file records N. If another process runs the same row, this one waits for it.
 Exit status: 0 done, 1 the run failed (its file says why) or could not be written, 2 the row cannot be run.
 """
 import os
 import pathlib
+import signal
 import sys
 import traceback
 
@@ -67,7 +68,11 @@ def _run(path, full, folder, checkpoint_samples):
         raise
     except Exception as error:
         failure = error
-    checkpoints = checkpoint.Checkpoints(path, full, scene, checkpoint.samples_between(full, scene, checkpoint_samples))
+    between = checkpoint.samples_between(full, scene, checkpoint_samples)
+    if checkpoint_samples and not between and failure is None:
+        print("run: --checkpoints has no effect: " + ("this scene cannot be resumed." if scene.kept is None else "CD takes a sample in every step."),
+              file=sys.stderr)
+    checkpoints = checkpoint.Checkpoints(path, full, scene, between)
     found = checkpoints.found() if failure is None else None
     recorder = recorder.Recorder(path, full, scene, show, found and found[checkpoint.RECORD], checkpoints.every)
     if failure is None:
@@ -98,10 +103,12 @@ def main(arguments=None):
     parser = commands.parser(__doc__, "row", "--results")
     parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N",
                         help="samples between two checkpoints, 0 for none (default: depends on the length of the run)")
-    options = parser.parse_args(arguments)
+    options = parser.parse_intermixed_args(arguments)
     row = tables.batch_row(os.environ["YADE_BATCH"]) if "YADE_BATCH" in os.environ else parameters.from_arguments(options.row)
     return execute(row, options.results, options.checkpoints)
 
 
 if __name__ == "__main__":
+    if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends the program at once; else Python waits for the end of O.run
     sys.exit(main())

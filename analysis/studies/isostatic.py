@@ -80,13 +80,13 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-Rigid grains rest if their contacts can carry the load, and strain if they cannot. Without friction and just beyond the limit they strain under the
-load about as far as very stiff springs do. Without friction the contact forces become unique as P0/k_n falls: the set of admissible forces has 0.037
-to 0.069 dimensions a disk at 6e-4, and at most 0.0027, which is one for the whole packing, at 1e-6. The static limit falls as well, from 1.06 to 1.14
-P0 down to 1.01 to 1.04 P0. The load is 1.02 P0 on 5 packings at four stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of
-8.8e-9 at most). In the 8 others, 4 packings at 6e-6 and at 1e-6, CD strains by 6.6e-6 to 5.1e-4. That is 0.67 to 0.93 times the strain of MD at 6e-6
-and 0.75 to 0.98 times at 1e-6. After the unloading one packing keeps 4.5e-4 to 4.7e-4 with both methods and both stiffnesses. On the 3 others MD
-keeps 1e-5 at most and CD 1.5e-6.
+Without friction rigid grains rest if their contacts can carry the load, and strain if they cannot. Just beyond the limit they strain under the load
+about as far as very stiff springs do. The contact forces become unique as P0/k_n falls: the set of admissible forces has 0.037 to 0.069 dimensions a
+disk at 6e-4, and at most 0.0027, which is one for the whole packing, at 1e-6. The static limit falls as well, from 1.06 to 1.14 P0 down to 1.01 to
+1.04 P0. The load is 1.02 P0 on 5 packings at four stiffnesses. In 12 of 12 cases whose limit is above it CD rests (|gamma| of 8.8e-9 at most). In the
+8 others, 4 packings at 6e-6 and at 1e-6, CD strains by 6.6e-6 to 5.1e-4. That is 0.67 to 0.93 times the strain of MD at 6e-6 and 0.75 to 0.98 times
+at 1e-6. After the unloading one packing keeps 4.5e-4 to 4.7e-4 with both methods and both stiffnesses. On the 3 others MD keeps 1e-5 at most and CD
+1.5e-6.
 
 Rigid grains do not need undetermined forces to rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings, although the
 set of their admissible forces has at most one dimension. Nor does the number of dimensions alone determine the limit: what matters is how far the

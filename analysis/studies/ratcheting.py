@@ -90,7 +90,7 @@ ANSWER = """
 Up to 0.96 of the limit packings with springs strain from cycle to cycle because the springs are soft: at the same ratio of load to limit the strain
 of a late cycle (the mean of the last 10 of 20) goes about as 1/k_n. Under dSigma = 0.3, 30 packings from 10 seeds are loaded to 0.75 to 0.96 of their
 limits. Their strain in a late cycle goes as k_n to the power -0.93 (standard error 0.04) and that in the first cycle to the power -0.96 (0.02). The
-bound of 0.96 was chosen after the runs under a higher load; these runs test it. All 42 runs below it, of both loads, give -1.02 (0.04) and -1.04
+bound of 0.96 was chosen from the runs under a higher load, and tested by these. All 42 runs below it, of both loads, give -1.02 (0.04) and -1.04
 (0.02). So the strain of the first cycle and that of a late cycle are deformation of the contacts, type I. Stiffened packings have other contacts and
 are nearer to their limits. Under the same dSigma of 0.3 stiffness therefore helps less: the powers are -0.67 and -0.87 (means over the seeds).
 Between 0.96 and the limit 14 runs from 8 seeds scatter too much to tell: the strain of a late cycle goes as k_n to the power -0.50 (0.16) over all of

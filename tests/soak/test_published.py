@@ -1,14 +1,16 @@
 """What is published: all studies there are, with tables that their result files give again where these are at hand."""
 import pytest
 
-from analysis import publish, studies
+from analysis import charts, publish, studies
 from tests.analysis.test_published import FOLDER, PUBLISHED, said
+from yade_scripts.measuring import maps
 from yade_scripts.results import reader
 
 
-def test_every_study_is_published():
-    """Not asked for by `make test`, since a new study is published only after its full run."""
+def test_every_study_and_map_is_published():
+    """Not asked for by `make test`, since a new one is published only after its full run."""
     assert PUBLISHED == sorted(studies.names())
+    assert all((FOLDER / charts.FOLDER / f"map_{name}.csv").exists() for name in maps.names())
 
 
 @pytest.mark.parametrize("name", PUBLISHED)

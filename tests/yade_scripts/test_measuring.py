@@ -117,6 +117,15 @@ def test_a_worker_that_cannot_begin_is_trouble_and_no_endless_loop(tmp_path, ste
         assert not work.again() and "the end" in work.trouble
 
 
+def test_measurements_of_another_commit_are_named(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(runner.queue, "run", lambda jobs, at_once: None)
+    case = maps.get("tunnelling").grid(False)[0]
+    store.add(tmp_path / "maps", {"map": "tunnelling", "case": case, "git_commit": "c" * 40})
+    assert runner.main(["--only", "tunnelling", "servo", "--results", str(tmp_path)]) == 0
+    said = capsys.readouterr().err
+    assert "measuring: tunnelling: some measurements may come from other code (commit cccccccccccc;" in said and "servo" not in said
+
+
 def test_a_crash_costs_one_case_of_a_map(tmp_path):
     import json
     case = maps.get("tunnelling").grid(False)[0]

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 
 import pytest
 
@@ -158,8 +159,18 @@ def test_a_run_that_takes_too_long_ends_and_goes_on_later(table, capsys):
     assert batch.main([str(table), "--results", folder, "--hours", str(0.2 / 3600)]) == 1
     said = capsys.readouterr()
     assert said.out.count("ended, since it took longer than") == 2 and not runs_in(folder)
-    assert said.err.count("hours: the same command continues it from its last checkpoint") == 2
+    assert said.err.count("hours: the same command begins it again: it has no checkpoint") == 2
+    results.checkpoint_of(paths(table)[0]).touch()
     ended = []  # a study is drawn when the last of its rows has ended: these have not
     assert len(batch.work_off(batch.jobs_of(list(tables.read(table).values()), folder), 2, ended.append, 0.2 / 3600)) == 2 and not ended
+    assert capsys.readouterr().err.count("hours: the same command continues it from its last checkpoint") == 1
     assert batch.main([str(table), "--results", folder]) == 0
     assert all(results.finished(path) for path in paths(table))
+
+
+def test_a_full_disk_ends_a_batch(table, capsys, monkeypatch):
+    """The rows that follow could not write their results either."""
+    monkeypatch.setattr(batch.queue, "run", lambda jobs, at_once, ended, hours: [ended(job) for job in jobs])  # none leaves a file
+    monkeypatch.setattr(batch.shutil, "disk_usage", lambda folder: types.SimpleNamespace(free=0))
+    assert batch.main([str(table), "--results", str(table.parent / "results")]) == 1
+    assert "No space left on device" in (said := capsys.readouterr().err) and "free some space and give the same command again" in said

@@ -11,7 +11,8 @@ import signal
 import sys
 
 from yade_scripts import commands, parameters, results
-from yade_scripts.measuring import charts, maps
+from yade_scripts.measuring import charts, maps, store
+from yade_scripts.results import provenance
 from yade_scripts.running import queue
 
 KINDS = {"charts": charts, "maps": maps}
@@ -67,6 +68,10 @@ def main(arguments=None):
     jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]
     jobs.sort(key=lambda job: -job.work.limit)  # the longest first
     queue.run(jobs, options.jobs)
+    for work in [job.work for job in jobs]:
+        stored = [store.get(work.folder, path.stem) for path in work.folder.glob(f"{work.name}-*.h5")]
+        if doubt := provenance.doubt({facts["git_commit"] for facts in stored if facts}):
+            print(f"measuring: {work.name}: some measurements {doubt}", file=sys.stderr)
     troubled = [job for job in jobs if job.trouble]
     for job in troubled:
         print(f"measuring: {job.work.name}: {job.trouble}", file=sys.stderr)

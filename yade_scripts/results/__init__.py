@@ -26,6 +26,11 @@ def path_of(full, folder=FOLDER):
     return pathlib.Path(folder) / f"{parameters.result_name(full)}.h5"
 
 
+def checkpoint_of(path):
+    """Return the file from which the run of a result file can be continued."""
+    return pathlib.Path(path).with_suffix(".checkpoint.zip")
+
+
 def ending(path):
     """Return (status, commit) of the run in a file: 'finished' or 'failed: reason', and the commit of its code; (None, '') without a file."""
     from yade_scripts.results import reader  # imports this module

@@ -14,12 +14,12 @@ import glob
 import io
 import json
 import math
-import pathlib
 import sys
 import zipfile
 
 from yade import O, config
 
+from yade_scripts import results
 from yade_scripts.results import sealed
 from yade_scripts.running import hooks, md, saved_scene
 from yade_scripts.results.provenance import git_commit
@@ -44,7 +44,7 @@ class Checkpoints:
     """The checkpoints of one run: where they are, how they are written and read."""
 
     def __init__(self, path, full, scene, every):
-        self.path, self.full, self.scene, self.every = pathlib.Path(path).with_suffix(".checkpoint.zip"), full, scene, every
+        self.path, self.full, self.scene, self.every = results.checkpoint_of(path), full, scene, every
         # All of this must be the same in the run that wrote the checkpoint and in this one.
         self.origin = {"parameters": full, "git_commit": git_commit(), "yade_version": config.version, "state_sha256": scene.state_sha256,
                        "samples_between": every}
