@@ -2,26 +2,28 @@
 import math
 import numbers
 
-SHARE = 0.25
+SHARE, BOUNCING = 0.25, 0.05
 UPRIGHT = 1e-6  # sine of the angle up to which rounding may tilt an upright face
 
 
-def timeStep(gravity=None, speed=None, share=SHARE):
-    """Propose O.dt [s] for ContactDynamics: share * min(R / v, sqrt(R / g)).
+def timeStep(gravity=None, speed=None, share=None):
+    """Propose O.dt [s] for ContactDynamics: share * min(R / v, sqrt(R / g), sqrt(R / a)).
 
     R [m]      radius of the smallest disk that may move
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (for a boundary that turns, of its
                farthest point). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
                upper faces, where a disk that slides down leaves it
-    share      largest distance that a disk moves in one step at that speed, over its radius [1]. An example of its effect: the disks that left a
-               hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
+    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body. The speed that it leads to is not known: give `speed`
+               where a body is pressed over a long way
+    share      largest distance that a disk moves in one step at that speed, over its radius [1]; by default 0.25, or 0.05 if ContactDynamics has a
+               restitution, since disks that bounce in a cluster overlap by up to their way in a step, and stay so. An example of its effect: the
+               disks that left a hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
 
     Rigid contacts have no stiffness that would limit the time step, but geometry limits it: a step uses the normals at its middle, so a disk
     must move by less than its radius in a step. sqrt(R / g) is the time in which a disk falls from rest by half its radius.
-    Only gravity is taken into account; if other forces act, give the `speed` that they cause. It knows of no drag: with one
-    of -gamma m v keep O.dt below 1/gamma, since beyond it the velocity changes its sign in every step. Call this function again when the scene has
-    changed.
+    If other forces act, such as those of a ForceEngine, give the `speed` that they cause. With a drag of -gamma m v keep O.dt below 1/gamma, since
+    beyond it the velocity changes its sign in every step. Call this function again when the scene has changed.
 
         O.dt = cd_engine.timeStep()
 
@@ -29,6 +31,8 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     returns 0.4 ms.
     """
     from yade import O
+    if share is None:
+        share = BOUNCING if any(getattr(engine, "restitution", 0) > 0 for engine in O.engines) else SHARE
     if not (_is_finite(share) and share > 0):
         raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
     if speed is not None and not (_is_finite(speed) and speed >= 0):
@@ -53,14 +57,27 @@ def timeStep(gravity=None, speed=None, share=SHARE):
     if speed is None:
         fall = _fall(O.bodies, movable, [x / g for x in gravity]) if g else 0
         speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
-    times = ([radius / speed] if speed else []) + ([math.sqrt(radius / g)] if g else [])
+    times = ([radius / speed] if speed else []) + [math.sqrt(radius / acceleration) for acceleration in (g, _pressed(O)) if acceleration]
     if not times:
-        raise ValueError("timeStep: nothing moves and there is no gravity, so no speed can be estimated. Give one: timeStep(speed=0.1), in m/s")
+        raise ValueError("timeStep: nothing moves, and there is neither gravity nor a permanent force, so no speed can be estimated. Set O.engines "
+                         "first, with their gravity, or give a speed: timeStep(speed=0.1), in m/s")
     return share * min(times)
 
 
 def _is_finite(value):
     return isinstance(value, numbers.Real) and math.isfinite(value)
+
+
+def _pressed(O):
+    """Return the largest acceleration [m/s^2] that a permanent force gives a body in a direction in which it is free."""
+    def pressed(body):
+        force = O.forces.permF(body.id)
+        return math.hypot(*(force[k] for k in (0, 1) if "xy"[k] not in body.state.blockedDOFs)) / body.state.mass if body.state.mass > 0 else 0
+
+    if not O.forces.getPermForceUsed():
+        return 0
+    O.forces.f(0, sync=True)  # before YADE has summed forces once permF gives 0
+    return max(map(pressed, O.bodies))
 
 
 def _speed(body):

@@ -129,14 +129,14 @@ class _EngineCheck:
         if "ContactDynamics" in names:
             if self.O.periodic:  # YADE's collider would end the program if there are boundaries
                 raise RuntimeError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls")
+            engine = live[names.index("ContactDynamics")]
+            if not self.O.running and self.O.subStep < 0:  # in mid-step, as after an error, a new list has not replaced the old one yet
+                self.plugin.check_engines(engine)
             # YADE's collider is content with an integrator that is dead.
             integrator = any(type(engine).__name__ == "NewtonIntegrator" for engine in self.O.engines)
             if not integrator and any(getattr(engine, "verletDist", 0) != 0 for engine in live):
                 raise RuntimeError("ContactDynamics needs no NewtonIntegrator, but the collider asks for one: give it verletDist=0, or take the list "
                                    "of cd_engine.engines()")
-            engine = live[names.index("ContactDynamics")]
-            if not self.O.running and self.O.subStep < 0:  # in mid-step, as after an error, a new list has not replaced the old one yet
-                self.plugin.check_engines(engine)
             if engine.handover and engine not in self.takers:
                 self.takers.append(engine)
             elif self.passed and (engine in self.takers or engine.handoverOverlap > 0):

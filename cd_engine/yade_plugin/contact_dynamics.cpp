@@ -225,10 +225,10 @@ void ContactDynamics::advance()
 	link.gather(scene, weighs, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
 	const bool takesOver = handover;
 	if (takesOver) {
-		link.takeOverlaps();
+		const double largest = link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		link.collectOverlaps(memory().overlaps);
-		handoverOverlap = referenceOverlaps.empty() ? 0 : *std::max_element(referenceOverlaps.begin(), referenceOverlaps.end());
+		handoverOverlap = largest;
 		handover = false;
 	}
 
@@ -242,6 +242,9 @@ void ContactDynamics::advance()
 	if (const std::string& late = others.lateDriver(); !late.empty())
 		link.tell(late + " stands after it in O.engines, so the motion that it sets comes a step late.",
 		    "Put it between ForceResetter and ContactDynamics.");
+	if (others.deadIntegrator())
+		link.tell("a NewtonIntegrator stands dead in O.engines: utils.unbalancedForce() adds its gravity to forces that contain the weights.",
+		    "Remove it.");
 	const bool tracks = scene_trackEnergy(scene);
 	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
 	cd::StepReport made = step(link.world, settings);

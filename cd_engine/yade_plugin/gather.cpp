@@ -80,11 +80,14 @@ void SceneLink::tellOfFalls()
 			if (cross || overlap[axis] < -margin || a.inverseMass[axis] == 0 || !(overlap[1 - axis] > 0))
 				continue;
 			const bool falls = way[axis] * gravity[axis] > 0;
-			if (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))
+			const bool known = told.count(text("falls", lower, " ", upper)) > 0; // having passed through each other they meet again
+			if (!known && (falls || (overlap[axis] < 0 && (way[axis] * a.v[axis] > 0 || way[axis] * a.force[axis] > 0)))) {
+				told.insert(text("falls", upper, " ", lower));
 				tell(text("body #", upper, " is a boundary that ", falls ? "gravity" : "its velocity or a force",
 					 " moves onto another: Box and Wall never touch each other."),
 				    text("It will pass through body #", lower,
 					". To prevent this, block its motion (state.blockedDOFs), or leave a gap between the two."));
+			}
 		}
 	}
 	if (falling >= 0 && held == 0)

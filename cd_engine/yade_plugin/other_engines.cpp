@@ -86,6 +86,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	std::string problem;
 	bool resets = false, before = true;
 	late.clear();
+	integrator = false;
 	Shared<yade::Engine> found;
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
@@ -103,7 +104,8 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 				late = name;
 			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
 				problem = reason;
-		}
+		} else
+			integrator = integrator || name == "NewtonIntegrator";
 		seen.push_back(other);
 	}
 	if (!resets)

@@ -29,6 +29,7 @@ class OtherEngines {
 
 	// The class of an engine that sets motions but stands after `self`; empty: there is none.
 	const std::string& lateDriver() const { return late; }
+	bool deadIntegrator() const { return integrator; }
 
 	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
 	void restCollider(yade::Scene*);
@@ -53,6 +54,7 @@ class OtherEngines {
 	std::vector<Other> others; // all engines, at the last check
 	bool weighed = false; // whether Contact Dynamics added the weights then
 	std::string late;
+	bool integrator = false; // whether there is a dead NewtonIntegrator
 	std::vector<int> driven;
 	long changedAt = -1; // iteration of the last check that found a changed list
 	Shared<yade::Engine> collider;

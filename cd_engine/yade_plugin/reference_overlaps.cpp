@@ -26,8 +26,9 @@ std::string SceneLink::behindWall(const cd::Pair& pair) const
 	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
 }
 
-void SceneLink::takeOverlaps()
+double SceneLink::takeOverlaps()
 {
+	double largest = 0;
 	struct Worst {
 		const cd::Pair* pair = nullptr;
 		double share = 0; // its overlap over the radius
@@ -37,6 +38,7 @@ void SceneLink::takeOverlaps()
 		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
 		if (isGuided(world, pair))
 			continue;
+		largest = std::max(largest, pair.reference);
 		const double share = pair.reference / world.bodies[pair.b].radius;
 		if (!(share <= worst.share))
 			worst = { &pair, share };
@@ -53,6 +55,7 @@ void SceneLink::takeOverlaps()
 	if (unpressed.share > visible && told.insert("overlap").second)
 		tell(what(unpressed) + ", and no spring force acts between them. The engine keeps this overlap and counts it as touching.",
 		    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which removes overlaps.");
+	return largest;
 }
 
 const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const

@@ -77,8 +77,8 @@ class SceneLink {
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool look);
-	// Makes the overlaps present now the reference ones.
-	void takeOverlaps();
+	// Makes the overlaps present now the reference ones. Returns the largest one of two bodies of which one can move [m].
+	double takeOverlaps();
 	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
 	void hold(cd::TimeStep&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity

@@ -3,6 +3,7 @@
 #include "waiting.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <iostream>
 
 namespace cd_engine {
@@ -130,6 +131,8 @@ void ContactDynamics::watchPenetration(double before, bool takesOver) const
 	const cd::Pair& deepest = link.deepest(step);
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
+	char finer[32]; // a step that would leave half of what is reported, since an overlap that comes at once is proportional to O.dt
+	std::snprintf(finer, sizeof finer, "%.1g", scene_dt(scene) * 0.5 * deep * smallest / (maxPenetration - before));
 	// That two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just
 	// been taken over, all have come, and only what they have approached since counts as overlap.
 	const double way = !takesOver && (link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b))
@@ -145,11 +148,10 @@ void ContactDynamics::watchPenetration(double before, bool takesOver) const
 		remedy = "A contact that impulses of other contacts close rebounds only in the next step, and until then it overlaps by up to its "
 			 "closing speed times O.dt. Take a smaller O.dt";
 	else if (atOnce && misses)
-		remedy = "It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt "
-			 "(cd_engine.timeStep() proposes one), or raise maxIterations or fixedIterations";
+		remedy = text("It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt, about ",
+		    finer, " s, or raise maxIterations or fixedIterations");
 	else if (atOnce)
-		remedy = "It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt (cd_engine.timeStep() "
-			 "proposes one)";
+		remedy = text("It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt, about ", finer, " s");
 	else if (misses)
 		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
 	else if (stepTolerance > loose)
@@ -157,12 +159,13 @@ void ContactDynamics::watchPenetration(double before, bool takesOver) const
 	else if (gapCorrection == 0)
 		remedy
 		    = "It grew step by step, since solver errors within the tolerance add up, a boundary changes its velocity (by the change times "
-		      "O.dt/2), or disks grow: set gapCorrection=0.1, which removes overlaps, take a smaller O.dt, or lower tolerance";
+		      "O.dt/2), or disks grow. Means over a flow bear overlaps of some hundredths of a radius; else take a smaller O.dt, lower "
+		      "tolerance, or set gapCorrection=0.1, which removes overlaps";
 	else
 		remedy = "It grew step by step by more than gapCorrection pushes out: take a smaller O.dt, or lower tolerance";
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
 		  << maxPenetration << " m, " << maxPenetration / smallest
-		  << " of the smallest radius, more than when Contact Dynamics took the scene over. " << remedy
+		  << " of the smallest radius, beyond what was there when Contact Dynamics began. " << remedy
 		  << ". The attribute deepestPenetration gives the largest overlap of all steps.\n";
 }
 

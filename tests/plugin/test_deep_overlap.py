@@ -101,7 +101,7 @@ def test_disks_that_grow_are_pushed_apart_by_the_gap_correction(O, capfd):
         for _ in range(120):
             O.bodies[1].shape.radius += 1e-6
             O.run(1, True)
-        assert ("disks grow: set gapCorrection=0.1" in capfd.readouterr().err) == told
+        assert ("set gapCorrection=0.1" in capfd.readouterr().err) == told
 
 
 def test_what_comes_in_one_step_is_said_to(O, capfd):

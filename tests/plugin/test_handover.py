@@ -1,5 +1,6 @@
 """From springs to rigid contacts: without a change of load nothing may move."""
 import json
+import math
 import os
 import subprocess
 
@@ -101,6 +102,18 @@ def test_overlaps_are_not_expelled_when_the_load_goes(said):
     """The elastic energy belongs to the springs: unloaded rigid grains do not fly apart, and separated pairs forget their overlap."""
     assert said["speed of grains when let go"] < 1e-3  # the spring energy would give sqrt(k/m) overlap = 0.05 m/s
     assert said["references when let go"] < said["references"]
+
+
+def test_overlaps_of_fixed_bodies_are_none(O):
+    """A rough floor of fixed disks that are half sunk in a fixed box."""
+    from . import plane
+    mat = plane.material()
+    plane.box((0, -0.01), (0.1, 0.01), mat=mat)
+    for k in range(3):
+        plane.disk((0.02 * k, 0), 0.01, blocked="xyzXYZ", mat=mat)
+    plane.disk((0.01, 0.01 * math.sqrt(3) - 1e-6), 0.01, mat=mat)
+    engine = plane.run(1, 1e-4, gravity=(0, -9.81, 0), handover=True)
+    assert 0 < engine.handoverOverlap < 2e-6
 
 
 def test_springs_take_over_after_release(O):

@@ -84,7 +84,7 @@ def test_forces_that_are_cleared_at_once(O):
 
 
 @pytest.mark.parametrize("go", [lambda O: O.run(1, True), lambda O: O.step()], ids=["run", "step"])
-def test_lists_at_which_yade_would_end(O, go):
+def test_lists_at_which_yade_would_end(O, go, capfd):
     """YADE stops the whole process where an engine in a ParallelEngine throws, and its collider asks for an integrator that is not needed."""
     reset, collider, cd = plane.disk_on_a_floor()
     O.dt = 1e-3
@@ -98,6 +98,7 @@ def test_lists_at_which_yade_would_end(O, go):
     O.engines = [reset, far_looking, cd, wrapper.NewtonIntegrator(dead=True)]
     go(O)
     assert cd.steps == 1
+    assert "a NewtonIntegrator stands dead in O.engines" in capfd.readouterr().err
 
 
 def springs():

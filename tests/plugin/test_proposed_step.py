@@ -52,6 +52,23 @@ def test_where_nothing_is_fast_free_fall_sets_it(O):
     assert cd_engine.timeStep(speed=1e-3) == pytest.approx(0.25 * math.sqrt(0.01 / G))
 
 
+def test_permanent_forces_count_where_a_body_is_free(O):
+    plane.disk((0, 0), 0.01)
+    lid = plane.box((0, 1), (1, 0.1), blocked="xzXYZ")
+    O.bodies[lid].state.mass = 2
+    O.forces.setPermF(lid, (1e6, -300, 0))
+    O.engines = cd_engine.engines()
+    assert cd_engine.timeStep() == pytest.approx(0.25 * math.sqrt(0.01 / 150))
+    assert cd_engine.timeStep(gravity=(0, -200, 0), speed=1e-3) == pytest.approx(0.25 * math.sqrt(0.01 / 200))
+
+
+def test_disks_that_bounce_take_shorter_steps(O):
+    plane.disk((0, 0), 0.01)
+    O.engines = cd_engine.engines(gravity=(0, -G, 0), restitution=0.3)
+    assert cd_engine.timeStep() == pytest.approx(0.05 * math.sqrt(0.01 / G))
+    assert cd_engine.timeStep(share=0.25) == pytest.approx(0.25 * math.sqrt(0.01 / G))
+
+
 def test_gravity_of_springs_is_found(O):
     from yade import wrapper
     plane.disk((0, 0), 0.01)

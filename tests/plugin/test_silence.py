@@ -222,6 +222,16 @@ def test_a_boundary_that_something_else_moves(O, capfd, push):
     assert any(f"body #{box} is a boundary that its velocity or a force moves" in line and "through body #0" in line for line in lines)
 
 
+def test_two_boundaries_that_pass_through_each_other_are_told_of_once(O, capfd):
+    """Not again when the one that was above is below."""
+    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    lid = plane.box((0, 0.03), (0.1, 0.01), blocked="xzXYZ")
+    above = plane.box((0, 0.06), (0.05, 0.005), blocked="xzXYZ")
+    line, = [line for line in said_by(O, capfd, 300) if "is a boundary" in line]
+    assert f"body #{above} " in line and f"through body #{lid}" in line
+    assert yade.O.bodies[above].state.pos[1] < yade.O.bodies[lid].state.pos[1]
+
+
 def test_nothing_is_said_of_a_piston_with_clearance(O, capfd):
     """It enters between two side walls and touches neither."""
     O.engines = plane.disk_on_a_floor()

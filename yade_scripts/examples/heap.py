@@ -28,8 +28,8 @@ draw = random.Random(1).uniform                                                 
 radius, gravity, friction = 0.005, (0, -9.81, 0), 0.5                                     # m, m/s^2, coefficient
 wide = max(4, round(math.sqrt(disks / 2)))                                                # disks in a row; the column is about twice as high as wide
 O.materials.append(FrictMat(young=1e7, poisson=0.3, density=2600, frictionAngle=math.atan(friction), label="grains"))
-floor = 8 * wide                                                                          # number of fixed disks that make the floor rough
-for k in range(floor):
+floor = 8 * wide                                                                          # number of spaces between fixed disks that make it rough
+for k in range(floor + 1):
     O.bodies.append(sphere((2 * radius * (k - floor / 2), 0, 0), radius, fixed=True, material="grains"))
 for side in (-1, 1):                                                                      # side walls, so that no disk rolls away
     O.bodies.append(box((side * radius * (floor + 2), 4 * radius, 0), (radius, 5 * radius, 0.1), fixed=True, material="grains"))

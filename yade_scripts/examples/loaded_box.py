@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this 
 import cd_engine
 from yade import export, plot
 
-settings = dict(disks=300, springs=0, load=10.0, seconds=0.5)
+settings = dict(disks=300, springs=0, load=10.0, seconds=1.5)
 for word in sys.argv[1:]:
     name, _, value = word.partition("=")
     try:
