@@ -53,10 +53,11 @@ def _parser():
         writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
     benchmark = command("benchmark", _benchmark, "figures of `make bench`, from the tables it wrote")
     benchmark.add_argument("folder", nargs="?", default="results/benchmark", help="folder of the tables (default: %(default)s)")
-    advice = command("recommend", _recommend, "the cheapest settings that reach an accuracy, with their expected error and cost, by the published "
-                     "measurements (your own: work_precision.csv, which `charts` writes)")
+    advice = command("recommend", _recommend, "the cheapest settings that reach an accuracy, with their expected error and cost")
     advice.add_argument("--scene", help="for this scene (default: for each kind of scene)")
     advice.add_argument("--accuracy", type=commands.positive, default=1e-3, help="relative error to be reached (default: %(default)g)")
+    advice.add_argument("--measured", metavar="FILE",
+                        help="by these measurements: a work_precision.csv, which `charts` writes (default: the published ones)")
     for name, run, what in (("summary", _summary, "one line of numbers for each run"), ("check", _check, "tell which result files can be used")):
         command(name, run, what).add_argument("files", nargs="+", metavar="FILE", help="result files")
     return parser
@@ -136,8 +137,10 @@ def _benchmark(options):
 
 
 def _recommend(options):
-    from analysis.charts import recommend
-    print("\n".join(recommend.of_scene(options.scene, options.accuracy) if options.scene else recommend.by_kind(options.accuracy)))
+    from analysis.charts import recommend, table
+    measured = options.measured or table.PUBLISHED
+    print("\n".join(recommend.of_scene(options.scene, options.accuracy, measured) if options.scene else
+                    recommend.by_kind(options.accuracy, measured)))
 
 
 def _summary(options):

@@ -31,7 +31,7 @@ def start(folder=results.FOLDER, **row):
 
 def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     """Run a row to its end and write its file. Return the exit status. checkpoint_samples: None for the default of checkpoint.py."""
-    full = parameters.complete(row)
+    full = plausible.Watched(parameters.complete(row))
     for doubt in plausible.doubts(full) + plausible.unread([full]):
         print(f"run: {doubt}.", file=sys.stderr)
     path = results.path_of(full, folder)
@@ -89,6 +89,8 @@ def _run(path, full, folder, checkpoint_samples):
         except Exception as error:
             failure = error
     show.close()
+    for doubt in plausible.ignored(full) if failure is None else ():
+        print(f"run: {doubt}.", file=sys.stderr)
     if isinstance(failure, OSError):
         raise failure
     for name, known in recorder.close(failure, collapse).items():

@@ -1,4 +1,7 @@
-"""Recommends a method and settings for an accuracy, with expected error and cost, from the published measurements."""
+"""Recommends a method and settings for an accuracy, with expected error and cost, from measurements: the published ones, or one's own.
+
+measured: a table that `charts` has written, work_precision.csv.
+"""
 from pathlib import Path
 
 from analysis import publish
@@ -10,14 +13,14 @@ from yade_scripts.results.reader import ResultError
 FLOWS = ("flows", "larger_flows")  # studies with a table of flows
 
 
-def of_scene(scene, accuracy):
+def of_scene(scene, accuracy, measured):
     """Return the lines of an answer for one scene. Raise ResultError for a scene without measurements, or if no setting reaches the accuracy."""
-    if scene in flows.QUANTITY:  # means over seeds; a chart has one run a setting
+    if scene in flows.QUANTITY and measured == table.PUBLISHED:  # means over seeds; a chart has one run a setting
         return of_flow(scene, accuracy)
-    found = table.one_size(table.from_csv(table.PUBLISHED))
+    found = table.one_size(table.from_csv(measured))
     own = found[found.scene == scene]
     if own.empty:
-        raise ResultError(scene, "no published measurement of this scene",
+        raise ResultError(scene, f"no measurement of this scene in {measured}",
                           f"there are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
     lines, reached = [], []
     for method, rows in own.groupby("method", sort=False):
@@ -69,10 +72,10 @@ def _line(row, rows_of_scene):
             f"of {row.disks:.0f} disk{'' if row.disks == 1 else 's'} ({sure})")
 
 
-def by_kind(accuracy):
+def by_kind(accuracy, measured):
     """Return the lines of an answer for each kind of scene: one setting for all its scenes."""
     lines = []
-    for kind, own in table.one_size(table.from_csv(table.PUBLISHED)).groupby("kind", sort=False):
+    for kind, own in table.one_size(table.from_csv(measured)).groupby("kind", sort=False):
         if kind == "flow":
             lines.append(f"flow: one run a setting says little. Name a scene: --scene {', '.join(sorted(flows.QUANTITY))}")
             continue

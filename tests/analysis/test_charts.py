@@ -99,12 +99,18 @@ def test_recommend_names_the_cheapest_setting_and_what_the_other_method_can(publ
     assert "run.py scene=stack tolerance=0.1" in said
 
 
+def test_recommend_by_own_measurements(tmp_path, capsys):
+    publish.write_table(tmp_path / "own.csv", rows(("MD step", [1e-5]), ("CD step", [1e-3])))
+    assert main(["recommend", "--scene", "stack", "--accuracy", "1e-4", "--measured", str(tmp_path / "own.csv")]) == 0
+    assert "accuracy 0.0001: MD" in capsys.readouterr().out
+
+
 def test_recommend_says_what_is_missing(published, capsys):
     assert main([*published, "--scene", "stack", "--accuracy", "1e-9"]) == 2
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
     said = capsys.readouterr().err
-    assert "nowhere: no published measurement of this scene; there are" in said and "hopper, stack" in said
+    assert "nowhere: no measurement of this scene in" in said and "hopper, stack" in said
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
     assert "must be a number above 0" in capsys.readouterr().err

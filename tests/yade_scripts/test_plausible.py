@@ -26,3 +26,9 @@ def test_a_value_that_no_row_reads_is_doubted():
 def test_no_row_of_ours_is_doubted(name):
     for rows in (studies.rows(name, False), studies.rows(name, True)):
         assert [doubt for full in rows for doubt in plausible.doubts(full)] + plausible.unread(rows) == []
+
+
+def test_values_that_a_run_has_not_read_are_named():
+    full = plausible.Watched(parameters.complete({"scene": "stack", "method": "CD", "slope": 20.0, "friction": 0.3, "density": 1.0, "beta_n": 0.5}))
+    assert full["friction"] == 0.3 and (full | {"seed": 2})["density"] == 1.0  # a changed copy counts, too
+    assert plausible.ignored(full) == ["slope = 20.0 has no effect in the scene stack"]  # of beta_n, only for springs, `unread` tells

@@ -33,6 +33,28 @@ def doubts(full):
     return found
 
 
+class Watched(dict):
+    """A full row that notes in `read` which of its values are read."""
+
+    def __init__(self, full, read=None):
+        super().__init__(full)
+        self.read = set() if read is None else read
+
+    def __getitem__(self, name):
+        self.read.add(name)
+        return super().__getitem__(name)
+
+    def __or__(self, other):
+        return Watched(dict(self) | other, self.read)
+
+
+def ignored(full):
+    """Return warnings about values of a Watched row that nothing has read in a run of its method, and that differ from the default of the scene."""
+    usual = parameters.defaults(full["scene"])
+    return [f"{name} = {value} has no effect in the scene {full['scene']}" for name, value in parameters.read_by_method(full).items()
+            if name not in full.read and value != usual[name]]
+
+
 def unread(rows):
     """Return warnings about values in full rows that differ from the default of the scene, while the method of none of the rows reads them."""
     read, found = {name for full in rows for name in parameters.read_by_method(full)}, {}
