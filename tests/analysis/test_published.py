@@ -29,7 +29,7 @@ ANEW, TOLERANCE = "closed_path", 1e-9
 
 # Studies whose rows have changed since their tables were made, as two critical readings asked. They are run anew one after the other, and leave this
 # list when their new tables are here.
-REMADE_NEXT = {"many_disks", "thousand"}
+REMADE_NEXT = {"thousand"}
 
 
 def said(name):
@@ -223,9 +223,9 @@ def test_a_clone_without_history_is_skipped(root, tmp_path):
 
 
 def test_no_study_is_older_than_the_bits_of_its_scenes(root):
-    """Since its commit the stored hashes of its scenes have not changed; those of rigid contacts have since many_disks."""
+    """Since its commit the stored hashes of its scenes have not changed."""
     today = json.loads((root / "tests" / "yade_scripts" / "digests.json").read_bytes())["all"]
-    for name in set(PUBLISHED) - {"many_disks"}:
+    for name in PUBLISHED:
         found = said(name)
         for scene, method in {(row["scene"], row["method"]) for row in studies.rows(name, True)}:
             for commit in found["commits"]:

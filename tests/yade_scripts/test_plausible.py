@@ -29,6 +29,7 @@ def test_no_row_of_ours_is_doubted(name):
 
 
 def test_values_that_a_run_has_not_read_are_named():
-    full = plausible.Watched(parameters.complete({"scene": "stack", "method": "CD", "slope": 20.0, "friction": 0.3, "density": 1.0, "md_walls": "force"}))
+    row = {"scene": "stack", "method": "CD", "slope": 20.0, "friction": 0.3, "density": 1.0, "md_walls": "force"}
+    full = plausible.Watched(parameters.complete(row))
     assert full["friction"] == 0.3 and (full | {"seed": 2})["density"] == 1.0  # a changed copy counts, too
     assert plausible.ignored(full) == ["slope = 20.0 has no effect in the scene stack"]  # of md_walls `unread` tells
