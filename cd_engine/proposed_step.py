@@ -2,6 +2,8 @@
 import math
 import numbers
 
+from . import engine_methods
+
 SHARE, BOUNCING = 0.25, 0.05
 UPRIGHT = 1e-6  # sine of the angle up to which rounding may tilt an upright face
 
@@ -14,8 +16,8 @@ def timeStep(gravity=None, speed=None, share=None):
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (for a boundary that turns, of its
                farthest point). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
                upper faces, where a disk that slides down leaves it
-    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body. The speed that it leads to is not known: give `speed`
-               where a body is pressed over a long way
+    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give it where a
+               force moves a body over a long way, and for longer steps where a light lid presses on disks already
     share      largest distance that a disk moves in one step at that speed, over its radius [1]; by default 0.25, or 0.05 if ContactDynamics has a
                restitution, since disks that bounce in a cluster overlap by up to their way in a step, and stay so. An example of its effect: the
                disks that left a hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
@@ -32,7 +34,7 @@ def timeStep(gravity=None, speed=None, share=None):
     """
     from yade import O
     if share is None:
-        share = BOUNCING if any(getattr(engine, "restitution", 0) > 0 for engine in O.engines) else SHARE
+        share = BOUNCING if any(getattr(engine, "restitution", 0) > 0 and not engine.dead for engine in O.engines) else SHARE
     if not (_is_finite(share) and share > 0):
         raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
     if speed is not None and not (_is_finite(speed) and speed >= 0):
@@ -54,10 +56,11 @@ def timeStep(gravity=None, speed=None, share=None):
     if not movable:
         raise ValueError("timeStep: no disk in the scene can move. Append the disks first")
     radius = min(body.shape.radius for body in movable)
+    pressed = _pressed(O) if speed is None else 0
     if speed is None:
         fall = _fall(O.bodies, movable, [x / g for x in gravity]) if g else 0
         speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
-    times = ([radius / speed] if speed else []) + [math.sqrt(radius / acceleration) for acceleration in (g, _pressed(O)) if acceleration]
+    times = ([radius / speed] if speed else []) + [math.sqrt(radius / acceleration) for acceleration in (g, pressed) if acceleration]
     if not times:
         raise ValueError("timeStep: nothing moves, and there is neither gravity nor a permanent force, so no speed can be estimated. Set O.engines "
                          "first, with their gravity, or give a speed: timeStep(speed=0.1), in m/s")
@@ -72,11 +75,15 @@ def _pressed(O):
     """Return the largest acceleration [m/s^2] that a permanent force gives a body in a direction in which it is free."""
     def pressed(body):
         force = O.forces.permF(body.id)
-        return math.hypot(*(force[k] for k in (0, 1) if "xy"[k] not in body.state.blockedDOFs)) / body.state.mass if body.state.mass > 0 else 0
+        size = math.hypot(*(force[k] for k in (0, 1) if "xy"[k] not in body.state.blockedDOFs))
+        if not math.isfinite(size):
+            raise ValueError(f"timeStep: the permanent force {tuple(force)} N on body #{body.id} is not finite")
+        return size / body.state.mass if body.state.mass > 0 else 0
 
     if not O.forces.getPermForceUsed():
         return 0
-    O.forces.f(0, sync=True)  # before YADE has summed forces once permF gives 0
+    if not engine_methods.runs_besides():  # whose engines add forces meanwhile
+        O.forces.f(0, sync=True)  # before YADE has summed forces once permF gives 0
     return max(map(pressed, O.bodies))
 
 

@@ -21,7 +21,7 @@ from yade_scripts import commands, parameters, results, tables
 from yade_scripts.results import provenance
 from yade_scripts.running import locks, plausible, queue
 
-LEAST_SPACE = 10**6  # bytes: on a disk with less no run can write its file
+LEAST_SPACE = 10**7  # bytes; on a disk with less, runs cannot write their files
 
 
 class Row(queue.Job):

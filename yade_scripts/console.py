@@ -18,16 +18,21 @@ row, scene = {"method": "CD"}, None
 def start(**changes):
     """Start again with `changes` to the current row; other parameters keep their values, also the method. Return the scenes.Scene.
 
-    Another scene keeps those that it knows. A mistake is printed, and all stays as it is.
+    Another scene keeps those that it knows. A mistake is printed, and all stays as it is; if it is found late, the former scene is built anew.
     """
     global row, scene
+    begun = False
     try:
         known = parameters.registry(changes.get("scene", row.get("scene", parameters.REGISTRY["scene"].default)))
         changed = {name: value for name, value in row.items() if name in known} | changes
+        parameters.complete(changed)
+        begun = True
         scene = run.start(**changed)
         row = changed
-    except (parameters.ParameterError, ImportError, OSError) as error:
+    except (parameters.ParameterError, ImportError, OSError, RuntimeError, ValueError) as error:
         print(f"console: {error}", file=sys.stderr)
+        if begun and scene is not None:
+            scene = run.start(**row)
     return scene
 
 

@@ -86,4 +86,6 @@ def by_kind(accuracy, measured):
             times = dict.fromkeys(f"{seconds:.2g}" for seconds in (solved.seconds.min(), solved.seconds.max()))
             lines.append(f"  {method}: {series}, {' or '.join(solved.setting.unique())}: error up to {solved.error.max():.2g}, "
                          f"{' to '.join(times)} s" + (f"; not reached in {', '.join(left)}" if left else ""))
+    if not lines:
+        raise ResultError(measured, "holds no measurement", "make it by `make charts`")
     return lines

@@ -106,7 +106,8 @@ CD_ATTRIBUTE(double, deepestPenetration, 0, result,
     "Largest *maxPenetration* of all steps [m]. Beyond a hundredth of the smallest radius the engine warns, once: if forces are far "
     "too small, bodies pass into each other, even though *residual* may be within the tolerance.")
 CD_ATTRIBUTE(double, largestResidual, 0, result, "Largest *residual* of all steps [1].")
-CD_ATTRIBUTE(double, handoverOverlap, 0, result, "Largest overlap taken as reference at the hand-over [m].")
+CD_ATTRIBUTE(double, handoverOverlap, 0, result,
+    "Largest overlap taken as reference at the hand-over [m]; above 0 also if there was none, 0 if nothing has been taken over.")
 CD_ATTRIBUTE(double, dissipatedEnergy, 0, result,
     "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "
     "'kinetic' and 'gravWork'.")

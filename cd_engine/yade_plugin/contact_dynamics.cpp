@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 
 extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the OpenMP library that YADE's own loops use; null if YADE was built without it
@@ -228,7 +229,7 @@ void ContactDynamics::advance()
 		const double largest = link.takeOverlaps();
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		link.collectOverlaps(memory().overlaps);
-		handoverOverlap = largest;
+		handoverOverlap = std::max(largest, std::numeric_limits<double>::min()); // not 0: it tells run_hooks.py that this engine takes over
 		handover = false;
 	}
 

@@ -105,7 +105,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
 				problem = reason;
 		} else
-			integrator = integrator || name == "NewtonIntegrator";
+			integrator = integrator || (weighs && name == "NewtonIntegrator");
 		seen.push_back(other);
 	}
 	if (!resets)

@@ -99,8 +99,9 @@ void ContactDynamics::tellOfSpeed(double dt)
 		toldOfSpeed = true;
 		std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast << " moves " << relativeWay(fast, other) / radius
 			  << " times its radius in a step relative to body #" << other << " and may jump over it. O.dt is " << dt
-			  << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds and gravity; it does not know other "
-			     "forces, which may grow without bound, such as a strong drag. Further such bodies are not reported.\n";
+			  << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds, gravity and permanent forces; it does not "
+			     "know others, "
+			     "which may grow without bound, such as a strong drag. Further such bodies are not reported.\n";
 		return;
 	}
 }
@@ -131,8 +132,11 @@ void ContactDynamics::watchPenetration(double before, bool takesOver) const
 	const cd::Pair& deepest = link.deepest(step);
 	std::string remedy;
 	const bool atOnce = maxPenetration - before > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
-	char finer[32]; // a step that would leave half of what is reported, since an overlap that comes at once is proportional to O.dt
-	std::snprintf(finer, sizeof finer, "%.1g", scene_dt(scene) * 0.5 * deep * smallest / (maxPenetration - before));
+	// The step in which no disk moves by more than a quarter of a radius, or, if that is longer, leaves half of what is reported, since a small
+	// overlap that comes at once is proportional to O.dt.
+	const double shares = std::max(0.25 / link.pairSearch().longestWay(), 0.5 * deep * smallest / (maxPenetration - before));
+	char finer[32];
+	std::snprintf(finer, sizeof finer, "%.2g", scene_dt(scene) * std::min(0.5, shares));
 	// That two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just
 	// been taken over, all have come, and only what they have approached since counts as overlap.
 	const double way = !takesOver && (link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b))

@@ -67,6 +67,30 @@ def test_nothing_moves_at_any_handover(O):
         O.engines, O.dt = springs, fast
 
 
+def test_a_loaded_engine_takes_over_what_springs_leave(O, tmp_path):
+    """Also one that had no overlap to take over before it was saved."""
+    mat = plane.material()
+    plane.floor(mat)
+    for k in range(5):
+        plane.disk((0, 1.05 * RADIUS + 2.05 * RADIUS * k), RADIUS, mass=0.05, blocked="xzXYZ", mat=mat)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    O.run(400, True)
+    O.save(str(tmp_path / "rigid.yade"))
+    O.load(str(tmp_path / "rigid.yade"))
+    rigid = list(O.engines)
+    assert 0 < rigid[-1].handoverOverlap < 1e-12
+    cd_engine.release()
+    O.engines, O.dt = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()]),
+                       w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                         [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                       w.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.5)], 0.2 * math.sqrt(0.05 / 1e4)
+    O.run(5000, True)
+    overlap = deepest(O, False)
+    O.engines, O.dt = rigid, 1e-3
+    O.run(50, True)
+    assert overlap < rigid[-1].handoverOverlap < 1.5 * overlap and rigid[-1].maxPenetration < 0.05 * overlap
+
+
 def test_no_release_in_the_middle_of_a_run(O):
     """The takeover is prepared where a run begins, so an engine of the run is refused."""
     _, rigid, _, slow = box_of_disks(O)

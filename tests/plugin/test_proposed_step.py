@@ -59,7 +59,11 @@ def test_permanent_forces_count_where_a_body_is_free(O):
     O.forces.setPermF(lid, (1e6, -300, 0))
     O.engines = cd_engine.engines()
     assert cd_engine.timeStep() == pytest.approx(0.25 * math.sqrt(0.01 / 150))
-    assert cd_engine.timeStep(gravity=(0, -200, 0), speed=1e-3) == pytest.approx(0.25 * math.sqrt(0.01 / 200))
+    assert cd_engine.timeStep(gravity=(0, -200, 0)) == pytest.approx(0.25 * math.sqrt(0.01 / 200))
+    assert cd_engine.timeStep(speed=0.1) == pytest.approx(0.25 * 0.01 / 0.1)  # who knows the speed needs no force
+    O.forces.setPermF(lid, (0, math.inf, 0))
+    with pytest.raises(ValueError, match=f"on body #{lid} is not finite"):
+        cd_engine.timeStep()
 
 
 def test_disks_that_bounce_take_shorter_steps(O):
@@ -67,6 +71,8 @@ def test_disks_that_bounce_take_shorter_steps(O):
     O.engines = cd_engine.engines(gravity=(0, -G, 0), restitution=0.3)
     assert cd_engine.timeStep() == pytest.approx(0.05 * math.sqrt(0.01 / G))
     assert cd_engine.timeStep(share=0.25) == pytest.approx(0.25 * math.sqrt(0.01 / G))
+    O.engines[-1].dead = True
+    assert cd_engine.timeStep(gravity=(0, -G, 0)) == pytest.approx(0.25 * math.sqrt(0.01 / G))
 
 
 def test_gravity_of_springs_is_found(O):

@@ -31,7 +31,9 @@ def rise(mu):
 
 
 def check(full):
-    """Check that 0 < phi < 60 degrees for both arches, so that the key is above the side disks and these are apart."""
+    """Check that there are three disks and that 0 < phi < 60 degrees for both arches, so that the key is above the side disks and these are apart."""
+    if full["disks"] != 3:
+        raise ParameterError(f"disks = {full['disks']}: an arch has 3")
     least, most = (full["friction"] * (1 + sign * full["arch_margin"]) for sign in (-1, 1))
     if not math.tan(math.radians(15)) < least < most < 1:
         raise ParameterError(f"friction = {full['friction']}: must be between 0.268/(1 - arch_margin) and 1/(1 + arch_margin) for an arch whose "
