@@ -16,8 +16,8 @@ def timeStep(gravity=None, speed=None, share=None):
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (for a boundary that turns, of its
                farthest point). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
                upper faces, where a disk that slides down leaves it
-    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give it where a
-               force moves a body over a long way, and for longer steps where a light lid presses on disks already
+    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give `speed`
+               where a force moves a body over a long way, and for longer steps where a light lid presses on disks already
     share      largest distance that a disk moves in one step at that speed, over its radius [1]; by default 0.25, or 0.05 if ContactDynamics has a
                restitution, since disks that bounce in a cluster overlap by up to their way in a step, and stay so. An example of its effect: the
                disks that left a hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)

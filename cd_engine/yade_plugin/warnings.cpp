@@ -100,8 +100,7 @@ void ContactDynamics::tellOfSpeed(double dt)
 		std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << fast << " moves " << relativeWay(fast, other) / radius
 			  << " times its radius in a step relative to body #" << other << " and may jump over it. O.dt is " << dt
 			  << " s: take a smaller one. cd_engine.timeStep() proposes one by sizes, speeds, gravity and permanent forces; it does not "
-			     "know others, "
-			     "which may grow without bound, such as a strong drag. Further such bodies are not reported.\n";
+			     "know others, which may grow without bound, such as a strong drag. Further such bodies are not reported.\n";
 		return;
 	}
 }
