@@ -123,12 +123,13 @@ def _draw_stands(table, runs, path):
 
 
 ANSWER = """
-Motion begins near the static limit of a packing. Below 0.99 of it rigid grains rest in 36 of 36 runs (1.6e-8 at most in the first cycle). Between
-0.99 and the limit 3 of 3 move, by 3.0e-4 to 5.3e-3 in 20 cycles. Above it all 101 move, by 3.7e-4 at least in the first cycle. Springs strain under
-every load, without a step at the limit: below it by 1.5e-5 to 6.6e-3 in the first cycle, above it by 5.1e-3 at least (figure of the loads, left). At
-equal stress ratio the strain hardly depends on which stress is held. The paper gives sigma2 only: with sigma1 = P0 its dSigma means sigma2/sigma1 = 1
-+ dSigma, with the mean stress held (1 + dSigma)/(1 - dSigma). Where both make 1.5 (dSigma of 0.5 and of 0.2), the strain of MD after 20 cycles
-differs by 1 to 12 %, on each of 5 packings.
+Motion begins near the static limit of a packing. Up to 0.976 of it rigid grains rest in 36 of 36 runs (1.6e-8 at most in the first cycle). From 0.991
+of it to the limit 3 of 3 move, by 3.0e-4 to 5.3e-3 in 20 cycles. Above it all 101 move, by 3.7e-4 at least in the first cycle. Springs strain under
+every load, without a step at the limit: below it by 1.5e-5 to 6.6e-3 in the first cycle, above it by 5.1e-3 at least (figure of the loads, left). The
+paper gives sigma2 only: with sigma1 = P0 its dSigma means sigma2/sigma1 = 1 + dSigma, with the mean stress held (1 + dSigma)/(1 - dSigma). Where both
+make 1.5 (dSigma of 0.5 and of 0.2), the strain of MD on dense packings depends little on which stress is held: with the mean stress held it is 0.76
+to 1.01 times that with sigma1 held in the first cycle and 0.93 to 1.12 times after 20 cycles (5 packings). On loose packings it is 0.46 to 0.94 times
+after 20 cycles.
 
 The stress ratio itself decides on collapse, not its ratio to the static limit, since a packing that moves makes new contacts. With ratios up to 1.5
 all 140 runs stand 40 cycles, dense or loose, springs or rigid grains. With 1.6 and 1.7 springs collapse in 6 and rigid grains in 5 of 20 cases, from
@@ -163,9 +164,10 @@ POINTS = (
      "loads mean a smaller stress ratio, none collapses within 40 cycles. Neither reading makes just the paper's loads collapse."),
     (3, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small rate. "
      "This behavior is associated to a quasi-periodic response of the sliding contacts [...].", "section 3, Fig. 3", "agrees in part",
-     "Between shakedown and collapse the rates are not constant but fall slowly: with sigma1 held and dSigma = 0.4 the rate of the second half of "
-     "the cycles is 5.2e-5 a cycle (median of 5) in cycles of 0.5 s, about three times that of slow cycles (study of ratcheting). Over the last "
-     "quarter it is 0.71 times that of the quarter before (0.12 to 0.78)."),
+     "Between shakedown and collapse most rates fall. With the mean stress held and dSigma = 0.2 the rate of the last quarter of the cycles is 1.02, "
+     "0.33, -0.03, 1.52 and 0.26 times that of the quarter before: constant on one packing, higher on another. With sigma1 held and dSigma = 0.4 it "
+     "is 0.71 times (median of 5; 0.12 to 0.78); there the rate of the second half of the cycles is 5.2e-5 a cycle (median) in cycles of 0.5 s, "
+     "about three times that of slow cycles (study of ratcheting)."),
     (12, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
      "The sign agrees, \"much\" does not. In cycles of 0.5 s CD stands 1.49 times as many cycles as MD (median of 52 pairs from 10 packings); in 1 "
      "pair it collapses earlier. In slow cycles both collapse in the first or second cycle (study of collapse)."),
@@ -182,7 +184,10 @@ def numbers(table):
     dense = md[md["preparation friction"] == 0].set_index("seed")
     held, constant = (dense[dense["stress path"] == path] for path in LOADS)
     at, low = dict(list(held.groupby("dSigma"))), constant[constant.dSigma <= 0.5]
-    alike = (at[0.2][gamma] / constant[constant.dSigma == 0.5][gamma] - 1).abs()
+    loose = md[(md["preparation friction"] > 0) & ((md["largest ratio"] - 1.5).abs() < 1e-9)].set_index(["stress path", "seed"])
+    same, paths = constant[constant.dSigma == 0.5], [loose.loc[path, gamma] for path in LOADS]
+    start, alike, loosely = (at[0.2]["first cycle"] / same["first cycle"], at[0.2][gamma] / same[gamma],
+                             paths[0] / paths[1])
     gentle, severe = table[table.ratio < 1.51], [rows[rows.ratio > 1.79][after].notna() for rows in (md, cd)]
     close = md[md["load over limit"].between(1.1, 1.3)].groupby("preparation friction")[after]
     pairs = md.merge(cd, on=["stress path", "preparation friction", "dSigma", "seed"], suffixes=(" MD", " CD"))
@@ -197,14 +202,15 @@ def numbers(table):
     packings = lambda rows: len(rows[["preparation friction", "seed"]].drop_duplicates())
     assert gentle[after].isna().all()
     assert low[after].isna().all() and at[0.2][after].isna().all() and not (falls[1] & ~falls[0]).any()
-    assert all(at[load][after].notna().all() for load in (0.3, 0.4, 0.5)) and alike.between(0.01, 0.13).all()
+    assert all(at[load][after].notna().all() for load in (0.3, 0.4, 0.5)) and len(alike) == len(loosely) == 5
     within = [table[table.ratio.between(1.55, 1.75) & (table.method == method)][after].notna() for method in LINES]
-    rests, moves = (cd[cd["load over limit"].between(*ends)] for ends in ((0, 0.99), (0.99, 1)))
-    return {"0.99": slows.quantile(0.75), "36": [len(rests), (rests[gamma].abs() < 1e-6).sum()], "1.6e-8": rests.start.max(),
-            "3": [len(moves), (moves[gamma].abs() > 1e-4).sum()],
+    rests, moves = (cd[cd["load over limit"].between(*ends)] for ends in ((0, 0.98), (0.98, 1)))
+    return {"0.976": rests["load over limit"].max(), "36": [len(rests), (rests[gamma].abs() < 1e-6).sum()], "1.6e-8": rests.start.max(),
+            "0.991": moves["load over limit"].min(), "3": [len(moves), (moves[gamma].abs() > 1e-4).sum()],
             **summary.stated("3.0e-4 5.3e-3", moves[gamma].abs()), "101": [len(beyond[1]), len(above)], "3.7e-4": beyond[1].min(),
-            **summary.stated("1.5e-5 6.6e-3", carried[0]), "5.1e-3": beyond[0].min(), "12": 100 * alike.max(),
-            "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour), within[1].sum()], "140": len(gentle),
+            **summary.stated("1.5e-5 6.6e-3", carried[0]), "5.1e-3": beyond[0].min(),
+            **summary.stated("0.76 1.01", start), **summary.stated("0.93 1.12", alike), "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour),
+            within[1].sum()], **summary.stated("0.46 0.94", loosely), "140": len(gentle),
             "6": [within[0].sum(), (falls[0] & ~falls[1]).sum()], "49": [severe[0].sum(), (falls[0] & falls[1]).sum()], "44": severe[1].sum(),
             "50": [len(severe[0]), len(severe[1])],
             "10": [close.count()[0.0], packings(breaks), fails.notna().sum(), 100 * at[0.1]["sliding at most, last cycle"].median()],
@@ -215,7 +221,8 @@ def numbers(table):
             "1.49": times.median(), "52": len(breaks), "47": (times.between(1, np.inf, "neither")).sum(), "2.52": times[long].median(),
             "17": [long.sum(), len(quiet) - len(slows)], "1.43": times[~long].median(),
             "2.7e-8": below[f"{gamma} CD"].abs().median(), "6.8e-4": below[f"{gamma} MD"].abs().median(), "39": [len(below), len(quiet)],
-            "22": len(slows), "0.74": slows.median(), "0.61": slows.quantile(0.25), "16": (slows < 1).sum(),
+            "22": len(slows), "0.74": slows.median(), "0.61": slows.quantile(0.25), "0.99": slows.quantile(0.75), "16": (slows < 1).sum(),
             "4.8e-8": at[0.1]["late rate"].abs().max(),
             "0.6": 100 * at[0.1]["sliding at least, last cycle"].median(), "0.90": fails.min(), "2.65": fails.max(),
-            "5.2e-5": slow["late rate"].abs().median(), "0.71": slow[quarter].median(), **summary.stated("0.12 0.78", slow[quarter])}
+            **dict(zip(("1.02", "0.33", "-0.03", "1.52", "0.26"), at[0.2][quarter].sort_index())),
+            "0.71": slow[quarter].median(), **summary.stated("0.12 0.78", slow[quarter]), "5.2e-5": slow["late rate"].abs().median()}

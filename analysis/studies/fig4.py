@@ -107,8 +107,8 @@ POINTS = (
      "mean stress held MD strains 4.4 to 13.5 times as far (6 packings). On loose packings, whose limits are lower, CD strains, too, on 7 of 10, and "
      "on 2 of them further than MD."),
     (6, "But note also that the energy dissipated is bigger in the MD cycle, and so is the remanent strain at the end of the process.",
-     "section 3, Fig. 4", "agrees",
-     "Both hold on 10 of 10 dense packings, on either stress path, and on 7 of 10 loose ones."),
+     "section 3, Fig. 4", "agrees in part",
+     "Both hold on 10 of 10 dense packings, on either stress path, and on 7 of 10 loose ones, which are prepared as the paper seems to do."),
 )
 
 

@@ -62,9 +62,9 @@ def dense(name):
 
 
 def same_ratio(name):
-    """With the mean stress held at 0.2 over sigma1 held at 0.5: sigma2/sigma1 goes to 1.5 in both."""
+    """With the mean stress held at 0.2 over sigma1 held at 0.5: sigma2/sigma1 goes to 1.5 in both. Median, least, largest."""
     times = dense(name)["mean", 0.2] / dense(name)["constant", 0.5]
-    return [1.5, *with_quartiles(times), len(times)]
+    return [1.5, times.median(), times.min(), times.max(), len(times)]
 
 
 def path_of_collapse():
@@ -76,7 +76,7 @@ def path_of_collapse():
 @pytest.mark.parametrize("cause, expected", [
     ("Stiffness of the springs", lambda: (
         [*values("stiffness", "-0.94 -1.01 5 4.5e-4 5.1e-6"), 100],
-        values("ratcheting", "-1.02 0.04 42 10 0.96 14 8 -0.50 0.16"), stiffness_of_collapse())),
+        values("ratcheting", "-0.89 0.03 42 10 0.96 14 8 -0.50 0.16"), stiffness_of_collapse())),
     ("Tolerance of the solver", lambda: (
         values("tolerance", "7.8e-4 1e-2 9.2e-11 1e-10"), tolerance_of_a_rate(), [1e-6, 1e-8, *quotients("rigid, tolerance 1e-6", "rigid")])),
     ("Indeterminacy: contact forces at the start", lambda: (networks_of_a_cycle(), [], quotients("rigid, other forces", "rigid"))),
