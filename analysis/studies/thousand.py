@@ -70,7 +70,8 @@ the last 500 cycles the mean is 2.2e-7. In all three packings single cycles stil
 nearly cancels in the sum. After 40 cycles one cannot say whether a packing shakes down.
 
 Under the path-independent law, whose closed paths leave neither force nor energy, packings 1 and 2 do the same, including the burst and the end: in
-every row of the table they have strained 0.98 to 1.00 times as far. So the tangential law causes neither.
+every row of the table they have strained 0.98 to 1.00 times as far. So the tangential law causes neither burst nor end. Packing 3, which goes on
+straining, was not run with this law.
 
 Cycles of 0.5 s are too short for springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting). The error of the energy balance
 is 8.1e-5 of the work at most.
