@@ -22,8 +22,10 @@ inline void solveLocal(double wnn, double wnt, double wtn, double wtt, double mu
 	}
 	pn = -qn / wnn;
 	pt = 0;
-	if (!regular && wtt <= 1e-14 * wnn)
-		return; // nothing can move along t, so a tangential impulse is neither needed nor determined
+	// No impulse changes the velocity along t, which is qt + wtn pn. Where it is zero up to round-off, any friction within the cone would do, and
+	// none is taken. Else, as under a disk that is driven over a floor, friction opposes it.
+	if (!regular && wtt <= 1e-14 * wnn && !(std::abs(qt * wnn - wtn * qn) > 1e-12 * std::abs(qt * wnn)))
+		return;
 	for (const double side : { -1., 1. }) {
 		const double w = wnn + side * mu * wnt;
 		if (w <= 0)

@@ -38,6 +38,23 @@ def test_block_rests_below_the_friction_angle(O, degrees):
     assert abs(along) < 1e-14 and abs(off) < 1e-14
 
 
+@pytest.mark.parametrize("settings", [
+    *(dict(method=method, reduce=reduce) for method in ("nsgs", "accelerated", "newton", "auto") for reduce in (True, False)),
+    dict(fixedIterations=1), dict(seed=3)], ids=str)
+@pytest.mark.parametrize("disks", [1, 3])
+def test_friction_acts_on_disks_that_are_driven_over_a_floor(O, disks, settings):
+    """Disks that cannot turn and are driven along the floor: mu times the weight, at any speed, and mu times weight times way is dissipated."""
+    mat, speed, steps, dt = plane.material(0.5), 1e-5, 10, 1e-3
+    floor = plane.floor(mat)
+    ids = [plane.disk((k, 0.1), 0.1, velocity=(speed, 0), blocked="xzXYZ", mat=mat) for k in range(disks)]
+    engine = plane.run(steps, dt, gravity=(0, -G, 0), **settings)
+    weight = [G * O.bodies[k].state.mass for k in ids]
+    assert engine.unconvergedSteps == 0 or "fixedIterations" in settings
+    assert [O.forces.f(k)[0] for k in ids] == pytest.approx([-0.5 * w for w in weight], rel=1e-12)
+    assert O.forces.f(floor)[0] == pytest.approx(0.5 * sum(weight), rel=1e-12)
+    assert engine.dissipatedEnergy == pytest.approx(0.5 * sum(weight) * speed * steps * dt, rel=1e-9)
+
+
 def slide_to_roll(O, dt, mu=0.2, radius=0.1):
     O.reset()
     mat = plane.material(mu)
