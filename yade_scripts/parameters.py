@@ -127,7 +127,7 @@ REGISTRY = {p.name: p for p in (
     Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
     Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its errors (residual, also weighted by W_nn, and bodyError) are at most this",
               above=0, high=1, method="CD"),
-    Parameter("flow_tolerance", 0.0, "1", "if larger than tolerance: the tolerance of CD steps in which bodies flow or collide", low=0, high=1,
+    Parameter("flow_tolerance", 0.0, "1", "if larger than tolerance: the tolerance of CD steps after bodies have flowed or collided", low=0, high=1,
               method="CD"),
     Parameter("max_iterations", 20000, "1", "sweeps and factorizations after which a CD step counts as not converged",
               low=1, high=2**31 - 1, method="CD"),
