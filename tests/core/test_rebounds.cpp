@@ -1,5 +1,6 @@
 // Restitution in impacts of many contacts: it never adds energy, and where e = 1 and nothing rubs it loses none.
 #include "time_step.hpp"
+#include "worlds.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
@@ -15,26 +16,14 @@ struct Scene {
 	World world;
 	double mu = 0, restitution = 1, tolerance = 1e-12;
 
-	int wall()
-	{
-		world.bodies.emplace_back();
-		world.shapes.emplace_back();
-		world.shapes.back().kind = ShapeKind::wall;
-		return static_cast<int>(world.bodies.size()) - 1;
-	}
+	int wall() { return tests::add(world, {}, { ShapeKind::wall }); }
 	void disk(double x, double y, double vx, double vy, double spin = 0, double mass = 1)
 	{
-		Body b;
-		b.x = x;
-		b.y = y;
+		Body b = tests::diskAt(x, y, radius, mass);
 		b.v[0] = vx;
 		b.v[1] = vy;
 		b.v[2] = spin;
-		b.inverseMass[0] = b.inverseMass[1] = 1 / mass;
-		b.inverseMass[2] = 2 / (mass * radius * radius);
-		b.radius = radius;
-		world.bodies.push_back(b);
-		world.shapes.emplace_back();
+		tests::add(world, b);
 	}
 	// All pairs but those of two boundaries.
 	void pairUp()
