@@ -1,10 +1,8 @@
 // What counts as solved, and what is named as having no solution, of every method and in both forms of a problem.
-#include "allocations.hpp"
 #include "residual.hpp"
 #include "rigid_motion.hpp"
 #include "systems.hpp"
 #include "verdict.hpp"
-#include "workspace.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
@@ -212,26 +210,4 @@ TEST_CASE("no more sweeps and factorizations than asked for, in any method and f
 				CHECK(findDelassusSolver(method)(d, tests::to(1e-14, most)).iterations <= most);
 			}
 		}
-}
-
-TEST_CASE("a judged method asks for no memory where it has solved a problem of that size with the same Workspace, be it judged or surely solvable")
-{
-	for (const double speed : { 0., 1. }) {
-		ContactSystem problem = tests::lattice(8, 0.3);
-		for (BodyVelocity& b : problem.bodies)
-			b.v[0] += speed; // a floor that moves: the bodies no longer tell that there is a solution
-		for (const auto method : { "nsgs", "accelerated" }) {
-			ContactSystem first = problem, second = problem;
-			Workspace memory;
-			first.memory = second.memory = &memory;
-			findSolver(method)(first, tests::to(1e-4, 5000));
-			const std::size_t before = allocations();
-			const SolverReport report = findSolver(method)(second, tests::to(1e-4, 5000));
-			const std::size_t after = allocations();
-			CAPTURE(method);
-			CAPTURE(report.iterations);
-			CHECK(report.status == Status::converged);
-			CHECK(after == before);
-		}
-	}
 }
