@@ -28,11 +28,4 @@ struct DelassusSystem {
 	std::size_t others(int32_t row) const { return start[row + 1] - start[row] - 1; } // blocks of a row beside its own
 };
 
-// The rows of `system.contacts` that belong to W, ascending: all but those whose bodies cannot move along the normal.
-std::vector<int32_t> solvableRows(const ContactSystem&);
-
-// W = H^T M^-1 H and q = H^T v + bias of these rows, with v the free velocities, and the first guess. Two contacts couple if they share a movable
-// body, so one body with k contacts makes k^2 blocks.
-DelassusSystem assembleDelassus(const ContactSystem& system);
-
 } // namespace cd

@@ -18,6 +18,16 @@ namespace {
 		return found;
 	}
 
+	// The rows of `system.contacts` that can be solved, ascending: all but those whose bodies cannot move along the normal.
+	std::vector<int32_t> solvableRows(const ContactSystem& system)
+	{
+		std::vector<int32_t> rows;
+		for (std::size_t i = 0; i < system.contacts.size(); i++)
+			if (system.contacts[i].wnn > 0)
+				rows.push_back(static_cast<int32_t>(i));
+		return rows;
+	}
+
 	bool moves(const BodyVelocity& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
 
 } // namespace

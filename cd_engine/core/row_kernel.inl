@@ -1,11 +1,11 @@
 // group_kernel.cpp includes this file after group_kernel.inl, whose vector types it uses. The same rules hold here.
 
+// Impulses (p_n, p_t) of LANES contacts: at the places i, or one after the other.
+#if LANES == 8
+
 typedef double Pair __attribute__((vector_size(16), aligned(16), may_alias)); // one contact's impulses
 
 INLINE Pair pairAt(const double* p, int32_t i) { return *reinterpret_cast<const Pair*>(p + i); }
-
-#if LANES == 8
-
 INLINE Vector four(const Pair& a, const Pair& b, const Pair& c, const Pair& d)
 {
 	return two(__builtin_shufflevector(a, b, 0, 1, 2, 3), __builtin_shufflevector(c, d, 0, 1, 2, 3));
@@ -17,57 +17,33 @@ INLINE void gather(const double* p, const int32_t* i, Vector& n, Vector& t)
 	n = __builtin_shufflevector(even, odd, 0, 8, 2, 10, 4, 12, 6, 14);
 	t = __builtin_shufflevector(even, odd, 1, 9, 3, 11, 5, 13, 7, 15);
 }
-INLINE void storePairs(double* p, const Vector& n, const Vector& t)
-{
-	store(p, __builtin_shufflevector(n, t, 0, 8, 1, 9, 2, 10, 3, 11));
-	store(p + LANES, __builtin_shufflevector(n, t, 4, 12, 5, 13, 6, 14, 7, 15));
-}
-INLINE void loadPairs(const double* p, Vector& n, Vector& t)
-{
-	n = __builtin_shufflevector(load(p), load(p + LANES), 0, 2, 4, 6, 8, 10, 12, 14);
-	t = __builtin_shufflevector(load(p), load(p + LANES), 1, 3, 5, 7, 9, 11, 13, 15);
-}
-
-#elif LANES == 4
-
-INLINE void gather(const double* p, const int32_t* i, Vector& n, Vector& t)
-{
-	const Vector even = __builtin_shufflevector(pairAt(p, i[0]), pairAt(p, i[2]), 0, 1, 2, 3),
-		     odd = __builtin_shufflevector(pairAt(p, i[1]), pairAt(p, i[3]), 0, 1, 2, 3);
-	n = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
-	t = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
-}
-INLINE void storePairs(double* p, const Vector& n, const Vector& t)
-{
-	store(p, __builtin_shufflevector(n, t, 0, 4, 1, 5));
-	store(p + LANES, __builtin_shufflevector(n, t, 2, 6, 3, 7));
-}
-INLINE void loadPairs(const double* p, Vector& n, Vector& t)
-{
-	n = __builtin_shufflevector(load(p), load(p + LANES), 0, 2, 4, 6);
-	t = __builtin_shufflevector(load(p), load(p + LANES), 1, 3, 5, 7);
-}
 
 #else
 
 INLINE void gather(const double* p, const int32_t* i, Vector& n, Vector& t)
 {
-	const Vector a = pairAt(p, i[0]), b = pairAt(p, i[1]);
-	n = __builtin_shufflevector(a, b, 0, 2);
-	t = __builtin_shufflevector(a, b, 1, 3);
-}
-INLINE void storePairs(double* p, const Vector& n, const Vector& t)
-{
-	store(p, __builtin_shufflevector(n, t, 0, 2));
-	store(p + LANES, __builtin_shufflevector(n, t, 1, 3));
-}
-INLINE void loadPairs(const double* p, Vector& n, Vector& t)
-{
-	n = __builtin_shufflevector(load(p), load(p + LANES), 0, 2);
-	t = __builtin_shufflevector(load(p), load(p + LANES), 1, 3);
+	for (int l = 0; l < LANES; l++) {
+		n[l] = p[i[l]];
+		t[l] = p[i[l] + 1];
+	}
 }
 
 #endif
+
+INLINE void storePairs(double* p, const Vector& n, const Vector& t)
+{
+	for (int l = 0; l < LANES; l++) {
+		p[2 * l] = n[l];
+		p[2 * l + 1] = t[l];
+	}
+}
+INLINE void loadPairs(const double* p, Vector& n, Vector& t)
+{
+	for (int l = 0; l < LANES; l++) {
+		n[l] = p[2 * l];
+		t[l] = p[2 * l + 1];
+	}
+}
 
 // solveLocal of local_problem.hpp for LANES contacts. Products instead of quotients distinguish the cases, which leaves one division.
 INLINE void solveRows(const RowGroup& g, int lane, const Vector& qn, const Vector& qt, Vector& pn, Vector& pt)

@@ -38,7 +38,6 @@ class Threads::Pool {
 		}
 	}
 
-	// A forked process has no helpers. It must not touch the pool and leaves it as it is.
 	bool isOurs() const { return process == getpid(); }
 
 	~Pool()
@@ -157,40 +156,24 @@ class Threads::Pool {
 	const pid_t process = getpid();
 };
 
-Threads::Threads() = default;
-Threads::Threads(Threads&&) noexcept = default;
-Threads& Threads::operator=(Threads&& other) noexcept
+void Threads::End::operator()(Pool* pool) const
 {
-	if (this != &other) {
-		drop();
-		wanted = other.wanted;
-		pool = std::move(other.pool);
-	}
-	return *this;
-}
-Threads::~Threads() { drop(); }
-
-void Threads::drop()
-{
-	if (pool && !pool->isOurs())
-		(void)pool.release();
-	pool.reset();
+	if (pool->isOurs())
+		delete pool;
 }
 
 void Threads::use(int count)
 {
 	if (count == wanted)
 		return;
-	drop();
+	pool.reset();
 	wanted = std::max(1, count);
 }
 
 void Threads::share(const Job& job)
 {
-	if (pool && !pool->isOurs())
-		drop();
-	if (!pool)
-		pool = std::make_unique<Pool>(wanted - 1);
+	if (!pool || !pool->isOurs())
+		pool.reset(new Pool(wanted - 1));
 	pool->share(job);
 }
 

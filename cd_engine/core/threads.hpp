@@ -13,11 +13,6 @@ namespace cd {
 // processor. The helpers end with this object. A forked process starts its own helpers. Only one caller at a time.
 class Threads {
     public:
-	Threads();
-	Threads(Threads&&) noexcept;
-	Threads& operator=(Threads&&) noexcept;
-	~Threads();
-
 	// Sets the number of threads, at least 1.
 	void use(int count);
 	int count() const { return wanted; }
@@ -43,11 +38,14 @@ class Threads {
 		const void* work;
 	};
 	class Pool;
+	// Ends the helpers. A forked process has none: it must not touch the pool of the other process and leaves it as it is.
+	struct End {
+		void operator()(Pool*) const;
+	};
 	void share(const Job&);
-	void drop();
 
 	int wanted = 1;
-	std::unique_ptr<Pool> pool;
+	std::unique_ptr<Pool, End> pool;
 };
 
 // Cuts a row of items into parts of equal size.

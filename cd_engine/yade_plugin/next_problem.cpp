@@ -1,36 +1,10 @@
 // Assembles the problem of the next step for cd_engine/core/export.py.
 #include "../bindings/python.hpp"
-#include "../core/delassus_system.hpp"
 #include "contact_dynamics.hpp"
 
 namespace cd_engine {
-namespace {
 
-	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
-	py::tuple bodyArrays(const cd::ContactSystem& system)
-	{
-		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
-		std::vector<int32_t> pairs;
-		for (const cd::BodyVelocity& b : system.bodies) {
-			masses.insert(masses.end(), b.w, b.w + 3);
-			velocities.insert(velocities.end(), b.v, b.v + 3);
-		}
-		for (const int32_t row : cd::solvableRows(system)) {
-			const cd::ContactRow& c = system.contacts[row];
-			pairs.insert(pairs.end(), { c.a, c.b });
-			normals.insert(normals.end(), { c.nx, c.ny });
-			arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
-			bias.push_back(c.bias);
-			mu.push_back(c.mu);
-			impulses.insert(impulses.end(), { c.pn, c.pt });
-		}
-		return py::make_tuple(
-		    bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
-	}
-
-} // namespace
-
-py::tuple ContactDynamics::nextProblem(bool bodies)
+py::tuple ContactDynamics::nextProblem()
 {
 	std::unique_lock<std::mutex> betweenSteps(stepping, std::defer_lock);
 	{
@@ -51,14 +25,23 @@ py::tuple ContactDynamics::nextProblem(bool bodies)
 		look.takeOverlaps();
 	cd::TimeStep next;
 	const cd::ContactSystem& system = next.assemble(look.world, settings);
-	if (bodies)
-		return bodyArrays(system);
-	const cd::DelassusSystem problem = cd::assembleDelassus(system);
-	std::vector<int> pairs;
-	for (const int32_t row : cd::solvableRows(system)) {
-		pairs.insert(pairs.end(), { system.contacts[row].a, system.contacts[row].b });
+	std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
+	std::vector<int32_t> pairs;
+	for (const cd::BodyVelocity& b : system.bodies) {
+		masses.insert(masses.end(), b.w, b.w + 3);
+		velocities.insert(velocities.end(), b.v, b.v + 3);
 	}
-	return py::make_tuple(bytes(problem.start), bytes(problem.column), bytes(problem.blocks), bytes(problem.q), bytes(problem.mu), bytes(pairs));
+	for (const cd::ContactRow& c : system.contacts) {
+		if (!(c.wnn > 0))
+			continue; // its bodies cannot move along the normal
+		pairs.insert(pairs.end(), { c.a, c.b });
+		normals.insert(normals.end(), { c.nx, c.ny });
+		arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
+		bias.push_back(c.bias);
+		mu.push_back(c.mu);
+		impulses.insert(impulses.end(), { c.pn, c.pt });
+	}
+	return py::make_tuple(bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
 }
 
 } // namespace cd_engine

@@ -1,5 +1,6 @@
 // Islands solved apart: what is parted, that nothing is lost by it, and what is gained.
 #include "island_solver.hpp"
+#include "systems.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,8 @@
 #include <random>
 
 using namespace cd;
+using tests::to;
+using tests::velocitiesOf;
 
 namespace {
 
@@ -23,26 +26,13 @@ ContactSystem floorOnly()
 
 int32_t addDisk(ContactSystem& s, double mass, double vx = 0)
 {
-	BodyVelocity b {};
-	b.w[0] = b.w[1] = 1 / mass;
-	b.w[2] = 2 / mass; // radius 1 m
-	b.v[0] = vx;
-	b.v[1] = -weight;
-	s.bodies.push_back(b);
+	s.bodies.push_back(tests::disk(mass, vx, -weight));
 	return static_cast<int32_t>(s.bodies.size()) - 1;
 }
 
 void addContact(ContactSystem& s, int32_t a, int32_t b, double mu, double angle = M_PI / 2)
 {
-	ContactRow c;
-	c.a = a;
-	c.b = b;
-	c.nx = std::cos(angle);
-	c.ny = std::sin(angle);
-	c.at = 1;
-	c.bt = -1;
-	c.mu = mu;
-	s.contacts.push_back(c);
+	s.contacts.push_back(tests::contact(a, b, std::cos(angle), std::sin(angle), mu));
 	s.assembleBlocks();
 }
 
@@ -62,21 +52,6 @@ void addLoneDisks(ContactSystem& s)
 {
 	addContact(s, 0, addDisk(s, 2, 1), 0.3);
 	addDisk(s, 1);
-}
-
-SolverSettings to(double tolerance)
-{
-	SolverSettings settings;
-	settings.tolerance = tolerance;
-	return settings;
-}
-
-std::vector<double> velocities(const ContactSystem& s)
-{
-	std::vector<double> v;
-	for (const BodyVelocity& b : s.bodies)
-		v.insert(v.end(), b.v, b.v + 3);
-	return v;
 }
 
 double largestDifference(const std::vector<double>& a, const std::vector<double>& b)
@@ -200,9 +175,8 @@ TEST_CASE("many islands move as the whole moves, by an error no larger")
 		ContactSystem whole = heaps(12, 15, 5), parted = whole;
 		addLoneDisks(whole);
 		addLoneDisks(parted);
-		const std::vector<double> free = velocities(parted);
-		SolverSettings settings = to(1e-10);
-		settings.maxIterations = 100000;
+		const std::vector<double> free = velocitiesOf(parted);
+		const SolverSettings settings = to(1e-10, 100000);
 		IslandSolver solve;
 		Effort effort;
 		const SolverReport report = solve(parted, method, settings, effort);
@@ -212,7 +186,7 @@ TEST_CASE("many islands move as the whole moves, by an error no larger")
 		CHECK(report.residual == doctest::Approx(residual(parted, free).norm).epsilon(1e-3)); // round-off of differences of 1e-16 over 1e-12
 		CHECK(report.residualMax == doctest::Approx(residual(parted, free).maximum).epsilon(1e-3));
 		solveWhole(whole, method, settings, effort);
-		CHECK(largestDifference(velocities(whole), velocities(parted)) < 1e-7);
+		CHECK(largestDifference(velocitiesOf(whole), velocitiesOf(parted)) < 1e-7);
 	}
 }
 
@@ -221,7 +195,7 @@ TEST_CASE("what is at rest already is left as it is, without a sweep and without
 	ContactSystem s = heaps(1, 40, 7);
 	addStack(s, 5, 1);
 	addLoneDisks(s);
-	const std::vector<double> free = velocities(s);
+	const std::vector<double> free = velocitiesOf(s);
 	IslandSolver solve, fresh;
 	Effort effort;
 	solve(s, nsgs, to(1e-6), effort);
@@ -251,8 +225,7 @@ TEST_CASE("what could not be solved says so, and what was asked for as a whole i
 	ContactSystem s = heaps(3, 20, 9);
 	IslandSolver solve;
 	Effort effort;
-	SolverSettings settings = to(1e-12);
-	settings.maxIterations = 3;
+	SolverSettings settings = to(1e-12, 3);
 	ContactSystem hasty = s;
 	CHECK(solve(hasty, nsgs, settings, effort).status == Status::max_iterations);
 	settings.fixedIterations = 4;

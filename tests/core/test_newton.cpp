@@ -1,7 +1,6 @@
 // Newton's method and the automatic choice: exact solutions, plain sweeps as the second way, and problems at which sweeps stagnate.
-#include "lattice.hpp"
 #include "residual.hpp"
-#include "solver.hpp"
+#include "systems.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,39 +8,24 @@
 #include <random>
 
 using namespace cd;
+using tests::contact;
+using tests::disk;
 using tests::lattice;
+using tests::matrixOf;
 using tests::to;
 
 namespace {
 
 const Solver solvers[] = { newton, automatic };
 
-double error(const Residual& e) { return e.error(); }
-
-double errorOf(const ContactSystem& solved, const ContactSystem& given)
-{
-	std::vector<double> v;
-	for (const BodyVelocity& b : given.bodies)
-		v.insert(v.end(), b.v, b.v + 3);
-	return error(residual(solved, v));
-}
+double errorOf(const ContactSystem& solved, const ContactSystem& given) { return residual(solved, tests::velocitiesOf(given)).error(); }
 
 // A disk of unit mass and radius on an immobile floor, at free velocity (vx, vy, 0).
 ContactSystem diskOnFloor(double mu, double vx, double vy)
 {
 	ContactSystem s;
-	s.bodies.resize(2);
-	BodyVelocity& disk = s.bodies[1];
-	disk.w[0] = disk.w[1] = 1;
-	disk.w[2] = 2;
-	disk.v[0] = vx;
-	disk.v[1] = vy;
-	ContactRow c {};
-	c.b = 1;
-	c.ny = 1;
-	c.bt = -1;
-	c.mu = mu;
-	s.contacts.push_back(c);
+	s.bodies = { {}, disk(1, vx, vy) };
+	s.contacts.push_back(contact(0, 1, 0, 1, mu));
 	s.assembleBlocks();
 	return s;
 }
@@ -71,23 +55,13 @@ TEST_CASE("newton: a determinate column is solved by factorizations, as by plain
 {
 	// A column of ten disks, each carrying those above: p_n = (10 - i) m g h. Sweeps need hundreds.
 	ContactSystem s;
-	s.bodies.resize(11);
-	for (std::size_t i = 1; i <= 10; i++) {
-		s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
-		s.bodies[i].w[2] = 2;
-		s.bodies[i].v[1] = -0.01;
-		ContactRow c {};
-		c.a = static_cast<int32_t>(i - 1);
-		c.b = static_cast<int32_t>(i);
-		c.ny = 1;
-		c.at = 1;
-		c.bt = -1;
-		c.mu = 0.3;
-		s.contacts.push_back(c);
+	s.bodies.resize(1);
+	for (int i = 0; i < 10; i++) {
+		s.bodies.push_back(disk(1, 0, -0.01));
+		s.contacts.push_back(contact(i, i + 1, 0, 1, 0.3));
 	}
 	s.assembleBlocks();
-	ContactSystem w = s;
-	DelassusSystem d = assembleDelassus(w);
+	DelassusSystem d = matrixOf(s);
 	const SolverReport r = newton(s, to(1e-11)), rd = newton(d, to(1e-11));
 	REQUIRE(r.status == Status::converged);
 	REQUIRE(rd.status == Status::converged);
@@ -103,12 +77,12 @@ TEST_CASE("newton: velocities are those of plain sweeps to 1e-10, at which impul
 	for (const double mu : { 0., 0.1, 0.5 }) {
 		const ContactSystem given = lattice(6, mu);
 		ContactSystem a = given, b = given;
-		DelassusSystem d = assembleDelassus(given);
+		DelassusSystem d = matrixOf(given);
 		REQUIRE(newton(a, to(1e-10)).status == Status::converged);
 		REQUIRE(newton(d, to(1e-10)).status == Status::converged);
 		REQUIRE(nsgs(b, to(1e-10, 200000)).status == Status::converged);
 		CHECK(errorOf(a, given) <= 1e-10);
-		CHECK(error(residual(d)) <= 1e-10);
+		CHECK(residual(d).error() <= 1e-10);
 		// Nothing moves in a lattice at rest. Velocities are impulses over masses, of order 0.1: 1e-8 is a hundred times the error asked for.
 		for (std::size_t i = 0; i < a.bodies.size(); i++)
 			for (int k = 0; k < 3; k++)
@@ -253,10 +227,7 @@ TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are no
 		CHECK(solver(none, to(1e-8)).status == Status::converged);
 		CHECK(std::all_of(none.contacts.begin(), none.contacts.end(), [](const ContactRow& c) { return c.pn == 0 && c.pt == 0; }));
 		ContactSystem still = lattice(3, 0.3); // two immobile bodies pressed together beside it
-		ContactRow pressed {};
-		pressed.a = 9;
-		pressed.b = 10;
-		pressed.nx = 1;
+		ContactRow pressed = contact(9, 10, 1, 0, 0);
 		pressed.bias = -1;
 		still.contacts.push_back(pressed);
 		std::rotate(still.contacts.begin(), still.contacts.end() - 1, still.contacts.end());
@@ -265,25 +236,11 @@ TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are no
 		ContactSystem broken = lattice(3, 0.3);
 		broken.bodies[4].v[0] = std::nan("");
 		CHECK(solver(broken, to(1e-8)).status == Status::diverged);
-		// A light disk between two walls that close in on it: no impulses solve this.
-		ContactSystem jammed;
-		jammed.bodies.resize(3);
-		jammed.bodies[0].v[0] = 1;
-		jammed.bodies[2].v[0] = -1;
-		jammed.bodies[1].w[0] = jammed.bodies[1].w[1] = jammed.bodies[1].w[2] = 1;
-		for (const int k : { 0, 1 }) {
-			ContactRow c {};
-			c.a = k;
-			c.b = k + 1;
-			c.nx = 1;
-			c.mu = 0.3;
-			jammed.contacts.push_back(c);
-		}
-		jammed.assembleBlocks();
+		ContactSystem jammed = tests::squeezed(1, 0.3);
 		// The method alone may be content with impulses that have grown until its error, relative to them, is small.
 		CHECK(findSolver(name)(jammed, to(1e-8)).status == Status::no_solution);
 	}
-	DelassusSystem none = assembleDelassus(ContactSystem());
+	DelassusSystem none = matrixOf({});
 	CHECK(newton(none, to(1e-8)).status == Status::converged);
 	CHECK(automatic(none, to(1e-8)).status == Status::converged);
 }

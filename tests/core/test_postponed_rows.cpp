@@ -3,6 +3,7 @@
 #include "pair_order.hpp"
 #include "pair_search.hpp"
 #include "time_step.hpp"
+#include "worlds.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -21,12 +22,7 @@ constexpr double radius = 0.01, step_ = 1e-3;
 World tray(int rows, int columns, bool counts, bool parted = false)
 {
 	World w;
-	const auto boundary = [&](double x, double y, double ex, double ey) {
-		w.bodies.emplace_back();
-		w.bodies.back().x = x;
-		w.bodies.back().y = y;
-		w.shapes.push_back({ ShapeKind::box, ex, ey });
-	};
+	const auto boundary = [&](double x, double y, double ex, double ey) { tests::add(w, { x, y }, { ShapeKind::box, ex, ey }); };
 	const double width = (2 * columns + 1) * radius, height = rows * std::sqrt(3.) * radius;
 	boundary(width / 2, -0.05, width, 0.05);
 	boundary(-0.05, height / 2, 0.05, height);
@@ -36,15 +32,11 @@ World tray(int rows, int columns, bool counts, bool parted = false)
 		const int row = i / columns, column = i % columns;
 		if (parted && column == columns / 2)
 			continue;
-		Body b;
-		b.x = (2 * column + 1 + row % 2 + 1e-4 * std::sin(i)) * radius;
-		b.y = (1 + row * std::sqrt(3.)) * radius;
-		b.radius = radius;
-		b.inverseMass[0] = b.inverseMass[1] = 1 / mass;
-		b.inverseMass[2] = i % 10 == 7 ? 0 : 2 / (mass * radius * radius);
+		Body b = tests::diskAt((2 * column + 1 + row % 2 + 1e-4 * std::sin(i)) * radius, (1 + row * std::sqrt(3.)) * radius, radius, mass);
+		if (i % 10 == 7)
+			b.inverseMass[2] = 0;
 		b.force[1] = -9.81 * mass;
-		w.bodies.push_back(b);
-		w.shapes.emplace_back();
+		tests::add(w, b);
 	}
 	if (parted) {
 		boundary((columns / 2 * 2 + 1.5) * radius, height / 2, 0.5 * radius, height);
@@ -177,8 +169,7 @@ struct Edited : Run {
 			b.inverseMass[0] = b.inverseMass[1] = 1 / mass;
 			b.inverseMass[2] = 3 / (mass * columns * columns * radius * radius / 4);
 			b.force[1] = -9.81 * mass;
-			world.bodies.push_back(b);
-			world.shapes.push_back({ ShapeKind::box, columns * radius / 2, 0.5 * radius });
+			tests::add(world, b, { ShapeKind::box, columns * radius / 2, 0.5 * radius });
 		}
 		if (below(5) == 0) { // a heavy disk that falls
 			Body b = world.bodies[3];
@@ -186,8 +177,7 @@ struct Edited : Run {
 			for (double& w : b.inverseMass)
 				w *= 0.01;
 			b.force[1] *= 100;
-			world.bodies.push_back(b);
-			world.shapes.emplace_back();
+			tests::add(world, b);
 		}
 		world.masks.assign(world.bodies.size(), 1);
 		for (Body& b : world.bodies)

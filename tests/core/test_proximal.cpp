@@ -1,7 +1,7 @@
 // What Newton's method is made of: the factorization of block matrices, and one problem of the proximal-point method.
 #include "block_matrix.hpp"
-#include "lattice.hpp"
 #include "proximal_problem.hpp"
+#include "systems.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 // What sleeps on is not looked at, and nothing of it shows: steps that look at everything are the same to the last bit.
 #include "time_step.hpp"
+#include "worlds.hpp"
 
 #include <algorithm>
 #include <doctest/doctest.h>
@@ -25,10 +26,8 @@ struct Scene {
 			for (int k = 0; k < height; k++)
 				disk(0.05 * i, (2 * k + 1) * radius);
 		fixed = disk(0.05 * columns - 0.05 - 2 * radius, radius);
-		world.bodies[fixed] = Body();
-		world.bodies[fixed].x = 0.05 * columns - 0.05 - 2 * radius;
-		world.bodies[fixed].y = radius;
-		world.bodies[fixed].radius = radius;
+		std::fill_n(world.bodies[fixed].inverseMass, 3, 0.);
+		world.bodies[fixed].force[1] = 0;
 		press = boundary(ShapeKind::box);
 		world.bodies[press].x = 0.05 * (columns - 1);
 		world.bodies[press].y = 2 * radius * height + radius;
@@ -45,26 +44,16 @@ struct Scene {
 
 	int boundary(ShapeKind kind)
 	{
-		world.bodies.emplace_back();
-		world.shapes.emplace_back();
-		world.shapes.back().kind = kind;
-		world.shapes.back().axis = 1;
-		world.shapes.back().ex = world.shapes.back().ey = radius;
-		return static_cast<int>(world.bodies.size()) - 1;
+		Shape shape { kind, radius, radius };
+		shape.axis = 1;
+		return tests::add(world, {}, shape);
 	}
 
 	int disk(double x, double y)
 	{
-		Body b;
-		b.x = x;
-		b.y = y;
-		b.radius = radius;
-		b.inverseMass[0] = b.inverseMass[1] = 1;
-		b.inverseMass[2] = 2 / (radius * radius);
+		Body b = tests::diskAt(x, y, radius);
 		b.force[1] = -gravity;
-		world.bodies.push_back(b);
-		world.shapes.emplace_back();
-		return static_cast<int>(world.bodies.size()) - 1;
+		return tests::add(world, b);
 	}
 };
 

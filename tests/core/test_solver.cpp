@@ -1,64 +1,22 @@
 // nsgs against problems solved by hand and against its own independent error.
-#include "residual.hpp"
-#include "solver.hpp"
+#include "systems.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
-#include <random>
 
 using namespace cd;
-
-namespace {
-
-// A column or random heap of bodies in contact by random directions and arms; body 0 is immobile.
-ContactSystem randomSystem(unsigned seed, int bodies, int contacts, double mu, bool arms)
-{
-	std::mt19937 random(seed);
-	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem s;
-	s.bodies.resize(bodies);
-	for (int i = 1; i < bodies; i++) {
-		BodyVelocity& b = s.bodies[i];
-		b.w[0] = b.w[1] = 0.5 + unit(random);
-		b.w[2] = 2 + unit(random);
-		b.v[0] = unit(random) - 0.5;
-		b.v[1] = -unit(random);
-	}
-	for (int k = 0; k < contacts; k++) {
-		ContactRow c {};
-		c.b = 1 + k % (bodies - 1);
-		c.a = c.b - 1 - (k / (bodies - 1)) % std::max(1, c.b);
-		if (c.a < 0)
-			c.a = 0;
-		const double angle = 1.57 + 1.2 * (unit(random) - 0.5);
-		c.nx = std::cos(angle);
-		c.ny = std::sin(angle);
-		c.at = 1;
-		c.bt = -1;
-		if (arms) {
-			c.an = unit(random) - 0.5;
-			c.bn = unit(random) - 0.5;
-		}
-		c.mu = mu;
-		c.bias = 0.1 * unit(random);
-		s.contacts.push_back(c);
-	}
-	s.assembleBlocks();
-	return s;
-}
-
-} // namespace
+using tests::column;
+using tests::contact;
+using tests::disk;
+using tests::to;
 
 TEST_CASE("solutions satisfy the laws, contact by contact")
 {
 	for (const bool arms : { false, true })
 		for (const double mu : { 0., 0.3, 0.8 })
 			for (unsigned seed = 1; seed <= 10; seed++) {
-				ContactSystem s = randomSystem(seed, 8, 12, mu, arms);
-				SolverSettings settings;
-				settings.tolerance = 1e-11;
-				settings.maxIterations = 200000;
-				const SolverReport r = nsgs(s, settings);
+				ContactSystem s = column(seed, 8, 12, mu, arms);
+				const SolverReport r = nsgs(s, to(1e-11, 200000));
 				CAPTURE(seed);
 				CAPTURE(mu);
 				CAPTURE(arms);
@@ -80,7 +38,7 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 TEST_CASE("one contact is solved in one sweep, with any arms")
 {
 	for (unsigned seed = 1; seed <= 50; seed++) {
-		ContactSystem s = randomSystem(seed, 2, 1, 0.4, true);
+		ContactSystem s = column(seed, 2, 1, 0.4, true);
 		s.contacts[0].bias = 0;
 		SolverSettings settings;
 		settings.fixedIterations = 1;
@@ -92,10 +50,8 @@ TEST_CASE("one contact is solved in one sweep, with any arms")
 
 TEST_CASE("the order of sweeps changes the way, not the solution of a determinate problem")
 {
-	SolverSettings settings;
-	settings.tolerance = 1e-12;
-	settings.maxIterations = 200000;
-	ContactSystem a = randomSystem(3, 6, 5, 0.3, false), b = a;
+	SolverSettings settings = to(1e-12, 200000);
+	ContactSystem a = column(3, 6, 5, 0.3, false), b = a;
 	nsgs(a, settings);
 	settings.seed = 42;
 	nsgs(b, settings);
@@ -105,10 +61,8 @@ TEST_CASE("the order of sweeps changes the way, not the solution of a determinat
 
 TEST_CASE("status tells how it ended")
 {
-	SolverSettings settings;
-	settings.tolerance = 1e-14;
-	settings.maxIterations = 3;
-	ContactSystem s = randomSystem(5, 8, 12, 0.3, false);
+	SolverSettings settings = to(1e-14, 3);
+	ContactSystem s = column(5, 8, 12, 0.3, false);
 	CHECK(nsgs(s, settings).status == Status::max_iterations);
 	settings.fixedIterations = 5;
 	CHECK(nsgs(s, settings).status == Status::fixed_iterations);
@@ -120,10 +74,9 @@ TEST_CASE("status tells how it ended")
 
 TEST_CASE("velocities returned belong to the impulses returned")
 {
-	ContactSystem s = randomSystem(7, 8, 12, 0.5, true);
+	ContactSystem s = column(7, 8, 12, 0.5, true);
 	const auto start = s.bodies;
-	SolverSettings settings;
-	nsgs(s, settings);
+	nsgs(s, {});
 	auto expected = start;
 	for (const ContactRow& c : s.contacts)
 		applyImpulse(c, expected[c.a], expected[c.b], c.pn, c.pt);
@@ -137,20 +90,10 @@ TEST_CASE("impulses that stopped bodies in the step before do not throw them bac
 	for (const char* method : { "nsgs", "accelerated", "auto" })
 		for (const double guess : { 8.33, 1e6 }) {
 			ContactSystem s;
-			s.bodies.resize(3);
-			for (int i = 1; i < 3; i++) {
-				s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
-				s.bodies[i].w[2] = 2;
-				s.bodies[i].v[1] = -1.8e-15 * i; // what the stop left of 8 m/s
-			}
+			s.bodies.resize(1);
 			for (int i = 0; i < 2; i++) {
-				ContactRow c {};
-				c.a = i;
-				c.b = i + 1;
-				c.ny = 1;
-				c.at = 1;
-				c.bt = -1;
-				c.mu = 0.3;
+				s.bodies.push_back(disk(1, 0, -1.8e-15 * (i + 1))); // what the stop left of 8 m/s
+				ContactRow c = contact(i, i + 1, 0, 1, 0.3);
 				c.pn = guess * (2 - i);
 				c.pt = 0.1 * guess;
 				s.contacts.push_back(c);
@@ -171,19 +114,13 @@ namespace {
 ContactSystem besideALoad(std::initializer_list<double> v, double p)
 {
 	ContactSystem s;
-	s.bodies.resize(2 + v.size());
+	s.bodies = { {}, disk(1, 0, -1) };
+	s.bodies[1].pushed = 1;
+	for (const double vy : v)
+		s.bodies.push_back(disk(1, 0, vy));
 	for (std::size_t i = 1; i < s.bodies.size(); i++) {
-		s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
-		s.bodies[i].w[2] = 2;
-		s.bodies[i].v[1] = i == 1 ? -1 : v.begin()[i - 2];
-		s.bodies[i].pushed = i == 1;
-		ContactRow c {};
-		c.b = static_cast<int32_t>(i);
-		c.ny = 1;
-		c.bt = -1;
-		c.mu = 0.3;
-		c.pn = p;
-		s.contacts.push_back(c);
+		s.contacts.push_back(contact(0, static_cast<int>(i), 0, 1, 0.3));
+		s.contacts.back().pn = p;
 	}
 	s.assembleBlocks();
 	return s;
@@ -200,9 +137,7 @@ TEST_CASE("a disk on which nothing acts is stopped by a floor, too, whatever oth
 				CAPTURE(method);
 				CAPTURE(guess);
 				CAPTURE(v);
-				SolverSettings settings;
-				settings.tolerance = 1e-2;
-				const SolverReport report = findSolver(method)(s, settings);
+				const SolverReport report = findSolver(method)(s, to(1e-2));
 				CHECK(report.status == Status::converged);
 				CHECK(report.iterations < 100);
 				CHECK(std::abs(s.bodies[2].v[1]) <= 1e-2 * std::abs(v));
@@ -230,9 +165,7 @@ TEST_CASE("momentum past zero impulses does not end in them")
 		for (ContactRow& c : s.contacts)
 			c.bt = c.mu = 0;
 		s.assembleBlocks();
-		SolverSettings settings;
-		settings.tolerance = 1e-6;
-		const SolverReport report = findSolver(method)(s, settings);
+		const SolverReport report = findSolver(method)(s, to(1e-6));
 		CAPTURE(method);
 		CHECK(report.status == Status::converged);
 		CHECK(report.iterations < 100);

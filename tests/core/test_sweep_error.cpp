@@ -1,7 +1,7 @@
 // The error computed from packed contacts, against the independent code.
-#include "heap.hpp"
 #include "residual.hpp"
 #include "sweep.hpp"
+#include "systems.hpp"
 
 #include <doctest/doctest.h>
 #include <vector>
@@ -74,9 +74,7 @@ TEST_CASE("the error of packed contacts is the independent one, on every process
 					if (islands)
 						addSlides(s, heavy);
 					s.assembleBlocks();
-					std::vector<double> free;
-					for (const BodyVelocity& b : s.bodies)
-						free.insert(free.end(), b.v, b.v + 3);
+					const std::vector<double> free = tests::velocitiesOf(s);
 					for (const GroupKernel& kernel : groupKernels()) {
 						CAPTURE(kernel.name);
 						CAPTURE(contacts);

@@ -1,10 +1,11 @@
 // Threads and the blocks they sweep: every part of the work is done once, and nothing of a result shows by how many.
 #include "blocks.hpp"
-#include "lattice.hpp"
 #include "space_order.hpp"
 #include "sweep.hpp"
+#include "systems.hpp"
 #include "threads.hpp"
 #include "time_step.hpp"
+#include "worlds.hpp"
 
 #include <algorithm>
 #include <array>
@@ -49,38 +50,6 @@ ContactSystem packing()
 	s.contacts.push_back(c);
 	s.assembleBlocks();
 	return s;
-}
-
-// Disks in a loose heap over a wall that may move up and down, thrown about; every disk is a pair with those around it, in the order of their
-// squares.
-World flow(int side)
-{
-	std::mt19937 random(2);
-	std::uniform_real_distribution<double> unit(0, 1);
-	World w;
-	w.bodies.resize(1 + side * side);
-	w.shapes.resize(w.bodies.size());
-	w.shapes[0].kind = ShapeKind::wall;
-	w.shapes[0].axis = 1;
-	w.bodies[0].inverseMass[1] = 1e-2;
-	w.bodies[0].force[1] = 400;
-	for (int i = 0; i < side * side; i++) {
-		Body& b = w.bodies[1 + i];
-		b.x = i % side + 0.02 * unit(random);
-		b.y = 0.5 + i / side;
-		b.v[0] = unit(random) - 0.5;
-		b.v[1] = unit(random) - 0.5;
-		b.radius = 0.495 + 0.02 * unit(random);
-		b.inverseMass[0] = b.inverseMass[1] = 1;
-		b.inverseMass[2] = 2 / (b.radius * b.radius);
-		b.force[1] = -9.81;
-		if (i < side)
-			w.pairs.push_back({ 0, 1 + i, 0.5, 0.002 });
-		for (const int other : { i - 1, i - side - 1, i - side, i - side + 1 })
-			if (other >= 0 && std::abs(other % side - i % side) <= 1)
-				w.pairs.push_back({ 1 + other, 1 + i, 0.5 });
-	}
-	return w;
 }
 
 // The lattice's contacts in the order that the plug-in sweeps them: along a curve through its disks, scattered among 32 of them.
@@ -253,7 +222,7 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 			int most = 0;
 			for (const int count : counts) {
 				CAPTURE(count);
-				World w = flow(80);
+				World w = tests::flow(80, 80);
 				TimeStep step;
 				StepSettings settings;
 				settings.dt = 2e-3;

@@ -1,5 +1,6 @@
 // One step of the scheme on two disks: what it asks of gaps and overlaps.
 #include "time_step.hpp"
+#include "worlds.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
@@ -15,15 +16,10 @@ World twoDisks(double overlap, double speed)
 {
 	World w;
 	for (const double side : { -1., 1. }) {
-		Body b;
-		b.x = side * (radius - 0.5 * overlap);
+		Body b = tests::diskAt(side * (radius - 0.5 * overlap), 0, radius);
 		b.v[0] = -0.5 * side * speed;
-		b.inverseMass[0] = b.inverseMass[1] = 1;
-		b.inverseMass[2] = 2 / (radius * radius);
-		b.radius = radius;
-		w.bodies.push_back(b);
+		tests::add(w, b);
 	}
-	w.shapes.resize(2);
 	w.pairs.push_back({ 0, 1 });
 	return w;
 }

@@ -1,5 +1,6 @@
 // Boxes that turn: a paddle that meets, pushes and throws disks, against the motion on a turning face in closed form.
 #include "time_step.hpp"
+#include "worlds.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
@@ -17,29 +18,15 @@ struct Scene {
 	{
 		Body box;
 		box.v[2] = spin;
-		Shape shape;
-		shape.kind = ShapeKind::box;
-		shape.ex = ex;
-		shape.ey = ey;
-		shape.cosine = std::cos(angle);
-		shape.sine = std::sin(angle);
-		world.bodies.push_back(box);
-		world.shapes.push_back(shape);
+		tests::add(world, box, { ShapeKind::box, ex, ey, std::cos(angle), std::sin(angle) });
 	}
 
 	void disk(double x, double y, double radius, double vx = 0, double vy = 0)
 	{
-		Body b;
-		b.x = x;
-		b.y = y;
+		Body b = tests::diskAt(x, y, radius);
 		b.v[0] = vx;
 		b.v[1] = vy;
-		b.inverseMass[0] = b.inverseMass[1] = 1;
-		b.inverseMass[2] = 2 / (radius * radius);
-		b.radius = radius;
-		world.bodies.push_back(b);
-		world.shapes.emplace_back();
-		world.pairs.push_back({ 0, static_cast<int32_t>(world.bodies.size()) - 1 });
+		world.pairs.push_back({ 0, tests::add(world, b) });
 	}
 
 	// One step, and the box turned by it, as the plug-in does.

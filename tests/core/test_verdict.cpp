@@ -1,56 +1,16 @@
 // What counts as solved, and what is named as having no solution, of every method and in both forms of a problem.
-#include "allocations.hpp"
-#include "lattice.hpp"
 #include "residual.hpp"
 #include "rigid_motion.hpp"
+#include "systems.hpp"
 #include "verdict.hpp"
-#include "workspace.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
 
 using namespace cd;
-
-namespace {
-
-// Disks of mass 1 in a row between two walls that close in on them at 1 m/s each; the first and last body are the walls.
-ContactSystem squeezed(int disks, double mu)
-{
-	ContactSystem s;
-	s.bodies.resize(static_cast<std::size_t>(disks) + 2);
-	for (std::size_t i = 0; i < s.bodies.size(); i++) {
-		BodyVelocity& b = s.bodies[i];
-		if (i == 0 || i + 1 == s.bodies.size()) {
-			b.v[0] = i == 0 ? 1 : -1;
-			continue;
-		}
-		b.w[0] = b.w[1] = 1;
-		b.w[2] = 2;
-	}
-	for (int i = 0; i <= disks; i++) {
-		ContactRow c {};
-		c.a = i;
-		c.b = i + 1;
-		c.nx = 1;
-		c.at = 1;
-		c.bt = -1;
-		c.mu = mu;
-		s.contacts.push_back(c);
-	}
-	s.assembleBlocks();
-	return s;
-}
-
-std::vector<double> velocities(const ContactSystem& s)
-{
-	std::vector<double> v;
-	for (const BodyVelocity& b : s.bodies)
-		v.insert(v.end(), b.v, b.v + 3);
-	return v;
-}
-
-} // namespace
+using tests::squeezed;
+using tests::velocitiesOf;
 
 TEST_CASE("what two walls press together has no solution, whatever the tolerance; the contact is named")
 {
@@ -68,7 +28,7 @@ TEST_CASE("what two walls press together has no solution, whatever the tolerance
 					CHECK(report.contact >= 0);
 					CHECK(report.contact <= disks);
 					CHECK(report.iterations <= settings.maxIterations);
-					DelassusSystem d = assembleDelassus(squeezed(disks, mu));
+					DelassusSystem d = tests::matrixOf(squeezed(disks, mu));
 					const SolverReport ofMatrix = findDelassusSolver(method)(d, settings);
 					CHECK(name(ofMatrix.status) == std::string("no_solution"));
 					CHECK(ofMatrix.contact >= 0);
@@ -84,7 +44,7 @@ TEST_CASE("walls that move without squeezing, and heavy loads on light disks, ar
 		CHECK(findSolver(method)(s, tests::to(1e-8)).status == Status::converged);
 		for (std::size_t i = 1; i + 1 < s.bodies.size(); i++)
 			CHECK(s.bodies[i].v[0] == doctest::Approx(1).epsilon(1e-6)); // a hundred times the tolerance, over five contacts
-		DelassusSystem pile = assembleDelassus(tests::lattice(4, 0.3, 1e4, true));
+		DelassusSystem pile = tests::matrixOf(tests::lattice(4, 0.3, 1e4, true));
 		CHECK(findDelassusSolver("auto")(pile, tests::to(1e-6)).status == Status::converged);
 	}
 }
@@ -109,26 +69,12 @@ TEST_CASE("a nearly straight column that a boundary presses gives way to the sid
 	for (const std::string method : { "accelerated", "auto" })
 		for (const double tolerance : { 1e-3, 1e-4, 1e-5 }) {
 			ContactSystem s;
-			s.bodies.resize(5); // floor, three disks of mass 1, and what presses
-			s.bodies[0].v[0] = 0.3;
-			s.bodies[4].v[1] = -0.18;
+			s.bodies.assign(5, tests::disk(1, 0, -0.01)); // floor, three disks of mass 1, and what presses
+			s.bodies[0] = { { 0.3, 0, 0 }, 0, {}, 0 };
+			s.bodies[4] = { { 0, -0.18, 0 }, 0, {}, 0 };
 			const double tilt[] = { 0, -0.0073, 0.0013, 0.00033 };
-			for (int i = 0; i < 4; i++) {
-				if (i > 0) {
-					s.bodies[i].w[0] = s.bodies[i].w[1] = 1;
-					s.bodies[i].w[2] = 2;
-					s.bodies[i].v[1] = -0.01;
-				}
-				ContactRow c {};
-				c.a = i;
-				c.b = i + 1;
-				c.nx = tilt[i];
-				c.ny = std::sqrt(1 - tilt[i] * tilt[i]);
-				c.at = 1;
-				c.bt = -1;
-				c.mu = 0.3;
-				s.contacts.push_back(c);
-			}
+			for (int i = 0; i < 4; i++)
+				s.contacts.push_back(tests::contact(i, i + 1, tilt[i], std::sqrt(1 - tilt[i] * tilt[i]), 0.3));
 			s.assembleBlocks();
 			CAPTURE(method);
 			CAPTURE(tolerance);
@@ -214,7 +160,7 @@ TEST_CASE("boundaries move together if each of them does")
 TEST_CASE("the judgement alone: nothing, doubtful, no solution, numbers that are none")
 {
 	ContactSystem s = squeezed(2, 0);
-	const std::vector<double> free = velocities(s);
+	const std::vector<double> free = velocitiesOf(s);
 	CHECK(judge(s, free, 0, 1e-6).finding == Finding::nothing); // no impulses: nothing has grown
 	for (ContactRow& c : s.contacts)
 		c.pn = 1e3;
@@ -242,7 +188,7 @@ TEST_CASE("a contact that is free along its normal by round-off alone is not sol
 	s.contacts.push_back(c);
 	s.assembleBlocks();
 	CHECK(s.contacts.back().wnn == 0);
-	const std::vector<double> free = velocities(s);
+	const std::vector<double> free = velocitiesOf(s);
 	for (const std::string& method : solverNames()) {
 		ContactSystem solved = s;
 		CHECK(findSolver(method)(solved, tests::to(1e-10)).status == Status::converged);
@@ -259,31 +205,9 @@ TEST_CASE("no more sweeps and factorizations than asked for, in any method and f
 			CAPTURE(method);
 			CAPTURE(most);
 			for (ContactSystem s : { tests::lattice(5, 0.5, 1e6), squeezed(3, 0.3) }) {
-				DelassusSystem d = assembleDelassus(s);
+				DelassusSystem d = tests::matrixOf(s);
 				CHECK(findSolver(method)(s, tests::to(1e-14, most)).iterations <= most);
 				CHECK(findDelassusSolver(method)(d, tests::to(1e-14, most)).iterations <= most);
 			}
 		}
-}
-
-TEST_CASE("a judged method asks for no memory where it has solved a problem of that size with the same Workspace, be it judged or surely solvable")
-{
-	for (const double speed : { 0., 1. }) {
-		ContactSystem problem = tests::lattice(8, 0.3);
-		for (BodyVelocity& b : problem.bodies)
-			b.v[0] += speed; // a floor that moves: the bodies no longer tell that there is a solution
-		for (const auto method : { "nsgs", "accelerated" }) {
-			ContactSystem first = problem, second = problem;
-			Workspace memory;
-			first.memory = second.memory = &memory;
-			findSolver(method)(first, tests::to(1e-4, 5000));
-			const std::size_t before = allocations();
-			const SolverReport report = findSolver(method)(second, tests::to(1e-4, 5000));
-			const std::size_t after = allocations();
-			CAPTURE(method);
-			CAPTURE(report.iterations);
-			CHECK(report.status == Status::converged);
-			CHECK(after == before);
-		}
-	}
 }
