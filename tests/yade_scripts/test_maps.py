@@ -78,13 +78,12 @@ def test_every_map_asks_for_cases_of_its_own_parameters(name):
 def test_a_map_that_lacks_something_is_refused(monkeypatch):
     """A command that walks over all maps says which file lacks what."""
     file = maps.module("servo")
-    monkeypatch.setattr(file, "MAP", maps.Map(title="Too little", question="What else?", x=maps.Axis("x", "x")))
     maps.module.cache_clear()
-    with pytest.raises(ParameterError, match="servo.py lacks group, criterion, remedy, y, grid, searches; .*maps/__init__.py explains"):
-        maps.names()
     monkeypatch.delattr(file, "probe")
-    with pytest.raises(ParameterError, match="servo.py lacks probe; "):
+    with pytest.raises(ParameterError, match="servo.py lacks probe; .*maps/__init__.py explains"):
         maps.names()
+    with pytest.raises(TypeError, match="'group', 'criterion', 'remedy', 'y', 'grid', and 'searches'"):
+        maps.Map(title="Too little", question="What else?", x=maps.Axis("x", "x"))
 
 
 def test_limits_of_the_scheme_agree_with_its_recurrence():
