@@ -169,12 +169,6 @@ print(json.dumps(said))
     assert sound == "finished"
 
 
-def test_finished_run_is_not_run_again(yade60):
-    yade60.run(method="MD", period=0.02, records_per_cycle=2).close()
-    done = yade60.script("run.py", "disks=60", "method=MD", "period=0.02", "records_per_cycle=2")
-    assert done.returncode == 0 and "has finished before" in done.stdout
-
-
 @pytest.mark.parametrize("arguments, message", [
     (["frction=0.2"], "did you mean friction"), (["friction=-1"], "must be a number in [0, 2]"),
     (["method=CD", "disks=60", "method_cd=magic"], "nsgs")])
@@ -195,10 +189,3 @@ def test_row_of_a_yade_batch_table(yade60):
     assert done.returncode == 0, done.stderr
     with yade60.run(method="MD", period=0.03, records_per_cycle=2) as file:
         assert file.attrs["finished"]
-
-
-def test_same_row_same_numbers_in_another_process(yade60, yade_elsewhere):
-    row = dict(method="MD", period=0.1, records_per_cycle=10)
-    one, other = yade60.run(**row), yade_elsewhere.run(**row)
-    for name in set(one["history"]) - {"wall_clock", "processor_time"}:
-        assert one[f"history/{name}"][:].tobytes() == other[f"history/{name}"][:].tobytes(), name

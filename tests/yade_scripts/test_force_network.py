@@ -66,7 +66,7 @@ def test_without_friction_near_the_rigid_limit_forces_are_determinate(yade60):
 
 @pytest.fixture(scope="module")
 def others(yade60):
-    """Short CD loads from the springs' own network and from two others, one of them twice."""
+    """Short CD loads from the springs' own network and from two others."""
     row = dict(method="CD", records_per_cycle=4, period=0.1, tolerance=1e-9)
     return [read(yade60, **row, network_seed=seed) for seed in (0, 1, 2)]
 
@@ -100,10 +100,3 @@ def test_networks_survive_the_warm_start(others):
 def test_no_network_found_is_a_failed_run(yade60):
     with yade60.run(method="CD", network_seed=1, max_iterations=1, period=0.1, records_per_cycle=2) as file:
         assert file.attrs["status"].startswith("failed: network_seed = 1: no admissible network found")
-
-
-@pytest.mark.parametrize("row, words", [("method=MD", "frozen_packing runs by CD only"), ("network_seed=0", "frozen_packing: needs"),
-                                        ("warm_start=False", "frozen_packing: needs")])
-def test_frozen_packing_needs_a_warm_start(yade60, row, words):
-    done = yade60.script("run.py", "disks=60", "scene=frozen_packing", row)
-    assert done.returncode == 2 and words in done.stderr

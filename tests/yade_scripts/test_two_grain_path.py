@@ -70,14 +70,6 @@ def test_paths_around_twice_leave_twice_the_force(yade60):
         assert known[()] == pytest.approx(known.attrs["exact"], abs=1e-6)
 
 
-@pytest.mark.parametrize("row, words", [({"method": "CD"}, "store no force along a path"), ({"friction": 0}, "needs friction"),
-                                        ({"records_per_cycle": 10}, "multiple of 4"),
-                                        ({"path_angle": 1.0}, "smaller path_angle")])
-def test_rows_without_meaning_are_refused(yade60, row, words):
-    done = yade60.script("run.py", "scene=two_grain_path", *(f"{name}={value}" for name, value in row.items()))
-    assert done.returncode == 2 and words in done.stderr
-
-
 def test_study_draws(runs, tmp_path):
     rows = closed_path.summarize(runs)
     closed_path.draw(runs, rows, tmp_path / "closed_path.png")
