@@ -109,7 +109,7 @@ def gas(full):
     bodies.append_material("wall", 0.0, full)
     bodies.append_material("disk", full["preparation_friction"], full)
     columns, cell = math.ceil(math.sqrt(full["disks"])), 2.2 * high
-    walls.append(columns * cell, full["depth"], "wall")
+    walls.append((columns * cell, columns * cell), full["depth"], "wall")
     speed = 0.2 * math.sqrt(parameters.pressure(full) / full["density"])
     for k in range(full["disks"]):
         radius = draw.uniform(low, high)

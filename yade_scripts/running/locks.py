@@ -36,12 +36,10 @@ def held(path, waiting=lambda: None):
 
 def taken(path):
     """Tell whether another process holds the lock of a file."""
-    path = pathlib.Path(path)
-    if not (path.parent / FILE).exists():
-        return False
-    with open(sealed.regular(path.parent / FILE), "ab") as file:
-        try:
-            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(path))
-        except BlockingIOError:
-            return True
-    return False
+    def give_up():
+        raise BlockingIOError
+    try:
+        with held(path, give_up):
+            return False
+    except BlockingIOError:
+        return True
