@@ -8,8 +8,6 @@ import fcntl
 import hashlib
 import pathlib
 
-from yade_scripts.results import sealed
-
 FILE = ".locks"
 
 
@@ -25,7 +23,7 @@ def held(path, waiting=lambda: None):
     A process may hold only one lock of a folder at a time: closing the file releases all of them.
     """
     path = pathlib.Path(path)
-    with open(sealed.regular(path.parent / FILE), "ab") as file:
+    with open(path.parent / FILE, "ab") as file:
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(path))
         except BlockingIOError:
