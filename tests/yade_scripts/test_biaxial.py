@@ -5,7 +5,6 @@ from scipy.integrate import trapezoid
 
 from analysis import observables, slip
 from yade_scripts import parameters
-from yade_scripts.results import reader
 
 QUICK = dict(loading="cosine", period=1.0, records_per_cycle=50)
 
@@ -94,8 +93,7 @@ def test_damping_of_the_loading_leaves_the_packing_alone(yade60, walls):
 
 def test_slip_times_the_force_is_what_friction_dissipates(yade60):
     """Two ways to one number: increments of motion and force between snapshots, and the sum that the law makes in every step."""
-    yade60.run(method="MD", period=1.0, delta_sigma=0.3).close()
-    run = reader.load_row(parameters.complete(dict(disks=60, method="MD", period=1.0, delta_sigma=0.3)), yade60.folder / "results")
+    run = yade60.load(method="MD", period=1.0, delta_sigma=0.3)
     stiffness, work = run.parameters["kt_over_kn"] * parameters.stiffness(run.parameters), 0.0
     for first, second in zip(run.snapshots[:-1], run.snapshots[1:]):
         limit = {tuple(ids): mu * force for ids, mu, force in zip(first["contact_ids"].tolist(), first["contact_friction"], first["force_normal"])}
