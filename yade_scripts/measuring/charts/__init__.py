@@ -141,8 +141,7 @@ class Work:
                 self._enter(setting, f"not tried: a coarser setting {reason}", True)
 
     def _enter(self, setting, reason, late):
-        store.add(self.folder, {"scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
-                                "status": STATUS_FAILED + reason, "seconds": []})
+        store.add(self.folder, {"row": setting.row, "limit": self.limit, "out_of_time": late, "status": STATUS_FAILED + reason, "seconds": []})
 
     def measure(self, begun):
         """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""
