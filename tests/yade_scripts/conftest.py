@@ -66,6 +66,12 @@ class Yade:
         assert path.exists(), done.stderr
         return h5py.File(path)
 
+    def load(self, **row):
+        """The same; what the reader makes of it."""
+        from yade_scripts.results import reader
+        with self.run(**row) as file:
+            return reader.load(file.filename)
+
 
 @pytest.fixture(scope="session")
 def yade60(tmp_path_factory):

@@ -1,8 +1,4 @@
 """The parts of the benchmark: its problems are as described, Siconos is treated fairly, and a time without a proven solution is never reported."""
-import json
-import pathlib
-import shutil
-
 import numpy as np
 import pytest
 
@@ -63,23 +59,6 @@ def test_crystal(rows):
     assert p[::2][to_floor].sum() == pytest.approx(weight, rel=1e-10)  # the tolerance, times a hundred contacts
     sideways = p[::2][pairs[:, 0] == 0] @ n[pairs[:, 0] == 0][:, 0]
     assert abs(sideways) < 1e-10 * weight
-
-
-def test_a_packing_of_other_settings_is_made_again(tmp_path, monkeypatch):
-    """Its name alone does not count."""
-    made = []
-
-    def make(module, asked):
-        made.append(asked["settings"]["disks"])
-        for mu in asked["friction"]:
-            pathlib.Path(f"{asked['stem']}-{mu:g}.json").write_text(json.dumps({"settings": asked["settings"] | {"friction": mu}}))
-    monkeypatch.setattr(problems, "in_yade", make)
-    one, _, other = (problems.state(tmp_path, disks, 1, 0.5) for disks in (400, 400, 500))
-    shutil.copy(f"{one}.json", f"{other}.json")
-    problems.state(tmp_path, 500, 1, 0.5)
-    pathlib.Path(f"{other}.json").write_text("{}")
-    problems.state(tmp_path, 500, 1, 0.5)
-    assert made == [400, 500, 500, 500]
 
 
 def test_copies_are_the_problem_again():

@@ -5,7 +5,6 @@ from scipy.integrate import trapezoid
 
 from analysis import observables, slip
 from yade_scripts import parameters
-from yade_scripts.results import reader
 
 QUICK = dict(loading="cosine", period=1.0, records_per_cycle=50)
 
@@ -94,8 +93,7 @@ def test_damping_of_the_loading_leaves_the_packing_alone(yade60, walls):
 
 def test_slip_times_the_force_is_what_friction_dissipates(yade60):
     """Two ways to one number: increments of motion and force between snapshots, and the sum that the law makes in every step."""
-    yade60.run(method="MD", period=1.0, delta_sigma=0.3).close()
-    run = reader.load_row(parameters.complete(dict(disks=60, method="MD", period=1.0, delta_sigma=0.3)), yade60.folder / "results")
+    run = yade60.load(method="MD", period=1.0, delta_sigma=0.3)
     stiffness, work = run.parameters["kt_over_kn"] * parameters.stiffness(run.parameters), 0.0
     for first, second in zip(run.snapshots[:-1], run.snapshots[1:]):
         limit = {tuple(ids): mu * force for ids, mu, force in zip(first["contact_ids"].tolist(), first["contact_friction"], first["force_normal"])}
@@ -169,12 +167,6 @@ print(json.dumps(said))
     assert sound == "finished"
 
 
-def test_finished_run_is_not_run_again(yade60):
-    yade60.run(method="MD", period=0.02, records_per_cycle=2).close()
-    done = yade60.script("run.py", "disks=60", "method=MD", "period=0.02", "records_per_cycle=2")
-    assert done.returncode == 0 and "has finished before" in done.stdout
-
-
 @pytest.mark.parametrize("arguments, message", [
     (["frction=0.2"], "did you mean friction"), (["friction=-1"], "must be a number in [0, 2]"),
     (["method=CD", "disks=60", "method_cd=magic"], "nsgs")])
@@ -195,10 +187,3 @@ def test_row_of_a_yade_batch_table(yade60):
     assert done.returncode == 0, done.stderr
     with yade60.run(method="MD", period=0.03, records_per_cycle=2) as file:
         assert file.attrs["finished"]
-
-
-def test_same_row_same_numbers_in_another_process(yade60, yade_elsewhere):
-    row = dict(method="MD", period=0.1, records_per_cycle=10)
-    one, other = yade60.run(**row), yade_elsewhere.run(**row)
-    for name in set(one["history"]) - {"wall_clock", "processor_time"}:
-        assert one[f"history/{name}"][:].tobytes() == other[f"history/{name}"][:].tobytes(), name

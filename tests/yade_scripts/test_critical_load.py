@@ -2,16 +2,13 @@
 import numpy as np
 import pytest
 
-from yade_scripts.results import reader
 from analysis.studies import critical_load, indeterminacy
 
 
 def ramp(yade, **row):
     """A ramp of 60 disks to 2.2 P0, ended soon after it yields."""
     common = dict(loading="ramp", ramp_rate=0.4, period=3, records_per_cycle=300, cd_dt=5e-3, tolerance=1e-8, collapse_strain=0.02, md_walls="force")
-    with yade.run(**common | row) as file:
-        path = file.filename
-    return reader.load(path)
+    return yade.load(**common | row)
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +38,7 @@ def test_forces_change_where_no_grain_moves(ramps):
 
 
 def test_studies_draw(ramps, yade60, tmp_path):
-    with yade60.run(scene="frozen_packing", records_per_cycle=60) as file:
-        walk = reader.load(file.filename)
+    walk = yade60.load(scene="frozen_packing", records_per_cycle=60)
     for study, runs in ((critical_load, ramps), (indeterminacy, [walk])):
         rows = study.summarize(runs)
         study.draw(runs, rows, tmp_path / "study.png")

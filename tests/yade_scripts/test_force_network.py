@@ -2,21 +2,13 @@
 import numpy as np
 import pytest
 
-from yade_scripts.results import reader
 from yade_scripts.theory import statics
 from analysis.studies import indeterminacy
 
 
-def read(yade, **row):
-    """The run of a row with 60 disks, closed and checked."""
-    with yade.run(**row) as file:
-        path = file.filename
-    return reader.load(path)
-
-
 @pytest.fixture(scope="module")
 def walk(yade60):
-    return read(yade60, scene="frozen_packing", records_per_cycle=60)
+    return yade60.load(scene="frozen_packing", records_per_cycle=60)
 
 
 def balance(run):
@@ -59,16 +51,16 @@ def test_frozen_means_not_a_bit_has_moved(walk):
 
 def test_without_friction_near_the_rigid_limit_forces_are_determinate(yade60):
     """Isostatic: as many unknowns as equations. eta is then the solver's floor: tolerance 1e-10, measured 1e-6 and below."""
-    run = read(yade60, scene="frozen_packing", records_per_cycle=20, friction=0, stiffening=1000)
+    run = yade60.load(scene="frozen_packing", records_per_cycle=20, friction=0, stiffening=1000)
     row, = indeterminacy.summarize([run])
     assert row["dimension"] == 0 and row["eta"] < 1e-5
 
 
 @pytest.fixture(scope="module")
 def others(yade60):
-    """Short CD loads from the springs' own network and from two others, one of them twice."""
+    """Short CD loads from the springs' own network and from two others."""
     row = dict(method="CD", records_per_cycle=4, period=0.1, tolerance=1e-9)
-    return [read(yade60, **row, network_seed=seed) for seed in (0, 1, 2)]
+    return [yade60.load(**row, network_seed=seed) for seed in (0, 1, 2)]
 
 
 def test_a_run_starts_from_another_network_of_the_same_grains(others):
@@ -100,10 +92,3 @@ def test_networks_survive_the_warm_start(others):
 def test_no_network_found_is_a_failed_run(yade60):
     with yade60.run(method="CD", network_seed=1, max_iterations=1, period=0.1, records_per_cycle=2) as file:
         assert file.attrs["status"].startswith("failed: network_seed = 1: no admissible network found")
-
-
-@pytest.mark.parametrize("row, words", [("method=MD", "frozen_packing runs by CD only"), ("network_seed=0", "frozen_packing: needs"),
-                                        ("warm_start=False", "frozen_packing: needs")])
-def test_frozen_packing_needs_a_warm_start(yade60, row, words):
-    done = yade60.script("run.py", "disks=60", "scene=frozen_packing", row)
-    assert done.returncode == 2 and words in done.stderr

@@ -1,11 +1,13 @@
-"""The scenes with known answers, at stated settings: by Contact Dynamics, and by springs where they come close within a second."""
+"""The scenes with known answers, at stated settings: by Contact Dynamics, and by springs where they come close within a second; their energies."""
 import dataclasses
 import json
 import math
 
+import numpy as np
 import pytest
 
 from yade_scripts import parameters, results, run, scenes
+from yade_scripts.results import schema
 
 G = 9.81
 MASS = 2600 * math.pi * 0.01**2  # [kg] of the disk of radius 0.01 m, 1 m deep
@@ -18,6 +20,16 @@ def omega(kn, share=1.0):
 
 # (scene, row, largest error, its reason). Springs err by their stiffness (displacements of m g/k_n, times of 1/omega) and by the step.
 ROWS = [
+    ("incline", dict(slope=-35.0), 1.7e-12, "round-off of 1000 steps"),
+    ("incline", dict(method="MD"), 4e-4, "the block starts with its tangential spring at rest and swings once"),
+    ("incline", dict(method="MD", slope=16.0), 7e-4, "the same"),
+    ("bounce", dict(method="MD", md_dt_factor=0.01, speed=0.01), 1e-3, "7e-4 from the step, first order, 1e-2 at the default 0.2; at 1 m/s the "
+     "overlap of 6 % of the radius would add 3e-3"),
+    ("stack", dict(disks=20), 1e-8, "the solver's tolerance"),
+    ("stack", dict(method="MD", disks=20), 1e-8, "round-off"),
+    ("loaded_box", dict(disks=25), 1e-8, "the solver's tolerance"),
+    ("loaded_box", dict(method="MD", disks=25), 1e-8, "round-off"),
+    ("loaded_box", dict(method="MD", disks=25, md_walls="force"), 1e-8, "round-off"),
     ("friction_angle", {}, 1e-10, "round-off of 1000 steps, 1e-12 of g mu, over the margin of 0.01"),
     ("friction_angle", dict(method="MD", margin=0.1, kn=2e8), 2.2 / (0.1 * omega(2e8, 0.5)), "speed won while the spring is loaded, g sin t/omega"),
     ("stopping_distance", {}, 0.3 * G * 1e-6 / 8 / (1 / (2 * 0.3 * G)) * 1.001, "mu g dt^2/8, if it stops in the middle of a step"),
@@ -90,6 +102,24 @@ def test_known_answer(measured, row):
         assert error <= row[2], f"{name} = {found}, exact {exact}; expected within {row[2]:.1g}: {row[3]}"
 
 
+def test_incline_is_not_at_rest_everywhere(measured):
+    """The exact value itself: a slope beyond the friction angle must give g (sin t - mu cos t), downhill."""
+    _, exact, _ = measured["incline-slope=-35.0"]["acceleration"]
+    t = math.radians(35)
+    assert exact == pytest.approx(-G * (math.sin(t) - 0.3 * math.cos(t)), rel=1e-14)
+
+
+@pytest.mark.parametrize("method, tolerance", [("CD", 1e-9), ("MD", 2e-3)])
+def test_sliding_into_rolling_dissipates_a_third_of_the_energy(yade60, method, tolerance):
+    """m v0^2/6, from 2/3 v0 at the end. MD's slips are summed at speeds of half a step to a step and a half before, while the slip ends within 0.34
+    s: each step is 4e-4 of the work. The tangential spring swings on undamped and keeps 1e-4."""
+    with yade60.run(disks=1, scene="slide_to_roll", method=method) as file:
+        history = file["history"]
+        assert history["kinetic_energy"][0] == pytest.approx(MASS / 2, rel=1e-9)
+        assert history["dissipated_energy"][-1] == pytest.approx(MASS / 6, rel=tolerance)
+        assert np.isnan(history["gamma"][:]).all() and schema.problems(file) == []
+
+
 def test_springs_slide_too_far_by_the_speed_they_let_pass(measured):
     """The whole error of the block above the friction angle, as the scene derives it; 3 %: the steps' first order, 1e-5 of 1.7e-3."""
     *_, error = measured["friction_angle-method=MD-margin=0.1-kn=200000000.0"]["above"]
@@ -116,7 +146,10 @@ def test_errors_and_where_they_come_from_are_in_the_file(yade60):
 
 
 def test_a_run_ends_with_what_is_known(yade60):
-    said = yade60.script("run.py", "scene=slide_to_roll", "speed=0.5").stdout.splitlines()
+    """A scene of rigid contacts warns of nothing."""
+    done = yade60.script("run.py", "scene=slide_to_roll", "speed=0.5")
+    assert "ContactDynamics:" not in done.stdout + done.stderr
+    said = done.stdout.splitlines()
     assert said[-3].startswith("final_speed: 0.3333 m/s, exact 0.3333 m/s, error ") and said[-1].endswith(": finished")
 
 
@@ -126,7 +159,10 @@ def test_a_run_ends_with_what_is_known(yade60):
     (dict(scene="cradle", restitution=0.5, disks=9, period=5.0), "none catches up"), (dict(scene="groove", slope=-10.0), "for a groove"),
     (dict(scene="groove", method="MD", friction=0.9, slope=60.0), "history decides"), (dict(scene="groove", friction=0.59, slope=30.0), "would slip"),
     (dict(scene="arch", friction=0.2), "side disks are apart"), (dict(scene="yield_ramp", yield_strain=0.1), "at most collapse_strain"),
-    (dict(scene="pyramid", rows=0), "an integer in"), (dict(scene="hopper", disks=100), "wider than 0.8 of the silo")])
+    (dict(scene="pyramid", rows=0), "an integer in"), (dict(scene="hopper", disks=100), "wider than 0.8 of the silo"),
+    (dict(scene="two_grain_path", friction=0.0), "needs friction"), (dict(scene="two_grain_path", records_per_cycle=10), "multiple of 4"),
+    (dict(scene="two_grain_path", path_angle=1.0), "smaller path_angle"), (dict(scene="frozen_packing", network_seed=0), "frozen_packing: needs"),
+    (dict(scene="frozen_packing", warm_start=False), "frozen_packing: needs")])
 def test_rows_without_a_known_answer_are_refused(row, words):
     with pytest.raises(parameters.ParameterError, match=words):
         parameters.complete(row)

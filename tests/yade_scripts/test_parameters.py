@@ -1,7 +1,6 @@
 """The registry: what is refused, and what a row's name depends on."""
 import importlib
 import math
-import pathlib
 import subprocess
 import sys
 
@@ -19,11 +18,6 @@ def test_defaults_of_every_scene_pass_their_own_checks():
         assert complete(full) == full
 
 
-def test_scenes_are_the_files_of_the_folder():
-    folder = pathlib.Path(parameters.__file__).parent / "scenes"
-    assert {path.stem for path in folder.glob("*.py")} - {"__init__"} == set(scenes.names())
-
-
 def test_every_scene_declares_what_it_is():
     owners = {}
     for name in scenes.names():
@@ -37,9 +31,9 @@ def test_every_scene_declares_what_it_is():
 
 
 def test_declarations_need_no_yade(root):
-    """Isolated (-I), so that no folder of YADE's is on the path, whatever the environment says."""
-    code = ("import sys; sys.path.insert(0, '.'); from yade_scripts import parameters, scenes; parameters.listing();"
-            "print('yade' in sys.modules, len(scenes.names()))")
+    """Nor do the commands that start runs. Isolated (-I), so that no folder of YADE's is on the path, whatever the environment says."""
+    code = ("import sys; sys.path.insert(0, '.'); from yade_scripts import batch, parameters, scenes; from yade_scripts.measuring import regression;"
+            "parameters.listing(); print('yade' in sys.modules, len(scenes.names()))")
     done = subprocess.run([sys.executable, "-I", "-c", code], cwd=root, capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", str(len(scenes.names()))]
 

@@ -11,7 +11,7 @@ import types
 import pytest
 
 from yade_scripts import batch, parameters, results, tables
-from yade_scripts.running import locks, queue
+from yade_scripts.running import locks
 
 from .conftest import SCRIPTS
 
@@ -123,22 +123,6 @@ def test_locks_end_with_their_holder(tmp_path):
     assert not locks.taken(path)
     with locks.held(path):
         pass
-
-
-def prepared(path):
-    from yade_scripts.preparing import prepare
-    prepare._verified(path, {})
-
-
-@pytest.mark.timeout(60)
-@pytest.mark.parametrize("name, look", [
-    ("run.log", lambda path: queue.Job("run.py", [], path).start()), (locks.FILE, locks.taken),
-    (locks.FILE, lambda path: locks.held(path).__enter__()), ("a.yade.gz", prepared)], ids=["log", "lock asked", "lock held", "packing"])
-def test_a_pipe_under_the_name_of_a_file_is_refused(tmp_path, name, look):
-    """It would never open."""
-    os.mkfifo(tmp_path / name)
-    with pytest.raises(OSError, match="not a regular file, move it away"):
-        look(tmp_path / name)
 
 
 def test_a_packing_whose_preparation_is_killed_is_prepared_by_the_next(yade_elsewhere):

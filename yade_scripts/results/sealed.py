@@ -2,7 +2,6 @@
 
 A file is written under a temporary name and then renamed: after a crash either the old or the new file exists, and it is complete.
 """
-import errno
 import hashlib
 import io
 import os
@@ -25,14 +24,6 @@ class Unreadable(Damaged):
 
 class Foreign(Damaged):
     """The file does not say that it is of the expected kind: it never was, or it is damaged where it says so."""
-
-
-def regular(path):
-    """Return the path. Raise OSError if something else than a regular file lies there, such as a pipe, which would never open."""
-    path = pathlib.Path(path)
-    if path.exists() and not path.is_file():
-        raise OSError(errno.EINVAL, "not a regular file, move it away", str(path))
-    return path
 
 
 def write(path, content):
@@ -62,8 +53,11 @@ def replace(path, content):
 
 def open_checked(path, mark=b""):
     """Return the file opened for reading. Raise Damaged unless its checksum matches its content, Foreign if it does not hold the bytes `mark`."""
+    path = pathlib.Path(path)
     try:
-        content = regular(path).read_bytes()
+        if path.exists() and not path.is_file():  # such as a pipe, which would never open
+            raise Unreadable("cannot be read (not a regular file, move it away)")
+        content = path.read_bytes()
     except OSError as error:
         raise Unreadable(f"cannot be read ({error.strerror})") from None
     cut_off = content.startswith(HDF5) and len(content) < int.from_bytes(content[LENGTH], "little")

@@ -54,7 +54,7 @@ class Checkpoints:
         if not self.path.exists():
             return None
         try:
-            with zipfile.ZipFile(sealed.regular(self.path)) as archive:
+            with zipfile.ZipFile(self.path) as archive:
                 parts = {name: archive.read(name) for name in (SCENE, RECORD, MEMORY)}
             memory = json.loads(parts[MEMORY])
             different = [name for name, value in self.origin.items() if memory["origin"].get(name) != value]

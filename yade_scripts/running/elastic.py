@@ -14,18 +14,12 @@ from yade_scripts.theory.statics import FREE_WALLS
 SOFT = 1e-15  # over the stiffest
 
 
-def stiffness_matrix():
-    """Return K [N/m, N, N m]: rows and columns are x, y, rotation of each disk, then the two free walls."""
-    disks = [disk.id for disk in bodies.disks()]
-    column = {body: 3 * k for k, body in enumerate(disks + [wall for wall, _ in FREE_WALLS])}
-    free = [*range(3 * len(disks)), *(column[wall] + axis for wall, axis in FREE_WALLS)]
-    return md_step.stiffness_matrix(bodies.contacts(), column)[free][:, free]
-
-
 def strain(stress):
     """Return gamma of the sample when sigma2 rises by `stress` [Pa] at constant sigma1."""
-    matrix = stiffness_matrix()
-    load = np.zeros(matrix.shape[0])
+    disks = [disk.id for disk in bodies.disks()]
+    column = {body: 3 * k for k, body in enumerate(disks + [wall for wall, _ in FREE_WALLS])}
+    free = [*range(3 * len(disks)), *(column[wall] + axis for wall, axis in FREE_WALLS)]  # x, y, rotation of each disk, then the two walls
+    matrix, load = md_step.stiffness_matrix(bodies.contacts(), column)[free][:, free], np.zeros(len(free))
     load[-1] = -stress * walls.areas()[1]
     # Disks without contacts are held by springs that are too soft to matter: they change the strain of 60 to 960 disks by less than 1e-9 of it.
     displacement = linalg.spsolve((matrix + SOFT * matrix.max() * sparse.identity(len(load))).tocsc(), load)

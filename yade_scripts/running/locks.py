@@ -8,8 +8,6 @@ import fcntl
 import hashlib
 import pathlib
 
-from yade_scripts.results import sealed
-
 FILE = ".locks"
 
 
@@ -25,7 +23,7 @@ def held(path, waiting=lambda: None):
     A process may hold only one lock of a folder at a time: closing the file releases all of them.
     """
     path = pathlib.Path(path)
-    with open(sealed.regular(path.parent / FILE), "ab") as file:
+    with open(path.parent / FILE, "ab") as file:
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(path))
         except BlockingIOError:
@@ -36,12 +34,10 @@ def held(path, waiting=lambda: None):
 
 def taken(path):
     """Tell whether another process holds the lock of a file."""
-    path = pathlib.Path(path)
-    if not (path.parent / FILE).exists():
-        return False
-    with open(sealed.regular(path.parent / FILE), "ab") as file:
-        try:
-            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(path))
-        except BlockingIOError:
-            return True
-    return False
+    def give_up():
+        raise BlockingIOError
+    try:
+        with held(path, give_up):
+            return False
+    except BlockingIOError:
+        return True

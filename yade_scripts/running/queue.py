@@ -14,8 +14,6 @@ import time
 
 from tqdm import tqdm
 
-from yade_scripts.results import sealed
-
 SECONDS = 5  # between two lines of progress where there is no terminal
 WITH_ME = ["setpriv", "--pdeathsig", "KILL"]
 SCRIPTS = pathlib.Path(__file__).resolve().parents[1]
@@ -35,7 +33,7 @@ class Job:
 
     def start(self, mode="w"):
         self.log.parent.mkdir(parents=True, exist_ok=True)
-        with open(sealed.regular(self.log), mode, encoding="utf-8") as log:
+        with open(self.log, mode, encoding="utf-8") as log:
             self.process = subprocess.Popen([*WITH_ME, "yade", "-n", "-x", "-j", "1", str(SCRIPTS / self.script), *self.arguments],
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment())
         self.began = time.monotonic()

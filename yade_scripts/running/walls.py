@@ -14,11 +14,10 @@ DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
 
 
 def append(sides, depth, material):
-    """Append six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2); sides [m]: (L_x, L_y) or one number. They must be the first bodies."""
+    """Append six fixed walls around (0, 0, -depth/2) .. (L_x, L_y, depth/2); sides [m]: (L_x, L_y). They must be the first bodies."""
     if len(O.bodies):
         raise ValueError("walls come first: their ids are 0 to 5")
-    length_x, length_y = sides if hasattr(sides, "__len__") else (sides, sides)
-    O.bodies.append(utils.aabbWalls([(0, 0, -depth / 2), (length_x, length_y, depth / 2)], thickness=0, material=material, color=(0.4, 0.4, 0.4)))
+    O.bodies.append(utils.aabbWalls([(0, 0, -depth / 2), (*sides, depth / 2)], thickness=0, material=material, color=(0.4, 0.4, 0.4)))
 
 
 def faces():
@@ -50,7 +49,7 @@ def areas():
 
 
 def stresses():
-    """Return ((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from its contacts; walls have no friction."""
+    """Return ((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from the normal forces of its contacts."""
     return tuple(tuple(abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal)) / area for wall in (low, high))
                  for (axis, low, high), area in zip(DIRECTIONS, areas()))
 

@@ -48,4 +48,4 @@ def build(full, folder):
 
     extra = {"front": ("L0", f"x that {SHARE:.0%} of the disks are behind, over the width of the column", lambda: quantile(0)),
              "height": ("L0", f"y that {SHARE:.0%} of the disks are below, likewise", lambda: quantile(1))}
-    return stage.small(full, converged(full, CONVERGED, SAME, "L0", lambda name: extra[name][2]()), kept={}, extra=extra)
+    return stage.small(full, converged(full, CONVERGED, SAME, extra), kept={}, extra=extra)

@@ -70,12 +70,11 @@ def build(full, folder):
     def speed():
         return np.divide(moved, found, out=np.full(len(depths), math.nan), where=np.array(found) > 0) / (omega * inner)
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "degree", lambda name: slope()),
-                        kept={"slopes": slopes, "found": found, "moved": moved},
-                        extra={"slope": ("degree", "slope of the bed, mean over the second half of the run", slope),
-                               "depth": ("R", "depth of the middle of each layer below the axis", depths),
-                               "seen": ("1", "disks in each layer, summed over all looks", lambda: np.array(found)),
-                               "speed": ("omega R", "mean velocity down the slope in each layer, over the second half of the run", speed)})
+    extra = {"slope": ("degree", "slope of the bed, mean over the second half of the run", slope),
+             "depth": ("R", "depth of the middle of each layer below the axis", depths),
+             "seen": ("1", "disks in each layer, summed over all looks", lambda: np.array(found)),
+             "speed": ("omega R", "mean velocity down the slope in each layer, over the second half of the run", speed)}
+    scene = stage.small(full, converged(full, CONVERGED, SAME, extra), kept={"slopes": slopes, "found": found, "moved": moved}, extra=extra)
     turn = RotationEngine(ids=ring, rotationAxis=(0, 0, 1), angularVelocity=omega, rotateAroundZero=True, zeroPoint=(0, 0, 0))
     mover = [type(engine).__name__ for engine in O.engines].index("ContactDynamics" if full["method"] == "CD" else "NewtonIntegrator")
     O.engines = O.engines[:mover] + [turn] + O.engines[mover:] + [hooks.runner(look, virtPeriod=EVERY, label=hooks.MEASURING)]

@@ -44,5 +44,5 @@ def build(full, folder):
     def height():
         return 2 * bodies.centre_of_mass(ids)[1] / solid
 
-    return stage.small(full, converged(full, CONVERGED, SAME, "1", lambda name: height()), kept={},
-                       extra={"height": ("1", "twice the height of the centre of mass over that of the disks without pores", height)})
+    extra = {"height": ("1", "twice the height of the centre of mass over that of the disks without pores", height)}
+    return stage.small(full, converged(full, CONVERGED, SAME, extra), kept={}, extra=extra)

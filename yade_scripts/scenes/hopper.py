@@ -66,8 +66,7 @@ def build(full, folder):
         first, last = (np.interp(share, passed, times) for share in (FIRST, LAST))
         return (LAST - FIRST) * len(ids) / (last - first) * math.sqrt(slot / full["gravity"])
 
-    scene = stage.small(full, converged(full, CONVERGED, SAME, "disks/sqrt(D/g)", lambda name: rate()),
-                        kept={"times": times, "passed": passed, "above": above},
-                        extra={"rate": ("1", "disks that leave per sqrt(D/g), between 15 % and 50 % of them", rate)})
+    extra = {"rate": ("disks/sqrt(D/g)", "rate at which disks leave, between 15 % and 50 % of them", rate)}
+    scene = stage.small(full, converged(full, CONVERGED, SAME, extra), kept={"times": times, "passed": passed, "above": above}, extra=extra)
     O.engines = O.engines + [hooks.runner(look, virtPeriod=EVERY, initRun=True, label=hooks.MEASURING)]
     return scene

@@ -22,7 +22,7 @@ def build(full, folder):
     # Each of the rows + 1 contacts in a row is compressed by sag(F), F = P0 depth side/rows.
     side = 2 * radius * rows / (1 + ground.sag(p0 * full["depth"] / rows) * (rows + 1))
     sag = ground.sag(p0 * full["depth"] * side / rows)
-    walls.append(side, full["depth"], "wall")
+    walls.append((side, side), full["depth"], "wall")
     places = [radius - sag + k * (2 * radius - sag) for k in range(rows)]
     for place in itertools.product(places, places):
         ground.disk(place)

@@ -90,12 +90,11 @@ def load_on():
             "loaded_unconverged_steps": engine.unconvergedSteps}
 
 
-def main(settings, friction, stem):
+def main(disks, seed, friction, stem):
     """Make the packing and the problem for each friction coefficient; the files are named `stem`-friction. Return facts about the last."""
-    seed = settings["seed"]
-    packed = jammed(np.random.default_rng(seed).uniform(*RADII, settings["disks"]), seed)
+    packed = jammed(np.random.default_rng(seed).uniform(*RADII, disks), seed)
     for mu in friction:
-        facts = {"settings": settings | {"friction": mu}} | come_to_rest(build(*packed, mu)) | load_on()
+        facts = come_to_rest(build(*packed, mu)) | load_on()
         target = f"{stem}-{mu:g}"
         load(1 + (STEPS + 1) * MORE)
         O.engines[-1].exportProblem(f"{target}.npz", True)

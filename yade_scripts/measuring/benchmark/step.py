@@ -27,6 +27,7 @@ from yade import O, timing, utils
 from yade import wrapper as w
 
 import cd_engine
+from yade_scripts.running import bodies
 
 RADIUS, MASS, FRICTION, GRAVITY = 0.01, 1000 * math.pi * 0.01**2, 0.5, 9.81  # [m], [kg] of a disk of depth 1 m, [1], [m/s^2]
 STEP = 1e-3        # of Contact Dynamics [s]
@@ -53,12 +54,6 @@ def wall(centre, half):
     O.bodies.append(utils.box((*centre, 0), (*half, 0.5), fixed=True, material=0))
 
 
-def disk(x, y):
-    body = utils.sphere((x, y, 0), RADIUS, material=0)
-    body.state.mass, body.state.inertia, body.state.blockedDOFs = MASS, (MASS * RADIUS**2 / 2,) * 3, "zXY"
-    O.bodies.append(body)
-
-
 def build(rows, columns, order):
     """Build the tray, and the disks row by row or shuffled."""
     scene()
@@ -69,7 +64,7 @@ def build(rows, columns, order):
     if order == "shuffled":
         random.Random(1).shuffle(places)
     for place in places:
-        disk(*place)
+        bodies.append_disk(place, RADIUS, MASS, 0)
 
 
 def springs(reach=1):
@@ -120,7 +115,7 @@ def at_rest(disks):
     scene()
     wall((1.5 * disks * RADIUS, -0.05), (1.5 * disks * RADIUS, 0.05))
     for k in range(disks):
-        disk((3 * k + 1.5) * RADIUS, RADIUS)
+        bodies.append_disk(((3 * k + 1.5) * RADIUS, RADIUS), RADIUS, MASS, 0)
     O.engines, O.dt = cd_engine.engines(gravity=(0, -GRAVITY, 0)), STEP
     O.run(10 * SETTLING, True)
     if O.engines[-1].sleeping < disks:

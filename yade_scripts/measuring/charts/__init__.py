@@ -22,22 +22,20 @@ TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 class Series:
     """Rows of one method from coarse to fine; a quick chart takes every second one.
 
-    costlier: a finer row takes longer, so none finer is tried after one that ran out of time. relative: values are multiples of the scene's own.
+    costlier: a finer row takes longer, so none finer is tried after one that ran out of time.
     """
     name: str
     method: str
     parameter: str
     values: tuple
     fixed: dict = field(default_factory=dict)
-    relative: bool = False
     costlier: bool = True
 
     def rows(self, scene, quick):
         """Return the rows for a scene, each {parameter: value} with its method."""
-        own = parameters.complete({"scene": scene})[self.parameter] if self.relative else 1
         values = self.values[::-1][::2][::-1] if quick else self.values
         common = {"scene": scene, "method": self.method} | chart_of(scene).base | self.fixed
-        return [common | {self.parameter: value * own if self.relative else value} for value in values]
+        return [common | {self.parameter: value} for value in values]
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ def names():
 
 
 def series(scene):
-    chart = chart_of(scene)
+    chart, own_step = chart_of(scene), parameters.complete({"scene": scene})["cd_dt"]
     stiffer = STIFFER[:2] if chart.prepared else STIFFER
     laws = parameters.REGISTRY["tangential_law"].choices[1:] if chart.rolling else ()
     found = [
@@ -77,10 +75,10 @@ def series(scene):
         Series("MD damping", "MD", "beta_n", (0.0, 0.05, 0.1, 0.3, 0.9), costlier=False),
         *(Series(f"MD law {law}", "MD", "md_dt_factor", STEPS, {"tangential_law": law}) for law in laws),
         # Longer steps are fewer but harder to solve, so the cost need not rise with the rank.
-        Series("CD step", "CD", "cd_dt", (16, 8, 4, 2, 1, 1 / 2, 1 / 4, 1 / 8, 1 / 16), relative=True, costlier=False),
+        Series("CD step", "CD", "cd_dt", tuple(own_step * 2.0**k for k in range(4, -5, -1)), costlier=False),
         *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver})
           for solver in parameters.REGISTRY["method_cd"].choices),
-        Series("CD accuracy", "CD", store.ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * parameters.complete({"scene": scene})["cd_dt"]}),
+        Series("CD accuracy", "CD", store.ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * own_step}),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
     ]
     return [one for one in found if one.method in scenes.module(scene).METHODS and one.parameter not in chart.physics]
@@ -143,8 +141,7 @@ class Work:
                 self._enter(setting, f"not tried: a coarser setting {reason}", True)
 
     def _enter(self, setting, reason, late):
-        store.add(self.folder, {"scene": self.name, "method": setting.row["method"], "row": setting.row, "limit": self.limit, "out_of_time": late,
-                                "status": STATUS_FAILED + reason, "seconds": []})
+        store.add(self.folder, {"row": setting.row, "limit": self.limit, "out_of_time": late, "status": STATUS_FAILED + reason, "seconds": []})
 
     def measure(self, begun):
         """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""

@@ -23,7 +23,7 @@ def measure(row, folder, limit, allow):
     """Return (facts, known quantities as rows). `folder` holds the prepared packings; allow(seconds) sets the processor time allowed from now on."""
     own, asked = store.split(row)
     full = parameters.complete(own)
-    facts = {"scene": full["scene"], "method": full["method"], "row": row, "limit": limit}
+    facts = {"row": row, "limit": limit}
     seconds, known = [], []
     try:
         while len(seconds) < LEAST or (len(seconds) < MOST and sum(seconds) < ENOUGH):

@@ -98,9 +98,6 @@ def lines(along, good, bad, precision, accepted=(STABLE,), **others):
     return [Search(at, along, good, bad, precision, accepted) for at in product(**others)]
 
 
-NEEDED = ("group", "title", "question", "criterion", "remedy", "x", "y", "grid", "searches")  # of a Map
-
-
 @dataclass(frozen=True)
 class Map:
     """One map. grid(full), searches(full): the quick or the full lists of cases and of lines across the boundary.
@@ -111,15 +108,15 @@ class Map:
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """
-    group: str = None
-    title: str = None
-    question: str = None
-    criterion: str = None
-    remedy: str = None
-    x: Axis = None
-    y: Axis = None
-    grid: Callable = None
-    searches: Callable = None
+    group: str
+    title: str
+    question: str
+    criterion: str
+    remedy: str
+    x: Axis
+    y: Axis
+    grid: Callable
+    searches: Callable
     panels: str = ""
     measures: dict = field(default_factory=dict)
     theory: Callable | None = None
@@ -136,10 +133,8 @@ def names():
 
 @functools.cache
 def module(name):
-    """Return the file of a map. Raise ParameterError if it lacks what it has to have."""
-    found = declared.load(__name__, name, ("MAP", "probe"), {})
-    declared.demand(__name__, found, vars(found.MAP), NEEDED)
-    return found
+    """Return the file of a map. Raise ParameterError if it lacks what it has to have, ImportError for any other fault of the file."""
+    return declared.load(__name__, name, ("MAP", "probe"), {})
 
 
 def get(name):
