@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from yade_scripts import parameters, results
-from yade_scripts.results import schema, sealed
+from yade_scripts.results import reader, schema, sealed
 
 SIDE = 0.2  # [m] of the made-up square sample
+PER_CYCLE = 20  # samples of `cyclic`
 
 
 def lattice(columns, method, seed=5):
@@ -84,6 +85,16 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
                 group.create_dataset(name, data=values).attrs["unit"] = schema.SNAPSHOT[name].unit
     sealed.write(path, content.getvalue())
     return path
+
+
+def cyclic(path, rates, first=0.0, **row):
+    """A finished MD run whose gamma changes by rates[n] over cycle n; sliding contacts come and go in each cycle."""
+    cycle = np.arange(PER_CYCLE * len(rates) + 1) / PER_CYCLE
+    gamma = np.interp(cycle, np.arange(len(rates) + 1), np.concatenate([[first], first + np.cumsum(rates)]))
+    columns = history("MD", len(cycle)) | dict(
+        time=cycle, cycle=cycle, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma2=np.full(len(cycle), 1200.0),
+        contacts=np.full(len(cycle), 800.0), dissipated_energy=cycle * 1e-3, sliding_contacts=80 * np.sin(np.pi * cycle)**2)
+    return reader.load(write(path, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=PER_CYCLE) | row))
 
 
 @pytest.fixture

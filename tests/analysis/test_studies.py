@@ -11,7 +11,7 @@ import pytest
 from analysis import publish, report, studies, summary
 from yade_scripts.results import reader, schema
 from analysis import __main__ as command
-from tests.analysis.conftest import history, lattice, write
+from tests.analysis.conftest import cyclic, history, lattice, write
 from yade_scripts import parameters, results
 
 
@@ -226,14 +226,11 @@ def test_symbols_of_the_page():
 
 def ramp(folder, method, slope, name):
     """A ramp run to 2.5 P0 in which gamma = -slope (sigma2/P0 - 1)^3 and the sliding contacts rise to 600 of 800."""
-    samples = 301
-    share = np.linspace(0, 1, samples)
+    share = np.linspace(0, 1, 301)
     ratio = 1 + 1.5 * share
-    columns = {name: np.zeros(samples) for name, field in schema.HISTORY.items() if method in field.methods}
     gamma = -slope * (ratio - 1)**3
-    columns |= dict(time=share, cycle=share, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma1=np.full(samples, 1200.0),
-                    sigma2=1200 * ratio, sigma1_goal=np.full(samples, 1200.0), sigma2_goal=1200 * ratio, contacts=np.full(samples, 800.0),
-                    sliding_contacts=600 * share)
+    columns = history(method, len(share)) | dict(gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma2=1200 * ratio, sigma2_goal=1200 * ratio,
+                                                 contacts=np.full(len(share), 800.0), sliding_contacts=600 * share)
     return reader.load(write(folder / name, method, columns=columns, row=dict(loading="ramp", method=method)))
 
 
@@ -248,22 +245,10 @@ def test_fig5_finds_the_critical_loads_of_a_known_curve(tmp_path):
     module.draw(runs, [md, cd], tmp_path / "fig5.png")
 
 
-def cyclic(folder, rates, name, **row):
-    """A run of which only gamma at the ends of the cycles matters."""
-    samples = 10 * len(rates) + 1
-    cycle = np.arange(samples) / 10
-    ends = np.concatenate([[0], np.cumsum(rates)])
-    columns = {name: np.zeros(samples) for name in history("MD")}
-    columns |= dict(time=cycle, cycle=cycle, gamma=np.interp(cycle, np.arange(len(ends)), ends), sigma1=np.full(samples, 1200.0),
-                    sigma2=np.full(samples, 1200.0), contacts=np.full(samples, 800.0), sliding_contacts=40 * np.sin(np.pi * cycle)**2,
-                    dissipated_energy=cycle)
-    return reader.load(write(folder / name, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=10) | row))
-
-
 def test_fig3_tells_collapse_from_what_stands(tmp_path):
     module, number = studies.module("fig3"), np.arange(1, 65)
-    runs = [cyclic(tmp_path, -1e-5 / number**3, "low.h5", delta_sigma=0.1), cyclic(tmp_path, np.full(64, -1e-5), "middle.h5", delta_sigma=0.3),
-            cyclic(tmp_path, np.full(64, -3e-3), "high.h5", delta_sigma=0.5)]
+    runs = [cyclic(tmp_path / "low.h5", -1e-5 / number**3, delta_sigma=0.1), cyclic(tmp_path / "middle.h5", np.full(64, -1e-5), delta_sigma=0.3),
+            cyclic(tmp_path / "high.h5", np.full(64, -3e-3), delta_sigma=0.5)]
     runs[2].attributes["outcome"] = schema.OUTCOME_COLLAPSED
     rows = module.summarize(runs[::-1])
     assert [row["dSigma"] for row in rows] == [0.1, 0.3, 0.5]
@@ -274,7 +259,7 @@ def test_fig3_tells_collapse_from_what_stands(tmp_path):
 
 def test_influence_compares_packing_by_packing(tmp_path):
     module = studies.module("influence")
-    runs = [cyclic(tmp_path, np.full(10, -rate), f"{seed}{change}.h5", seed=seed, **module.BASE | change)
+    runs = [cyclic(tmp_path / f"{seed}{change}.h5", np.full(10, -rate), seed=seed, **module.BASE | change)
             for seed, rate in ((1, 1e-5), (2, 1e-4)) for change, rate in (({}, rate), (dict(kt_over_kn=0.1), 2 * rate), (dict(period=1.0), rate / 2))]
     rows = {row["change"]: row for row in module.summarize(runs)}
     assert list(rows) == ["none", "kt_over_kn = 0.1", "period = 1.0"]
@@ -286,7 +271,7 @@ def test_influence_compares_packing_by_packing(tmp_path):
 
 def test_laws_compare_on_the_same_packing(tmp_path):
     module = studies.module("laws")
-    runs = [cyclic(tmp_path, np.full(32, -rate), f"{law}.h5", tangential_law=law)
+    runs = [cyclic(tmp_path / f"{law}.h5", np.full(32, -rate), tangential_law=law)
             for law, rate in (("standard", 1e-5), ("avoid_ratcheting", 1.1e-5), ("path_independent", 3e-5))]
     rows = module.summarize(runs)
     assert [row["strain over standard"] for row in rows] == [pytest.approx(ratio) for ratio in (1, 1.1, 3)]
