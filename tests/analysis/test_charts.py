@@ -6,14 +6,10 @@ import pandas
 import pytest
 
 from analysis import publish, style
-from analysis import __main__ as command
+from analysis.__main__ import main
 from analysis.charts import by_kind, choice, cost_against_size, profile, table
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
-
-
-def main(arguments):
-    return command.main(arguments)
 
 
 def rows(*several):
@@ -22,18 +18,17 @@ def rows(*several):
 
 
 def series(series, errors, seconds=None, scene="stack", size=0):
-    """A series of settings; an error given as text is the reason of a failure."""
+    """A series of settings; an error given as text is the reason of a failure. seconds: of each, by default doubled from one to the next."""
     made = []
     for rank, error in enumerate(errors):
-        lost = isinstance(error, str)
-        made.append({"name": f"{scene}-{series}-{rank}", "status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest",
-                     "size": size, "method": series[:2], "series": series,
-                     "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}",
-                     "error": None if lost else error,
-                     "worst": "" if lost else "force",
-                     "seconds": None if lost else (seconds or [0.1 * 2**rank] * 99)[rank] if seconds else 0.1 * 2**rank,
-                     "fastest": None if lost else 0.1, "slowest": None if lost else 0.2, "repeats": 3, "steps": 10, "sweeps": 5,
-                     "unconverged_steps": 0, "disks": 4})
+        row = {"scene": scene, "kind": "piles at rest", "size": size, "method": series[:2], "series": series, "rank": rank,
+               "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}", "steps": 10, "sweeps": 5,
+               "unconverged_steps": 0, "disks": 4}
+        if isinstance(error, str):
+            made.append(row | {"status": f"failed: {error}"} | dict.fromkeys(("error", "worst", "seconds", "fastest", "slowest")))
+        else:
+            made.append(row | {"status": "", "error": error, "worst": "force", "seconds": seconds[rank] if seconds else 0.1 * 2**rank,
+                               "fastest": 0.1, "slowest": 0.2})
     return made
 
 

@@ -10,7 +10,7 @@ import pytest
 from analysis import __main__ as command
 from analysis import studies
 from tests.analysis.conftest import history, lattice, write
-from yade_scripts import parameters, results
+from yade_scripts import parameters, results, tables
 from yade_scripts.measuring import store
 from yade_scripts.results import reader, schema
 
@@ -59,14 +59,8 @@ def test_line_width_grows_with_the_force(md, tmp_path):
     assert ink(path, BLACK, slice(0.37, 0.68)) > 1.4 * ink(path, BLACK, slice(0.02, 0.33))
 
 
-def test_unknown_command_exits_with_2(root):
-    run = subprocess.run([sys.executable, "-m", "analysis", "fig44"], cwd=root, capture_output=True, text=True)
-    assert run.returncode == 2 and "Traceback" not in run.stderr and "study" in run.stderr
-
-
 def test_a_table_of_a_study_runs_under_yade_batch(capsys, tmp_path):
     """Printed, it reads back as the same rows."""
-    from yade_scripts import parameters, tables
     assert main(["table", "stiffness", "--full"]) == 0
     path = tmp_path / "stiffness.txt"
     path.write_text(capsys.readouterr().out)

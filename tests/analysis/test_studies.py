@@ -10,13 +10,9 @@ import pytest
 
 from analysis import publish, report, studies, summary
 from yade_scripts.results import reader, schema
-from analysis import __main__ as command
+from analysis.__main__ import main
 from tests.analysis.conftest import cyclic, history, lattice, write
 from yade_scripts import parameters, results
-
-
-def main(arguments):
-    return command.main(arguments)
 
 
 @pytest.fixture
