@@ -13,18 +13,6 @@ from yade_scripts.results.reader import ResultError
 RATTLER_SHARE = 1e-3
 
 
-def cycle_range(run, number=1):
-    """Return the slice of the samples of cycle `number`, counted from 1, both ends included."""
-    cycle = run.values("cycle")
-    # Half a sample of slack: the last sample of a cycle falls beside the whole number by rounding.
-    slack = np.diff(cycle).max() / 2 if len(cycle) > 1 else 0
-    inside = np.flatnonzero((cycle >= number - 1 - slack) & (cycle <= number + slack))
-    if len(inside) < 3 or cycle[-1] < number - slack:
-        raise ResultError(run.path, f"cycle {number} is not complete, the run ends at cycle {cycle[-1] if len(cycle) else 0:g}",
-                          "choose an earlier cycle or run longer")
-    return slice(inside[0], inside[-1] + 1)
-
-
 def loop_width(strain, stress):
     """Return the largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
     top = int(np.argmax(stress))

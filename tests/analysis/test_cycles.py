@@ -27,6 +27,13 @@ def test_an_unfinished_cycle_does_not_count(tmp_path):
     assert len(cycles.of(run).number) == 0 and np.isnan(cycles.of(run).first)
 
 
+def test_ends_of_cycles_beside_whole_numbers(tmp_path):
+    """By rounding, or sampled twice."""
+    run = cyclic(tmp_path / "run.h5", [-1e-4] * 2)
+    run.history["cycle"] = np.insert(run.history["cycle"] + 1e-12, PER_CYCLE, 1 - 1e-3)
+    np.testing.assert_array_equal(cycles.ends(run), [0, PER_CYCLE, 2 * PER_CYCLE + 1])
+
+
 def test_windows_cover_every_cycle_once():
     found = cycles.windows(1000)
     covered = [n for first, last in found for n in range(first, last + 1)]

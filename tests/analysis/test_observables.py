@@ -68,14 +68,6 @@ def test_stiffness_of_a_linear_response():
     assert observables.stiffness(0 * gamma, stress) == np.inf
 
 
-def test_cycle_range(tmp_path):
-    run = changed(tmp_path / "run.h5", cycle=2 * SHARE + 1e-12)
-    assert observables.cycle_range(run, 1) == slice(0, 101)
-    assert observables.cycle_range(run, 2) == slice(100, 201)
-    with pytest.raises(reader.ResultError, match="cycle 3 is not complete"):
-        observables.cycle_range(run, 3)
-
-
 def test_snapshot_at_the_load_maximum(md):
     snapshot, load_ratio = observables.snapshot_at_load_maximum(reader.load(md))
     assert (snapshot["time"], load_ratio) == (0.5, pytest.approx(1.2 * (1 + 1e-4)))  # of the goal
