@@ -164,7 +164,7 @@ def benchmark_table(folder):
     path = folder / "solutions.csv"
     lines = (FOLDER / "benchmark" / "solutions.csv").read_text().splitlines(keepends=True)
     path.write_text("".join(lines[:8]))
-    return Reader(path, lambda: benchmark._rows(path, benchmark.COLUMNS["solutions"]), (reader.ResultError,))
+    return Reader(path, lambda: publish.read_table(path, **benchmark.COLUMNS["solutions"]), (reader.ResultError,))
 
 
 READERS = {function.__name__: function for function in (
