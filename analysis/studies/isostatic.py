@@ -96,7 +96,7 @@ stays at 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-
 tolerance of 1e-9. All packings have 400 disks. Combe and Roux (2000) found that rigid disks without friction strain in steps, each under a load that
 is the smaller the more disks there are; so a limit of 1.01 to 1.04 P0 belongs to this size.
 """
-GIVEN = ("0.1", "1.02", "1.005", "6e-4", "6e-6", "1e-6", "1e-9", "400")
+GIVEN = ("1.02", "1.005", "6e-4", "6e-6", "1e-6", "1e-9", "400")
 
 
 def numbers(table):
