@@ -87,6 +87,12 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
     return path
 
 
+def write_row(folder, row, **more):
+    """The result file of a row, under its name."""
+    full = parameters.complete(row)
+    return write(results.path_of(full, folder), full["method"], row=row, **more)
+
+
 def cyclic(path, rates, first=0.0, **row):
     """A finished MD run whose gamma changes by rates[n] over cycle n; sliding contacts come and go in each cycle."""
     cycle = np.arange(PER_CYCLE * len(rates) + 1) / PER_CYCLE
@@ -100,17 +106,10 @@ def cyclic(path, rates, first=0.0, **row):
 @pytest.fixture
 def md(tmp_path):
     """The path of a finished MD run."""
-    return write(results.path_of(parameters.complete({"method": "MD"}), tmp_path), "MD")
+    return write_row(tmp_path, {"method": "MD"})
 
 
 @pytest.fixture
 def cd(tmp_path):
     """The path of a finished CD run comparable with `md`."""
-    return write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD")
-
-
-@pytest.fixture
-def yade_code(tmp_path):
-    """Runs Python text inside YADE; the last line printed, read as JSON."""
-    from tests.yade_scripts.conftest import Yade
-    return Yade(tmp_path).code
+    return write_row(tmp_path, {"method": "CD"})

@@ -8,6 +8,7 @@ import pytest
 from analysis import publish, style
 from analysis.__main__ import main
 from analysis.charts import by_kind, choice, cost_against_size, profile, table
+from tests.yade_scripts.conftest import Yade
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
 
@@ -182,7 +183,7 @@ def test_no_measurements_are_said_so(tmp_path, capsys):
     assert "profile: no scene was measured by both methods\n" in said and "cost_against_size: no scene was measured at several sizes\n" in said
 
 
-def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):
+def test_recommended_settings_reach_what_they_promise(tmp_path):
     """Every scene's cheapest setting of each method that takes less than 0.1 s, run anew."""
     promised, found = [], table.one_size(table.from_csv(table.PUBLISHED))
     for (scene, _), own in found.groupby(["scene", "method"], sort=False):
@@ -191,7 +192,7 @@ def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):
             setting, = (one for one in settings.settings(scene, True)
                         if (one.series.name, one.rank, one.size) == (row.series, row["rank"], 0))
             promised.append(setting.row)
-    anew = yade_code(f"""
+    anew = Yade(tmp_path).code(f"""
 from yade_scripts.measuring.charts import measure
 measure.LEAST = measure.MOST = 1
 print(json.dumps([measure.measure(row, "results", 30, lambda seconds: None)[0] for row in json.loads({json.dumps(json.dumps(promised))})]))

@@ -11,8 +11,7 @@ import pytest
 from analysis import publish, report, studies, summary
 from yade_scripts.results import reader, schema
 from analysis.__main__ import main
-from tests.analysis.conftest import cyclic, history, lattice, write
-from yade_scripts import parameters, results
+from tests.analysis.conftest import cyclic, history, lattice, write, write_row
 
 
 @pytest.fixture
@@ -21,17 +20,11 @@ def fig4_results(tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
     for row in studies.module("fig4").ROWS["quick"]:
-        full = parameters.complete(row)
-        write(results.path_of(full, folder), full["method"], row=row)
+        write_row(folder, row)
     return folder
 
 
 CD_ROW = studies.module("fig4").ROWS["quick"][1]
-
-
-def file_of(folder, method):
-    """The result file of a method."""
-    return next(folder.glob(f"biaxial-{method}-*.h5"))
 
 
 def test_every_study_keeps_to_the_frame():
@@ -110,10 +103,10 @@ def test_the_number_of_runs_stands_behind_the_name_of_the_study(fig4_results, tm
 
 
 def test_rows_without_a_result_keep_their_reason(fig4_results):
-    cd = file_of(fig4_results, "CD")
+    cd = write_row(fig4_results, CD_ROW)
     cases = [(lambda: cd.rename(cd.with_name(cd.stem + ".partial.h5")), "under way or interrupted"),
              (lambda: cd.with_name(cd.stem + ".partial.h5").unlink(), studies.NOT_RUN),
-             (lambda: write(cd, "CD", row=CD_ROW, finished=False, status="failed: walls locked"), "failed: walls locked"),
+             (lambda: write_row(fig4_results, CD_ROW, finished=False, status="failed: walls locked"), "failed: walls locked"),
              (lambda: cd.write_bytes(b"no HDF5"), "no result of this project")]
     for change, reason in cases:
         change()
@@ -122,7 +115,7 @@ def test_rows_without_a_result_keep_their_reason(fig4_results):
 
 
 def test_published_files_hold_failures_and_provenance(fig4_results, tmp_path):
-    write(file_of(fig4_results, "CD"), "CD", row=CD_ROW, finished=False, status="failed: walls locked")
+    write_row(fig4_results, CD_ROW, finished=False, status="failed: walls locked")
     stem = publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     table = publish.read_table(stem.with_suffix(".csv"))
     assert table.columns[0] == publish.STATUS and table[publish.STATUS].fillna("").tolist() == ["", "failed: walls locked"]
@@ -137,7 +130,7 @@ def test_a_summary_is_written_with_all_digits_and_regenerates(fig4_results, tmp_
     first, second = (publish.publish(studies.collect("fig4", fig4_results), tmp_path / name) for name in ("a", "b"))
     for suffix in (".csv", ".json"):
         assert first.with_suffix(suffix).read_bytes() == second.with_suffix(suffix).read_bytes()
-    md = reader.load(file_of(fig4_results, "MD"))
+    md = reader.load(next(fig4_results.glob("biaxial-MD-*.h5")))
     assert f",{float(np.abs(md.values('gamma')).max())!r}," in first.with_suffix(".csv").read_text()
 
 
@@ -149,7 +142,7 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
         folder = tmp_path / "results"
         folder.mkdir()
         for row in part:
-            write(results.path_of(row, folder), row["method"], row=row, snapshots={time: lattice(8, row["method"]) for time in (0.0, 0.5, 1.0)})
+            write_row(folder, row, snapshots={time: lattice(8, row["method"]) for time in (0.0, 0.5, 1.0)})
         if part:
             stem = publish.publish(studies.collect(name, folder), tmp_path / "out")
             assert json.loads(stem.with_suffix(".json").read_text())["runs_finished"] == len(part)
@@ -196,11 +189,11 @@ def test_report_is_one_page_that_loads_nothing(fig4_results, tmp_path, capsys):
 
 
 def test_report_names_different_commits_and_failures(fig4_results, tmp_path):
-    write(file_of(fig4_results, "CD"), "CD", row=CD_ROW, git_commit="d" * 40 + "-dirty")
+    write_row(fig4_results, CD_ROW, git_commit="d" * 40 + "-dirty")
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "made by 2 commits" in text and "dddddddddddd-dirty" in text
-    write(file_of(fig4_results, "CD"), "CD", row=CD_ROW, finished=False, status="failed: <walls> locked")
+    write_row(fig4_results, CD_ROW, finished=False, status="failed: <walls> locked")
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "1 &times; failed: &lt;walls&gt; locked" in text
