@@ -44,14 +44,8 @@ def stiffness(gamma, stress, share=0.2):
 
 def start_volume(run):
     """Return L_x0 L_y0 depth [m^3] when the loading begins."""
-    x_low, x_high, y_low, y_high = _snapshots(run)[0]["box"]
+    x_low, x_high, y_low, y_high = run.snapshots[0]["box"]
     return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
-
-
-def _snapshots(run):
-    if not run.snapshots:
-        raise ResultError(run.path, "has no snapshots", "run it again")
-    return run.snapshots
 
 
 def wall_work(run):
@@ -128,7 +122,7 @@ def unconverged_steps(run):
 def snapshot_at_load_maximum(run):
     """Return the snapshot at the largest load, and the prescribed sigma2/P0 there, about which the measured stress may oscillate."""
     time, sigma2 = run.values("time"), run.values("sigma2_goal")
-    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in _snapshots(run)]
+    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in run.snapshots]
     best = int(np.argmax(loads))
     if loads[best] < sigma2.max() - 0.02 * np.ptp(sigma2):
         raise ResultError(run.path, f"no snapshot near the load maximum, the nearest has sigma2 = {loads[best]:.6g} Pa of "
