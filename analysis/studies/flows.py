@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pandas
 
-from analysis import style, summary
+from analysis import publish, style, summary
 from yade_scripts.tables import product
 
 TITLE = "Flows of 500 disks: what does an answer within 2 % cost?"
@@ -120,7 +120,7 @@ def _is_as_fine(other, row):
 
 def measured(table):
     """Return the published rows that were measured, without those that failed."""
-    found = table[table.seconds.notna()]
+    found = publish.finished(table)
     return found.assign(is_rigid_answer=found.is_rigid_answer.astype(bool))
 
 

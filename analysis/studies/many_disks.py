@@ -194,12 +194,12 @@ def pick(table, scene, settings, disks=MANY, **more):
     """Return the one measured row of a scene with these settings."""
     step, setting = (settings["cd_dt"], settings["tolerance"]) if settings["method"] == "CD" else (settings["md_dt_factor"], settings["kn"])
     asked = {"scene": scene, "disks": disks, "method": settings["method"], "step": step, "setting": setting} | more
-    row, = table[(table[list(asked)] == pandas.Series(asked)).all(axis=1) & table.seconds.notna()].itertuples()
+    row, = table[(table[list(asked)] == pandas.Series(asked)).all(axis=1)].itertuples()
     return row
 
 
 def numbers(table):
-    done = table[table.seconds.notna()]
+    done = publish.finished(table)
     window = done[done.window_seconds.notna() & (done.period == WINDOW)]
     scenes = ("hopper", "drum", "collapse")
     fine, stiff = ({scene: pick(window, scene, settings) for scene in scenes} for settings in (FINE, STIFF))
