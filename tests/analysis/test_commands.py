@@ -93,13 +93,6 @@ def test_check(md, tmp_path, capsys, change, status, word):
     assert word in capsys.readouterr().out
 
 
-def test_check_of_another_file(tmp_path, capsys):
-    other = tmp_path / "notes.txt"
-    other.write_text("no result")
-    assert main(["check", str(other)]) == 1
-    assert capsys.readouterr().out == f"{other}: is no result of this project; if it was one, it is damaged: make it again\n"
-
-
 def test_check_and_summary_refuse_a_renamed_run(md, tmp_path, capsys):
     other = md.rename(tmp_path / f"{md.stem}.old.h5")
     said = f"{other}: it holds another run than its name says ({md.stem}); rename it, or run it again\n"

@@ -26,9 +26,7 @@ PUBLISHED = sorted(path.stem for path in FOLDER.glob("*.json"))
 # processor changes the last digits only; 1e-9 of the largest force is a thousand times the round-off of 1e4 steps.
 ANEW, TOLERANCE = "closed_path", 1e-9
 
-
-# Studies whose rows have changed since their tables were made, as two critical readings asked. They are run anew one after the other, and leave this
-# list when their new tables are here.
+# Studies whose rows have changed since their tables were made. They leave this list when their new tables are here.
 REMADE_NEXT = {"thousand"}
 
 
