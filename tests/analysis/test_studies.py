@@ -89,11 +89,6 @@ def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, cap
     assert {path.stem for path in (tmp_path / "out").glob("*.csv")} == {"fig4"}
 
 
-def test_collect_finds_the_rows_of_the_table(fig4_results):
-    found = studies.collect("fig4", fig4_results)
-    assert [run.method for run in found.runs] == ["MD", "CD"] and not found.missing
-
-
 def test_the_number_of_runs_stands_behind_the_name_of_the_study(fig4_results, tmp_path, capsys):
     """Not the doubt about their commit."""
     with contextlib.redirect_stderr(sys.stdout):
