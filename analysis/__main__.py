@@ -69,7 +69,7 @@ def _folder(options):
 
 
 def _study(options):
-    from analysis import make_study, publish, studies
+    from analysis import make_study, studies
     broken = {}
     names, figures = options.names or studies.names(broken), Path(options.output or _folder(options))
     for name in names:
@@ -81,17 +81,8 @@ def _study(options):
     results.make(figures, "figures")
     if options.rows:
         return make_study.run(names, options.full, options.results, figures, options.jobs, options.hours) or (commands.MISTAKE if broken else 0)
-    left = publish.publish_all(names, figures, options.results, options.full)
-    for name in names:
-        if name in left:
-            print(f"analysis study: {left[name]}", file=sys.stderr)
-        else:
-            print((figures / f"{name}.png").resolve())
-            facts = publish.read_json(figures / f"{name}.json", {"runs_finished": int, "runs_failed": int, "runs_missing": int})
-            if others := facts["runs_failed"] + facts["runs_missing"]:
-                print(f"analysis study: {name}: {others} of {others + facts['runs_finished']} runs have failed or are missing; the table says why",
-                      file=sys.stderr)
-    return commands.MISTAKE if broken or len(left) == len(names) else 0
+    drawn = [make_study.draw(name, figures, options.results, options.full) for name in names]
+    return commands.MISTAKE if broken or not any(drawn) else 0
 
 
 def _table(options):

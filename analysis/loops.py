@@ -1,14 +1,17 @@
 """Three numbers that describe one loading and unloading, for one packing and for several."""
 import numpy as np
 
-from analysis import observables
+from analysis import cycles, observables
+from yade_scripts.results.reader import ResultError
 
 QUANTITIES = {"largest": r"largest $|\gamma|$", "width": "width of the loop", "remanent": r"remanent $|\gamma|$"}
 
 
 def of(run):
     """Return the QUANTITIES of the loop of the first cycle: strains gamma [1]."""
-    part = observables.cycle_range(run)
+    if len(ends := cycles.ends(run)) < 2:
+        raise ResultError(run.path, "its first cycle is not complete", "run longer")
+    part = slice(0, ends[1] + 1)
     gamma = run.values("gamma")[part] - run.values("gamma")[part][0]
     return {"largest": np.abs(gamma).max(), "width": observables.loop_width(gamma, run.values("sigma2")[part]),
             "remanent": abs(gamma[-1])}

@@ -1,4 +1,4 @@
-"""Runs the rows of studies and draws each study as soon as the last of its rows has ended: `make study`."""
+"""Draws studies; `make study` runs their rows first, and draws each study as soon as the last of its rows has ended."""
 import sys
 from pathlib import Path
 
@@ -7,27 +7,31 @@ from yade_scripts import batch, commands, results
 from yade_scripts.running import locks
 
 
+def draw(name, figures, folder, full):
+    """Write the files of a study. Print its figure and how many runs are not in it, or why there is none. Return whether there is one."""
+    if fault := publish.publish_all([name], figures, folder, full).get(name):
+        print(f"analysis study: {fault}", file=sys.stderr)
+        return False
+    print((Path(figures) / f"{name}.png").resolve(), flush=True)
+    facts = publish.read_json(Path(figures) / f"{name}.json", {"runs_finished": int, "runs_failed": int, "runs_missing": int})
+    if others := facts["runs_failed"] + facts["runs_missing"]:
+        print(f"analysis study: {name}: {others} of {others + facts['runs_finished']} runs have failed or are missing; the table says why",
+              file=sys.stderr)
+    return True
+
+
 def run(names, full, folder, figures, jobs, hours):
     """Run and draw the studies. Return 0, or 1 if a row failed or a figure could not be drawn."""
     rows = {name: [results.path_of(row, folder) for row in studies.rows(name, full)] for name in names}
-    left, drawn, failed_figures = {name: set(paths) for name, paths in rows.items()}, [], []
+    left, drawn = {name: set(paths) for name, paths in rows.items()}, {}
 
     def ended(path):
         for name in [name for name, paths in left.items() if path in paths]:
             left[name].discard(path)
             if not left[name]:
                 del left[name]
-                draw(name)
-
-    def draw(name):
-        with locks.held(Path(folder) / f"figure of {name}"):
-            fault = publish.publish_all([name], figures, folder, full).get(name)
-        if fault:
-            print(f"study: no figure of {name}: {fault}", file=sys.stderr)
-            failed_figures.append(name)
-        else:
-            drawn.append(Path(figures) / f"{name}.png")
-            print(drawn[-1].resolve(), flush=True)
+                with locks.held(Path(folder) / f"figure of {name}"):
+                    drawn[name] = draw(name, figures, folder, full)
 
     try:
         queue = batch.jobs_of([row for name in names for row in studies.module(name).ROWS["full" if full else "quick"]], folder)
@@ -36,6 +40,7 @@ def run(names, full, folder, figures, jobs, hours):
     except OSError as error:
         print(f"study: {error}: finished runs are kept; {commands.cure(error)} and give the same command again.", file=sys.stderr)
         return 1
-    if drawn:
-        print("Figures:\n  " + "\n  ".join(str(path.resolve()) for path in drawn) + "\nOne page of all: make report" + " FULL=1" * full)
-    return 1 if failed or failed_figures else 0
+    if pictures := [str((Path(figures) / f"{name}.png").resolve()) for name, there in drawn.items() if there]:
+        print("Figures:", *pictures, sep="\n  ")
+        print("One page of all: make report" + " FULL=1" * full)
+    return 1 if failed or not all(drawn.values()) else 0

@@ -13,18 +13,6 @@ from yade_scripts.results.reader import ResultError
 RATTLER_SHARE = 1e-3
 
 
-def cycle_range(run, number=1):
-    """Return the slice of the samples of cycle `number`, counted from 1, both ends included."""
-    cycle = run.values("cycle")
-    # Half a sample of slack: the last sample of a cycle falls beside the whole number by rounding.
-    slack = np.diff(cycle).max() / 2 if len(cycle) > 1 else 0
-    inside = np.flatnonzero((cycle >= number - 1 - slack) & (cycle <= number + slack))
-    if len(inside) < 3 or cycle[-1] < number - slack:
-        raise ResultError(run.path, f"cycle {number} is not complete, the run ends at cycle {cycle[-1] if len(cycle) else 0:g}",
-                          "choose an earlier cycle or run longer")
-    return slice(inside[0], inside[-1] + 1)
-
-
 def loop_width(strain, stress):
     """Return the largest distance in strain between loading and unloading at one stress; loading is up to the maximum."""
     top = int(np.argmax(stress))
@@ -56,14 +44,8 @@ def stiffness(gamma, stress, share=0.2):
 
 def start_volume(run):
     """Return L_x0 L_y0 depth [m^3] when the loading begins."""
-    x_low, x_high, y_low, y_high = _snapshots(run)[0]["box"]
+    x_low, x_high, y_low, y_high = run.snapshots[0]["box"]
     return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
-
-
-def _snapshots(run):
-    if not run.snapshots:
-        raise ResultError(run.path, "has no snapshots", "run it again")
-    return run.snapshots
 
 
 def wall_work(run):
@@ -140,7 +122,7 @@ def unconverged_steps(run):
 def snapshot_at_load_maximum(run):
     """Return the snapshot at the largest load, and the prescribed sigma2/P0 there, about which the measured stress may oscillate."""
     time, sigma2 = run.values("time"), run.values("sigma2_goal")
-    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in _snapshots(run)]
+    loads = [np.interp(snapshot["time"], time, sigma2) for snapshot in run.snapshots]
     best = int(np.argmax(loads))
     if loads[best] < sigma2.max() - 0.02 * np.ptp(sigma2):
         raise ResultError(run.path, f"no snapshot near the load maximum, the nearest has sigma2 = {loads[best]:.6g} Pa of "

@@ -54,12 +54,15 @@ def write_table(path, rows):
     table.to_csv(path, index=False)
 
 
-def read_table(path):
-    """Return a table written by write_table. Raise ResultError if the file is no table."""
+def read_table(path, texts=(), numbers=()):
+    """Return a table written by write_table. Raise ResultError if the file is no table, or lacks one of these columns of texts and of numbers."""
     try:
-        return pandas.read_csv(path, keep_default_na=True)
+        table = pandas.read_csv(path)
+        if missing := [name for name in (*texts, *numbers) if name not in table]:
+            raise ValueError(f"no column {', '.join(missing)}")
+        return table.astype(dict.fromkeys(texts, object) | dict.fromkeys(numbers, float))
     except (OSError, ValueError) as error:
-        raise ResultError(path, f"is no table ({str(error).splitlines()[0]})", "make it again") from None
+        raise ResultError(path, f"is no such table ({str(error).splitlines()[0]})", "make it again") from None
 
 
 def finished(table):

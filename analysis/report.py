@@ -76,7 +76,7 @@ def _chart(name, folder, link):
     chart, facts = charts.module(name), publish.read_json(folder / f"{name}.json", CHART)
     pictures = [(link(folder / file), title) for file, title in facts["figures"].items()]
     single = _picture(folder / next(iter(facts["figures"]))) if len(pictures) == 1 else None
-    return facts | _head(name, chart, folder, link) | {"picture": single, "pictures": pictures, "maps": getattr(chart, "descriptions", list)()}
+    return facts | _head(name, chart, folder, link) | {"picture": single, "pictures": pictures, "maps": chart.descriptions()}
 
 
 def _head(name, module, folder, link):

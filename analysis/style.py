@@ -1,7 +1,6 @@
 """The common style of all figures; colours and markers can be told apart without colour vision."""
 import math
 import textwrap
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -33,7 +32,7 @@ plt.rcParams.update({
 
 
 def finish(fig, path, note, origin):
-    """Put a caption under the figure and write the figure to `path`; create the folder if needed.
+    """Put a caption under the figure and write it as a PNG file to `path`.
 
     note: what the figure shows. origin: the runs that it comes from, or a line of text. The JSON file beside the figure has the settings.
     """
@@ -44,11 +43,8 @@ def finish(fig, path, note, origin):
     foot = (0.15 + 0.145 * (caption.count("\n") + 1)) / fig.get_figheight()
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.04 / fig.get_figheight(), caption, ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     # At most 1600 pixels wide, as wide as a screen shows.
-    fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()),
-                metadata={"Description": line} if path.suffix == ".png" else None)
+    fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line})
     plt.close(fig)
 
 

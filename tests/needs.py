@@ -9,14 +9,10 @@ import subprocess
 import pytest
 
 
-def installed(package):
-    """Whether Debian's package is here."""
-    said = subprocess.run(["dpkg-query", "-W", "-f", "${db:Status-Status}", package], capture_output=True, text=True)
-    return said.stdout == "installed"
-
-
 def _package(name):
-    if not installed(name):
+    """Skip unless Debian's package is here."""
+    said = subprocess.run(["dpkg-query", "-W", "-f", "${db:Status-Status}", name], capture_output=True, text=True)
+    if said.stdout != "installed":
         pytest.skip(f"{name} is not installed")
 
 

@@ -3,6 +3,7 @@
 `make test` draws hundreds for each reader, `make soak` thousands; the name of the reader seeds the draws.
 """
 import contextlib
+import hashlib
 import io
 import json
 import pathlib
@@ -10,7 +11,18 @@ import random
 from dataclasses import dataclass, replace
 from typing import Callable
 
-from yade_scripts import parameters, tables
+from analysis import benchmark, publish, report, studies
+from analysis.charts import table as settings
+from cd_engine import core
+from tests.analysis.conftest import lattice, write
+from tests.analysis.test_charts import series
+from tests.analysis.test_published import FOLDER
+from tests.core.test_body_problem import drawn
+from tests.core.test_files import MU, Q, W, siconos_text
+from yade_scripts import parameters, results, tables
+from yade_scripts.measuring import store
+from yade_scripts.preparing import prepare
+from yade_scripts.results import reader
 
 PIECES = [b"nan", b"inf", b"-1", b"1e999", b"=", b"#", b"\xff", b"\0", b'"', b"'", b"True", b"10**9", b"seed", b"1_0", b"\xc2\xb2", b"0x10",
           b"9" * 400, b"[", b"{}",
@@ -45,27 +57,9 @@ class Reader:
     refusals: tuple
 
 
-def survive(reader, count, draw):
-    """Feed the reader with `count` damaged files. Return how many of them it refused."""
-    good, refused = reader.path.read_bytes(), 0
-    reader.read()
-    for bad in mutations(good, count, draw):
-        reader.path.write_bytes(bad)
-        try:
-            reader.read()
-        except reader.refusals as error:
-            refused += 1
-            said = str(error)
-            assert str(reader.path) in said or str(reader.path.with_suffix("")) in said, said
-            assert "\n" not in said and len(said) > len(str(reader.path)) + 10, said
-    reader.path.write_bytes(good)
-    return refused
-
-
 def table(folder):
     """Tables of runs; a row that is not refused can be run."""
     path = folder / "table.txt"
-    from analysis import studies
     path.write_text(tables.text(studies.module("stiffness").ROWS["full"]))
 
     def read():
@@ -76,15 +70,12 @@ def table(folder):
 
 def result(folder):
     """Result files, read as a whole."""
-    from yade_scripts.results import reader
-    from tests.analysis.conftest import lattice, write
     path = write(folder / "run.h5", snapshots={0.0: lattice(4, "MD")})
     return Reader(path, lambda: reader.load(path), (reader.ResultError,))
 
 
 def ending(folder):
     """How the run of a result file ended, which decides whether it is run again. Every file must give an answer."""
-    from yade_scripts import results
     one = result(folder)
 
     def read():
@@ -93,34 +84,27 @@ def ending(folder):
 
 
 def _problem(path, write):
-    from cd_engine import core
     write(path)
     return Reader(path, lambda: core.solve(core.read_problem(path), max_iterations=10), (ValueError,))
 
 
 def problem_text(folder):
     """Contact problems in Siconos's text, sparse."""
-    from tests.core.test_files import siconos_text
     return _problem(folder / "problem.dat", lambda path: path.write_text(siconos_text("columns")))
 
 
 def problem_dense(folder):
     """The same, dense."""
-    from tests.core.test_files import siconos_text
     return _problem(folder / "problem.dat", lambda path: path.write_text(siconos_text("dense")))
 
 
 def problem_fclib(folder):
     """Contact problems of FCLIB."""
-    from cd_engine import core
-    from tests.core.test_files import MU, Q, W
     return _problem(folder / "problem.hdf5", lambda path: core.write_problem(path, core.Problem(W, Q, MU)))
 
 
 def problem_bodies(folder):
     """Contact problems by their bodies."""
-    from cd_engine import core
-    from tests.core.test_body_problem import drawn
     return _problem(folder / "problem.npz", lambda path: core.write_problem(path, drawn()))
 
 
@@ -135,9 +119,6 @@ def state_record(folder):
 
 
 def _state(folder, damaged):
-    import hashlib
-
-    from yade_scripts.preparing import prepare
     wanted, content = {"seed": 1, "recipe": 2}, bytes(range(256)) * 4
     checksum = hashlib.sha256(content).hexdigest()
     (folder / "a.yade.gz").write_bytes(content)
@@ -152,7 +133,6 @@ def _state(folder, damaged):
 
 def measurements(folder):
     """Measurements: a damaged file is measured again, so none is refused, and no damaged one is used."""
-    from yade_scripts.measuring import store
     facts = {"map": "a", "case": {"x": 1}, "seconds": 1.5}
     name = store.name_of(facts)
     store.add(folder, facts, [{"name": "x", "measured": 0.1}])
@@ -167,46 +147,44 @@ def measurements(folder):
 
 def published_table(folder):
     """The table from which `recommend` answers."""
-    from yade_scripts.results import reader
-    from analysis.charts import table as rows
-    from tests.analysis.test_charts import series as made_up
-    from analysis import publish
     path = folder / "work_precision.csv"
-    publish.write_table(path, made_up("MD step", [1e-1, 1e-2]))
-    return Reader(path, lambda: rows.from_csv(path), (reader.ResultError,))
+    publish.write_table(path, series("MD step", [1e-1, 1e-2]))
+    return Reader(path, lambda: settings.from_csv(path), (reader.ResultError,))
 
 
 def study_of_the_page(folder):
     """A study's findings, from which the page is made."""
-    from analysis import report
-    from yade_scripts.results import reader
-    published = pathlib.Path(report.__file__).parent / "published"
-    for suffix in (".json", ".csv"):
-        (folder / f"fig4{suffix}").write_bytes((published / f"fig4{suffix}").read_bytes())
-    (folder / "fig4.png").write_bytes((published / "fig4.png").read_bytes())
+    for suffix in (".json", ".csv", ".png"):
+        (folder / f"fig4{suffix}").write_bytes((FOLDER / f"fig4{suffix}").read_bytes())
     return Reader(folder / "fig4.json", lambda: report.build(folder, folder / "page.html"), (reader.ResultError,))
 
 
 def benchmark_table(folder):
     """Tables of the benchmark, from which its figures are drawn."""
-    from analysis import report
-    from analysis import benchmark
-    from yade_scripts.results import reader
     path = folder / "solutions.csv"
-    lines = (pathlib.Path(report.__file__).parent / "published" / "benchmark" / "solutions.csv").read_text().splitlines(keepends=True)
+    lines = (FOLDER / "benchmark" / "solutions.csv").read_text().splitlines(keepends=True)
     path.write_text("".join(lines[:8]))
-    return Reader(path, lambda: benchmark._rows(path, benchmark.COLUMNS["solutions"]), (reader.ResultError,))
+    return Reader(path, lambda: publish.read_table(path, **benchmark.COLUMNS["solutions"]), (reader.ResultError,))
 
 
 READERS = {function.__name__: function for function in (
     table, result, ending, problem_text, problem_dense, problem_fclib, problem_bodies, state, state_record, measurements, published_table,
-    study_of_the_page,
-    benchmark_table)}
+    study_of_the_page, benchmark_table)}
 
 
 def feed(name, folder, count):
-    """Feed the reader of this name with `count` damaged files. Return how many it refused."""
-    reader = READERS[name](folder)
-    refused = survive(reader, count, random.Random(name))
-    assert not reader.refusals or 0 < refused < count, f"{refused} of {count}: nothing is looked at, or everything refused"
+    """Feed the reader of this name with `count` damaged files. Return how many of them it refused."""
+    fed = READERS[name](folder)
+    good, refused = fed.path.read_bytes(), 0
+    fed.read()
+    for bad in mutations(good, count, random.Random(name)):
+        fed.path.write_bytes(bad)
+        try:
+            fed.read()
+        except fed.refusals as error:
+            refused += 1
+            said = str(error)
+            assert str(fed.path) in said or str(fed.path.with_suffix("")) in said, said
+            assert "\n" not in said and len(said) > len(str(fed.path)) + 10, said
+    assert not fed.refusals or 0 < refused < count, f"{refused} of {count}: nothing is looked at, or everything refused"
     return refused

@@ -36,11 +36,8 @@ from yade_scripts.tables import product
 
 TITLE = "A falling disk"
 QUESTION = "How fast does it fall?"
-ORDER = 99
 ROWS = {"quick": product(scene="free_fall", method="CD", gravity=(1.0, 2.0)), "full": product(scene="free_fall", method=("MD", "CD"))}
 ANSWER = "As fast as gravity says."
-GIVEN = ()
-POINTS = ()
 
 
 def summarize(runs):
@@ -53,11 +50,6 @@ def draw(runs, rows, path):
     fig, axis = plt.subplots()
     axis.plot([row["gravity"] for row in rows], [row["speed"] for row in rows], "o")
     style.finish(fig, path, "The speed at the end.", runs)
-
-
-def numbers(table):
-    """The text has none."""
-    return {}
 '''
 MAP = '''"""Where one is too large."""
 from yade_scripts.measuring.maps import STABLE, UNSTABLE, Axis, Map, Outcome, Search, product

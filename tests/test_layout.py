@@ -52,12 +52,3 @@ print("new:", sorted({{name for name in sys.modules if name.split(".")[0] in ("m
 """)
     done = subprocess.run(["yade", "-n", "-x", "-j1", script], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=1200)
     assert "new: []" in done.stdout, done.stdout + done.stderr
-
-
-def test_folders_and_names(root):
-    """Each activity has a folder; commands for users stand beside the folders."""
-    there = {path.name for path in (root / "yade_scripts").iterdir() if not path.name.startswith("__")}
-    assert {"preparing", "running", "scenes", "tables", "measuring", "cluster", "results", "theory"} <= there
-    files = {name for name in there if name.endswith(".py")}
-    assert len(files) < 10, files
-    assert len([path for path in (root / "yade_scripts").rglob("run.py")]) == 1

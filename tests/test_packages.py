@@ -12,6 +12,8 @@ import sys
 
 import pytest
 
+from tests.test_layout import imported
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PURPOSES = ("run", "test", "soak", "lint")
 OURS = {"analysis", "cd_engine", "tests", "yade_scripts", "_yade_plugin", "tumbler"}
@@ -31,15 +33,6 @@ def sources():
     names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.py"], cwd=ROOT, capture_output=True, text=True,
                            check=True).stdout.split()
     return [name for name in names if (ROOT / name).exists()]
-
-
-def imported(tree):
-    """Top-level names of the modules that a file imports from elsewhere than itself."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name.partition(".")[0] for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.level == 0:
-            yield node.module.partition(".")[0]
 
 
 def executed(tree):
@@ -95,7 +88,7 @@ def test_each_package_is_named_once_with_its_reason():
 def test_imports_come_from_these_packages():
     uses, absent = [], {name for name, _, _ in listed()} - set(installed())
     for file in sources():
-        for name in set(imported(ast.parse((ROOT / file).read_text()))) - OURS - sys.stdlib_module_names:
+        for name in {name.partition(".")[0] for name in imported(ROOT / file)} - OURS - sys.stdlib_module_names:
             found = importlib.util.find_spec(name)
             if found is None and f"python3-{name}" in absent:  # this release has no such package
                 continue

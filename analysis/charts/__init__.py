@@ -1,17 +1,18 @@
 """Charts of speed against accuracy and maps of stability, drawn from the measurements in results/ or from published tables.
 
-A chart is a module with TITLE, QUESTION, ANSWER, numbers(table) and GIVEN, as in a study, and
+A chart is a module with TITLE, QUESTION and ANSWER, as in a study, and
 
     rows(measured)            returns the rows of its table, from the measured settings (table.py) or maps (maps.py)
     draw(rows, folder, line)  draws its figures and returns {file name: title}. line: where the rows come from, for the caption
 
-The module `maps` draws the measured maps themselves, since its table has their boundaries only.
+It may have numbers(table) and GIVEN, as a study, and LACKING: why measurements give no row. The module `maps` draws the measured maps themselves,
+since its table has their boundaries only; its descriptions() are those of the maps.
 Accuracy is a relative error: |measured - exact| over a scale that the scene gives, and the largest over the scene's known quantities.
 """
-import importlib
 from pathlib import Path
 
 from analysis import publish
+from yade_scripts import declared
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
@@ -21,7 +22,8 @@ FOLDER = "charts"  # below the folder of the studies' figures
 
 
 def module(name):
-    return importlib.import_module(f"{__name__}.{name}")
+    return declared.load(__name__, name, ("TITLE", "QUESTION", "ANSWER", "rows", "draw"),
+                         {"GIVEN": (), "numbers": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
 
 
 def publish_all(results, folder, full):
@@ -43,7 +45,7 @@ def publish_all(results, folder, full):
                 publish.write_table(folder / f"{name}.csv", rows)
                 publish.write_json(folder / f"{name}.json", {"chart": name, "figures": figures} | origin)
             else:
-                left[name] = f"{name}: {getattr(chart, 'LACKING', 'no measurement belongs in it')}"
+                left[name] = f"{name}: {chart.LACKING}"
     return left
 
 

@@ -8,7 +8,7 @@ from analysis.style import plt
 from yade_scripts import scenes
 
 TITLE = "Cost against the number of disks"
-LACKING = "no scene was measured at several sizes"  # why measurements give no row
+LACKING = "no scene was measured at several sizes"
 QUESTION = "How does the time to an error of 1e-2 grow with the number of disks, by each method?"
 ANSWER = """
 The time of MD and of CD with accelerated sweeps grows about as the number of disks, that of plain sweeps (nsgs) up to about as its square. A lattice

@@ -12,7 +12,7 @@ from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
 from yade_scripts.results.reader import ResultError
 
 TITLE = "Where each method fails"
-LACKING = "no boundary was searched to its end"  # why measurements give no row
+LACKING = "no boundary was searched to its end"
 QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds does each method work, where is the boundary in theory, and does the "
             "program warn when it is crossed?")
 ANSWER = """

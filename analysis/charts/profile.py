@@ -8,7 +8,7 @@ from analysis.charts import choice, table
 from analysis.style import plt
 
 TITLE = "Speed against accuracy, over all scenes"
-LACKING = "no scene was measured by both methods"  # why measurements give no row
+LACKING = "no scene was measured by both methods"
 QUESTION = ("Which method, and which way of refining it, solves most scenes to a given accuracy, and how much slower than the fastest is it there? "
             "Only scenes that both methods can run count.")
 ANSWER = """

@@ -13,17 +13,12 @@ QUESTION = ("How long does each method compute to reach a given accuracy? Only t
 ANSWER = """
 The table has every setting of every scene with its error and time; failures are rows of it. Beside it lies a figure for each scene.
 """
-GIVEN = ()
 FLOOR = 1e-16  # where an error of zero is drawn
 # A colour and a marker of its own for each series. MD full lines, CD dashed.
 LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiffness, fine step": ("#009E73", "D"), "MD damping": ("#1A1A1A", "*"),
         "MD law avoid_ratcheting": ("#80B918", "<"), "MD law path_independent": ("#6A3D9A", ">"), "CD step": ("#E69F00", "^"),
         "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#8B0000", "X"),
         "CD newton": ("#B030B0", "d"), "CD auto": ("#B8A100", "H")}
-
-
-def numbers(table):
-    return {}  # the text has none
 
 
 def rows(measured):

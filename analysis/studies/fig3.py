@@ -149,7 +149,7 @@ below 1e-6 a cycle in the second half of the cycles; in the 22 others the rate o
 before (median; quartiles 0.61 and 0.99; 1 would be a constant rate; 16 fall). 40 or 80 cycles do not show whether it reaches zero. Cycles of 0.5 s
 are short for springs of k_n: in cycles of 2 s they strain a third as far (study of ratcheting).
 """
-GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "0.8", "1.1", "1.3", "1.5", "1.6", "1.7", "1.8", "1.86", "1", "1e-6", "2", "3", "20", "40", "80")
+GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "1.1", "1.3", "1.5", "1.6", "1.7", "1.8", "1.86", "1", "1e-6", "2", "3", "20", "40", "80")
 POINTS = (
     (0, "If the loadings are low enough, the excitations shakedown in the material. [...] there will be practically no accumulation of permanent "
      "strain.",

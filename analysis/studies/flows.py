@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pandas
 
-from analysis import style, summary
+from analysis import publish, style, summary
 from yade_scripts.tables import product
 
 TITLE = "Flows of 500 disks: what does an answer within 2 % cost?"
@@ -103,9 +103,7 @@ def cheapest(rows, scene, disks, method, within=WITHIN):
     """Return the cheapest row of a method that comes `within` of the rigid answer, or else that with the smallest error; None if there are none."""
     if good := reaching(rows, scene, disks, method, within):
         return min(good, key=lambda row: row["seconds"])
-    known = [row for row in rows if (row["scene"], row["disks"], row["method"]) == (scene, disks, method)
-             and row["overlap"] <= OVERLAP and _is_judged(row) and not row["is_rigid_answer"]]
-    return min(known, key=lambda row: abs(row["error"]), default=None)
+    return min(reaching(rows, scene, disks, method, math.inf), key=lambda row: abs(row["error"]), default=None)
 
 
 def _is_judged(row):
@@ -122,7 +120,7 @@ def _is_as_fine(other, row):
 
 def measured(table):
     """Return the published rows that were measured, without those that failed."""
-    found = table[table.seconds.notna()]
+    found = publish.finished(table)
     return found.assign(is_rigid_answer=found.is_rigid_answer.astype(bool))
 
 

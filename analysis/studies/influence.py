@@ -2,7 +2,7 @@
 import pandas
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from analysis import cycles, publish, style, summary
+from analysis import publish, style, summary
 from analysis.studies.fig3 import SPRINGS
 from analysis.style import plt
 from yade_scripts import parameters
@@ -32,35 +32,26 @@ def summarize(runs):
     A run that collapses has strained by what it had then. rate ratio: the same of the strain a cycle in the last half of the cycles, without runs
     that collapse.
     """
-    base, rates, rows = _strains(runs, {}), _rates(runs, {}), []
+    base, rows = _alone(runs, {}), []
     for change in ({}, *PHYSICAL, *NUMERICAL):
-        strains = _strains(runs, change)
-        ratios, later = (strains / base).dropna(), (_rates(runs, change) / rates).dropna()
-        if len(strains):
-            rows.append({"change": ", ".join(f"{name} = {value}" for name, value in change.items()) or "none", "packings": len(strains),
-                         "|gamma|": strains.median(), "least |gamma|": strains.min(), "most |gamma|": strains.max()})
-        if len(ratios):
-            rows[-1] |= {"ratio": ratios.median(), "least ratio": ratios.min(), "largest ratio": ratios.max()}
-        if len(later):
-            rows[-1] |= {"rate ratio": later.median(), "least rate ratio": later.min(), "largest rate ratio": later.max()}
+        found = _alone(runs, change)
+        if found.empty:
+            continue
+        strains = found["strain"]
+        rows.append({"change": ", ".join(f"{name} = {value}" for name, value in change.items()) or "none", "packings": len(found),
+                     "|gamma|": strains.median(), "least |gamma|": strains.min(), "most |gamma|": strains.max()})
+        for name, ratios in (("ratio", strains / base["strain"]), ("rate ratio", found["late rate"] / base["late rate"])):
+            if ratios.notna().any():
+                rows[-1] |= {name: ratios.median(), f"least {name}": ratios.min(), f"largest {name}": ratios.max()}
     return rows
 
 
 def _alone(runs, change):
-    """Return the runs with that change alone, by seed."""
+    """Return a table of the runs with that change alone, by seed: |gamma| at the end, and the rate of the last half of the cycles."""
     wanted = parameters.complete(BASE | change)
-    return {run.parameters["seed"]: run for run in runs
-            if all(run.parameters.get(name, value) == value for name, value in wanted.items() if name != "seed")}
-
-
-def _strains(runs, change):
-    """Return |gamma| at the end of the runs with that change alone, by seed."""
-    return pandas.Series({seed: abs(run.values("gamma")[-1]) for seed, run in _alone(runs, change).items()}, dtype=float)
-
-
-def _rates(runs, change):
-    """Return the strain a cycle in the last half of the cycles of these runs, by seed; without those that collapse."""
-    return pandas.Series({seed: cycles.of(run).late_rate for seed, run in _alone(runs, change).items() if not run.collapsed}, dtype=float)
+    found = {run.parameters["seed"]: {"strain": abs(run.values("gamma")[-1])} | summary.columns(run, "late rate") for run in runs
+             if run.parameters == wanted | {"seed": run.parameters["seed"]}}
+    return pandas.DataFrame(found, index=["strain", "late rate"], dtype=float).T
 
 
 def draw(runs, rows, path):

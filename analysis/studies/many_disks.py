@@ -54,7 +54,7 @@ def summarize(run):
     law: largest error e of the contact law.
     """
     row, cd, time = run.parameters, run.method == "CD", run.values("time")
-    passed = float((np.asarray(run.snapshots[-1]["position"])[:, 1] < 0).mean()) if row["scene"] == "hopper" else math.nan
+    passed = float((run.snapshots[-1]["position"][:, 1] < 0).mean()) if row["scene"] == "hopper" else math.nan
     return {"scene": row["scene"], "disks": row["disks"], "method": run.method, "step": row["cd_dt"] if cd else row["md_dt_factor"],
             "setting": row["tolerance"] if cd else row["kn"], "period": row["period"], "value": float(run.extra[QUANTITY[row["scene"]]]),
             "passed": passed, "seconds": float(run.values("processor_time")[-1]), **_window(run),
@@ -80,8 +80,8 @@ def _window(run):
 def _weights(run):
     """Return the work of the weights over the run [J]."""
     row, (first, last) = run.parameters, (run.snapshots[k] for k in (0, -1))
-    masses = row["density"] * row["depth"] * math.pi * np.asarray(first["radius"])**2
-    return float(row["gravity"] * masses @ (np.asarray(first["position"])[:, 1] - np.asarray(last["position"])[:, 1]))
+    masses = row["density"] * row["depth"] * math.pi * first["radius"]**2
+    return float(row["gravity"] * masses @ (first["position"][:, 1] - last["position"][:, 1]))
 
 
 def _gained(run):
@@ -105,11 +105,11 @@ def _overlap(run, end):
 def _mean_overlap(run):
     """Return the mean overlap of the loaded contacts between disks at the end, over the mean radius."""
     last = run.snapshots[-1]
-    bodies, pairs = np.asarray(last["body_ids"]), np.asarray(last["contact_ids"])[np.asarray(last["force_normal"]) > 0]
+    bodies, pairs = last["body_ids"], last["contact_ids"][last["force_normal"] > 0]
     pairs = pairs[np.isin(pairs, bodies).all(axis=1)]
     order = np.argsort(bodies)
     one, other = order[np.searchsorted(bodies, pairs, sorter=order)].T
-    place, radius = np.asarray(last["position"]), np.asarray(last["radius"])
+    place, radius = last["position"], last["radius"]
     overlaps = radius[one] + radius[other] - np.hypot(*(place[one] - place[other]).T)
     return float(np.maximum(overlaps, 0).mean() / run.parameters["radius_mean"]) if len(overlaps) else 0.0
 
@@ -194,12 +194,12 @@ def pick(table, scene, settings, disks=MANY, **more):
     """Return the one measured row of a scene with these settings."""
     step, setting = (settings["cd_dt"], settings["tolerance"]) if settings["method"] == "CD" else (settings["md_dt_factor"], settings["kn"])
     asked = {"scene": scene, "disks": disks, "method": settings["method"], "step": step, "setting": setting} | more
-    row, = table[(table[list(asked)] == pandas.Series(asked)).all(axis=1) & table.seconds.notna()].itertuples()
+    row, = table[(table[list(asked)] == pandas.Series(asked)).all(axis=1)].itertuples()
     return row
 
 
 def numbers(table):
-    done = table[table.seconds.notna()]
+    done = publish.finished(table)
     window = done[done.window_seconds.notna() & (done.period == WINDOW)]
     scenes = ("hopper", "drum", "collapse")
     fine, stiff = ({scene: pick(window, scene, settings) for scene in scenes} for settings in (FINE, STIFF))

@@ -4,6 +4,7 @@ import pandas
 
 from analysis import loops, observables, style, summary
 from analysis.style import plt
+from yade_scripts import parameters
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
@@ -21,6 +22,7 @@ ROWS = {"quick": product(method="MD", **FAST) + product(method="CD", tolerance=(
                                                                 for row in product(method="CD", **settings, **LOADING)]}
 
 MD, BY_TOLERANCE, BY_SWEEPS, BY_STEP = "MD", "tolerance", "sweeps", "step"
+USUAL_STEP = parameters.complete({})["cd_dt"]  # rows with another step are about the step
 MARKER = {"largest": "o", "width": "s", "remanent": "^"}
 SHADE = {"largest": "#1A1A1A", "width": style.COLOUR["CD"], "remanent": style.COLOUR["MD"]}
 
@@ -28,7 +30,7 @@ SHADE = {"largest": "#1A1A1A", "width": style.COLOUR["CD"], "remanent": style.CO
 def summarize(runs):
     """Return one row a setting, over the packings; `effort` names what is varied."""
     rows = []
-    for (effort, value), group in _settings(runs).items():
+    for (effort, value), group in summary.groups(runs, _key, ordered=False).items():
         full, first = group[0].parameters, loops.of(summary.order(group, "seed")[0])  # of the packing that all settings have
         rows.append({"effort": effort, "value": value, "packings": len(group), **loops.spread(group),
                      "largest, packing 1": first["largest"], "width, packing 1": first["width"]})
@@ -42,18 +44,12 @@ def summarize(runs):
     return rows
 
 
-def _settings(runs):
-    """Return {(what is varied, its value): [runs]}."""
-    steps = [run.parameters["cd_dt"] for run in runs if run.method == "CD"]
-    usual = max(set(steps), key=steps.count, default=None)  # rows with another step are about the step
-    return summary.groups(runs, lambda run: _key(run, usual), ordered=False)
-
-
-def _key(run, usual):
+def _key(run):
+    """Return what is varied, and its value."""
     row = run.parameters
     if run.method == "MD":
         return MD, 0.0
-    if row["cd_dt"] != usual:
+    if row["cd_dt"] != USUAL_STEP:
         return BY_STEP, row["cd_dt"]
     return (BY_SWEEPS, row["fixed_iterations"]) if row["fixed_iterations"] else (BY_TOLERANCE, row["tolerance"])
 
@@ -77,7 +73,7 @@ def draw(runs, rows, path):
                        label=r"MD's largest $|\gamma|$ times $k_n/\kappa$, $\kappa = q m N_I/\Delta t^2$")
         panels[1].legend()
     style.finish(fig, path, "Mean over the packings, bars from the smallest to the largest; points without bars are of one packing.",
-                 [run for (effort, _), group in _settings(runs).items() for run in group if effort != BY_STEP])
+                 [run for run in runs if _key(run)[0] != BY_STEP])
 
 
 ANSWER = """

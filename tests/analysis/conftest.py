@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from yade_scripts import parameters, results
-from yade_scripts.results import schema, sealed
+from yade_scripts.results import reader, schema, sealed
 
 SIDE = 0.2  # [m] of the made-up square sample
+PER_CYCLE = 20  # samples of `cyclic`
 
 
 def lattice(columns, method, seed=5):
@@ -86,20 +87,29 @@ def write(path, method="MD", columns=None, snapshots=None, row=None, **attribute
     return path
 
 
+def write_row(folder, row, **more):
+    """The result file of a row, under its name."""
+    full = parameters.complete(row)
+    return write(results.path_of(full, folder), full["method"], row=row, **more)
+
+
+def cyclic(path, rates, first=0.0, **row):
+    """A finished MD run whose gamma changes by rates[n] over cycle n; sliding contacts come and go in each cycle."""
+    cycle = np.arange(PER_CYCLE * len(rates) + 1) / PER_CYCLE
+    gamma = np.interp(cycle, np.arange(len(rates) + 1), np.concatenate([[first], first + np.cumsum(rates)]))
+    columns = history("MD", len(cycle)) | dict(
+        time=cycle, cycle=cycle, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma2=np.full(len(cycle), 1200.0),
+        contacts=np.full(len(cycle), 800.0), dissipated_energy=cycle * 1e-3, sliding_contacts=80 * np.sin(np.pi * cycle)**2)
+    return reader.load(write(path, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=PER_CYCLE) | row))
+
+
 @pytest.fixture
 def md(tmp_path):
     """The path of a finished MD run."""
-    return write(results.path_of(parameters.complete({"method": "MD"}), tmp_path), "MD")
+    return write_row(tmp_path, {"method": "MD"})
 
 
 @pytest.fixture
 def cd(tmp_path):
     """The path of a finished CD run comparable with `md`."""
-    return write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD")
-
-
-@pytest.fixture
-def yade_code(tmp_path):
-    """Runs Python text inside YADE; the last line printed, read as JSON."""
-    from tests.yade_scripts.conftest import Yade
-    return Yade(tmp_path).code
+    return write_row(tmp_path, {"method": "CD"})

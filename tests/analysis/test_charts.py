@@ -6,14 +6,11 @@ import pandas
 import pytest
 
 from analysis import publish, style
-from analysis import __main__ as command
+from analysis.__main__ import main
 from analysis.charts import by_kind, choice, cost_against_size, profile, table
+from tests.yade_scripts.conftest import Yade
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
-
-
-def main(arguments):
-    return command.main(arguments)
 
 
 def rows(*several):
@@ -22,18 +19,17 @@ def rows(*several):
 
 
 def series(series, errors, seconds=None, scene="stack", size=0):
-    """A series of settings; an error given as text is the reason of a failure."""
+    """A series of settings; an error given as text is the reason of a failure. seconds: of each, by default doubled from one to the next."""
     made = []
     for rank, error in enumerate(errors):
-        lost = isinstance(error, str)
-        made.append({"name": f"{scene}-{series}-{rank}", "status": f"failed: {error}" if lost else "", "scene": scene, "kind": "piles at rest",
-                     "size": size, "method": series[:2], "series": series,
-                     "rank": rank, "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}",
-                     "error": None if lost else error,
-                     "worst": "" if lost else "force",
-                     "seconds": None if lost else (seconds or [0.1 * 2**rank] * 99)[rank] if seconds else 0.1 * 2**rank,
-                     "fastest": None if lost else 0.1, "slowest": None if lost else 0.2, "repeats": 3, "steps": 10, "sweeps": 5,
-                     "unconverged_steps": 0, "disks": 4})
+        row = {"scene": scene, "kind": "piles at rest", "size": size, "method": series[:2], "series": series, "rank": rank,
+               "setting": f"tolerance={10.0**-rank:g}", "arguments": f"scene={scene} tolerance={10.0**-rank:g}", "steps": 10, "sweeps": 5,
+               "unconverged_steps": 0, "disks": 4}
+        if isinstance(error, str):
+            made.append(row | {"status": f"failed: {error}"} | dict.fromkeys(("error", "worst", "seconds", "fastest", "slowest")))
+        else:
+            made.append(row | {"status": "", "error": error, "worst": "force", "seconds": seconds[rank] if seconds else 0.1 * 2**rank,
+                               "fastest": 0.1, "slowest": 0.2})
     return made
 
 
@@ -187,7 +183,7 @@ def test_no_measurements_are_said_so(tmp_path, capsys):
     assert "profile: no scene was measured by both methods\n" in said and "cost_against_size: no scene was measured at several sizes\n" in said
 
 
-def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):
+def test_recommended_settings_reach_what_they_promise(tmp_path):
     """Every scene's cheapest setting of each method that takes less than 0.1 s, run anew."""
     promised, found = [], table.one_size(table.from_csv(table.PUBLISHED))
     for (scene, _), own in found.groupby(["scene", "method"], sort=False):
@@ -196,7 +192,7 @@ def test_recommended_settings_reach_what_they_promise(tmp_path, yade_code):
             setting, = (one for one in settings.settings(scene, True)
                         if (one.series.name, one.rank, one.size) == (row.series, row["rank"], 0))
             promised.append(setting.row)
-    anew = yade_code(f"""
+    anew = Yade(tmp_path).code(f"""
 from yade_scripts.measuring.charts import measure
 measure.LEAST = measure.MOST = 1
 print(json.dumps([measure.measure(row, "results", 30, lambda seconds: None)[0] for row in json.loads({json.dumps(json.dumps(promised))})]))

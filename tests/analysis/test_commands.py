@@ -9,8 +9,8 @@ import pytest
 
 from analysis import __main__ as command
 from analysis import studies
-from tests.analysis.conftest import history, lattice, write
-from yade_scripts import parameters, results
+from tests.analysis.conftest import history, lattice, write, write_row
+from yade_scripts import parameters, tables
 from yade_scripts.measuring import store
 from yade_scripts.results import reader, schema
 
@@ -38,7 +38,7 @@ def drawn(name, runs, path):
 
 
 def test_fig4_shows_both_methods_on_one_axis(md, cd, tmp_path):
-    path = drawn("fig4", (md, cd), tmp_path / "new" / "fig4.png")
+    path = drawn("fig4", (md, cd), tmp_path / "fig4.png")
     assert ink(path, MD_BLUE) > 1e-3 and ink(path, CD_RED) > 1e-3
     rigid = write(tmp_path / "rigid.h5", "CD", history("CD", scale=0.0))  # a sample that does not move
     assert ink(drawn("fig4", (md, rigid), tmp_path / "fig4.png"), CD_RED) > 1e-3
@@ -59,14 +59,8 @@ def test_line_width_grows_with_the_force(md, tmp_path):
     assert ink(path, BLACK, slice(0.37, 0.68)) > 1.4 * ink(path, BLACK, slice(0.02, 0.33))
 
 
-def test_unknown_command_exits_with_2(root):
-    run = subprocess.run([sys.executable, "-m", "analysis", "fig44"], cwd=root, capture_output=True, text=True)
-    assert run.returncode == 2 and "Traceback" not in run.stderr and "study" in run.stderr
-
-
 def test_a_table_of_a_study_runs_under_yade_batch(capsys, tmp_path):
     """Printed, it reads back as the same rows."""
-    from yade_scripts import parameters, tables
     assert main(["table", "stiffness", "--full"]) == 0
     path = tmp_path / "stiffness.txt"
     path.write_text(capsys.readouterr().out)
@@ -77,8 +71,7 @@ def test_a_table_of_a_study_runs_under_yade_batch(capsys, tmp_path):
 
 
 def test_summary_keeps_failed_runs(md, cd, tmp_path, capsys):
-    failed = write(results.path_of(parameters.complete({"method": "CD", "seed": 2}), tmp_path), "CD", row={"seed": 2}, finished=False,
-                   status="failed: walls locked")
+    failed = write_row(tmp_path, {"method": "CD", "seed": 2}, finished=False, status="failed: walls locked")
     assert main(["summary", md, cd, failed]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 4
@@ -89,23 +82,15 @@ def test_summary_of_a_scene_without_walls(tmp_path, capsys):
     columns = history("CD")
     for name in schema.OF_A_BOX:
         columns[name][:] = np.nan
-    assert main(["summary", write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD", columns)]) == 0
+    assert main(["summary", write_row(tmp_path, {"method": "CD"}, columns=columns)]) == 0
     assert "n/a" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("change, status, word", [
     ({}, 0, "finished"), (dict(finished=False, status="failed: x"), 1, "failed: x"), (dict(git_commit="d" * 40), 1, "different commits")])
 def test_check(md, tmp_path, capsys, change, status, word):
-    other = write(results.path_of(parameters.complete({"method": "CD"}), tmp_path), "CD", **change)
-    assert main(["check", md, other]) == status
+    assert main(["check", md, write_row(tmp_path, {"method": "CD"}, **change)]) == status
     assert word in capsys.readouterr().out
-
-
-def test_check_of_another_file(tmp_path, capsys):
-    other = tmp_path / "notes.txt"
-    other.write_text("no result")
-    assert main(["check", str(other)]) == 1
-    assert capsys.readouterr().out == f"{other}: is no result of this project; if it was one, it is damaged: make it again\n"
 
 
 def test_check_and_summary_refuse_a_renamed_run(md, tmp_path, capsys):

@@ -26,6 +26,13 @@ def test_numbers_of_a_known_loop(tmp_path):
     assert found["width"] == pytest.approx(1e-3 * (25 / 64 - 0.005**2), rel=1e-9)
 
 
+def test_a_cycle_that_is_not_complete_has_no_loop(tmp_path):
+    run = made(tmp_path / "a.h5")
+    run.history["cycle"] = 0.9 * run.history["cycle"]
+    with pytest.raises(reader.ResultError, match="first cycle is not complete"):
+        loops.of(run)
+
+
 def test_spread_over_packings(tmp_path):
     found = loops.spread([made(tmp_path / f"{k}.h5", scale=k * 1e-3) for k in (1, 2, 3)], 10)
     assert (found["largest_low"], found["largest"], found["largest_high"]) == pytest.approx((0.01, 0.02, 0.03), rel=1e-12)

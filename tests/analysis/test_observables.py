@@ -12,6 +12,14 @@ POINTS = 2001
 SMOOTH = (2 * np.pi / POINTS)**2 * 2
 
 
+SHARE = np.linspace(0, 1, 201)  # of the made-up history
+
+
+def changed(path, method="MD", **columns):
+    """A run of the made-up history with other columns."""
+    return reader.load(write(path, method, history(method) | columns))
+
+
 def ellipse(a, b):
     """A closed ellipse of half axes a (strain) and b (stress), counter-clockwise from its lowest point."""
     angle = np.linspace(0, 2 * np.pi, POINTS) - np.pi / 2
@@ -34,20 +42,13 @@ def test_loop_width_needs_an_unloading():
 
 def test_numbers_of_the_made_up_cycle(md):
     run = reader.load(md)
-    gamma, sigma2 = run.values("gamma"), run.values("sigma2")
-    # gamma/1e-3 = -x^2 up and -(1/4 + 3x/4) down: widest at x = 3/8, by 1/4 + 9/64.
-    assert observables.loop_width(gamma, sigma2) == pytest.approx((0.25 + 9 / 64) * 1e-3, rel=1e-4)
     assert observables.change(run, "dissipated_energy") == pytest.approx(2e-3)
     assert observables.stress_error(run) == pytest.approx(1.2e-4)
 
 
 def test_wall_work_of_an_isotropic_compression_is_exact(tmp_path):
     """At constant pressure the work is P0 times the loss of area, whatever the path."""
-    columns = history("MD")
-    count = len(columns["time"])
-    columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.linspace(0, -0.2, count)
-    columns["sigma1"] = columns["sigma2"] = np.full(count, 1200.0)
-    run = reader.load(write(tmp_path / "run.h5", columns=columns))
+    run = changed(tmp_path / "run.h5", strain1=-0.1 * SHARE, strain2=-0.2 * SHARE, sigma2=np.full(len(SHARE), 1200.0))
     assert observables.wall_work(run) == pytest.approx(1200 * SIDE**2 * (1 - 0.9 * 0.8), rel=1e-12)
 
 
@@ -64,30 +65,15 @@ def test_stiffness_of_a_linear_response():
     assert observables.stiffness(0 * gamma, stress) == np.inf
 
 
-def test_cycle_range(tmp_path):
-    columns = history("MD")
-    columns["cycle"] = 2 * columns["cycle"] + 1e-12
-    run = reader.load(write(tmp_path / "run.h5", columns=columns))
-    assert observables.cycle_range(run, 1) == slice(0, 101)
-    assert observables.cycle_range(run, 2) == slice(100, 201)
-    with pytest.raises(reader.ResultError, match="cycle 3 is not complete"):
-        observables.cycle_range(run, 3)
-
-
 def test_snapshot_at_the_load_maximum(md):
     snapshot, load_ratio = observables.snapshot_at_load_maximum(reader.load(md))
     assert (snapshot["time"], load_ratio) == (0.5, pytest.approx(1.2 * (1 + 1e-4)))  # of the goal
 
 
 def test_no_snapshot_at_the_load_maximum(tmp_path):
-    run = reader.load(md_without_the_middle(tmp_path))
+    run = reader.load(write(tmp_path / "run.h5", snapshots={time: lattice(5, "MD") for time in (0.0, 1.0)}))
     with pytest.raises(reader.ResultError, match="no snapshot near the load maximum"):
         observables.snapshot_at_load_maximum(run)
-
-
-def md_without_the_middle(folder):
-    """A run whose only snapshots are at its start and end."""
-    return write(folder / "run.h5", snapshots={0.0: lattice(5, "MD"), 1.0: lattice(5, "MD")})
 
 
 def test_sliding_needs_friction_and_a_force():
@@ -119,10 +105,8 @@ def test_correlation():
 
 def energies(folder, method, name, dissipated):
     """A run in which the walls do 1 J of work, 0.25 J are stored, 0.05 J move, and the history field `name` counts `dissipated` J."""
-    columns = history(method)
-    share = np.linspace(0, 1, len(columns["time"]))
-    columns |= {"wall_work": share, "stored_energy": 0.25 * share, "kinetic_energy": 0.05 * share, name: dissipated * share}
-    return reader.load(write(folder / f"{method}.h5", method, columns))
+    return changed(folder / f"{method}.h5", method, wall_work=SHARE, stored_energy=0.25 * SHARE, kinetic_energy=0.05 * SHARE,
+                   **{name: dissipated * SHARE})
 
 
 def test_balance_error_takes_what_was_summed_where_it_happened(tmp_path):
@@ -134,22 +118,14 @@ def test_balance_error_takes_what_was_summed_where_it_happened(tmp_path):
 
 def test_work_error_compares_two_ways_to_the_work(tmp_path):
     """Isotropic compression at P0 by a tenth of the area does the work P0 dA; the history states a tenth more."""
-    columns = history("MD")
-    count = len(columns["time"])
-    columns["strain1"], columns["strain2"] = np.linspace(0, -0.1, count), np.zeros(count)
-    columns["sigma1"] = columns["sigma2"] = np.full(count, 1200.0)
-    columns["wall_work"] = np.linspace(0, 1.1 * 1200 * SIDE**2 * 0.1, count)
-    run = reader.load(write(tmp_path / "run.h5", columns=columns))
+    run = changed(tmp_path / "run.h5", strain1=-0.1 * SHARE, strain2=0 * SHARE, sigma2=np.full(len(SHARE), 1200.0),
+                  wall_work=1.1 * 1200 * SIDE**2 * 0.1 * SHARE)
     assert observables.work_error(run) == pytest.approx(-0.1 / 1.1, rel=1e-9)
     assert observables.work_scale(run) == pytest.approx(1200 * SIDE**2)
 
 
 def test_critical_load_is_interpolated(tmp_path):
-    columns = history("MD")
-    count = len(columns["time"])
-    share = np.linspace(0, 1, count)
-    columns |= dict(gamma=-0.01 * share, sigma2_goal=1200 * (1 + share))
-    run = reader.load(write(tmp_path / "run.h5", columns=columns))
+    run = changed(tmp_path / "run.h5", gamma=-0.01 * SHARE, sigma2_goal=1200 * (1 + SHARE))
     # A straight line, which interpolation meets exactly.
     assert observables.critical_load(run, 0.00333) == pytest.approx(1.333, rel=1e-12)
     assert np.isnan(observables.critical_load(run, 0.02))

@@ -10,13 +10,8 @@ import pytest
 
 from analysis import publish, report, studies, summary
 from yade_scripts.results import reader, schema
-from analysis import __main__ as command
-from tests.analysis.conftest import history, lattice, write
-from yade_scripts import parameters, results
-
-
-def main(arguments):
-    return command.main(arguments)
+from analysis.__main__ import main
+from tests.analysis.conftest import cyclic, history, lattice, write, write_row
 
 
 @pytest.fixture
@@ -25,25 +20,16 @@ def fig4_results(tmp_path):
     folder = tmp_path / "results"
     folder.mkdir()
     for row in studies.module("fig4").ROWS["quick"]:
-        full = parameters.complete(row)
-        write(results.path_of(full, folder), full["method"], row=row)
+        write_row(folder, row)
     return folder
 
 
 CD_ROW = studies.module("fig4").ROWS["quick"][1]
 
 
-def file_of(folder, method):
-    """The result file of a method."""
-    return next(folder.glob(f"biaxial-{method}-*.h5"))
-
-
 def test_every_study_keeps_to_the_frame():
     for name in studies.names():
-        module = studies.module(name)
-        assert module.TITLE and module.QUESTION and set(module.ROWS) == {"quick", "full"}
-        assert all(callable(getattr(module, part)) for part in ("summarize", "draw", "numbers"))
-        assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict, _ in module.POINTS)
+        assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict, _ in studies.module(name).POINTS)
         for full in (False, True):
             assert studies.rows(name, full)
 
@@ -103,11 +89,6 @@ def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, cap
     assert {path.stem for path in (tmp_path / "out").glob("*.csv")} == {"fig4"}
 
 
-def test_collect_finds_the_rows_of_the_table(fig4_results):
-    found = studies.collect("fig4", fig4_results)
-    assert [run.method for run in found.runs] == ["MD", "CD"] and not found.missing
-
-
 def test_the_number_of_runs_stands_behind_the_name_of_the_study(fig4_results, tmp_path, capsys):
     """Not the doubt about their commit."""
     with contextlib.redirect_stderr(sys.stdout):
@@ -117,10 +98,10 @@ def test_the_number_of_runs_stands_behind_the_name_of_the_study(fig4_results, tm
 
 
 def test_rows_without_a_result_keep_their_reason(fig4_results):
-    cd = file_of(fig4_results, "CD")
+    cd = write_row(fig4_results, CD_ROW)
     cases = [(lambda: cd.rename(cd.with_name(cd.stem + ".partial.h5")), "under way or interrupted"),
              (lambda: cd.with_name(cd.stem + ".partial.h5").unlink(), studies.NOT_RUN),
-             (lambda: write(cd, "CD", row=CD_ROW, finished=False, status="failed: walls locked"), "failed: walls locked"),
+             (lambda: write_row(fig4_results, CD_ROW, finished=False, status="failed: walls locked"), "failed: walls locked"),
              (lambda: cd.write_bytes(b"no HDF5"), "no result of this project")]
     for change, reason in cases:
         change()
@@ -129,7 +110,7 @@ def test_rows_without_a_result_keep_their_reason(fig4_results):
 
 
 def test_published_files_hold_failures_and_provenance(fig4_results, tmp_path):
-    write(file_of(fig4_results, "CD"), "CD", row=CD_ROW, finished=False, status="failed: walls locked")
+    write_row(fig4_results, CD_ROW, finished=False, status="failed: walls locked")
     stem = publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     table = publish.read_table(stem.with_suffix(".csv"))
     assert table.columns[0] == publish.STATUS and table[publish.STATUS].fillna("").tolist() == ["", "failed: walls locked"]
@@ -144,7 +125,7 @@ def test_a_summary_is_written_with_all_digits_and_regenerates(fig4_results, tmp_
     first, second = (publish.publish(studies.collect("fig4", fig4_results), tmp_path / name) for name in ("a", "b"))
     for suffix in (".csv", ".json"):
         assert first.with_suffix(suffix).read_bytes() == second.with_suffix(suffix).read_bytes()
-    md = reader.load(file_of(fig4_results, "MD"))
+    md = reader.load(next(fig4_results.glob("biaxial-MD-*.h5")))
     assert f",{float(np.abs(md.values('gamma')).max())!r}," in first.with_suffix(".csv").read_text()
 
 
@@ -156,7 +137,7 @@ def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
         folder = tmp_path / "results"
         folder.mkdir()
         for row in part:
-            write(results.path_of(row, folder), row["method"], row=row, snapshots={time: lattice(8, row["method"]) for time in (0.0, 0.5, 1.0)})
+            write_row(folder, row, snapshots={time: lattice(8, row["method"]) for time in (0.0, 0.5, 1.0)})
         if part:
             stem = publish.publish(studies.collect(name, folder), tmp_path / "out")
             assert json.loads(stem.with_suffix(".json").read_text())["runs_finished"] == len(part)
@@ -203,11 +184,11 @@ def test_report_is_one_page_that_loads_nothing(fig4_results, tmp_path, capsys):
 
 
 def test_report_names_different_commits_and_failures(fig4_results, tmp_path):
-    write(file_of(fig4_results, "CD"), "CD", row=CD_ROW, git_commit="d" * 40 + "-dirty")
+    write_row(fig4_results, CD_ROW, git_commit="d" * 40 + "-dirty")
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "made by 2 commits" in text and "dddddddddddd-dirty" in text
-    write(file_of(fig4_results, "CD"), "CD", row=CD_ROW, finished=False, status="failed: <walls> locked")
+    write_row(fig4_results, CD_ROW, finished=False, status="failed: <walls> locked")
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "1 &times; failed: &lt;walls&gt; locked" in text
@@ -226,14 +207,11 @@ def test_symbols_of_the_page():
 
 def ramp(folder, method, slope, name):
     """A ramp run to 2.5 P0 in which gamma = -slope (sigma2/P0 - 1)^3 and the sliding contacts rise to 600 of 800."""
-    samples = 301
-    share = np.linspace(0, 1, samples)
+    share = np.linspace(0, 1, 301)
     ratio = 1 + 1.5 * share
-    columns = {name: np.zeros(samples) for name, field in schema.HISTORY.items() if method in field.methods}
     gamma = -slope * (ratio - 1)**3
-    columns |= dict(time=share, cycle=share, gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma1=np.full(samples, 1200.0),
-                    sigma2=1200 * ratio, sigma1_goal=np.full(samples, 1200.0), sigma2_goal=1200 * ratio, contacts=np.full(samples, 800.0),
-                    sliding_contacts=600 * share)
+    columns = history(method, len(share)) | dict(gamma=gamma, strain2=gamma / 2, strain1=-gamma / 2, sigma2=1200 * ratio, sigma2_goal=1200 * ratio,
+                                                 contacts=np.full(len(share), 800.0), sliding_contacts=600 * share)
     return reader.load(write(folder / name, method, columns=columns, row=dict(loading="ramp", method=method)))
 
 
@@ -248,22 +226,10 @@ def test_fig5_finds_the_critical_loads_of_a_known_curve(tmp_path):
     module.draw(runs, [md, cd], tmp_path / "fig5.png")
 
 
-def cyclic(folder, rates, name, **row):
-    """A run of which only gamma at the ends of the cycles matters."""
-    samples = 10 * len(rates) + 1
-    cycle = np.arange(samples) / 10
-    ends = np.concatenate([[0], np.cumsum(rates)])
-    columns = {name: np.zeros(samples) for name in history("MD")}
-    columns |= dict(time=cycle, cycle=cycle, gamma=np.interp(cycle, np.arange(len(ends)), ends), sigma1=np.full(samples, 1200.0),
-                    sigma2=np.full(samples, 1200.0), contacts=np.full(samples, 800.0), sliding_contacts=40 * np.sin(np.pi * cycle)**2,
-                    dissipated_energy=cycle)
-    return reader.load(write(folder / name, columns=columns, row=dict(loading="cosine", cycles=len(rates), records_per_cycle=10) | row))
-
-
 def test_fig3_tells_collapse_from_what_stands(tmp_path):
     module, number = studies.module("fig3"), np.arange(1, 65)
-    runs = [cyclic(tmp_path, -1e-5 / number**3, "low.h5", delta_sigma=0.1), cyclic(tmp_path, np.full(64, -1e-5), "middle.h5", delta_sigma=0.3),
-            cyclic(tmp_path, np.full(64, -3e-3), "high.h5", delta_sigma=0.5)]
+    runs = [cyclic(tmp_path / "low.h5", -1e-5 / number**3, delta_sigma=0.1), cyclic(tmp_path / "middle.h5", np.full(64, -1e-5), delta_sigma=0.3),
+            cyclic(tmp_path / "high.h5", np.full(64, -3e-3), delta_sigma=0.5)]
     runs[2].attributes["outcome"] = schema.OUTCOME_COLLAPSED
     rows = module.summarize(runs[::-1])
     assert [row["dSigma"] for row in rows] == [0.1, 0.3, 0.5]
@@ -274,7 +240,7 @@ def test_fig3_tells_collapse_from_what_stands(tmp_path):
 
 def test_influence_compares_packing_by_packing(tmp_path):
     module = studies.module("influence")
-    runs = [cyclic(tmp_path, np.full(10, -rate), f"{seed}{change}.h5", seed=seed, **module.BASE | change)
+    runs = [cyclic(tmp_path / f"{seed}{change}.h5", np.full(10, -rate), seed=seed, **module.BASE | change)
             for seed, rate in ((1, 1e-5), (2, 1e-4)) for change, rate in (({}, rate), (dict(kt_over_kn=0.1), 2 * rate), (dict(period=1.0), rate / 2))]
     rows = {row["change"]: row for row in module.summarize(runs)}
     assert list(rows) == ["none", "kt_over_kn = 0.1", "period = 1.0"]
@@ -286,7 +252,7 @@ def test_influence_compares_packing_by_packing(tmp_path):
 
 def test_laws_compare_on_the_same_packing(tmp_path):
     module = studies.module("laws")
-    runs = [cyclic(tmp_path, np.full(32, -rate), f"{law}.h5", tangential_law=law)
+    runs = [cyclic(tmp_path / f"{law}.h5", np.full(32, -rate), tangential_law=law)
             for law, rate in (("standard", 1e-5), ("avoid_ratcheting", 1.1e-5), ("path_independent", 3e-5))]
     rows = module.summarize(runs)
     assert [row["strain over standard"] for row in rows] == [pytest.approx(ratio) for ratio in (1, 1.1, 3)]
