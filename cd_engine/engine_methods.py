@@ -23,7 +23,7 @@ def exportProblem(self, path, bodies=False):
                            "engine of the run (PyRunner)")
     from ._yade_plugin import next_problem
     from .core import export
-    (export.write_bodies if bodies else export.write_step)(path, *next_problem(self, bodies))
+    export.write_step(path, bodies, *next_problem(self))
 
 
 def text(engine):

@@ -32,8 +32,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkEngines();
 	// Brings the scene up to date, by the engine that has made the last step.
 	static void settleLatest();
-	// What exportProblem (engine_methods.py) writes: the arguments of core/export.py's write_bodies, or of write_step, as bytes.
-	py::tuple nextProblem(bool bodies);
+	// What exportProblem (engine_methods.py) writes: the fields of a BodyProblem in their order, as bytes.
+	py::tuple nextProblem();
 
     private:
 	double nextTolerance() const;

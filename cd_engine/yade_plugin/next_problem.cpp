@@ -1,6 +1,5 @@
-// Assembles the problem of the next step for cd_engine/core/export.py.
+// Assembles the problem of the next step for exportProblem (cd_engine/engine_methods.py).
 #include "../bindings/python.hpp"
-#include "../core/delassus_system.hpp"
 #include "contact_dynamics.hpp"
 
 namespace cd_engine {
@@ -15,8 +14,9 @@ namespace {
 			masses.insert(masses.end(), b.w, b.w + 3);
 			velocities.insert(velocities.end(), b.v, b.v + 3);
 		}
-		for (const int32_t row : cd::solvableRows(system)) {
-			const cd::ContactRow& c = system.contacts[row];
+		for (const cd::ContactRow& c : system.contacts) {
+			if (!(c.wnn > 0))
+				continue;
 			pairs.insert(pairs.end(), { c.a, c.b });
 			normals.insert(normals.end(), { c.nx, c.ny });
 			arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
@@ -30,7 +30,7 @@ namespace {
 
 } // namespace
 
-py::tuple ContactDynamics::nextProblem(bool bodies)
+py::tuple ContactDynamics::nextProblem()
 {
 	std::unique_lock<std::mutex> betweenSteps(stepping, std::defer_lock);
 	{
@@ -50,15 +50,7 @@ py::tuple ContactDynamics::nextProblem(bool bodies)
 	if (handover)
 		look.takeOverlaps();
 	cd::TimeStep next;
-	const cd::ContactSystem& system = next.assemble(look.world, settings);
-	if (bodies)
-		return bodyArrays(system);
-	const cd::DelassusSystem problem = cd::assembleDelassus(system);
-	std::vector<int> pairs;
-	for (const int32_t row : cd::solvableRows(system)) {
-		pairs.insert(pairs.end(), { system.contacts[row].a, system.contacts[row].b });
-	}
-	return py::make_tuple(bytes(problem.start), bytes(problem.column), bytes(problem.blocks), bytes(problem.q), bytes(problem.mu), bytes(pairs));
+	return bodyArrays(next.assemble(look.world, settings));
 }
 
 } // namespace cd_engine
