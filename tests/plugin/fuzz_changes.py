@@ -3,10 +3,9 @@ it."""
 import math
 
 import yade
-from yade import wrapper
 from yade.wrapper import Box, FrictMat, Sphere, Wall
 
-from . import fuzz_laws
+from . import fuzz_laws, plane
 from .fuzz_geometry import BOX, DISK, KINDS, WALL
 
 NAN = float("nan")
@@ -163,11 +162,8 @@ def springs(run):
     """Run YADE's own springs for a while, then Contact Dynamics again."""
     import cd_engine
     cd_engine.release()
-    w, scene = wrapper, yade.O
-    scene.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()]),
-                     w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
-                                       [w.Ip2_FrictMat_FrictMat_FrictPhys()], [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-                     w.NewtonIntegrator(gravity=run.scene.settings["gravity"], damping=0.2)]
+    scene = yade.O
+    scene.engines = plane.springs(run.scene.settings["gravity"])
     lightest = min((b.state.mass for b in scene.bodies if b.state.blockedDOFs != "xyzXYZ"), default=1)
     dt, scene.dt = scene.dt, min(scene.dt, 0.1 * math.sqrt(lightest / 1e6))
     scene.run(run.r.choice((1, 50, 400)), True)
