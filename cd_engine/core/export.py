@@ -1,4 +1,4 @@
-"""Writes the problem that the engine in YADE assembled; called with what cd_engine/yade_plugin/next_problem.cpp returns."""
+"""Writes the problem that the engine in YADE assembled; called from exportProblem (cd_engine/engine_methods.py)."""
 import numpy as np
 
 from .body_problem import BodyProblem
@@ -6,7 +6,7 @@ from .files import write_problem
 
 
 def write_step(path, bodies, inverse_masses, free_velocities, pairs, normals, arms, bias, mu, impulses):
-    """Write a `BodyProblem` whose fields are given as bytes: itself if `bodies`, else its matrix."""
+    """Write the `BodyProblem` whose fields are given as bytes; without `bodies` its W, q and mu, and the two bodies of each contact."""
     pairs = np.frombuffer(pairs, np.int32).reshape(-1, 2)
     inverse_masses, free_velocities, normals, arms = (
         np.frombuffer(numbers).reshape(-1, width) for numbers, width in ((inverse_masses, 3), (free_velocities, 3), (normals, 2), (arms, 4)))

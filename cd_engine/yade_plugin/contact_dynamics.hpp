@@ -32,7 +32,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkEngines();
 	// Brings the scene up to date, by the engine that has made the last step.
 	static void settleLatest();
-	// What exportProblem (engine_methods.py) writes: the fields of a BodyProblem as bytes, for core/export.py.
+	// What exportProblem (engine_methods.py) writes: the fields of a BodyProblem in their order, as bytes.
 	py::tuple nextProblem();
 
     private:

@@ -13,11 +13,9 @@ namespace {
 		for (void (*const registerEngine)() : registrations)
 			registerEngine();
 		defineNames();
-		py::def(
-		    "layout", +[] { return establishLayout(); },
-		    "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes.");
-		py::def("verify_layout", establishLayout,
-		    "Repeat the check made on import with false claims {member: offset or type name}; ImportError where one is found out.");
+		py::def("layout", establishLayout, py::arg("claims") = py::dict(),
+		    "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes, by the check made on import. With "
+		    "false claims {member: offset or type name}: ImportError where one is found out.");
 		py::def(
 		    "wait_begins", +[] { waiting++; }, "Somebody waits for the run to end and does not look at the scene meanwhile.");
 		const auto waitEnds = +[] {

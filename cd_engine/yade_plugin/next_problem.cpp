@@ -1,8 +1,34 @@
-// Assembles the problem of the next step for cd_engine/core/export.py.
+// Assembles the problem of the next step for exportProblem (cd_engine/engine_methods.py).
 #include "../bindings/python.hpp"
 #include "contact_dynamics.hpp"
 
 namespace cd_engine {
+namespace {
+
+	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
+	py::tuple bodyArrays(const cd::ContactSystem& system)
+	{
+		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
+		std::vector<int32_t> pairs;
+		for (const cd::BodyVelocity& b : system.bodies) {
+			masses.insert(masses.end(), b.w, b.w + 3);
+			velocities.insert(velocities.end(), b.v, b.v + 3);
+		}
+		for (const cd::ContactRow& c : system.contacts) {
+			if (!(c.wnn > 0))
+				continue;
+			pairs.insert(pairs.end(), { c.a, c.b });
+			normals.insert(normals.end(), { c.nx, c.ny });
+			arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
+			bias.push_back(c.bias);
+			mu.push_back(c.mu);
+			impulses.insert(impulses.end(), { c.pn, c.pt });
+		}
+		return py::make_tuple(
+		    bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
+	}
+
+} // namespace
 
 py::tuple ContactDynamics::nextProblem()
 {
@@ -24,24 +50,7 @@ py::tuple ContactDynamics::nextProblem()
 	if (handover)
 		look.takeOverlaps();
 	cd::TimeStep next;
-	const cd::ContactSystem& system = next.assemble(look.world, settings);
-	std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
-	std::vector<int32_t> pairs;
-	for (const cd::BodyVelocity& b : system.bodies) {
-		masses.insert(masses.end(), b.w, b.w + 3);
-		velocities.insert(velocities.end(), b.v, b.v + 3);
-	}
-	for (const cd::ContactRow& c : system.contacts) {
-		if (!(c.wnn > 0))
-			continue; // its bodies cannot move along the normal
-		pairs.insert(pairs.end(), { c.a, c.b });
-		normals.insert(normals.end(), { c.nx, c.ny });
-		arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
-		bias.push_back(c.bias);
-		mu.push_back(c.mu);
-		impulses.insert(impulses.end(), { c.pn, c.pt });
-	}
-	return py::make_tuple(bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
+	return bodyArrays(next.assemble(look.world, settings));
 }
 
 } // namespace cd_engine

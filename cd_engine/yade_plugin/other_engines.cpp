@@ -90,8 +90,8 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	Shared<yade::Engine> found;
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
-		Other other { engine.get(), engine->dead, engine.get() == self, false, before, onlyDrives(name) };
-		if (other.self) {
+		Other other { engine.get(), engine->dead, engine.get() == self, before, onlyDrives(name) };
+		if (other.ours) {
 			if (!std::exchange(before, false))
 				problem = "it stands twice in O.engines and would move the bodies a second time. Remove one of the two";
 		} else if (isA(name, "Collider") && !found) {
@@ -147,7 +147,7 @@ bool OtherEngines::looks(yade::Scene* scene) const
 	if (changedAt == iteration)
 		return true;
 	for (const Other& other : others) {
-		if (other.self || other.ours || other.drives)
+		if (other.ours || other.drives)
 			continue;
 		// A periodic engine that has run before may have set itself dead in that step.
 		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;

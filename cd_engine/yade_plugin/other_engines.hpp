@@ -45,7 +45,7 @@ class OtherEngines {
 	struct Other {
 		yade::Engine* engine;
 		bool dead;
-		bool self, ours; // ours: changes only what every step makes anew, or acts only on request
+		bool ours; // `self`, or changes only what every step makes anew, or acts only on request
 		bool before; // it stands before `self`
 		bool drives; // only sets velocities of bodies
 	};

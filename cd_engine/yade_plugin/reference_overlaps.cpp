@@ -108,12 +108,7 @@ void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::ve
 	std::set<std::pair<int, int>> all;
 	for (const int32_t i : which)
 		all.insert(std::minmax(pairs[i].a, pairs[i].b));
-	auto next = all.begin(); // both lists are sorted
-	forgetIf([&](const std::pair<int, int>& pair) {
-		while (next != all.end() && *next < pair)
-			++next;
-		return next != all.end() && *next == pair;
-	});
+	forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair) > 0; });
 }
 
 void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const

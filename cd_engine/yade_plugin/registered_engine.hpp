@@ -259,7 +259,7 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			if (access.kind != Access::remember)
 				names += (names.empty() ? "" : ", ") + std::string(name);
 		});
-		return std::string(E::documentation) + (settings.empty() ? "" : "\n\nTo set: " + settings) + "\n\nTo read after a step: " + results;
+		return std::string(E::documentation) + "\n\nTo set: " + settings + (results.empty() ? "" : "\n\nTo read after a step: " + results);
 	}
 };
 

@@ -3,7 +3,7 @@
 #include "waiting.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <iomanip>
 #include <iostream>
 
 namespace cd_engine {
@@ -134,8 +134,6 @@ void ContactDynamics::watchPenetration(double before, bool takesOver) const
 	// The step in which no disk moves by more than a quarter of a radius, or, if that is longer, leaves half of what is reported, since a small
 	// overlap that comes at once is proportional to O.dt.
 	const double shares = std::max(0.25 / link.pairSearch().longestWay(), 0.5 * deep * smallest / (maxPenetration - before));
-	char finer[32];
-	std::snprintf(finer, sizeof finer, "%.2g", scene_dt(scene) * std::min(0.5, shares));
 	// That two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just
 	// been taken over, all have come, and only what they have approached since counts as overlap.
 	const double way = !takesOver && (link.cameIn(scene_iter(scene), deepest.a) || link.cameIn(scene_iter(scene), deepest.b))
@@ -150,11 +148,10 @@ void ContactDynamics::watchPenetration(double before, bool takesOver) const
 	else if (restitution > 0 && (atOnce || !misses))
 		remedy = "A contact that impulses of other contacts close rebounds only in the next step, and until then it overlaps by up to its "
 			 "closing speed times O.dt. Take a smaller O.dt";
-	else if (atOnce && misses)
-		remedy = text("It came in this one step, which is not solved, or too long for the speed of the bodies: take a smaller O.dt, about ",
-		    finer, " s, or raise maxIterations or fixedIterations");
 	else if (atOnce)
-		remedy = text("It came in this one step, which is too long for the speed of the bodies: take a smaller O.dt, about ", finer, " s");
+		remedy = text("It came in this one step, which is ", misses ? "not solved, or " : "",
+		    "too long for the speed of the bodies: take a smaller O.dt, about ", std::setprecision(2),
+		    scene_dt(scene) * std::min(0.5, shares), " s", misses ? ", or raise maxIterations or fixedIterations" : "");
 	else if (misses)
 		remedy = "The forces that hold them apart are too small: raise maxIterations or fixedIterations";
 	else if (stepTolerance > loose)

@@ -6,13 +6,13 @@ process, for a debugger. The last line counts the scenes that broke a law. The s
 import argparse
 import glob
 import importlib
+import multiprocessing
 import os
 import pathlib
 import random
 import re
 import sys
 import tempfile
-import time
 import traceback
 
 from tests import waking
@@ -143,24 +143,18 @@ def scene(seed):
 
 def apart(seed):
     """Run the same in a child process, which may crash or hang."""
-    read, write = os.pipe()
-    child = os.fork()
-    if not child:
-        os.close(read)
-        held, said = scene(seed)
-        os.write(write, f"{'held' if held else 'BROKEN'} {said}".encode()[:60000])
-        os._exit(0)
-    os.close(write)
-    ends = time.monotonic() + SECONDS
-    while os.waitpid(child, os.WNOHANG) == (0, 0):
-        if time.monotonic() > ends:
-            os.kill(child, 9)
-            os.waitpid(child, 0)
-            return False, f"hangs: not done in {SECONDS} s"
-        time.sleep(0.005)
-    with os.fdopen(read, "rb") as pipe:
-        word, _, said = pipe.read().decode().partition(" ")
-    return word == "held", said or "the process ended without a word"
+    fork = multiprocessing.get_context("fork")
+    here, there = fork.Pipe(duplex=False)
+    child = fork.Process(target=lambda: there.send(scene(seed)))
+    child.start()
+    there.close()
+    try:
+        return here.recv() if here.poll(SECONDS) else (False, f"hangs: not done in {SECONDS} s")
+    except EOFError:
+        return False, "the process ended without a word"
+    finally:
+        child.kill()
+        child.join()
 
 
 def seeds(text):

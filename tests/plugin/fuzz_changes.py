@@ -3,10 +3,9 @@ it."""
 import math
 
 import yade
-from yade import wrapper
 from yade.wrapper import Box, FrictMat, Sphere, Wall
 
-from . import fuzz_laws
+from . import fuzz_laws, plane
 from .fuzz_geometry import BOX, DISK, KINDS, WALL
 
 NAN = float("nan")
@@ -163,11 +162,8 @@ def springs(run):
     """Run YADE's own springs for a while, then Contact Dynamics again."""
     import cd_engine
     cd_engine.release()
-    w, scene = wrapper, yade.O
-    scene.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()]),
-                     w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
-                                       [w.Ip2_FrictMat_FrictMat_FrictPhys()], [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-                     w.NewtonIntegrator(gravity=run.scene.settings["gravity"], damping=0.2)]
+    scene = yade.O
+    scene.engines = plane.springs(run.scene.settings["gravity"])
     lightest = min((b.state.mass for b in scene.bodies if b.state.blockedDOFs != "xyzXYZ"), default=1)
     dt, scene.dt = scene.dt, min(scene.dt, 0.1 * math.sqrt(lightest / 1e6))
     scene.run(run.r.choice((1, 50, 400)), True)
@@ -188,41 +184,35 @@ def pause(run):
     run.steps(50)
 
 
+# What makes the scene invalid: the object of a body, its attribute, and a bad value in place of the old one.
+BAD = {
+    "radius": ("shape", "radius", lambda r, old: r.choice((0, -0.01, NAN))),
+    "z": ("state", "pos", lambda r, old: (*old[:2], 5)),
+    "velocity": ("state", "vel", lambda r, old: (NAN, 0, 0)),
+    "mass": ("state", "mass", lambda r, old: r.choice((0, -1, NAN))),
+    "friction": ("mat", "frictionAngle", lambda r, old: r.choice((-0.1, 1.6, NAN))),
+    "extents": ("shape", "extents", lambda r, old: (NAN, 0.1, 0.5)),
+    "axis": ("shape", "sense", lambda r, old: 5),
+}
+
+
 def bad(run):
     """Make the scene invalid: the next step must refuse it with the body's name. Then repair it."""
     b = pick(run, DISK)
-    kind = run.r.choice(("radius", "z", "velocity", "mass", "friction", "extents", "axis"))
+    kind = run.r.choice(tuple(BAD))
     if kind in ("extents", "axis"):
         b = pick(run, BOX if kind == "extents" else WALL)
     if not b or (kind == "mass" and b.state.blockedDOFs == "xyzXYZ"):
         return None
     run.changes[-1] += f" ({kind} of #{b.id})"
-    s, m = b.state, b.mat
-    if kind == "radius":
-        old, b.shape.radius = b.shape.radius, run.r.choice((0, -0.01, NAN))
-        mend = lambda: setattr(b.shape, "radius", old)
-    elif kind == "z":
-        old = s.pos
-        s.pos = (old[0], old[1], 5)
-        mend = lambda: setattr(s, "pos", old)
-    elif kind == "velocity":
-        old, s.vel = tuple(s.vel), (NAN, 0, 0)
-        mend = lambda: setattr(s, "vel", old)
-    elif kind == "mass":
-        old, s.mass = s.mass, run.r.choice((0, -1, NAN))
-        mend = lambda: setattr(s, "mass", old)
-    elif kind == "friction":
-        old, m.frictionAngle = m.frictionAngle, run.r.choice((-0.1, 1.6, NAN))
-        mend = lambda: setattr(m, "frictionAngle", old)
-    elif kind == "extents":
-        old, b.shape.extents = tuple(b.shape.extents), (NAN, 0.1, 0.5)
-        mend = lambda: setattr(b.shape, "extents", old)
-    else:
-        old, b.shape.sense = b.shape.sense, 5
-        mend = lambda: setattr(b.shape, "sense", old)
+    where, attribute, value = BAD[kind]
+    owner = getattr(b, where)
+    old = getattr(owner, attribute)
+    old = old if isinstance(old, (int, float)) else tuple(old)
+    setattr(owner, attribute, value(run.r, old))
     said = run.refused()
-    mend()
-    users = [c.id for c in yade.O.bodies if c.mat.id == m.id] if kind == "friction" and m.id >= 0 else [b.id]
+    setattr(owner, attribute, old)
+    users = [c.id for c in yade.O.bodies if c.mat.id == owner.id] if kind == "friction" and owner.id >= 0 else [b.id]
     if kind == "z" and said:
         users = [c.id for c in yade.O.bodies]  # the first disk says which plane it is
     if not said:

@@ -8,10 +8,31 @@ DISK, BOX, WALL = range(3)
 KINDS = {"Sphere": DISK, "Box": BOX, "Wall": WALL}
 
 
+def motion(n):
+    """Return the places and velocities of bodies 0 to n - 1, (n, 3) each: x, y, and rotation about z."""
+    x, v = np.zeros((n, 3)), np.zeros((n, 3))
+    for b in yade.O.bodies:
+        s = b.state
+        q = s.ori
+        x[b.id] = s.pos[0], s.pos[1], 2 * math.atan2(q[2], q[3])
+        v[b.id] = s.vel[0], s.vel[1], s.angVel[2]
+    return x, v
+
+
+def forces(n):
+    """Return what O.forces holds for them, (n, 3): x, y, and the torque about z."""
+    total = np.zeros((n, 3))
+    for b in yade.O.bodies:
+        f, t = yade.O.forces.f(b.id, True), yade.O.forces.t(b.id, True)
+        total[b.id] = f[0], f[1], t[2]
+    return total
+
+
 class Picture:
     """All bodies at one moment, as arrays over the ids; what has been erased has no kind (-1).
 
     x (n, 3): place and rotation about z; v (n, 3): velocities and spin; w (n, 3): inverse masses, 0 where a freedom is blocked;
+    m (n, 3): masses, 0 there, too; arm (n, 3): 1, 1 and the largest arm of a contact's force;
     push (n, 3): dt times force and torque of everything but contacts, weight included, 0 where a freedom is blocked.
     """
 
@@ -20,16 +41,15 @@ class Picture:
         n = len(scene.bodies)
         self.dt = scene.dt
         self.kind = np.full(n, -1)
-        self.x, self.v, self.w, self.push, self.forces = (np.zeros((n, 3)) for _ in range(5))
+        self.x, self.v = motion(n)
+        self.forces = forces(n)
+        self.w = np.zeros((n, 3))
         self.mass, self.radius, self.mu, self.size = (np.zeros(n) for _ in range(4))
         self.half = np.zeros((n, 2))
         self.axis, self.sense = np.zeros(n, int), np.zeros(n, int)
         for b in scene.bodies:
             k, s, shape = b.id, b.state, b.shape
             self.kind[k] = KINDS[type(shape).__name__]
-            q = s.ori
-            self.x[k] = s.pos[0], s.pos[1], 2 * math.atan2(q[2], q[3])
-            self.v[k] = s.vel[0], s.vel[1], s.angVel[2]
             blocked, mass = s.blockedDOFs, s.mass
             self.mass[k] = mass if "x" not in blocked or "y" not in blocked else 0
             self.w[k] = [0 if dof in blocked else 1 / m for dof, m in zip("xyZ", (mass, mass, s.inertia[2]))]
@@ -41,8 +61,8 @@ class Picture:
                 self.size[k] = math.hypot(*self.half[k])
             else:
                 self.axis[k], self.sense[k] = shape.axis, shape.sense
-            f, t = scene.forces.f(k, True), scene.forces.t(k, True)
-            self.forces[k] = f[0], f[1], t[2]
+        self.m = np.where(self.w > 0, 1 / np.where(self.w > 0, self.w, 1), 0)
+        self.arm = np.stack([np.ones(n), np.ones(n), self.size], axis=1)
         self.push = self.dt * (self.forces + self.mass[:, None] * np.array([gravity[0], gravity[1], 0])) * (self.w > 0)
 
     def pairs(self, fixed=False):

@@ -84,7 +84,7 @@ class Watch:
         self.steps += 1
         p = self.picture
         self.body = lambda k: f"body #{k} ({'disk box wall'.split()[p.kind[k]]})"
-        self.v, self.x = _motion(len(p.kind))
+        self.x, self.v = fuzz_geometry.motion(len(p.kind))
         if not (np.isfinite(self.v).all() and np.isfinite(self.x).all()):
             raise Broken(f"a number that is not finite at step {yade.O.iter}, status {cd.status}")
         solved = max(cd.residual, cd.bodyError) <= tolerance_of(cd) if cd.fixedIterations > 0 else cd.status == "converged"
@@ -213,9 +213,7 @@ class Watch:
         Only what is at rest before and after, and stays so since an island sleeps, has forces that balance to the tolerance instead.
         """
         p = self.picture
-        free = p.w > 0
-        m = np.where(free, 1 / np.where(free, p.w, 1), 0)
-        arm = np.stack([np.ones(len(p.kind)), np.ones(len(p.kind)), p.size], axis=1)
+        free, m, arm = p.w > 0, p.m, p.arm
         size = self.acts[:, None] * arm + m * (np.abs(p.v) + np.abs(self.v))
         # Arms are differences of places.
         size[:, 2] += self.acts * self.extent
@@ -225,10 +223,7 @@ class Watch:
         off = (m * (self.v - p.v) - p.push - self.total) * free
         self.hold("balance of momentum", off.ravel(), allowed.ravel(), lambda k: f"{self.body(k // 3)}, {'x y turn'.split()[k % 3]}")
         self.hold("a prescribed velocity", (self.v - p.v)[~free], 0 * p.v[~free], lambda k: "one of the bodies")
-        total = np.zeros_like(p.x)
-        for k in np.flatnonzero(p.kind >= 0).tolist():
-            f, t = yade.O.forces.f(k, True), yade.O.forces.t(k, True)
-            total[k] = f[0], f[1], t[2]
+        total = fuzz_geometry.forces(len(p.kind))
         weight = p.mass[:, None] * np.array([cd.gravity[0], cd.gravity[1], 0])
         size = (np.abs(p.forces) + np.abs(weight)) * p.dt + self.acts[:, None] * arm
         size[:, 2] += self.acts * self.extent
@@ -377,16 +372,14 @@ class Watch:
         else:
             change = normal_only
         self.exact += 1
-        free = p.w > 0
-        m = np.where(free, 1 / np.where(free, p.w, 1), 0)
-        arm = np.stack([np.ones(len(p.kind)), np.ones(len(p.kind)), p.size], axis=1)
+        m = p.m
         off = m * (self.v - start - np.sqrt(p.w) * change)
         largest = max(np.abs(change).max(), (np.sqrt(m) * np.abs(start)).max())
         typical = np.zeros(len(p.kind))  # what bears nothing may be missed by that
         for body in (self.a, self.b):
             np.maximum.at(typical, body[k], self.typical[k])
         acts = np.maximum(self._acts_nearby(), m[:, :2].max(axis=1) * typical)
-        allowed = SLACK_WHOLE * tolerance_of(cd) * acts[:, None] * arm + 1e-9 * np.sqrt(m) * largest
+        allowed = SLACK_WHOLE * tolerance_of(cd) * acts[:, None] * p.arm + 1e-9 * np.sqrt(m) * largest
         self.hold("the exact velocity", off.ravel(), allowed.ravel(), lambda i: f"{self.body(i // 3)}, {'x y turn'.split()[i % 3]}")
 
     def _acts_nearby(self):
@@ -453,13 +446,3 @@ class Watch:
         if not ((self.v == 0) & (p.v != 0) & (p.w > 0)).any():
             size = float((self.pn * np.abs(un) + np.abs(self.pt * ut)).sum()) + abs(self.dissipated)
             self.hold("dissipatedEnergy", cd.dissipatedEnergy - self.dissipated + given, 1e-10 * size + error, lambda _: "all contacts")
-
-
-def _motion(n):
-    v, x = np.zeros((n, 3)), np.zeros((n, 3))
-    for b in yade.O.bodies:
-        s = b.state
-        q = s.ori
-        v[b.id] = s.vel[0], s.vel[1], s.angVel[2]
-        x[b.id] = s.pos[0], s.pos[1], 2 * math.atan2(q[2], q[3])
-    return v, x

@@ -1,11 +1,11 @@
 """Springs and rigid contacts take over from each other again and again, each with the same list of engines."""
-import builtins
 import math
 import time
 
 from yade import wrapper as w
 
 import cd_engine
+from yade_scripts.running.hooks import runner
 
 from . import plane
 
@@ -14,15 +14,12 @@ RADIUS = 0.01
 
 def box_of_disks(O):
     """Sixty disks at rest in a box, by springs that stay soft enough to overlap visibly. Return the two lists of engines and both time steps."""
-    mat = O.materials.append(w.FrictMat(young=1e6, poisson=0.3, density=1000, frictionAngle=math.atan(0.3)))
+    mat = plane.material(0.3)
     for centre, half in (((0.1, -0.05), (0.3, 0.05)), ((-0.05, 0.2), (0.05, 0.3)), ((0.21, 0.2), (0.05, 0.3))):
         plane.box(centre, half, mat=mat)
     for k in range(60):
         plane.disk((0.011 + 0.0215 * (k % 7), 0.011 + 0.021 * (k // 7)), RADIUS, mass=0.05, mat=mat)
-    springs = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb()]),
-               w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
-                                 [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-               w.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.5)]
+    springs = plane.springs(damping=0.5)
     rigid = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-8)
     slow, fast = 1e-3, 0.2 * math.sqrt(0.05 / 1e4)
     O.engines, O.dt = springs, fast
@@ -69,8 +66,7 @@ def test_nothing_moves_at_any_handover(O):
 
 def test_a_loaded_engine_takes_over_what_springs_leave(O, tmp_path):
     """Also one that had no overlap to take over before it was saved."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for k in range(5):
         plane.disk((0, 1.05 * RADIUS + 2.05 * RADIUS * k), RADIUS, mass=0.05, blocked="xzXYZ", mat=mat)
     O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
@@ -80,10 +76,7 @@ def test_a_loaded_engine_takes_over_what_springs_leave(O, tmp_path):
     rigid = list(O.engines)
     assert 0 < rigid[-1].handoverOverlap < 1e-12
     cd_engine.release()
-    O.engines, O.dt = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()]),
-                       w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
-                                         [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-                       w.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.5)], 0.2 * math.sqrt(0.05 / 1e4)
+    O.engines, O.dt = plane.springs(damping=0.5), 0.2 * math.sqrt(0.05 / 1e4)
     O.run(5000, True)
     overlap = deepest(O, False)
     O.engines, O.dt = rigid, 1e-3
@@ -102,8 +95,7 @@ def test_no_release_in_the_middle_of_a_run(O):
         except RuntimeError as error:
             said.append(str(error))
 
-    builtins.from_an_engine = from_an_engine
-    O.engines, O.dt = rigid + [w.PyRunner(command="import builtins; builtins.from_an_engine()", iterPeriod=1)], slow
+    O.engines, O.dt = rigid + [runner(from_an_engine, iterPeriod=1)], slow
     O.run(2, True)
     assert len(said) == 2 and "a run goes on" in said[0]
     cd_engine.release()

@@ -1,23 +1,20 @@
 """What Python may do while a run continues in the background."""
 import _thread
-import builtins
-import subprocess
 import threading
 import time
 
 import pytest
-from yade import wrapper
 
 from cd_engine import core
+from yade_scripts.running.hooks import runner
 
-from . import plane
+from . import plane, programs
 from .test_export_problem import ids
 
 
 def columns(O):
     """Fifty columns of disks on a floor, a step of which takes a while; ContactDynamics."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for k in range(50):
         for j in range(10):
             plane.disk((0.03 * k, 0.01 + 0.02 * j), 0.01, mat=mat)
@@ -69,9 +66,8 @@ def test_no_problem_is_exported_beside_a_run(O, tmp_path, calling):
 def test_an_engine_of_the_run_may_export(O, tmp_path, place):
     """A PyRunner makes the run wait, so the scene does not change."""
     cd = columns(O)
-    builtins.export_now = lambda: cd.exportProblem(str(tmp_path / "a"))
-    runner = wrapper.PyRunner(command="import builtins; builtins.export_now()", iterPeriod=1, nDo=1)
-    O.engines = [runner, *O.engines] if place == "before" else [*O.engines, runner]
+    export = runner(lambda: cd.exportProblem(str(tmp_path / "a")), iterPeriod=1, nDo=1)
+    O.engines = [export, *O.engines] if place == "before" else [*O.engines, export]
     O.run(3, True)
     assert len(ids(tmp_path / "a")) == 500
 
@@ -114,8 +110,7 @@ def test_attributes_are_read_whole_beside_a_run(O):
 @pytest.mark.parametrize("height", [0.01, 1e3], ids=["asleep", "falling"])
 def test_gravity_that_a_thread_sets_acts_at_once(O, height):
     """In the middle of a run for whose end somebody waits, with publish='due': on a disk that sleeps on the floor, and on one that falls."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     disk = plane.disk((0, height), 0.01, mat=mat)
     engine = plane.run(100, 1e-5, gravity=(0, -1, 0))
     O.trackEnergy = True
@@ -143,7 +138,6 @@ def test_gravity_that_a_thread_sets_acts_at_once(O, height):
 REPLACING = ("load('a.yade')", "loadTmp()", "reload()", "reset()", "resetAllScenes()", "resetCurrentScene()", "resetThisScene()",
              "stringToScene(scene)")
 SCRIPT = """
-sys.path[:0] = [{root!r}]
 from tests.plugin import plane
 def build():
     O.reset()
@@ -157,22 +151,21 @@ scene = O.sceneToString()
 """
 
 
-def printed(folder, root, text):
+def printed(folder, text):
     """What a script prints, run by a YADE of its own, as it would crash or hang without what is tested."""
-    (folder / "script.py").write_text(SCRIPT.format(root=str(root)) + text)
-    done = subprocess.run(["yade", "-n", "-x", "script.py"], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+    done = programs.in_yade(folder, SCRIPT + text)
     return done.stdout + done.stderr
 
 
-def test_a_scene_is_replaced_right_after_a_run_has_begun(root, tmp_path):
+def test_a_scene_is_replaced_right_after_a_run_has_begun(tmp_path):
     """YADE itself would end, as the thread of the run has not begun yet. The run is paused first."""
     calls = "".join(f"    build(); O.run({steps}); O.{call}; assert not O.running\n" for call in REPLACING for steps in (-1, 1))
-    text = printed(tmp_path, root, f"for _ in range(10):\n{calls}print('all replaced')\n")
+    text = printed(tmp_path, f"for _ in range(10):\n{calls}print('all replaced')\n")
     assert "all replaced" in text, text
 
 
-def test_an_engine_of_the_run_neither_waits_for_it_nor_replaces_its_scene(root, tmp_path):
-    text = printed(tmp_path, root, f"""
+def test_an_engine_of_the_run_neither_waits_for_it_nor_replaces_its_scene(tmp_path):
+    text = printed(tmp_path, f"""
 for call in {("run(2, True)", "wait()", *REPLACING)!r}:
     build()
     O.engines = O.engines + [PyRunner(command="O." + call, iterPeriod=1)]

@@ -1,11 +1,11 @@
 """A change between steps is followed, or refused with the body and the attribute: every step reads all that it uses."""
-import builtins
 import math
 import os
-import time
 
 import pytest
 from yade import Quaternion, utils, wrapper
+
+from yade_scripts.running.hooks import runner
 
 from . import plane
 
@@ -132,6 +132,7 @@ LATER = {
     "extents negative": (BOX, set_shape("extents", (-0.1, 0.1, 0.1)), ["extents -0.1,", "shape.extents"]),
     "orientation NaN": (BOX, lambda O, body: setattr(O.bodies[body].state, "ori", Quaternion(1, NAN, 0, 0)),
                         ["turned out of the plane", "state.ori"]),
+    "velocity NaN": (DISK, set_state("vel", (NAN, 0, 0)), ["has a velocity that is not a number"]),
     "mass NaN": (DISK, set_state("mass", NAN), ["mass nan kg", "state.mass"]),
     "mass 0": (DISK, set_state("mass", 0), ["mass 0 kg", "state.mass"]),
     "inertia negative": (DISK, set_state("inertia", (1, 1, -1)), ["inertia -1", "state.inertia"]),
@@ -147,8 +148,7 @@ FATAL = {"wall's axis", "wall's axis negative", "no state"}
 
 def ground(O):
     """A floor, a box fixed above it, two disks on the floor."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.box((0, 0.5), (0.1, 0.1), mat=mat)
     for x in (0, 0.1):
         O.bodies[plane.disk((x, 0.01), 0.01, mat=mat)].mat = wrapper.FrictMat(frictionAngle=0.1)
@@ -163,8 +163,7 @@ def test_what_becomes_invalid_is_refused_when_it_does(O, name, sleeps):
     cd = plane.run(100 if sleeps else 1, 1e-3, gravity=GRAVITY)
     assert (cd.sleeping == 2) == sleeps
     at = cd.steps + 2
-    builtins.spoil_now = lambda: (time.sleep(0.05), spoil(O, body))  # O.run(n, True) tells of no error that comes before it begins to wait
-    O.engines = O.engines + [wrapper.PyRunner(command="import builtins; builtins.spoil_now()", iterPeriod=1, firstIterRun=at - 1, nDo=1)]
+    O.engines = O.engines + [runner(lambda: spoil(O, body), iterPeriod=1, firstIterRun=at - 1, nDo=1)]
     for go_on in (lambda: O.run(5, True), O.step)[:1 if name in FATAL else 2]:
         with pytest.raises(RuntimeError, match=f"body #{body} ") as caught:
             go_on()
@@ -247,8 +246,7 @@ def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, s
     """Three disks lean on each other beside two a thousand times as heavy, whose forces are what e sees: at a tolerance of 1e-2 the forces of the
     step before are within it, whatever friction has become. So they are by themselves (`reduce`) where it is little less than they use. 1e-9: on the
     cone but for the round-off of a force."""
-    mat = plane.material(0.9)
-    plane.floor(mat)
+    mat = plane.ground(0.9)
     for k in range(2):
         plane.disk((0.3, 0.01 + 0.02 * k), 0.01, mass=1e3, mat=mat)
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.01055, 0.02697)):
@@ -265,12 +263,10 @@ def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, s
 
 def test_a_disk_that_becomes_a_box_carries_no_force_between_boundaries(O):
     """Two boundaries never touch: the contact that the disk had with the floor ends with it, and so does its force."""
-    from yade.wrapper import Box
-    mat = plane.material(0)
-    plane.floor(mat)
+    mat = plane.ground(0)
     body = plane.disk((0, 0.1), 0.1, mat=mat)
     plane.disk((0.5, 0.1), 0.1, mat=mat)
     plane.run(3, 1e-3, gravity=(0, -9.81, 0))
-    O.bodies[body].shape = Box(extents=(0.1, 0.1, 0.5))
+    O.bodies[body].shape = wrapper.Box(extents=(0.1, 0.1, 0.5))
     O.run(3, True)
     assert [(i.id1, i.id2) for i in O.interactions if i.isReal] == [(0, 2)]

@@ -1,14 +1,16 @@
 """Pairs are searched anew when bodies have left their margins; YADE's collider rests. Both change only the cost."""
-
 import pytest
+from yade import wrapper
+
+import cd_engine
+from yade_scripts.running.hooks import runner
 
 from . import plane
-from .test_invariants import cloud, digest, heap
+from .test_invariants import cloud, heap
 
 
 def run(O, steps, at_once, **settings):
     """Make the steps in runs of `at_once` steps; in runs of one step the collider never rests. Return the collider."""
-    import cd_engine
     O.engines = cd_engine.engines(tolerance=1e-9, maxIterations=100000, **settings)
     O.dt = 1e-3
     for _ in range(steps // at_once):
@@ -27,7 +29,7 @@ def test_results_are_the_same_to_the_last_bit(O, scene, settings):
         O.reset()
         scene(O)
         run(O, 300, at_once, **settings)
-        hashes.append(digest(O))
+        hashes.append(plane.digest())
     assert hashes[0] == hashes[1]
 
 
@@ -47,14 +49,12 @@ def test_it_rests_within_a_run_and_is_awake_after_it(O):
 @pytest.mark.parametrize("change", ["move a disk by hand", "append a disk", "grow a disk"])
 def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
     """The change makes a contact that only a new search can find."""
-    import yade
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     low = plane.disk((0, 0.1), 0.1, mat=mat)
     far = plane.disk((1, 0.1), 0.1, mass=2.0, mat=mat)
 
     def act():
-        if yade.O.iter != 20:
+        if O.iter != 20:
             return
         if change == "move a disk by hand":
             O.bodies[far].state.pos = (0, 0.3, 0)
@@ -63,10 +63,8 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
         else:
             O.bodies[far].shape.radius = 0.9
 
-    yade.runtime.act = act
-    import cd_engine
     reset, collider, cd = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-12)
-    O.engines = [reset, yade.PyRunner(command="import yade; yade.runtime.act()", iterPeriod=1, initRun=True), collider, cd]
+    O.engines = [reset, runner(act, iterPeriod=1, initRun=True), collider, cd]
     O.dt = 1e-3
     O.run(40, True)
     if change == "grow a disk":
@@ -79,11 +77,9 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
 @pytest.mark.parametrize("speed", [1, 5, 20, 100])
 def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
     """At 100 m/s a disk of 1 cm goes ten radii a step; pairs are listed as far as a step needs."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed), mat=mat)
     left, right = plane.disk((10, 0.5), 0.01, velocity=(speed, 0), mat=mat), plane.disk((10.777, 0.5), 0.01, velocity=(-speed, 0), mat=mat)
-    import cd_engine
     O.engines, O.dt = cd_engine.engines(tolerance=1e-12), 1e-3
     O.run(round(0.5 / speed / 1e-3) + 10, True)
     assert O.bodies[falling].state.pos[1] == pytest.approx(0.01, abs=1e-12)
@@ -92,12 +88,10 @@ def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
 
 
 def test_the_list_of_pairs_may_be_cleared_by_somebody_else(O):
-    import yade, cd_engine
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     ids = [plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(5)]
-    yade.runtime.clear = lambda: yade.O.iter == 50 and yade.O.interactions.clear()
-    O.engines = [yade.PyRunner(command="import yade; yade.runtime.clear()", iterPeriod=1)] + cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-10)
+    clear = runner(lambda: O.iter == 50 and O.interactions.clear(), iterPeriod=1)
+    O.engines = [clear] + cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-10)
     O.dt = 1e-4
     O.run(300, True)
     assert [O.bodies[i].state.pos[1] for i in ids] == pytest.approx([0.01 + 0.02 * k for k in range(5)], abs=1e-9)
@@ -105,8 +99,6 @@ def test_the_list_of_pairs_may_be_cleared_by_somebody_else(O):
 
 def test_it_is_awake_for_a_factory_of_spheres(O):
     """YADE's factories ask the collider for free space; without its answer disks are put into each other."""
-    import cd_engine
-    from yade import wrapper
     plane.material()
     factory = wrapper.BoxFactory(center=(0, 0.5, 0), extents=(0.08, 0, 0), rMin=0.008, rMax=0.01, vMin=0.1, vMax=0.1, vAngle=0, massFlowRate=0.1,
                                  maxParticles=20, normal=(0, -1, 0), blockedDOFs="zXY", materialId=0, exactDiam=False)

@@ -2,6 +2,9 @@
 import math
 
 import pytest
+from yade import wrapper as w
+
+import cd_engine
 
 from . import plane
 
@@ -12,8 +15,6 @@ def test_an_impact_loses_what_the_dashpot_takes(O, speed, damping):
 
     At 2 m/s they overlap by a twentieth of their diameter, and YADE's dashpot is stronger than eq. 5's.
     """
-    import cd_engine
-    from yade import wrapper as w
     radius, stiffness = 0.01, 1e6
     plane.disk((0, 0), radius)
     plane.disk((2.0001 * radius, 0), radius)
@@ -43,7 +44,6 @@ def test_an_impact_loses_what_the_dashpot_takes(O, speed, damping):
 
 
 def test_it_survives_saving(O, tmp_path):
-    import cd_engine
     O.engines = [cd_engine.DashpotWork(work=0.25)]
     O.save(str(tmp_path / "scene.yade.gz"))
     O.reset()

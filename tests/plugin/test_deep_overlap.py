@@ -1,8 +1,9 @@
 """Light bodies carry heavy ones, and deep overlaps are reported."""
+import random
 import re
 
 import pytest
-from yade import utils
+from yade import Quaternion, utils
 
 from . import plane
 
@@ -11,8 +12,7 @@ G = 9.81
 
 def pile(O, ratio, steps, **settings):
     """Put a disk of `ratio` kg on a disk of 1 kg on a floor, at rest and without forces, and make the steps. Return the engine."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
     plane.disk((0, 0.03), 0.01, mass=ratio, mat=mat)
     return plane.run(steps, 1e-3, gravity=(0, -G, 0), **settings)
@@ -25,8 +25,7 @@ def test_a_heavy_disk_is_carried_by_a_light_one(O, capfd, ratio, method):
     below act on it, twice its weight in all, and what two contacts miss adds up."""
     engine = pile(O, ratio, 10, method=method)
     assert engine.unconvergedSteps == 0 and engine.converged and engine.bodyError <= 1e-6
-    from yade import O as omega
-    assert abs(omega.bodies[2].state.vel[1]) <= 10 * 10 * 1e-6 * G * 1e-3
+    assert abs(O.bodies[2].state.vel[1]) <= 10 * 10 * 1e-6 * G * 1e-3
     assert "overlap" not in capfd.readouterr().err
 
 
@@ -35,8 +34,7 @@ def test_overlaps_of_rebounds_ask_for_a_smaller_step(O, capfd):
     deepest = []
     for dt in (3.2e-3, 3.2e-4):
         O.reset()
-        mat = plane.material(0.5)
-        plane.floor(mat)
+        mat = plane.ground(0.5)
         for k in range(16):
             plane.disk((2.1 * (k % 4) + 0.2 * (k * 7 % 5) / 5, 1.0 + 2.3 * (k // 4)), 0.8 + 0.2 * (k * 3 % 7) / 7, mat=mat)
         engine = plane.run(round(3.2 / dt), dt, gravity=(0, -G, 0), restitution=0.5)
@@ -70,7 +68,6 @@ def test_what_is_solved_is_not_warned_of(O, capfd, ratio):
 
 def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
     """maxPenetration belongs to the last step, deepestPenetration to all, also after O.save."""
-    import yade
     engine = pile(O, 100, 60, fixedIterations=1, warmStart=False)
     deepest = engine.deepestPenetration
     for body in list(O.bodies)[1:]:
@@ -80,7 +77,7 @@ def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
     assert engine.maxPenetration == 0 and engine.deepestPenetration == deepest
     O.saveTmp()
     O.loadTmp()
-    assert yade.O.engines[-1].deepestPenetration == deepest
+    assert O.engines[-1].deepestPenetration == deepest
 
 
 def test_what_adds_up_over_steps_is_said_to(O, capfd):
@@ -94,8 +91,7 @@ def test_disks_that_grow_are_pushed_apart_by_the_gap_correction(O, capfd):
     """No impulse of a step undoes what a radius that grows adds to an overlap; the message names what does."""
     for settings, told in ({}, True), (dict(gapCorrection=0.1), False):
         O.reset()
-        mat = plane.material()
-        plane.floor(mat)
+        mat = plane.ground()
         plane.disk((0, 0.01), 0.01, mat=mat)
         plane.run(1, 1e-3, gravity=(0, -G, 0), **settings)
         for _ in range(120):
@@ -106,8 +102,7 @@ def test_disks_that_grow_are_pushed_apart_by_the_gap_correction(O, capfd):
 
 def test_what_comes_in_one_step_is_said_to(O, capfd):
     """If the step is too long, an impact with rebound is treated only in the next step, and the bodies overlap."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for k in range(60):
         plane.disk((0.021 * (k % 20), 0.01 + 0.02 * (k // 20)), 0.01, mat=mat)
     plane.disk((0.2, 3), 0.01, mat=mat, velocity=(0.5, -20))
@@ -119,10 +114,8 @@ def test_what_comes_in_one_step_is_said_to(O, capfd):
 def test_a_pile_at_rest_is_not_stirred(O):
     """Overlaps that the tolerance leaves grow to the allowed one and no further, and pushing them out costs next to no sweeps: without allowedOverlap
     it takes some sixty a step here, for ever."""
-    import random
     draw = random.Random(1).uniform
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for x in (0, 0.2):
         O.bodies.append(utils.wall(x, axis=0, material=mat))
     for k in range(100):
@@ -138,7 +131,6 @@ def resized(O):
 
 
 def turned(O):
-    from yade import Quaternion
     O.bodies[0].state.ori = Quaternion((0, 0, 1), 0.1)
 
 
@@ -195,6 +187,7 @@ def test_fixed_disks_may_overlap_what_is_fixed(O, capfd, handover):
     engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0), handover=handover)
     assert engine.loadedContacts == 2 and engine.converged
     assert engine.deepestPenetration < 1e-5 and capfd.readouterr().err == ""
+    assert 0 < engine.handoverOverlap < 2e-5 if handover else engine.handoverOverlap == 0
 
 
 def test_fixed_disks_may_be_driven_into_what_is_fixed(O, capfd):

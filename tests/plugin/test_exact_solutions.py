@@ -2,6 +2,7 @@
 import math
 
 import pytest
+from yade import utils, wrapper
 
 import cd_engine
 
@@ -57,8 +58,7 @@ def test_friction_acts_on_disks_that_are_driven_over_a_floor(O, disks, settings)
 
 def slide_to_roll(O, dt, mu=0.2, radius=0.1):
     O.reset()
-    mat = plane.material(mu)
-    plane.floor(mat)
+    mat = plane.ground(mu)
     ball = plane.disk((0, radius), radius, velocity=(1, 0), mat=mat)
     plane.run(round(0.5 / dt), dt, gravity=(0, -G, 0), tolerance=1e-13)
     s = O.bodies[ball].state
@@ -86,8 +86,7 @@ def test_slide_to_roll_distance_converges_at_the_scheme_s_order(O):
 @pytest.mark.parametrize("height", [0.1234, 0.1, 0.1005])
 def test_bounce_returns_the_coefficient_of_restitution(O, e, height):
     """v+ = e v-, for gaps that close within a step, at its end, or at once."""
-    mat = plane.material(0.2)
-    plane.floor(mat)
+    mat = plane.ground(0.2)
     ball = plane.disk((0, height), 0.1, velocity=(0, -1), mat=mat)
     plane.run(60, 1e-3, tolerance=1e-13, restitution=e)
     assert O.bodies[ball].state.vel[1] == pytest.approx(e, abs=1e-12)
@@ -95,8 +94,7 @@ def test_bounce_returns_the_coefficient_of_restitution(O, e, height):
 
 def test_bouncing_comes_to_rest_at_the_zeno_time(O):
     """Infinitely many bounces end at T = sqrt(2h/g) (1 + 2e/(1 - e)); just before, it still moves."""
-    mat = plane.material(0.2)
-    plane.floor(mat)
+    mat = plane.ground(0.2)
     ball = plane.disk((0, 1.1), 0.1, mat=mat)
     end = math.sqrt(2 / G) * (1 + 2 * 0.5 / 0.5)
     plane.run(round(0.99 * end / 1e-4), 1e-4, gravity=(0, -G, 0), tolerance=1e-13, restitution=0.5)
@@ -108,8 +106,7 @@ def test_bouncing_comes_to_rest_at_the_zeno_time(O):
 
 def test_stack_carries_the_weight_above(O):
     """Fifty disks: every contact force equals the weight above it."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for i in range(50):
         plane.disk((0, (2 * i + 1) * 0.01), 0.01, mat=mat)
     cd = plane.run(10, 1e-3, gravity=(0, -G, 0), tolerance=1e-11, maxIterations=100000)
@@ -122,8 +119,7 @@ def test_stack_carries_the_weight_above(O):
 @pytest.mark.parametrize("ratio", [1e-6, 1, 1e6])
 def test_two_body_pile_of_any_mass_ratio(O, ratio):
     """The lower contact carries both weights, the upper one the upper weight."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
     plane.disk((0, 0.03), 0.01, mass=ratio, mat=mat)
     cd = plane.run(5, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=20000000 if ratio > 1 else 20000)
@@ -145,7 +141,6 @@ def loaded_box(O, n=5, pressure=1200.0, radius=0.01, walls="box", mu=0.3):
         right = plane.box((side, side / 2), (0, side), blocked="yzXYZ", mass=5.0, mat=smooth)
         top = plane.box((side / 2, side), (side, 0), blocked="xzXYZ", mass=5.0, mat=smooth)
     else:
-        from yade import utils
         for axis in (0, 1):
             O.bodies.append(utils.wall(0, axis=axis, material=smooth))
         ids = []
@@ -211,6 +206,15 @@ def test_roller_at_prescribed_spin_turns_what_lies_on_it(O):
     assert O.bodies[ball].state.angVel[2] == pytest.approx(-w * big / small, rel=1e-9)
 
 
+def groove(O, degrees, mu, radius=0.1):
+    """A disk of 1 kg in a symmetric groove, its walls at `degrees` to the horizontal; its id."""
+    t, half = math.radians(degrees), 0.05
+    mat = plane.material(mu)
+    for side in (-1, 1):
+        plane.box((side * (radius + half) * math.sin(t), -(radius + half) * math.cos(t)), (1, half), angle=side * t, mat=mat)
+    return plane.disk((0, 0), radius, mat=mat)
+
+
 @pytest.mark.parametrize("degrees, mu", [(45, 0.3), (30, 0.2), (20, 0.6), (30, 0.8)])
 def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
     """Symmetric groove, walls at t to the horizontal (PRE 72, 021304): m g R mu/((1 + mu^2) cos t) where mu <= tan t, both contacts
@@ -219,11 +223,7 @@ def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
     critical = G * radius * (mu / ((1 + mu**2) * math.cos(t)) if mu <= math.tan(t) else math.sin(t))
     for factor, turns in ((0.999, False), (1.001, True)):
         O.reset()
-        mat = plane.material(mu)
-        for side in (-1, 1):
-            half = 0.05
-            plane.box((side * (radius + half) * math.sin(t), -(radius + half) * math.cos(t)), (1, half), angle=side * t, mat=mat)
-        ball = plane.disk((0, 0), radius, mat=mat)
+        ball = groove(O, degrees, mu, radius)
         O.forces.setPermT(ball, (0, 0, factor * critical))
         plane.run(200, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=100000)
         assert (abs(O.bodies[ball].state.angVel[2]) > 1e-6) == turns, (factor, O.bodies[ball].state.angVel[2])
@@ -231,8 +231,7 @@ def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
 
 def test_a_light_body_beside_a_heavy_one_is_carried(O):
     """Its force is 1e-9 of the other's, below the tolerance of the whole problem; still it must not fall through the floor."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mass=1e6, mat=mat)
     light = plane.disk((0.1, 0.03), 0.01, mass=1e-3, mat=mat)
     cd = plane.run(3000, 1e-4, gravity=(0, -G, 0))
@@ -250,7 +249,6 @@ def test_a_cradle_hands_its_velocity_on(O):
 @pytest.mark.parametrize("ahead, energy", [(0.5, 1), (0, math.exp(400 * 1e-3 * 10 / 2))])
 def test_an_oscillator_keeps_its_energy_if_its_force_is_that_of_the_middle_of_the_step(O, ahead, energy):
     """A PyRunner pulls 1 kg by k x, with k = 400 N/m, for 10 s. At the start of the step the energy grows as exp(omega^2 dt t/2) instead."""
-    from yade import wrapper
     plane.disk((0.1, 0), 0.01)
     engines = cd_engine.engines()
     pull = f"from yade import O; s = O.bodies[0].state; O.forces.addF(0, -400 * (s.pos + {ahead} * O.dt * s.vel))"

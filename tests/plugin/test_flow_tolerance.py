@@ -4,7 +4,6 @@ import pytest
 import cd_engine
 
 from . import plane, test_invariants
-from .test_publish import seen
 
 
 def settings(O, **asked):
@@ -160,7 +159,7 @@ def test_the_ways_to_make_a_step_choose_the_same_tolerance(O, tmp_path):
             O.load(str(tmp_path / "scene.yade"))
             engine = O.engines[-1]
         O.run(150, True)
-        return seen(O), engine.stepTolerance
+        return plane.digest(), engine.stepTolerance
 
     one = after()
     assert all(after(**way) == one for way in (dict(publish="always"), dict(threads=2), dict(saved=True)))

@@ -29,8 +29,7 @@ def test_random_scenes(root):
 def tell(O, spoil, **settings):
     """Run a column that slides on a floor, with `spoil(cd)` between a step and its check. Return the report on its 30th step."""
     import cd_engine
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     for k in range(3):
         plane.disk((0, 0.01 + 0.02 * k), 0.01, velocity=(0.1, 0), mat=mat)
     watch = fuzz_laws.Watch()

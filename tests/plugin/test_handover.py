@@ -1,22 +1,22 @@
 """From springs to rigid contacts: without a change of load nothing may move."""
 import json
-import math
-import os
-import subprocess
 
 import pytest
 
+import cd_engine
+
+from . import plane, programs
+
 SCRIPT = """
-import json, sys
-sys.path.insert(0, {root!r})
+import json
 from yade import O
 import cd_engine
 from yade_scripts import parameters
 from yade_scripts.preparing import prepare
 from yade_scripts.running import bodies, walls
 
-full = parameters.complete({{}})
-path, _ = prepare.ensure(full, {folder!r})
+full = parameters.complete({})
+path, _ = prepare.ensure(full, ".")
 P0 = parameters.pressure(full)
 
 def start(**settings):
@@ -30,12 +30,12 @@ def start(**settings):
     return O.engines[-1]
 
 def forces():
-    return {{(i.id1, i.id2): i.phys.normalForce.norm() for i in O.interactions if i.isReal}}
+    return {(i.id1, i.id2): i.phys.normalForce.norm() for i in O.interactions if i.isReal}
 
-said = {{}}
+said = {}
 cd = start(tolerance=1e-8)
 # By hand: YADE does not save ScGeom.penetrationDepth.
-disks = {{b.id: b for b in bodies.disks()}}
+disks = {b.id: b for b in bodies.disks()}
 said["overlap"] = max(disks[i.id1].shape.radius + disks[i.id2].shape.radius - (disks[i.id1].state.pos - disks[i.id2].state.pos).norm()
                       for i in O.interactions if i.isReal and i.id1 in disks and i.id2 in disks)
 md, before = forces(), walls.sides()
@@ -69,12 +69,10 @@ print("said", json.dumps(said))
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory, root):
+def said(tmp_path_factory):
     """What a run of SCRIPT measured on the default packing of 400 disks."""
     folder = tmp_path_factory.mktemp("handover")
-    script = folder / "script.py"
-    script.write_text(SCRIPT.format(root=str(root), folder=str(folder)))
-    done = subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, env=os.environ, timeout=250)
+    done = programs.in_yade(folder, SCRIPT)
     lines = [line for line in done.stdout.splitlines() if line.startswith("said")]
     assert lines, done.stderr
     return json.loads(lines[0][5:])
@@ -104,33 +102,13 @@ def test_overlaps_are_not_expelled_when_the_load_goes(said):
     assert said["references when let go"] < said["references"]
 
 
-def test_overlaps_of_fixed_bodies_are_none(O):
-    """A rough floor of fixed disks that are half sunk in a fixed box."""
-    from . import plane
-    mat = plane.material()
-    plane.box((0, -0.01), (0.1, 0.01), mat=mat)
-    for k in range(3):
-        plane.disk((0.02 * k, 0), 0.01, blocked="xyzXYZ", mat=mat)
-    plane.disk((0.01, 0.01 * math.sqrt(3) - 1e-6), 0.01, mat=mat)
-    engine = plane.run(1, 1e-4, gravity=(0, -9.81, 0), handover=True)
-    assert 0 < engine.handoverOverlap < 2e-6
-
-
 def test_springs_take_over_after_release(O):
     """A stack under CD, then under YADE's springs: it sinks by the springs' own compression and no further."""
-    import cd_engine
-    from yade import wrapper as w
-    from . import plane
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     ids = [plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(5)]
     plane.run(50, 1e-4, gravity=(0, -9.81, 0), tolerance=1e-10)
     cd_engine.release()
-    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()]),
-                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
-                                   [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-                 w.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.3)]
-    O.dt = 1e-4
+    O.engines, O.dt = plane.springs(damping=0.3), 1e-4
     O.run(3000, True)
     lowest = O.interactions[ids[0], 5] if O.interactions.has(ids[0], 5) else O.interactions[0, ids[0]]
     assert lowest.phys.normalForce.norm() == pytest.approx(5 * 9.81, rel=0.05)

@@ -2,6 +2,9 @@
 import random
 
 import pytest
+from yade import wrapper as w
+
+import cd_engine
 
 from . import plane
 
@@ -11,14 +14,8 @@ THIN = 0.5e-3  # half the thickness of a box that a disk at 30 m/s crosses sixty
 
 def springs(O, steps, **collider):
     """YADE's own engines and steps, with a collider of their own."""
-    import cd_engine
-    from yade import wrapper as w
     cd_engine.release()
-    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb()], **collider),
-                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()],
-                                   [w.Ip2_FrictMat_FrictMat_FrictPhys()], [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-                 w.NewtonIntegrator(damping=0.3)]
-    O.dt = 1e-5
+    O.engines, O.dt = plane.springs((0, 0, 0), 0.3, **collider), 1e-5
     O.run(steps, True)
 
 
@@ -62,8 +59,7 @@ def test_a_fast_disk_is_stopped_by_a_thin_box(O, before):
 def test_falling_disks_do_not_pass_into_each_other(O, before):
     """Two hundred of them, of unequal size. A thousandth of a radius: what the curvature of their paths leaves, a few 1e-4."""
     draw = random.Random(4)
-    mat = plane.material(0.3)
-    plane.floor(mat)
+    mat = plane.ground(0.3)
     for k in range(200):
         plane.disk((0.03 * (k % 10) + draw.uniform(-.003, .003), 0.03 * (k // 10 + 1)), draw.uniform(0.6, 1) * RADIUS, mat=mat)
     BEFORE[before](O)
@@ -77,8 +73,6 @@ def test_falling_disks_do_not_pass_into_each_other(O, before):
 @pytest.mark.parametrize("publish", ["always", "due"])
 def test_a_collider_that_lists_more_than_the_engine_changes_nothing(O, publish):
     """It lists disks and boxes the disk first; published contacts have the boundary first, whoever made their interaction."""
-    import cd_engine
-    from yade import wrapper as w
     found = []
     for factor in (1, 3):
         O.reset()
@@ -98,8 +92,6 @@ def test_a_collider_that_lists_more_than_the_engine_changes_nothing(O, publish):
 
 @pytest.mark.parametrize("collider", ["none", "without a functor for boxes"])
 def test_pairs_do_not_hang_on_the_collider(O, collider):
-    import cd_engine
-    from yade import wrapper as w
     mat = plane.material(0)
     plane.box((0, 0), (1, THIN), mat=mat)
     disk = plane.disk((0, 0.5), RADIUS, velocity=(0, -30), mat=mat)

@@ -4,21 +4,13 @@ import math
 import numpy as np
 import pytest
 
+import cd_engine
 from yade_scripts.preparing import force_network
 from yade_scripts.running import hooks
 
-from . import plane
+from .test_exact_solutions import groove
 
 G = 9.81
-
-
-def groove(O, degrees, mu, radius=0.1):
-    """A disk of 1 kg in a symmetric groove, its walls at `degrees` to the horizontal; its id."""
-    t, half = math.radians(degrees), 0.05
-    mat = plane.material(mu)
-    for side in (-1, 1):
-        plane.box((side * (radius + half) * math.sin(t), -(radius + half) * math.cos(t)), (1, half), angle=side * t, mat=mat)
-    return plane.disk((0, 0), radius, mat=mat)
 
 
 @pytest.mark.parametrize("degrees, mu", [(45, 0.3), (30, 0.5), (60, 0.1)])
@@ -29,7 +21,6 @@ def test_walk_fills_the_interval_of_a_disk_in_a_groove(O, degrees, mu):
     The walk must lie on that segment (1e-9 of the weight, tolerance 1e-12 on the impulses). Perturbations of +-5 <R> are many times the
     segment's length, at most 1.2 <R>, and what begins beyond an end is brought to it: 100 samples must come within 5 % of both.
     """
-    import cd_engine
     ball = groove(O, degrees, mu)
     O.engines = cd_engine.engines(gravity=(0, -G, 0), tolerance=1e-12)
     O.dt = 1e-2  # of a length at which gaps of round-off, 1e-17 m, weigh 1e-14 of the impulses
@@ -52,7 +43,6 @@ def test_walk_fills_the_interval_of_a_disk_in_a_groove(O, degrees, mu):
 
 def test_the_solver_leaves_an_admissible_network_as_it_is(O):
     """Warm start from a point of the set: no sweep changes it, to the tolerance."""
-    import cd_engine
     groove(O, 45, 0.3)
     O.engines = cd_engine.engines(gravity=(0, -G, 0), tolerance=1e-10)
     O.dt = 1e-2  # of a length at which gaps of round-off, 1e-17 m, weigh 1e-14 of the impulses

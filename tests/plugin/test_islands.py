@@ -1,12 +1,14 @@
 """Islands of contacts solved separately (`reduce`): what they are, that motion does not depend on it, and how much work it saves."""
-import builtins
 import math
 
 import pytest
-from yade.wrapper import FrictPhys, PyRunner
+from yade.wrapper import FrictPhys
+
+import cd_engine
+from yade_scripts.running.hooks import runner
 
 from . import plane
-from .test_invariants import cloud, digest
+from .test_invariants import cloud
 
 GRAVITY = (0, -9.81, 0)
 
@@ -23,8 +25,7 @@ def column(left, height, mat):
 
 def scene(O, piles=3):
     """Piles apart on one floor, a disk that slides and one that flies."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     for k in range(piles):
         pile(0.2 * k, 3, mat)
     plane.disk((-0.3, 0.01), 0.01, velocity=(0.1, 0), mat=mat)
@@ -38,13 +39,9 @@ def motion(O):
 def seen(O):
     """All visible results of a step: motion, contacts, total forces on bodies, counts and error of the engine."""
     cd = O.engines[-1]
-    contacts = sorted((i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce, *i.geom.normal, *i.geom.contactPoint, i.geom.penetrationDepth,
-                       i.phys.tangensOfFrictionAngle)
-                      for i in O.interactions if i.isReal)
-    forces = [x for b in O.bodies for x in (*O.forces.f(b.id), *O.forces.t(b.id))]
     names = ("contacts", "unknowns", "islands", "resting", "sleeping", "loadedContacts", "slidingContacts", "maxPenetration", "residual",
              "residualMax")
-    return motion(O), contacts, forces, [getattr(cd, name) for name in names]
+    return plane.digest(), [getattr(cd, name) for name in names]
 
 
 def test_counts(O):
@@ -74,8 +71,7 @@ def test_motion_does_not_depend_on_it(O):
     moved = []
     for reduce in (True, False):
         O.reset()
-        mat = plane.material(0.5)
-        plane.floor(mat)
+        mat = plane.ground(0.5)
         for k in range(3):
             pile(0.2 * k, 3, mat, gap=1e-3)
         plane.disk((-0.3, 0.012), 0.01, velocity=(0.1, 0), mat=mat)
@@ -89,19 +85,17 @@ def test_a_single_island_is_the_same_to_the_last_bit(O):
     hashes = []
     for reduce in (True, False):
         O.reset()
-        mat = plane.material(0.5)
-        plane.floor(mat)
+        mat = plane.ground(0.5)
         pile(0, 6, mat)
         cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-6, reduce=reduce)
         assert cd.islands == 1
-        hashes.append(digest(O))
+        hashes.append(plane.digest())
     assert hashes[0] == hashes[1]
 
 
 def test_a_search_for_pairs_names_the_body_that_has_moved_far(O):
     """A disk falls beside a column that sleeps. When it has used up its margin, pairs are searched anew, and this wakes the column."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     column(-0.3, 3, mat)
     falls = plane.disk((0.3, 5), 0.01, mat=mat)
     cd = plane.run(200, 1e-3, gravity=GRAVITY, tolerance=1e-6)
@@ -112,8 +106,7 @@ def test_a_search_for_pairs_names_the_body_that_has_moved_far(O):
 
 def test_what_is_at_rest_sleeps_until_something_changes(O):
     """Three columns apart; then one is pushed, and later gravity grows by a thousandth."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     columns = [column(left, 3, mat) for left in (-0.3, -0.2, -0.1)]
     cd = plane.run(600, 1e-3, gravity=GRAVITY, tolerance=1e-6)
     assert (cd.islands, cd.sleeping, cd.resting, cd.iterations) == (3, 3, 3, 0)
@@ -138,8 +131,7 @@ def test_sleep_leaves_the_motion_within_the_tolerance(O):
     moved = []
     for reduce in (True, False):
         O.reset()
-        mat = plane.material(0.5)
-        plane.floor(mat)
+        mat = plane.ground(0.5)
         for left in (0, 0.2):
             column(left, 3, mat)
         cd = plane.run(300, 1e-3, gravity=GRAVITY, tolerance=1e-6, reduce=reduce)
@@ -157,8 +149,7 @@ def test_no_false_rest(O, excess):
     both begin to slide with g (sin - mu cos), though for a hundred steps all velocities are of the tolerance's size. Solved to a tenth of it."""
     mu, g = 0.5, 9.81
     theta = math.atan(mu * (1 + excess))
-    mat = plane.material(mu)
-    plane.floor(mat)
+    mat = plane.ground(mu)
     for k in range(2):
         O.bodies[plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)].state.blockedDOFs = "zXYZ"
     cd = plane.run(400, 1e-3, gravity=(g * math.sin(theta), -g * math.cos(theta), 0), tolerance=1e-4)
@@ -168,13 +159,11 @@ def test_no_false_rest(O, excess):
 @pytest.mark.parametrize("load, speed, tolerance", [(1e5, 1e-3, 1e-6), (1e4, 1e-2, 1e-4), (1e4, 0.1, 1e-3)])
 def test_what_rolls_among_heavily_loaded_bodies_is_not_stopped(O, load, speed, tolerance):
     """A light disk rolls on two in a press, more slowly than the tolerance of the press's forces can resolve. 1 % for errors on the way."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     for x in (-0.1, 0.1):
         plane.disk((x, 0.01), 0.01, mat=mat)
     press = plane.box((0, 0.025), (0.5, 0.005), blocked="xzXYZ", mat=mat)
     roller = plane.disk((0, 0.035), 0.005, velocity=(speed, 0), spin=-speed / 0.005, mat=mat)
-    import cd_engine
     O.engines = cd_engine.engines(gravity=GRAVITY, tolerance=tolerance)
     O.dt = 1e-3
     O.forces.setPermF(press, (0, -load, 0))
@@ -186,7 +175,6 @@ def test_what_drifts_is_not_stopped(O):
     """Three disks pressed together in free space, by forces that need impulses of 100 N s a step."""
     mat = plane.material(0.5)
     row = [plane.disk((0.02 * k, 0), 0.01, velocity=(0, 1e-3), mat=mat) for k in range(3)]
-    import cd_engine
     O.engines = cd_engine.engines(tolerance=1e-6)
     O.dt = 1e-3
     O.forces.setPermF(row[0], (1e5, 0, 0))
@@ -197,8 +185,7 @@ def test_what_drifts_is_not_stopped(O):
 
 def test_what_is_stopped_is_counted_as_dissipated(O):
     """Energy is kept to round-off though impulses are wrong by 1e-2: kinetic and potential energy, and dissipatedEnergy."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     column(0, 5, mat)
     total = lambda: plane.kinetic_energy() + sum(9.81 * b.state.mass * b.state.pos[1] for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
     before = total()
@@ -208,8 +195,7 @@ def test_what_is_stopped_is_counted_as_dissipated(O):
 
 
 def test_a_finer_tolerance_wakes(O):
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     column(0, 4, mat)
     cd = plane.run(200, 1e-3, gravity=GRAVITY, tolerance=1e-2)
     assert cd.sleeping == 1
@@ -221,8 +207,7 @@ def test_a_finer_tolerance_wakes(O):
 
 def test_sleeping_forces_stay(O):
     """At an angle at which the normal's length is not 1 to the last digit, looked at in every step (runs of one step) and not."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.00937, 0.0273)):
         plane.disk((x, y), 0.01, mat=mat)
     cd = plane.run(2000, 1e-3, gravity=GRAVITY, tolerance=1e-8)
@@ -235,8 +220,7 @@ def test_sleeping_forces_stay(O):
 
 
 def test_a_disk_alone_on_the_floor_sleeps(O):
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     for k in range(5):
         plane.disk((0.1 * k, 0.01), 0.01, mat=mat)
     cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-6)
@@ -246,9 +230,7 @@ def test_a_disk_alone_on_the_floor_sleeps(O):
 
 def test_what_changes_elsewhere_wakes_nothing(O):
     """A disk is pushed by another force in every step, apart from a column at rest."""
-    import cd_engine
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     column(0, 3, mat)
     pushed = plane.disk((1, 0.01), 0.01, mat=mat)
     O.engines = cd_engine.engines(gravity=GRAVITY, tolerance=1e-6)
@@ -281,7 +263,6 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES)
 def test_nothing_shows_of_what_sleeps_on(O, change):
     """An engine changes something within a run while columns sleep. Runs of one step, in which everything is checked, give the same."""
-    import cd_engine
     left = []
     for steps in (200, 1):
         O.reset()
@@ -290,9 +271,8 @@ def test_nothing_shows_of_what_sleeps_on(O, change):
         columns = [column(0.1 * k, 3, mats[k]) for k in range(3)]
         plane.disk((-0.5, 0.1), 0.01, velocity=(0.1, 0), mat=mats[3])
         O.dt = 1e-3
-        builtins.change_now = lambda: CHANGES[change](O, columns[1])
         O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6),
-                     PyRunner(command="import builtins; builtins.change_now()", iterPeriod=1, firstIterRun=150, nDo=1)]
+                     runner(lambda: CHANGES[change](O, columns[1]), iterPeriod=1, firstIterRun=150, nDo=1)]
         O.run(148, True)
         assert O.engines[-2].sleeping == 3
         for _ in range(52 // min(steps, 52)):
@@ -304,18 +284,14 @@ def test_nothing_shows_of_what_sleeps_on(O, change):
 
 def within(O, step, change, **settings):
     """Engines with a change made within a run, after the step of that number; ContactDynamics."""
-    import cd_engine
-    builtins.change_now = change
-    O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6, **settings),
-                 PyRunner(command="import builtins; builtins.change_now()", iterPeriod=1, firstIterRun=step, nDo=1)]
+    O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6, **settings), runner(change, iterPeriod=1, firstIterRun=step, nDo=1)]
     O.dt = 1e-3
     return O.engines[-2]
 
 
 def test_forces_changed_in_what_sleeps_are_looked_at_in_the_next_step(O):
     """As they are changed by an engine of the run or between two runs."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     column(0, 3, mat)
     cd = within(O, 50, lambda: setattr(O.interactions[0, 1].phys, "normalForce", (0, 1e3, 0)))
     O.run(52, True)
@@ -332,8 +308,7 @@ def test_forces_changed_in_what_sleeps_are_looked_at_in_the_next_step(O):
 @pytest.mark.parametrize("step", (17, 18, 19, 50))
 def test_objects_taken_from_what_sleeps_are_missed_at_once(O, change, step):
     """Also while it falls asleep, in the trial of the 17th step."""
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     column(0, 3, mat)
     cd = within(O, step, lambda: change(O))
     O.run(step + 4, True)
@@ -346,8 +321,7 @@ def test_contacts_that_cannot_push_are_counted_while_they_sleep(O):
     left = []
     for run in (1, 60):
         O.reset()
-        mat = plane.material(0.5)
-        plane.floor(mat)
+        mat = plane.ground(0.5)
         for x in (-0.1, 0.1):
             plane.disk((x, 0.01), 0.01, mat=mat)
         plane.box((0, 0.025), (0.2, 0.005), blocked="xzXYZ", mat=mat)
@@ -362,8 +336,7 @@ def test_contacts_that_cannot_push_are_counted_while_they_sleep(O):
 
 @pytest.mark.parametrize("margin", [0, 0.1])
 def test_bodies_that_are_gone_are_no_contacts(O, margin):
-    mat = plane.material(0.5)
-    plane.floor(mat)
+    mat = plane.ground(0.5)
     for k in range(3):
         column(0.1 * k, 3, mat)
     cd = within(O, 50, lambda: [O.bodies.erase(k) for k in (7, 8, 9)], searchMargin=margin)
@@ -374,7 +347,6 @@ def test_bodies_that_are_gone_are_no_contacts(O, margin):
 @pytest.mark.parametrize("before", [10, 60, 300])
 def test_a_saved_scene_goes_on_bitwise(O, tmp_path, before):
     """The engine remembers what rested and slept, to save time; that must not change results."""
-    import cd_engine
     cloud(O, 40, seed=3, speed=2)
     plane.floor()
     column(5, 4, plane.material(0.5))
@@ -387,7 +359,7 @@ def test_a_saved_scene_goes_on_bitwise(O, tmp_path, before):
     O.save(str(tmp_path / "half.yade.gz"))
     O.run(300, True)
     assert O.engines[-1].sleeping > 0
-    whole = digest(O), seen(O)
+    whole = seen(O)
     O.load(str(tmp_path / "half.yade.gz"))
     O.run(300, True)
-    assert (digest(O), seen(O)) == whole
+    assert seen(O) == whole

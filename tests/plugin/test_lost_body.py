@@ -14,10 +14,6 @@ def bed(disks, settings, **moving):
     return plane.disk(radius=0.01, mat=mat, **moving), cd_engine.engines(gravity=(0, -9.81, 0), **settings)
 
 
-def states(O):
-    return [(tuple(b.state.pos), tuple(b.state.vel), tuple(b.state.angVel)) for b in O.bodies]
-
-
 def test_a_lost_body_is_named_once_and_widens_nothing(O, capfd):
     lost, O.engines = bed(60, {}, position=(0.7, 0))
     O.dt = 1e-3
@@ -43,8 +39,7 @@ def test_a_group_that_leaves_is_noticed(O, capfd):
 
 def test_what_a_wall_will_catch_is_not_lost(O, capfd):
     """The discharge of a small funnel falls far onto a floor that is a Wall."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for side in (-1, 1):
         plane.box((0.03 * side, 2), (0.01, 0.02), mat=mat)
     for k in range(10):
@@ -65,7 +60,7 @@ def test_it_hits_what_it_comes_to(O, capfd, settings):
         O.run(100, True)
         O.run(200, True)
         assert O.bodies[bullet].state.pos[1] > 0 and O.engines[2].deepestPenetration < (0.02 if settings else 1e-4)
-        found.append(states(O))
+        found.append(plane.digest())
     assert "left the scene" not in capfd.readouterr().err  # it flies up high and comes back
     assert found[0] == found[1]
 
@@ -91,5 +86,5 @@ def test_an_impact_is_passed_on_whatever_the_margin(O, settings, presses):
         O.bodies[0].state.vel = (50, 0, 0)
         O.run(3, True)
         assert O.bodies[1].state.pos[0] + 0.0099 < O.bodies[2].state.pos[0]
-        found.append(states(O))
+        found.append(plane.digest())
     assert found[0] == found[1]

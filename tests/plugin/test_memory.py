@@ -1,15 +1,13 @@
 """A step allocates no memory once sizes have settled. Counted for the whole engine in a running YADE, including libraries that it calls."""
 import os
 import subprocess
-import sys
 
 import pytest
 
-from . import plane
+from . import plane, programs
 
 PROGRAM = """
-import ctypes, glob, sys
-sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
+import ctypes
 import yade
 from tests.plugin import plane, test_invariants, tumbler
 from yade_scripts.running import hooks
@@ -37,12 +35,12 @@ def counter(tmp_path_factory):
     return library
 
 
-def requests(counter, root, folder, **scene):
+def requests(counter, folder, **scene):
     """Requests for memory a step: the engine's, also through YADE's class factory, and those that YADE's collider and forces make when it calls
     them."""
     output = folder / "requests.txt"
-    program = PROGRAM.format(root=str(root), output=str(output), **scene)
-    subprocess.run([sys.executable, "-c", program], env=os.environ | {"LD_PRELOAD": str(counter)}, check=True, timeout=200)
+    done = programs.in_python(PROGRAM.format(output=str(output), **scene), LD_PRELOAD=str(counter))
+    assert done.returncode == 0, done.stderr
     ours = yades = 0
     lines = output.read_text().splitlines()
     assert any("allocations.so:askForMemory" in line for line in lines)
@@ -59,28 +57,27 @@ def requests(counter, root, folder, **scene):
     return ours / scene["steps"], yades / scene["steps"]
 
 
-def test_at_rest_none(counter, root, tmp_path):
+def test_at_rest_none(counter, tmp_path):
     """A heap that has come to rest: no request at all, the collider sleeps."""
     scene = """
 test_invariants.heap(yade.O, 0.3)
 engine = plane.run(1, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-6)
 """
-    assert requests(counter, root, tmp_path, scene=scene, settle=2500, steps=500) == (0, 0)
+    assert requests(counter, tmp_path, scene=scene, settle=2500, steps=500) == (0, 0)
 
 
-def test_while_contacts_come_and_go_none_but_for_new_records(counter, root, tmp_path):
+def test_while_contacts_come_and_go_none_but_for_new_records(counter, tmp_path):
     """More contacts than ever before ask for memory, 0.003 times a step after 20 000 steps and falling; those that replace others do not, where
     five contacts close in every four steps. By sweeps: Newton's method plans its factorization anew for every set of contacts. YADE makes a new
     interaction in every fourth step, by four requests."""
-    ours, yades = requests(counter, root, tmp_path, scene="engine = tumbler.build(40); engine.method = 'accelerated'", settle=6000, steps=2000)
+    ours, yades = requests(counter, tmp_path, scene="engine = tumbler.build(40); engine.method = 'accelerated'", settle=6000, steps=2000)
     assert yades > 0.5
     assert ours < 0.03
 
 
 PER_CYCLE = """
-import ctypes, glob, sys
-sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
-from yade import O, wrapper as w
+import ctypes
+from yade import O
 import cd_engine
 from tests.plugin import plane
 
@@ -92,15 +89,11 @@ libc.mallinfo2.restype = Use
 
 def build(contact_dynamics):
     O.reset()
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for k in range(150):
         plane.disk((0.021 * (k % 15), 0.011 + 0.021 * (k // 15)), 0.01, mat=mat)
     O.dt = 1e-4
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0)) if contact_dynamics else [
-        w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
-        w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
-                          [w.Law2_ScGeom_FrictPhys_CundallStrack()]), w.NewtonIntegrator(gravity=(0, -9.81, 0))]
+    O.engines = cd_engine.engines(gravity=(0, -9.81, 0)) if contact_dynamics else plane.springs(verletDist=0)
     O.run(20, True)
 
 for contact_dynamics in (False, True):
@@ -112,9 +105,9 @@ for contact_dynamics in (False, True):
 """
 
 
-def test_scenes_that_are_gone_leave_no_more_than_springs_do(root):
+def test_scenes_that_are_gone_leave_no_more_than_springs_do():
     """Reset and build anew, 30 times. YADE never destroys an engine that was in O.engines, and loses 63 kB a scene of 150 disks with springs."""
-    done = subprocess.run([sys.executable, "-c", PER_CYCLE.format(root=str(root))], capture_output=True, text=True, timeout=200)
+    done = programs.in_python(PER_CYCLE)
     used = [int(line.split()[1]) for line in done.stdout.splitlines() if line.startswith("used")]
     assert len(used) == 4, done.stderr
     springs, rigid = (used[1] - used[0]) / 30, (used[3] - used[2]) / 30
@@ -143,8 +136,7 @@ def test_stiffness_stays_with_its_pair(O, kn):
 
 
 REFUSED = """
-import ctypes, glob, sys
-sys.path[:0] = [{root!r}, *glob.glob("/usr/lib/*/yade-double/py")]
+import ctypes
 from yade import O
 import cd_engine
 from tests.plugin import plane, test_invariants
@@ -166,7 +158,7 @@ def digest(number, at):
     refused = number > 0 and refuse(0) <= 0
     assert refused == ("no memory is left" in told), (number, told)
     O.run(at + 20 - O.iter, True)
-    return refused, test_invariants.digest(O)
+    return refused, plane.digest()
 
 for at in (0, 60):
     known, number, refused = digest(0, at)[1], 1, True
@@ -201,9 +193,8 @@ for number in (1, 2, 5, 15, 40, 100, 200):
 
 
 @pytest.mark.parametrize("reduce", [True, False])
-def test_a_step_that_gets_no_memory_can_be_made_again(counter, root, reduce):
+def test_a_step_that_gets_no_memory_can_be_made_again(counter, reduce):
     """Whichever request is refused: the step is refused in words, and the next attempt makes it, with the same bits."""
-    done = subprocess.run([sys.executable, "-c", REFUSED.format(root=str(root), reduce=reduce)], env=os.environ | {"LD_PRELOAD": str(counter)},
-                          capture_output=True, text=True, timeout=200)
+    done = programs.in_python(REFUSED.format(reduce=reduce), LD_PRELOAD=str(counter))
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("refused up to request") == 2

@@ -16,7 +16,9 @@ from . import plane
     (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
     (lambda: wrapper.TriaxialStressController(), r"TriaxialStressController moves walls.*O\.forces\.setPermF"),
     (lambda: wrapper.ServoPIDController(ids=[1]), r"ServoPIDController moves walls.*O\.forces\.setPermF"),
-], ids=["force", "harmonic force", "radial force", "gravity", "time step", "triaxial", "servo"])
+    (wrapper.NewtonIntegrator, "second time"), (wrapper.InteractionLoop, "spring forces"), (wrapper.ParallelEngine, "hides the engines in it"),
+    (lambda: cd_engine.ContactDynamics(), "second time"),
+], ids=["force", "harmonic force", "radial force", "gravity", "time step", "triaxial", "servo", "integrator", "loop", "parallel", "another"])
 def test_engines_that_do_not_go_with_it(O, engine, said):
     O.engines = plane.disk_on_a_floor() + [engine()]
     O.dt = 1e-3
@@ -101,13 +103,6 @@ def test_lists_at_which_yade_would_end(O, go, capfd):
     assert "a NewtonIntegrator stands dead in O.engines" in capfd.readouterr().err
 
 
-def springs():
-    return [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()]),
-            wrapper.InteractionLoop([wrapper.Ig2_Wall_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()],
-                                    [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
-            wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
-
-
 @pytest.mark.parametrize("path", ["run", "step", "loaded"])
 def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
     """However ContactDynamics came to leave them: by O.run, by O.step, or in a file that is loaded when springs have run last."""
@@ -119,10 +114,10 @@ def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
         O.step()
     elif path == "loaded":
         cd_engine.release()
-        O.engines = springs()
+        O.engines = plane.springs()
         O.run(1, True)
         O.load(str(tmp_path / "rigid.yade.gz"))
-    O.engines = springs()
+    O.engines = plane.springs()
     for go in (lambda: O.run(1, True), O.step):
         with pytest.raises(RuntimeError, match="no stiffness.*cd_engine.release()"):
             go()
@@ -138,7 +133,7 @@ def test_springs_that_an_engine_of_a_run_sets(O):
     O.run(5, True)
 
     def change():
-        O.engines = springs()
+        O.engines = plane.springs()
 
     O.engines = [reset, collider, cd, hooks.runner(change, iterPeriod=1)]
     with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run.*cd_engine.release"):
@@ -151,11 +146,11 @@ def test_springs_set_at_the_console_of_a_run(O):
     O.run()
     try:
         with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run"):
-            O.engines = springs()
+            O.engines = plane.springs()
     finally:
         O.pause()
     cd_engine.release()
-    O.engines = springs()
+    O.engines = plane.springs()
     assert len(O.engines) == 4
 
 
@@ -164,10 +159,10 @@ def test_springs_of_a_soft_material_are_its_own(O):
     O.engines = plane.disk_on_a_floor()
     O.bodies[1].material = wrapper.FrictMat(young=0, poisson=0.3)
     cd_engine.release()
-    O.engines = springs()
+    O.engines = plane.springs()
     O.dt = 1e-5
     O.run(2, True)
-    O.engines = springs()
+    O.engines = plane.springs()
     O.run(2, True)
     assert O.interactions[0, 1].phys.kn == 0
 

@@ -6,12 +6,16 @@ import subprocess
 import sys
 
 import pytest
+from yade import config
+
+import cd_engine
+
+from . import programs
 
 # Debian's package yade brings one binary a precision.
 OTHERS = ("longdouble", "float128", "mpfr150")
 SCRIPT = """\
-import runpy, sys
-sys.path[:0] = [{root!r}, {root!r} + "/cd_engine"]
+sys.path.append(sys.path[0] + "/cd_engine")
 
 def refused(name, load):
     try:
@@ -42,14 +46,11 @@ print("alive after step", O.iter)
 
 
 @pytest.mark.parametrize("precision", OTHERS)
-def test_another_precision_refuses_every_way_in(precision, root, tmp_path):
+def test_another_precision_refuses_every_way_in(precision, tmp_path):
     """The engine by its package and by its compiled file, runs by either method, a packing: each one sentence, no result, no crash."""
     if shutil.which(f"yade-{precision}") is None:
         pytest.skip(f"yade-{precision} is not installed here")
-    script = tmp_path / "script.py"
-    script.write_text(SCRIPT.format(root=str(root)))
-    done = subprocess.run([f"yade-{precision}", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          timeout=200)
+    done = programs.in_yade(tmp_path, SCRIPT, f"yade-{precision}")
     said = done.stdout + done.stderr
     assert done.returncode == 0, said
     assert "engine refused: cd_engine computes in double precision; this is YADE " in said and "Start `yade`" in said
@@ -62,29 +63,22 @@ def test_another_precision_refuses_every_way_in(precision, root, tmp_path):
 
 @pytest.fixture
 def forgotten(monkeypatch):
-    """cd_engine in a running YADE, its compiled module not loaded yet as far as Python knows."""
-    import yade
-    assert yade.O is not None
-    import cd_engine
+    """Compiled module of cd_engine that is not loaded yet as far as Python knows."""
     for name in [name for name in sys.modules if name.endswith("._yade_plugin")]:
         monkeypatch.delitem(sys.modules, name)
-    return cd_engine
 
 
 def test_what_yade_says_of_its_precision_decides_and_not_its_folder(forgotten, monkeypatch):
     """A YADE that somebody has built lies in a folder of any name."""
-    from yade import config
     monkeypatch.setattr(config, "libDir", "/opt/yade")
-    forgotten.ContactDynamics
+    cd_engine.ContactDynamics
     monkeypatch.setattr(config, "highPrecisionName", "PrecisionFloat")
     monkeypatch.delitem(sys.modules, "cd_engine._yade_plugin")
     with pytest.raises(ImportError, match="computes in double precision.* /opt/yade"):
-        forgotten.ContactDynamics
+        cd_engine.ContactDynamics
 
 
 UNTESTED = """\
-import sys
-sys.path.insert(0, {root!r})
 from yade import config
 config.version = {version!r} or config.version
 import cd_engine
@@ -98,15 +92,10 @@ print("steps", O.iter)
 
 
 @pytest.mark.parametrize("version", ["2099.1", ""])
-def test_an_untested_version_that_fits_runs_and_says_so_once(version, root, tmp_path):
-    import yade
-
-    import cd_engine
-    script = tmp_path / "script.py"
-    script.write_text(UNTESTED.format(root=str(root), version=version))
-    done = subprocess.run(["yade", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+def test_an_untested_version_that_fits_runs_and_says_so_once(version, tmp_path):
+    done = programs.in_yade(tmp_path, UNTESTED.format(version=version))
     assert done.returncode == 0 and "steps 1" in done.stdout, done.stderr
-    running = version or yade.config.version
+    running = version or config.version
     assert done.stderr.count(f"nobody has tested it with YADE {running},") == (running not in cd_engine.TESTED), done.stderr
     if version:
         assert all(f"{tested} (Debian {debian})" in done.stderr for tested, debian in cd_engine.TESTED.items())
@@ -118,22 +107,19 @@ def test_a_module_that_does_not_load_says_what_to_do(forgotten, monkeypatch):
         raise ImportError("undefined symbol: _ZN4yade5Omega5otherEv", name=name, path="_yade_plugin.so")
     monkeypatch.setattr(importlib, "import_module", load)
     with pytest.raises(ImportError, match="does not load into YADE .*_ZN4yade5Omega5otherEv.*make build"):
-        forgotten.ContactDynamics
+        cd_engine.ContactDynamics
 
 
-def test_two_boosts_in_one_process_are_refused(root, tmp_path):
+def test_two_boosts_in_one_process_are_refused(tmp_path):
     """A plug-in built with another Boost than YADE would register its engines where YADE never looks."""
     other = tmp_path / "libboost_python00.so.1.0"
     subprocess.run(["g++", "-shared", "-x", "c++", "-o", str(other), "-"], input="", text=True, check=True)
-    script = tmp_path / "script.py"
-    script.write_text(f"import ctypes, sys\nctypes.CDLL({str(other)!r})\nsys.path.insert(0, {str(root)!r})\nimport cd_engine\n"
-                      "try:\n    cd_engine.ContactDynamics\nexcept ImportError as error:\n    print('refused:', error)\n")
-    done = subprocess.run(["yade", "-n", "-x", str(script)], cwd=tmp_path, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+    done = programs.in_yade(tmp_path, f"import ctypes\nctypes.CDLL({str(other)!r})\nimport cd_engine\n"
+                            "try:\n    cd_engine.ContactDynamics\nexcept ImportError as error:\n    print('refused:', error)\n")
     assert re.search("refused: .*libboost_python: expected one .* and libboost_python00.so.1.0|refused: .*found libboost_python00.so.1.0 and ",
                      done.stdout), done.stdout + done.stderr
 
 
 def test_tested_versions_stand_in_the_readme(root):
-    import cd_engine
     text = (root / "README.md").read_text()
     assert all(re.search(rf"^\| {debian}\b.*\| {re.escape(version)} \|", text, re.M) for version, debian in cd_engine.TESTED.items())

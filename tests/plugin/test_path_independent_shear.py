@@ -4,8 +4,11 @@ import random
 
 import numpy as np
 import pytest
+from yade import utils, wrapper as w
 
+import cd_engine
 from yade_scripts.running import hooks
+
 from . import plane
 
 KN, KS = 1e6, 5e5  # N/m
@@ -14,8 +17,6 @@ R1, R2 = 0.01, 0.012  # m
 
 def engines(O, law="path_independent", dt=1e-5, gravity=0.0, motion=None):
     """Undamped linear springs with the tangential law; motion(): called between the forces and NewtonIntegrator."""
-    import cd_engine
-    from yade import wrapper as w
 
     def constant(value):
         return w.MatchMaker(algo="val", val=value)
@@ -266,7 +267,6 @@ def test_a_contact_made_anew_is_new_whatever_its_pair_had_before(O):
 
 def box_of_disks(O, gravity):
     """25 equal disks in a triangular pile between walls, with friction, at rest but for their weight."""
-    from yade import utils
     mat, radius = plane.material(0.5), 0.01
     for position, half in (((0, -0.01), (0.2, 0.01)), ((-0.06, 0.05), (0.01, 0.1)), ((0.06, 0.05), (0.01, 0.1))):
         O.bodies.append(utils.box((*position, 0), (*half, 0.5), fixed=True, material=mat))

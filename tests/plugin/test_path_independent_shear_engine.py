@@ -1,99 +1,37 @@
-"""The engine of the path-independent springs: what it refuses, and what it is to YADE."""
+"""What the engine of the path-independent springs refuses."""
 import pytest
+from yade import wrapper as w
 
-from . import plane
-from .test_path_independent_shear import R1, R2, box_of_disks, engines, pair
+import cd_engine
+
+from .test_path_independent_shear import R1, R2, engines, pair
 
 
-class TestRefusals:
+def with_engines(change):
+    """Return a function that sets O.engines to what `change` makes of its list."""
+    return lambda O: setattr(O, "engines", change(O.engines))
+
+
+def mindlin(engines):
+    """Return the engines with springs of another kind."""
+    loop = w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_MindlinPhys()], [w.Law2_ScGeom_MindlinPhys_Mindlin()])
+    return engines[:2] + [loop] + engines[3:]
+
+
+@pytest.mark.parametrize("spoil, words", [
+    (with_engines(lambda all: all[:2] + all[3:]), "no InteractionLoop before it.*right behind InteractionLoop"),
+    (lambda O: setattr(O.engines[2], "dead", True), "no InteractionLoop before it"),
+    (with_engines(lambda all: all[:3] + all[4:] + [all[3]]), "NewtonIntegrator before it"),
+    (with_engines(lambda all: all[:4] + [cd_engine.PathIndependentShear()] + all[4:]), "another one before it"),
+    (with_engines(mindlin), "#0 and #1 has ScGeom and MindlinPhys"),
+    (lambda O: setattr(O.bodies[1].state, "pos", (R1 + R2 - 1e-3, 0, 1e-4)), "out of the plane"),
+    (lambda O: setattr(O.bodies[1].state, "angVel", (1, 0, 0)), "#1 turns out of the plane"),
+    (lambda O: setattr(O, "periodic", True), "periodic"),
+], ids=["no loop", "dead loop", "behind the integrator", "two of them", "other springs", "different heights", "turning out of the plane", "periodic"])
+def test_refused(O, spoil, words):
     """Each by its reason; the message names the remedy."""
-
-    def refused(self, O, words):
-        with pytest.raises(RuntimeError, match=words):
-            O.step()
-
-    def test_without_interaction_loop(self, O):
-        pair(O, 1e-3)
-        engines(O)
-        O.engines = [e for e in O.engines if type(e).__name__ != "InteractionLoop"]
-        self.refused(O, "no InteractionLoop before it.*right behind InteractionLoop")
-
-    def test_dead_interaction_loop(self, O):
-        pair(O, 1e-3)
-        engines(O)
-        O.engines[2].dead = True
-        self.refused(O, "no InteractionLoop before it")
-
-    def test_behind_the_integrator(self, O):
-        pair(O, 1e-3)
-        engines(O)
-        O.engines = O.engines[:3] + O.engines[4:] + [O.engines[3]]
-        self.refused(O, "NewtonIntegrator before it")
-
-    def test_two_of_them(self, O):
-        import cd_engine
-        pair(O, 1e-3)
-        engines(O)
-        O.engines = O.engines[:4] + [cd_engine.PathIndependentShear()] + O.engines[4:]
-        self.refused(O, "another one before it")
-
-    def test_springs_of_another_kind(self, O):
-        from yade import wrapper as w
-        pair(O, 1e-3)
-        engines(O)
-        loop = w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_MindlinPhys()], [w.Law2_ScGeom_MindlinPhys_Mindlin()])
-        O.engines = O.engines[:2] + [loop] + O.engines[3:]
-        self.refused(O, "#0 and #1 has ScGeom and MindlinPhys")
-
-    def test_disks_at_different_heights(self, O):
-        pair(O, 1e-3)
-        O.bodies[1].state.pos = (R1 + R2 - 1e-3, 0, 1e-4)
-        engines(O)
-        self.refused(O, "out of the plane")
-
-    def test_turning_out_of_the_plane(self, O):
-        pair(O, 1e-3)
-        O.bodies[1].state.angVel = (1, 0, 0)
-        engines(O)
-        self.refused(O, "#1 turns out of the plane")
-
-    def test_periodic_scene(self, O):
-        O.periodic = True
-        pair(O, 1e-3)
-        engines(O)
-        self.refused(O, "periodic")
-
-
-class TestRegistration:
-    """An engine of YADE's like any other."""
-
-    def test_class_attributes_and_documentation(self, O):
-        import cd_engine
-        from yade import wrapper
-        cls = cd_engine.PathIndependentShear
-        assert cls is wrapper.PathIndependentShear and issubclass(cls, wrapper.GlobalEngine)
-        assert "McNamara" in cls.__doc__
-        assert set(cls().dict()) >= {"contacts", "slidingContacts", "label", "dead"}
-        for name in ("contacts", "slidingContacts", "_pairIds", "_pairNormals", "_pairForces", "_lastStep"):
-            assert ":ydefault:`" in getattr(cls, name).__doc__
-
-    def test_results_cannot_be_set_and_unknown_names_are_refused(self, O):
-        import cd_engine
-        with pytest.raises(AttributeError, match="PathIndependentShear.contacts is a result"):
-            cd_engine.PathIndependentShear(contacts=1)
-        with pytest.raises(AttributeError, match="stifness"):
-            cd_engine.PathIndependentShear(stifness=1)
-        with pytest.raises(TypeError, match="keyword"):
-            cd_engine.PathIndependentShear(1)
-
-    @pytest.mark.parametrize("ending", [".xml", ".xml.gz", ".yade", ".yade.gz"])
-    def test_saving_keeps_every_attribute(self, O, tmp_path, ending):
-        box_of_disks(O, 9.81)
-        engine = engines(O, dt=5e-5, gravity=9.81)
-        O.run(50, True)
-        before = plane.everything_in(engine)
-        assert before["_pairForces"] and before["label"] == "shear"
-        O.save(str(tmp_path / ("scene" + ending)))
-        O.reset()
-        O.load(str(tmp_path / ("scene" + ending)))
-        assert plane.everything_in(O.engines[3]) == before
+    pair(O, 1e-3)
+    engines(O)
+    spoil(O)
+    with pytest.raises(RuntimeError, match=words):
+        O.step()

@@ -2,6 +2,7 @@
 import math
 
 import pytest
+from yade import utils, wrapper
 
 import cd_engine
 
@@ -76,14 +77,12 @@ def test_disks_that_bounce_take_shorter_steps(O):
 
 
 def test_gravity_of_springs_is_found(O):
-    from yade import wrapper
     plane.disk((0, 0), 0.01)
     O.engines = [wrapper.NewtonIntegrator(gravity=(0, -G, 0))]
     assert cd_engine.timeStep() == pytest.approx(0.25 * math.sqrt(0.01 / G))
 
 
 def test_a_wall_along_gravity_has_no_height(O):
-    from yade import utils
     plane.disk((0, 100), 0.01)
     O.bodies.append(utils.wall(-1, axis=0, material=0))
     assert cd_engine.timeStep(gravity=(0, -G, 0)) == pytest.approx(0.25 * math.sqrt(0.01 / G))

@@ -5,6 +5,8 @@ import random
 import pytest
 import yade
 
+import cd_engine
+
 from . import plane
 
 G = 9.81
@@ -12,8 +14,7 @@ G = 9.81
 
 def press(O, method="auto", tolerance=1e-6, beside=False, speed=0.1):
     """Press a disk on the floor by a wall of `speed` [m/s]; with `beside`, a column of two stands next to it. Return the engine after a step."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
     lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
     O.bodies[lid].state.vel = (0, -speed, 0)
@@ -153,7 +154,6 @@ def test_nor_where_a_doubt_remains_though_the_error_is_small(O, method, toleranc
 @pytest.mark.parametrize("method", ["auto", "newton"])
 def test_wedged_disks_that_rebound_gain_no_energy(O, method):
     """Columns of disks between a floor and two walls, thrown at random, friction 1 and 2: impulses that wedge them have no bound."""
-    import cd_engine
     draw = random.Random(4)
     for _ in range(60):
         O.reset()
@@ -187,8 +187,7 @@ def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
 
 def test_forces_that_hold_each_other_are_kept(O):
     """A lid pressed on three disks is then fixed, and gravity ends: nothing moves, so the forces must stay."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for k in range(3):
         plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)
     lid = plane.box((0, 0.065), (0.02, 0.005), blocked="xzXYZ", mat=mat)
@@ -223,8 +222,7 @@ def test_what_stands_beside_it_is_solved(O):
 def test_impulses_of_an_unsolved_step_excuse_none_in_the_next(O, method, tolerance):
     """A lid comes down on one of two overlapping disks. The first step ends with impulses of 1e12 N s. As first guess of the next step they are so
     large that the error relative to them is within the tolerance."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mat=mat)
     plane.disk((0.019, 0.0105), 0.01, mat=mat)
     lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
@@ -241,8 +239,7 @@ def test_impulses_of_an_unsolved_step_excuse_none_in_the_next(O, method, toleran
 @pytest.mark.parametrize("most", [1, 3, 50])
 def test_the_bound_on_iterations_is_one(O, most):
     """A cold pile of 40 disks, in which contacts are added within the steps."""
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     for i in range(40):
         plane.disk((0.0201 * (i % 5), 0.0101 + 0.0203 * (i // 5)), 0.01, velocity=(0, -1), mat=mat)
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0), maxIterations=most, tolerance=1e-10)
@@ -253,9 +250,7 @@ def test_the_bound_on_iterations_is_one(O, most):
 
 def test_a_collider_finds_pairs_after_a_body_has_been_erased(O):
     """A disk rolls at 5 m/s towards another; meanwhile the engines are set anew. The allowed overlap is that of the scheme."""
-    import cd_engine
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     still = plane.disk((0, 0.1), 0.1, mat=mat)
     fast = plane.disk((0.5, 0.1), 0.1, velocity=(-5, 0), mat=mat)
     O.bodies.erase(plane.disk((3, 0.1), 0.1, mat=mat))

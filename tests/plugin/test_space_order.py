@@ -3,34 +3,34 @@ import numpy as np
 import pytest
 from yade import utils
 
+import cd_engine
+
 from . import plane
 from .test_export_problem import ids
-from .test_invariants import cloud, digest
+from .test_invariants import cloud
 
 DISKS = 2100  # more than 2048, from which on the order is used
 
 
 def throw(O):
     """Disks thrown at their centre, where they pile up."""
-    import cd_engine
     cloud(O, DISKS, seed=4, speed=5)
     O.engines = cd_engine.engines(tolerance=1e-4, maxIterations=10)
     O.dt = 2e-3
 
 
 def test_a_saved_scene_goes_on_bitwise_though_the_bodies_have_moved(O, tmp_path):
-    import cd_engine
     throw(O)
     O.run(40, True)
     saved = list(O.engines[-1]._bodyOrder)
     assert len(saved) == len(O.bodies)
     O.save(str(tmp_path / "half.yade.gz"))
     O.run(10, True)
-    whole = digest(O)
+    whole = plane.digest()
     assert list(O.engines[-1]._bodyOrder) == saved
     O.load(str(tmp_path / "half.yade.gz"))
     O.run(10, True)
-    assert digest(O) == whole
+    assert plane.digest() == whole
     # An order from the present places would differ, so this shows that the saved one was used.
     O.load(str(tmp_path / "half.yade.gz"))
     O.engines = cd_engine.engines(fixedIterations=1, handover=False)
@@ -46,7 +46,7 @@ def test_the_order_of_the_list_of_pairs_does_not_show(O):
         throw(O)
         for _ in range(16 // at_once):
             O.run(at_once, True)
-        hashes.append(digest(O))
+        hashes.append(plane.digest())
     assert hashes[0] == hashes[1]
 
 
@@ -66,16 +66,8 @@ def test_the_order_is_renewed_at_a_step_that_looks_at_it(O, moved, renewed):
     assert (list(O.engines[-1]._bodyOrder) != first) == renewed
 
 
-def test_few_bodies_keep_their_numbers(O):
-    import cd_engine
-    cloud(O, 30, seed=1)
-    O.engines = cd_engine.engines()
-    O.run(2, True)
-    assert len(O.engines[-1]._bodyOrder) == 0
-
-
 def pairs_of_one_key(most):
-    """Two pairs of ids below `most` to which read_pairs.cpp gives one key where their disks are among the first 32 of the order."""
+    """Two pairs of ids below `most` to which core/pair_order.cpp gives one key where their disks are among the first 32 of the order."""
     low, high = np.triu_indices(most, 1)
     h = (low.astype(np.uint64) << np.uint64(32) | high.astype(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
     h ^= h >> np.uint64(32)
@@ -89,7 +81,6 @@ def pairs_of_one_key(most):
 
 def test_pairs_of_one_key_are_ordered_by_their_ids(O, tmp_path):
     """Whichever the collider, which goes along x, finds first."""
-    import cd_engine
     pairs = pairs_of_one_key(2800)
     for side in (1, -1):
         O.reset()

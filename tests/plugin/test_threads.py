@@ -1,15 +1,15 @@
 """Threads share the work of a step: the motion has the same bits with any number of them, and none is started without need."""
-import os
 import pathlib
-import subprocess
-import sys
 
+import numpy as np
 import pytest
 import yade
 from yade import utils
 
-from . import plane
-from .test_invariants import digest
+import cd_engine
+from cd_engine import core
+
+from . import plane, programs
 
 SIDE = 62        # disks in a row and a column: more contacts than one block of a sweep may have
 COUNTS = 1, 2, 3, 4, 8, 16
@@ -27,9 +27,11 @@ def helpers():
     return names.count("cd_engine")
 
 
-def crystal(lid=False, speed=0.0, side=SIDE):
-    """Disks row by row on a floor between two walls, each in a hollow of those below; `lid`: under a free wall that gravity presses on them."""
-    import cd_engine
+def crystal(lid=False, speed=0.0, side=SIDE, **settings):
+    """Disks row by row on a floor between two walls, each in a hollow of those below; `lid`: under a free wall that gravity presses on them.
+
+    Settings are those of the engine.
+    """
     material = plane.material(0.3)
     width, row = (2 * side + 1) * RADIUS, 3**0.5 * RADIUS
     for axis, place in ((1, 0), (0, 0), (0, width)):
@@ -43,7 +45,7 @@ def crystal(lid=False, speed=0.0, side=SIDE):
         wall.state.mass, wall.state.blockedDOFs = 500, "xzXYZ"
         press(wall)
     yade.O.dt = 1e-3
-    return cd_engine
+    yade.O.engines = cd_engine.engines(gravity=(0, -9.81, 0), **settings)
 
 
 def press(lid):
@@ -65,7 +67,8 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_every_number_of_threads_gives_the_same_bits(O, name):
     scene, settings = SCENES[name]
-    digests, most, cd_engine = {}, 0, crystal(**scene)
+    digests, most = {}, 0
+    crystal(**scene)
     O.saveTmp()
     for threads in COUNTS:
         O.loadTmp()  # faster than to build it
@@ -76,18 +79,18 @@ def test_every_number_of_threads_gives_the_same_bits(O, name):
         most = max(most, O.engines[-1].contacts)
         if settings.get("method") != "newton":
             O.run(5, True)
-        digests[threads] = digest(O)
+        digests[threads] = plane.digest()
         assert helpers() == threads - 1  # those of the engine before have ended
     assert most > 9000  # 8192 make more than one block
     assert set(digests.values()) == {digests[1]}
 
 
 def test_a_small_scene_starts_no_thread_and_one_thread_ends_the_others(O):
-    O.engines = crystal(lid=True, side=20).engines(gravity=(0, -9.81, 0), threads=16)
+    crystal(lid=True, side=20, threads=16)
     O.run(3, True)
     assert helpers() == 0
     O.reset()
-    O.engines = crystal().engines(gravity=(0, -9.81, 0), threads=4, tolerance=1e-2)
+    crystal(threads=4, tolerance=1e-2)
     O.run(2, True)
     assert helpers() == 3
     O.engines[-1].threads = 1
@@ -95,34 +98,15 @@ def test_a_small_scene_starts_no_thread_and_one_thread_ends_the_others(O):
     assert helpers() == 0
 
 
-def test_the_number_is_saved_and_refused_where_it_is_none(O, tmp_path):
-    import cd_engine
-    O.engines = cd_engine.engines(threads=3)
-    O.save(str(tmp_path / "scene.yade.gz"))
-    O.load(str(tmp_path / "scene.yade.gz"))
-    assert O.engines[-1].threads == 3
-    for number in (-1, 1025):
-        with pytest.raises(ValueError, match=f"threads={number} is out of range: it must be at least 0 and at most 1024"):
-            O.engines[-1].threads = number
-
-
-def test_none_given_takes_as_many_as_yade_has(root):
+def test_none_given_takes_as_many_as_yade_has():
     """In a process of its own, which ends with the threads there."""
-    code = (f"import glob, sys; sys.path[:0] = [{str(root)!r}, *glob.glob('/usr/lib/*/yade-double/py')]\n"
-            "import yade\nfrom tests.plugin import test_threads as t\n"
-            "yade.O.engines = t.crystal().engines(gravity=(0, -9.81, 0), tolerance=1e-2)\n"
-            "yade.O.run(2, True)\nprint(t.helpers())")
-    done = subprocess.run([sys.executable, "-c", code], env=os.environ | {"OMP_NUM_THREADS": "3", "OMP_WAIT_POLICY": "passive"}, cwd=root,
-                          capture_output=True, text=True,
-                          timeout=600)
+    done = programs.in_python("import yade\nfrom tests.plugin import test_threads as t\n"
+                              "t.crystal(tolerance=1e-2)\nyade.O.run(2, True)\nprint(t.helpers())", OMP_NUM_THREADS="3", OMP_WAIT_POLICY="passive")
     assert done.returncode == 0 and done.stdout.split()[-1:] == ["2"], done.stdout + done.stderr
 
 
 def test_solve_without_yade_by_several_threads(O, tmp_path):
-    import numpy as np
-
-    from cd_engine import core
-    O.engines = crystal(lid=True).engines(gravity=(0, -9.81, 0), tolerance=1e-2)
+    crystal(lid=True, tolerance=1e-2)
     O.run(2, True)
     O.engines[-1].exportProblem(str(tmp_path / "problem.npz"), bodies=True)
     problem = core.read_problem(str(tmp_path / "problem.npz"))
@@ -134,19 +118,18 @@ def test_solve_without_yade_by_several_threads(O, tmp_path):
             core.solve(problem, threads=number)
 
 
-def test_a_process_that_is_forked_off_goes_on_alone(root):
+def test_a_process_that_is_forked_off_goes_on_alone():
     """The child has none of the helper threads; it drops what belongs to them and starts others. The parent keeps its own."""
     program = """
-import os, sys
-sys.path.insert(0, ROOT)
+import os
 from yade import O
 from tests.plugin import test_threads as t
 
 def steps(side, threads):
     O.reset()
-    O.engines = t.crystal(side=side).engines(gravity=(0, -9.81, 0), tolerance=1e-2, threads=threads)
+    t.crystal(side=side, tolerance=1e-2, threads=threads)
     O.run(3, True)
-    return t.digest(O)
+    return t.plane.digest()
 
 wanted = steps(t.SIDE, 3)
 assert t.helpers() == 2
@@ -159,6 +142,5 @@ assert steps(t.SIDE, 3) == wanted
 print("forked", flush=True)
 os._exit(0)
 """
-    done = subprocess.run([sys.executable, "-c", program.replace("ROOT", repr(str(root)))], capture_output=True, text=True, timeout=200,
-                          env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})
+    done = programs.in_python(program)
     assert "forked" in done.stdout, done.stderr[-2000:]

@@ -2,6 +2,10 @@
 import math
 
 import pytest
+import yade
+
+import cd_engine
+from yade_scripts.running import hooks
 
 from . import plane
 
@@ -47,8 +51,6 @@ def drum(O, step, turns, mu):
     The velocities of the boxes change in every step, which contact learns half a step late: gapCorrection takes the overlap back, which would
     otherwise grow by half a step times the change of velocity.
     """
-    import yade
-    from yade_scripts.running import hooks
     spin, inner, half, radius = 5.0, 0.5, 0.05, 0.1
     mat = plane.material(mu)
     places, boxes = [], []
@@ -66,7 +68,6 @@ def drum(O, step, turns, mu):
             state = yade.O.bodies[box].state
             state.vel, state.angVel = (dc * x - ds * y, ds * x + dc * y, 0), (0, 0, spin)
 
-    import cd_engine
     reset, collider, engine = cd_engine.engines(tolerance=1e-13, gapCorrection=1, allowedOverlap=0)
     O.engines = [reset, hooks.runner(turn, iterPeriod=1, initRun=True), collider, engine]
     O.dt = step
@@ -91,8 +92,7 @@ def test_five_touching_disks_at_a_wall_hit_by_a_sixth_make_no_energy(O):
     """By restitutions up to 1, after every step: round-off and the tolerance."""
     for e in (0.5, 0.8, 0.9, 0.95, 1.0):
         O.reset()
-        mat = plane.material(0)
-        plane.floor(mat)
+        mat = plane.ground(0)
         for k in range(5):
             plane.disk((0, 0.1 * (2 * k + 1)), 0.1, mat=mat)
         plane.disk((0, 1.1005), 0.1, velocity=(0, -1), mat=mat)

@@ -1,16 +1,14 @@
 """YADE's own tools read what the engine leaves behind."""
-import subprocess
-
 import numpy as np
 import pytest
+from yade import export, utils
 
-from . import plane
+from . import plane, programs
 from .test_exact_solutions import loaded_box
 
 
 def test_stress_of_a_loaded_box(O):
     """utils.getStress against the Love-Weber sum over the contacts, for disks whose total load is known."""
-    from yade import utils
     right, top, side = loaded_box(O, n=6, mu=0)
     plane.run(20, 1e-4, tolerance=1e-11, maxIterations=100000)
     # How a rigid wall shares its load among the rows is indeterminate; each of the 7 columns of contacts (and rows) carries all of it.
@@ -28,9 +26,7 @@ def test_stress_of_a_loaded_box(O):
 
 def test_unbalanced_force_is_that_of_the_resultants(O):
     """At rest under gravity nothing is left over; a falling disk keeps its weight."""
-    from yade import utils
-    mat = plane.material()
-    plane.floor(mat)
+    mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mat=mat)
     plane.run(5, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-12)
     assert utils.unbalancedForce() < 1e-12
@@ -76,7 +72,6 @@ def test_vtk_export_writes_disks_and_forces(O, tmp_path):
     too."""
     loaded_box(O, n=3)
     plane.run(5, 1e-4, tolerance=1e-10)
-    from yade import export
     written = export.VTKExporter(str(tmp_path / "vtk"))
     written.exportSpheres(what={"speed": "b.state.vel.norm()"})
     written.exportInteractions(what={"force": "i.phys.normalForce.norm()"})
@@ -104,7 +99,6 @@ def test_warm_start_saves_sweeps_and_changes_no_result(O):
 
 
 SILENT = """
-sys.path[:0] = [{root!r}]
 import yade
 from tests.plugin import plane
 from tests.plugin.test_exact_solutions import loaded_box
@@ -114,10 +108,8 @@ print("counted", cd.unconvergedSteps, cd.steps, cd.status, cd.converged)
 """
 
 
-def test_non_convergence_is_counted_and_told_once(tmp_path, root):
-    script = tmp_path / "scene.py"
-    script.write_text(SILENT.format(root=str(root)))
-    done = subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True)
+def test_non_convergence_is_counted_and_told_once(tmp_path):
+    done = programs.in_yade(tmp_path, SILENT)
     assert "counted 30 30 max_iterations False" in done.stdout
     lines = [line for line in done.stderr.splitlines() if "ContactDynamics" in line]
     assert len(lines) == 2 and "not solved" in lines[0] and "30 of 30 steps" in lines[1]

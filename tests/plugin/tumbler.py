@@ -5,6 +5,9 @@ import sys
 
 import yade
 
+import cd_engine
+from yade_scripts.running import hooks
+
 from . import plane
 
 TURN = 2.0   # s, one turn of gravity: the disks fall across the box (0.4 s) before it has turned by a right angle
@@ -13,8 +16,6 @@ CHUNK = 50   # steps between two directions of gravity
 
 def build(disks):
     """A square box half full of disks of unequal size, with the engines that tumble it; ContactDynamics."""
-    import cd_engine
-    from yade_scripts.running import hooks
     draw, columns = random.Random(1), math.ceil(math.sqrt(2 * disks))
     material = plane.material(0.4)
     for axis in (0, 1):

@@ -40,6 +40,7 @@ def library(name):
 
 def watched_copy(root, folder, kind):
     """A copy of the repository whose plug-in is built with this sanitizer."""
+    subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), f"build/{kind}/{PLUGIN}"], check=True)
     copy = folder / "copy"
     names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines()
     for name in (name for name in names if (root / name).is_file()):
@@ -53,13 +54,13 @@ def watched_copy(root, folder, kind):
 @pytest.mark.timeout(3600)
 def test_core_s_tests_with_address_and_undefined_behaviour_sanitizers(root):
     """The first fault ends them."""
-    test_core.run(root, "sanitized")
+    test_core.run(root, "build/sanitized/core_tests")
 
 
 @pytest.mark.timeout(3600)
 def test_threads_of_a_step_with_the_thread_sanitizer(root):
     """The core's own tests of threads; any fault found makes the exit status one of failure."""
-    test_core.run(root, "threaded_core", "--source-file=*test_threads*")
+    test_core.run(root, "build/threaded/core_tests", "--source-file=*test_threads*")
 
 
 @pytest.mark.timeout(3600)
@@ -69,7 +70,6 @@ def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tm
     The C++ library is loaded ahead too, since the sanitizer finds its exceptions there. Leaks are not looked for: YADE's and Python's objects
     live to the end of the process (test_memory looks at what grows).
     """
-    subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), "sanitized_plugin"], check=True)
     copy = watched_copy(root, tmp_path, "sanitized")
     preloaded = ":".join(map(library, ("libasan.so", "libubsan.so", "libstdc++.so")))
     options = f"detect_leaks=0:suppressions={HERE / 'sanitizers.txt'}:log_path={tmp_path / 'fault'}"
@@ -87,7 +87,6 @@ def test_plugin_s_tests_with_address_and_undefined_behaviour_sanitizers(root, tm
 @pytest.mark.timeout(3600)
 def test_runs_in_the_background_with_the_thread_sanitizer(root, tmp_path):
     """What tests/plugin/test_background.py does: an export must not meet a step, nor a reader of attributes one that writes them."""
-    subprocess.run(["make", "-s", "-C", str(root / "cd_engine"), "threaded_plugin"], check=True)
     copy = watched_copy(root, tmp_path, "threaded")
     options = f"ignore_noninstrumented_modules=1:exitcode=0:log_path={tmp_path / 'fault'}"
     done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/plugin/test_background.py"], cwd=copy,
