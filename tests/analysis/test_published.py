@@ -221,3 +221,8 @@ def test_no_study_is_older_than_the_bits_of_its_scenes(root):
             for commit in found["commits"]:
                 assert f"{scene} {method}" in stored_at(root, commit), f"{name}: store the hash of {scene} {method} before its full run"
                 assert stored_at(root, commit)[f"{scene} {method}"] == today[f"{scene} {method}"], f"{name}: {scene} {method} of {commit}"
+
+
+@pytest.mark.xfail(strict=True, reason="studies are being made anew, one after the other")
+def test_all_studies_come_from_one_commit():
+    assert len({commit for name in PUBLISHED for commit in said(name)["commits"]}) == 1
