@@ -56,10 +56,10 @@ void SceneLink::tellOfFalls()
 	int held = 0, falling = -1;
 	for (int upper = 0; upper < count; upper++) {
 		const cd::Body& a = world.bodies[upper];
+		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
+		held += !pulled && world.masks[upper] != 0; // a fixed disk holds the scene, too
 		if (!isSolid(upper))
 			continue;
-		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
-		held += !pulled;
 		falling = pulled ? upper : falling;
 		if (a.inverseMass[0] == 0 && a.inverseMass[1] == 0)
 			continue;

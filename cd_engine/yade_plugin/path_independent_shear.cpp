@@ -1,20 +1,12 @@
 // Tangential springs between disks that store no path: McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008).
 #include "kind.hpp"
-#include "layout.hpp"
-#include "registered_engine.hpp"
+#include "spring_engines.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 namespace cd_engine {
 namespace {
-
-	[[noreturn]] void refuse(const std::string& what, const std::string& remedy)
-	{
-		throw SceneError("PathIndependentShear: " + what + ". " + remedy);
-	}
-
-	std::string pairName(int id1, int id2) { return text("the contact of bodies #", id1, " and #", id2); }
 
 	// Whether a law functor of linear springs has made this phys. Of exactly these classes: derived ones have springs of another kind,
 	// whose stiffness varies or whose shearForce holds a dashpot's part.
@@ -36,7 +28,7 @@ namespace {
 //
 // Signs: n points from the first to the second disk, t is n turned by +90 degrees, phys.shearForce = S t acts on the second disk:
 // S = -T. As everywhere in this project phys.shearForce is the force in the spring; what acts on the disks is alpha times that.
-class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
+class PathIndependentShear : public SpringEngine<PathIndependentShear> {
     public:
 	static constexpr const char* name = "PathIndependentShear";
 	static constexpr const char* documentation
@@ -72,7 +64,7 @@ class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
 		visit("lastStep", &C::lastStep, internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
 	}
 
-	void action() override;
+	void step();
 
     private:
 	struct Disk {
@@ -82,7 +74,6 @@ class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
 		bool touched = false;
 	};
 
-	void checkScene() const;
 	void readBodies();
 	bool exchange(yade::Interaction*);
 	std::size_t recall(int id1, int id2);
@@ -94,30 +85,6 @@ class PathIndependentShear : public RegisteredEngine<PathIndependentShear> {
 	std::size_t expected = 0;
 	std::vector<std::size_t> sorted;
 };
-
-// The forces to be replaced must have been found in this step and not yet have moved the bodies.
-void PathIndependentShear::checkScene() const
-{
-	if (scene_isPeriodic(scene))
-		refuse("the scene is periodic, which is not supported", "Set O.periodic=False and use walls");
-	bool found = false, used = false;
-	for (const auto& engine : scene_engines(scene)) {
-		if (engine.get() == this)
-			break;
-		if (engine->dead)
-			continue;
-		const std::string other = engine->getClassName();
-		found = found || other == "InteractionLoop";
-		used = used || other == "NewtonIntegrator";
-		if (other == name)
-			refuse("there is another one before it, and forces would be replaced twice", "Remove one of them from O.engines");
-	}
-	if (!found)
-		refuse(
-		    "there is no InteractionLoop before it, so there are no forces to replace", "Put it right behind InteractionLoop in O.engines");
-	if (used)
-		refuse("a NewtonIntegrator before it has used the forces already", "Put it right behind InteractionLoop in O.engines");
-}
 
 // NewtonIntegrator's leapfrog has turned each sphere by angVel dt since the forces were last found.
 void PathIndependentShear::readBodies()
@@ -216,12 +183,13 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	return true;
 }
 
-void PathIndependentShear::action()
+void PathIndependentShear::step()
 {
-	checkScene();
+	if (scene_isPeriodic(scene))
+		refuse("the scene is periodic, which is not supported", "Set O.periodic=False and use walls");
 	readBodies();
-	const long step = scene_iter(scene);
-	if (step != lastStep + 1) {
+	const long now = scene_iter(scene);
+	if (now != lastStep + 1) {
 		pairIds.clear();
 		pairNormals.clear();
 		pairForces.clear();
@@ -237,7 +205,7 @@ void PathIndependentShear::action()
 	pairIds.swap(newIds);
 	pairNormals.swap(newNormals);
 	pairForces.swap(newForces);
-	lastStep = step;
+	lastStep = now;
 
 	// Added as the law functors add theirs: NewtonIntegrator sums up what is pending.
 	auto& forces = scene_forces(scene);

@@ -46,11 +46,14 @@ double SceneLink::takeOverlaps()
 			unpressed = { &pair, share };
 	}
 	const auto what = [](const Worst& of) {
-		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", std::to_string(of.share), " of a radius at the start");
+		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", of.share, " of a radius at the start");
 	};
 	if (!(worst.share <= mostOverlap)) {
 		const std::string reason = behindWall(*worst.pair);
-		throw SceneError("ContactDynamics: " + (reason.empty() ? what(worst) + ", more than springs leave behind. Move them apart" : reason));
+		const bool plate = worst.share > 1 && bodies[worst.pair->a].boundary;
+		const std::string remedy = plate ? text(", or erase body #", worst.pair->a, " if it is a plate in front of or behind the disks") : "";
+		throw SceneError(
+		    "ContactDynamics: " + (reason.empty() ? what(worst) + ", more than springs leave behind. Move them apart" + remedy : reason));
 	}
 	if (unpressed.share > visible && told.insert("overlap").second)
 		tell(what(unpressed) + ", and no spring force acts between them. The engine keeps this overlap and counts it as touching.",

@@ -49,3 +49,25 @@ def test_it_survives_saving(O, tmp_path):
     O.reset()
     O.load(str(tmp_path / "scene.yade.gz"))
     assert O.engines[0].work == 0.25
+
+
+@pytest.mark.parametrize("change, words", [
+    (lambda all, dashpots: [dashpots] + all, "no InteractionLoop before it.*right behind InteractionLoop"),
+    (lambda all, dashpots: all + [dashpots], "NewtonIntegrator before it"),
+    (lambda all, dashpots: all[:3] + [cd_engine.DashpotWork(), dashpots] + all[3:], "another one before it"),
+    (lambda all, dashpots: all[:2] + [w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3)],
+                                                        [w.Law2_ScGeom_MindlinPhys_Mindlin()]), dashpots] + all[3:],
+     "#0 and #1 has ScGeom and MindlinPhys"),
+], ids=["no loop", "behind the integrator", "two of them", "other dashpots"])
+@pytest.mark.parametrize("wait", [False, True])
+def test_refused(O, change, words, wait):
+    """By O.step() and, each time, by O.run(n, True), after which YADE itself sometimes loses the error."""
+    plane.disk((0, 0), 0.01)
+    plane.disk((0.0199, 0), 0.01)
+    O.engines = change([w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=1e-3),
+                        w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                          [w.Law2_ScGeom_FrictPhys_CundallStrack()]), w.NewtonIntegrator()], cd_engine.DashpotWork())
+    O.dt = 1e-6
+    for _ in range(20 if wait else 1):
+        with pytest.raises(RuntimeError, match=words):
+            O.run(1000, True) if wait else O.step()
