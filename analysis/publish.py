@@ -61,6 +61,8 @@ def read_table(path, texts=(), numbers=()):
         if missing := [name for name in (*texts, *numbers) if name not in table]:
             raise ValueError(f"no column {', '.join(missing)}")
         return table.astype(dict.fromkeys(texts, object) | dict.fromkeys(numbers, float))
+    except FileNotFoundError:
+        raise ResultError(path, "is missing", "check its name, or make it first (`make help`)") from None
     except (OSError, ValueError) as error:
         raise ResultError(path, f"is no such table ({str(error).splitlines()[0]})", "make it again") from None
 
@@ -78,6 +80,8 @@ def read_json(path, kinds):
     """Return the facts in a JSON file. Raise ResultError if it cannot be read, or if a name of {name: type} is missing or has another type."""
     try:
         found = json.loads(Path(path).read_bytes())
+    except FileNotFoundError:
+        raise ResultError(path, "is missing", "check its name, or make it first (`make help`)") from None
     except (OSError, ValueError, RecursionError) as error:
         raise ResultError(path, f"cannot be read ({error})", "make it again") from None
     if wrong := [name for name, kind in kinds.items() if not isinstance(found, dict) or not isinstance(found.get(name), kind)]:

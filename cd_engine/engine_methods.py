@@ -73,15 +73,19 @@ def runs_besides():
 def check_name(engine, name):
     """Raise AttributeError for a result, and for a name that this class of engines lacks, with the nearest name. The plug-in calls this before
     an attribute is set."""
-    present = getattr(engine, name, None)
-    if isinstance(present, property) and not present.fset:
-        raise AttributeError(f"{engine.__name__}.{name} is a result and cannot be set")
+    present, result = getattr(engine, name, None), lambda known: isinstance(known, property) and not known.fset
+    if result(present):
+        limit = ". The most iterations of a step are `maxIterations`" if name == "iterations" else ""
+        raise AttributeError(f"{engine.__name__}.{name} is a result and cannot be set{limit}")
     if hasattr(engine, name):
         return
-    near = difflib.get_close_matches(name, [known for known in dir(engine) if not known.startswith("_")], n=1)
+    settings = [known for known in dir(engine) if not known.startswith("_") and known != "ompThreads" and not result(getattr(engine, known))]
+    near = difflib.get_close_matches(name, settings, n=1)
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
-    remedy = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce,
+    other = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"} if hasattr(engine, "restitution") else {}
+    remedy = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
+              "kn": "Rigid contacts have no stiffness.", "ks": "Rigid contacts have no stiffness.",
               "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction,
-              "frictionAngle": friction}.get(name, f"Did you mean {near[0]}?" if near else "")
+              "frictionAngle": friction}.get(name, f"Did you mean {other.get(name) or near[0]}?" if name in other or near else "")
     raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")

@@ -96,7 +96,8 @@ def command(name):
                 try:
                     return main(arguments)
                 except (parameters.ParameterError, ImportError, OSError) as error:
-                    print(f"{name}: {error}", file=sys.stderr)
+                    no_yade = getattr(error, "name", None) == "yade"
+                    print(f"{name}: " + (f"start it by YADE: yade -n -x {sys.argv[0]}" if no_yade else str(error)), file=sys.stderr)
                     return MISTAKE
                 finally:
                     sys.stdout.flush()

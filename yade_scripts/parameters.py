@@ -220,6 +220,9 @@ def _check_together(full):
                              "take " + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
+    for name in scene.POSITIVE:
+        if not full[name] > 0:
+            raise ParameterError(f"{name} = {full[name]}: must be above 0 in the scene {full['scene']}")
     scene.check(full)
 
 

@@ -5,8 +5,8 @@
     from yade_scripts import run; run.start(method="CD")     at YADE's console: sets up the scene, ready for O.run()
 
 Results go to results/<scene>-<method>-<hash of the row>.h5, or to another folder with `--results=FOLDER`. A finished run is not run again.
-Long runs of the biaxial box and of the four flows write checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` writes one every
-N samples, 0 none; the result file records N. If another process runs the same row, this one waits for it.
+Long runs of packings under walls and of the four flows write checkpoints (checkpoint.py) and resume from the last one. `--checkpoints=N` writes
+one every N samples, 0 none; the result file records N. If another process runs the same row, this one waits for it.
 Exit status: 0 done, 1 the run failed (its file says why) or could not be written, 2 the row cannot be run.
 """
 import os
@@ -49,7 +49,7 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
             print(f"{path.stem}: unfinished: {error}; {commands.cure(error)} and start it again.", file=sys.stderr)
             return 1
     if failure is None:
-        print(f"{path}: finished")
+        print(f"{path.resolve()}: finished")
         return 0
     print(f"{path}: failed: {failure}", file=sys.stderr)
     if not isinstance(failure, RuntimeError):  # engines, preparation and checks raise RuntimeError; anything else is a bug

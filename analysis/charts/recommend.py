@@ -7,6 +7,7 @@ from pathlib import Path
 from analysis import publish
 from analysis.charts import choice, table
 from analysis.studies import flows
+from yade_scripts import scenes
 from yade_scripts.measuring import store
 from yade_scripts.results.reader import ResultError
 
@@ -20,8 +21,9 @@ def of_scene(scene, accuracy, measured):
     found = table.one_size(table.from_csv(measured))
     own = found[found.scene == scene]
     if own.empty:
-        raise ResultError(scene, f"no measurement of this scene in {measured}",
-                          f"there are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
+        there = f"no measurement of this scene in {measured}" if scene in scenes.names() else "there is no such scene"
+        raise ResultError(scene, there,
+                          f"measured are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
     lines, reached = [], []
     for method, rows in own.groupby("method", sort=False):
         if (row := choice.cheapest(rows, accuracy)) is not None:

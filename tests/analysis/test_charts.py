@@ -106,7 +106,7 @@ def test_recommend_says_what_is_missing(published, capsys):
     assert "no measured setting reaches an accuracy of 1e-09; the best is 1e-06" in capsys.readouterr().err
     assert main([*published, "--scene", "nowhere"]) == 2
     said = capsys.readouterr().err
-    assert "nowhere: no measurement of this scene in" in said and "hopper, stack" in said
+    assert "nowhere: there is no such scene; measured are" in said and "hopper, stack" in said
     with pytest.raises(SystemExit):
         main([*published, "--accuracy", "-1"])
     assert "must be a number above 0" in capsys.readouterr().err

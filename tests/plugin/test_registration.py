@@ -91,13 +91,14 @@ def test_bad_assignment_is_refused_and_keeps_the_old_value(cd):
     engine = cd()
     with pytest.raises(ValueError, match="out of range"):
         engine.restitution = -1
-    with pytest.raises(AttributeError, match="ContactDynamics.iterations is a result and cannot be set"):
+    with pytest.raises(AttributeError, match="ContactDynamics.iterations is a result and cannot be set. The most .* `maxIterations`"):
         engine.iterations = 1
     assert engine.restitution == 0
 
 
 def test_a_misspelt_attribute_is_refused_with_the_right_name(cd):
-    for engine, wrong, right in ((cd(), "tolerence", "tolerance"), (cd_engine.DashpotWork(), "worc", "work")):
+    for engine, wrong, right in ((cd(), "tolerence", "tolerance"), (cd(), "tol", "tolerance"), (cd(), "solver", "method"),
+                                 (cd(), "numThreads", "threads"), (cd_engine.DashpotWork(), "worc", "work")):
         for assign in (setattr, lambda engine, name, value: engine.updateAttrs({name: value})):
             with pytest.raises(AttributeError, match=rf"no attribute '{wrong}'\. Did you mean {right}\?"):
                 assign(engine, wrong, 1e-3)

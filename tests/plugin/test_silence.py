@@ -191,6 +191,16 @@ def test_a_scene_that_falls_as_a_whole(O, capfd):
     assert "gravity moves every boundary, such as body #0" in line and "blockedDOFs='xyzXYZ'" in line
 
 
+def test_fixed_disks_hold_a_scene(O, capfd):
+    """Nothing is said of a lid that lies on them."""
+    mat = plane.material()
+    for k in range(3):
+        plane.disk((0.02 * k, 0.01), 0.01, blocked="xyzXYZ", mat=mat)
+    plane.box((0.02, 0.03), (0.1, 0.01), blocked="xzXYZ", mat=mat)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    assert said_by(O, capfd) == []
+
+
 @pytest.mark.parametrize("push", [lambda box: yade.O.forces.setPermF(box, (0, -10, 0)),
                                   lambda box: setattr(yade.O.bodies[box].state, "vel", (0, -1, 0))],
                          ids=["force", "velocity"])

@@ -162,7 +162,8 @@ def test_a_run_ends_with_what_is_known(yade60):
     (dict(scene="pyramid", rows=0), "an integer in"), (dict(scene="hopper", disks=100), "wider than 0.8 of the silo"),
     (dict(scene="two_grain_path", friction=0.0), "needs friction"), (dict(scene="two_grain_path", records_per_cycle=10), "multiple of 4"),
     (dict(scene="two_grain_path", path_angle=1.0), "smaller path_angle"), (dict(scene="frozen_packing", network_seed=0), "frozen_packing: needs"),
-    (dict(scene="frozen_packing", warm_start=False), "frozen_packing: needs")])
+    (dict(scene="frozen_packing", warm_start=False), "frozen_packing: needs"), (dict(scene="slide_to_roll", period=0.05), "rolls only after"),
+    (dict(scene="stack", gravity=0.0), "above 0 in the scene stack"), (dict(scene="groove", friction=0.0), "above 0 in the scene groove")])
 def test_rows_without_a_known_answer_are_refused(row, words):
     with pytest.raises(parameters.ParameterError, match=words):
         parameters.complete(row)

@@ -55,6 +55,8 @@ def open_checked(path, mark=b""):
     """Return the file opened for reading. Raise Damaged unless its checksum matches its content, Foreign if it does not hold the bytes `mark`."""
     path = pathlib.Path(path)
     try:
+        if path.is_dir():
+            raise Unreadable("is a folder (give the files in it, such as results/*.h5)")
         if path.exists() and not path.is_file():  # such as a pipe, which would never open
             raise Unreadable("cannot be read (not a regular file, move it away)")
         content = path.read_bytes()

@@ -12,6 +12,7 @@ and may declare
     METHODS     ("MD",) or ("CD",), if only one of them can run it; then also
     ONLY        why: a clause that ends the sentence 'the scene runs by CD only, since'
     PARAMETERS  the parameters that only this scene has, a tuple of parameters.Parameter
+    POSITIVE    names of general parameters that must be above 0
     CHART       Chart: what the charts of speed against accuracy vary; only if an exact value is known
     check(full)             raises ParameterError if values of parameters do not fit together
 It imports modules that need YADE inside `build`, so that the rest can be read without YADE.
@@ -112,7 +113,8 @@ def names():
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
     return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
-                         {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "CHART": None, "check": lambda full: None})
+                         {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "POSITIVE": (), "CHART": None,
+                          "check": lambda full: None})
 
 
 def method(full):

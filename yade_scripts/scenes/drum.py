@@ -21,6 +21,7 @@ HORIZON = "The mean over the second half of the run, and over seeds; one run is 
 LEFT_OUT = "the third dimension; the curvature between the flat sides of the drum, of which there is one for about every two disks at the rim"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=3.0, cd_dt=1e-3,
                 records_per_cycle=30, tolerance=1e-3, max_iterations=2000)
+POSITIVE = ("gravity",)  # needed for the exact answer
 PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, where R is its inner radius", low=1e-6, high=1),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
@@ -49,7 +50,7 @@ def build(full, folder):
     most = int(inner / pitch) + 1
     places = [(pitch * i, pitch * j) for j in range(-most, most) for i in range(-most, most) if math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
-        raise parameters.ParameterError(f"disks = {full['disks']}: so many disks, in loose rows, do not fit into a drum of their size; take more "
+        raise parameters.ParameterError(f"disks = {full['disks']}: so few do not fit, in loose rows, into a drum that they fill by half; take more "
                                         "disks, or radius_spread below 0.3")
     ids = [ground.disk(place, radius=ground.draw_radius()).id for place in places[:full["disks"]]]  # from the lowest row upwards
     half_time, omega = full["period"] * full["cycles"] / 2, math.sqrt(full["froude"] * full["gravity"] / inner)

@@ -1,4 +1,5 @@
 """A disk thrown flat on a floor slides, then rolls at 2/3 of its speed, since its angular momentum about the contact point is conserved."""
+from yade_scripts.parameters import ParameterError
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk that slides, then rolls"
@@ -6,7 +7,15 @@ KIND = "sliding and rolling"
 HORIZON = "From speed/(3 mu g) on, when it rolls, for any time: nothing slows it then."
 LEFT_OUT = "rolling friction, which rigid round contacts do not have"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, records_per_cycle=10, tolerance=1e-13)
+POSITIVE = "gravity", "friction"  # needed for the exact answer
 CHART = Chart()
+
+
+def check(full):
+    """Check that the disk rolls before the end."""
+    rolls, end = full["speed"] / (3 * full["friction"] * full["gravity"]), full["period"] * full["cycles"]
+    if rolls >= end:
+        raise ParameterError(f"period = {full['period']}: the run takes {end:g} s, but the disk rolls only after speed/(3 mu g) = {rolls:.3g} s")
 
 
 def build(full, folder):

@@ -45,6 +45,8 @@ def read(path):
         raise TableError(f"{path}: a table is a line of parameter names and at least one line of values")
     (_, heads), *rest = words.items()
     heads = [head.rstrip("!") for head in heads]
+    if any("," in head for head in heads):
+        raise TableError(f"{path}: its columns have to be separated by spaces, not by commas")
     if twice := sorted({head for head in heads if heads.count(head) > 1}):
         raise TableError(f"{path}: column {' and '.join(twice)} is there more than once: keep one")
     rows, above = {}, None
