@@ -32,7 +32,7 @@ def draw(folder):
               for name, columns in COLUMNS.items()}
     time = "Processor time of one core"
     for figure, name, note in (
-            (error_against_time, "solutions", f"{time}; the error is found by code that shares nothing with the solvers."),
+            (error_against_time, "solutions", f"{time}; the error is computed anew from the impulses."),
             (sweep_cost, "sweeps", f"{time}."), (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."),
             (step_cost, "step", f"{time}.")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself

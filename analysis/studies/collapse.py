@@ -159,7 +159,8 @@ def numbers(table):
     short = np.nanmin(quick), np.nanmax(quick)
     return summary.in_order(
         "10 2.44 1.67 3 1.38 1.10 1.75 1.23 1.30 10 1.04 0.95 1.34 1.71 1.09 1.10 10 20 10 14 20 4 8 10 1 1 0.02 0.11 10 1.47 1.05 0.83 0.91 0.89 "
-        "6 12 12 3.23 2 1.09 2.55 1.26 12 12 0.75 0.84 0.95 1.65 1.06 5.86 1.22 0.99 0.93 0.84 1.03 1.08 0.91 0.92 0.98 0.88 1.08 10 0.37 3.86 1.65 4.80 0.98 1.00 0.81 1.28 "
+        "6 12 12 3.23 2 1.09 2.55 1.26 12 12 0.75 0.84 0.95 1.65 1.06 5.86 1.22 0.99 0.93 0.84 1.03 1.08 0.91 0.92 0.98 0.88 1.08 10 "
+        "0.37 3.86 1.65 4.80 0.98 1.00 0.81 1.28 "
         "2 12 12 1.05 1.06 1.73 0.60 0.54 2 0.80 0.58 6 1.75 0.69 5.17 0.84",
         [len(soft.loc[0.3]), median(soft, 0.3), soft.loc[0.3].least.min(), np.isinf(soft.loc[0.3].most).sum(), median(soft, 0.4),
          soft.loc[0.4].least.min(), soft.loc[0.4].most.max(), *medians(hard.loc[0.3]), stiff, median(hard, 0.4), hard.loc[0.4].least.min(),
@@ -168,7 +169,8 @@ def numbers(table):
          *(median(stiffer[0], load) for load in LOADS), *medians(stiffer[1].loc[0.3]), median(stiffer[1], 0.4),
          others[0].index.get_level_values("seed").nunique(), longer(servo), len(servo), median(servo, 0.3), np.isinf(servo.most).sum(),
          median(servo, 0.4), median(six, 0.3), median(six, 0.4), (step.most < 1).sum(), len(step), *medians(step.loc[0.3]), median(step, 0.4),
-         median(fine, 0.3), fine.loc[0.3].least.min(), fine.loc[0.3].most.max(), median(fine, 0.4), median(hard_step), median(others[0], 0.3), *medians(others[1].loc[0.3]),
+         median(fine, 0.3), fine.loc[0.3].least.min(), fine.loc[0.3].most.max(), median(fine, 0.4), median(hard_step),
+         median(others[0], 0.3), *medians(others[1].loc[0.3]),
          *(median(change, 0.3) for change in others[2:]), stiff, single[0.3].most.min(), single[0.3].least.max(), *short, min(upper), max(upper),
          single[0.4].least.min(), single[0.4].most.max(), SLOW["period"], longer(slow), len(slow), median(slow), wait.min(), wait.max(),
          above["springs"][0.4], above["springs, 2 s"][0.4], SLOW["period"], above["rigid"][0.4], above["rigid, 2 s"][0.4], seeds,

@@ -157,8 +157,8 @@ POINTS = (
      "packings only, and when MD reaches 0.2, CD has passed 1e-2 in 29 of 30."),
     (10, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
      "expands.", "section 3, Fig. 5", "agrees",
-     "CD stays below |gamma| = 1e-4 up to 0.986 to 1.022 of the static limit (30 ramps). Beyond it strains; if expanding means the area, it has grown in the end "
-     "in 30 of 30 runs."),
+     "CD stays below |gamma| = 1e-4 up to 0.986 to 1.022 of the static limit (30 ramps). Beyond it strains; if expanding means the area, it has "
+     "grown in the end in 30 of 30 runs."),
     (11, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
      "agrees in part",
      "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 30 of 30 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp "

@@ -1,4 +1,5 @@
-// Computes how far a solution misses the contact law, by code that shares nothing with the solvers.
+// Computes how far a solution misses the contact law, from the impulses and the free velocities alone: it adds up the velocities anew. The sweeps'
+// own test (sweep_error.cpp) shares the formula of one contact; tests/core/test_problem.py compares both with the definition, in NumPy.
 //
 // There are two measures, compared with the same tolerance:
 //

@@ -128,7 +128,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
 
 
 def residual(problem, impulses):
-    """Return the error e of impulses p, computed by code that shares nothing with the solvers.
+    """Return the error e of impulses p, computed anew from the impulses; tests compare it with its definition.
 
     e = ||p - P_K(p - (u + mu |u_t| n)/W_nn)|| / ||p||, 2-norms over all contacts: u = W p + q, W_nn each contact's own normal compliance,
     K Coulomb's cone, P_K the Euclidean projection on it. The term mu |u_t| n of De Saxce makes e = 0 the exact, non-associated law (Acary,
