@@ -168,10 +168,10 @@ POINTS = (
      "0.33, -0.03, 1.52 and 0.26 times that of the quarter before: constant on one packing, higher on another. With sigma1 held and dSigma = 0.4 it "
      "is 0.71 times (median of 5; 0.12 to 0.78); there the rate of the second half of the cycles is 5.2e-5 a cycle (median) in cycles of 0.5 s, "
      "about three times that of slow cycles (study of ratcheting)."),
-    (12, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
+    (13, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
      "The sign agrees, \"much\" does not. In cycles of 0.5 s CD stands 1.49 times as many cycles as MD (median of 52 pairs from 10 packings); in 1 "
      "pair it collapses earlier. In slow cycles both collapse in the first or second cycle (study of collapse)."),
-    (13, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
+    (12, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
      "agrees", "Well below the static limit MD strains and CD rests; above it both give way, CD more slowly."),
 )
 

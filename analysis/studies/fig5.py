@@ -163,7 +163,7 @@ POINTS = (
      "agrees in part",
      "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 30 of 30 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp "
      "went."),
-    (12, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
+    (13, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
      "agrees in part",
      "The sign agrees, \"much\" does not. Under a ramp CD yields at 1.05 times the ratio of MD on dense packings and 1.02 times on loose ones, with "
      "springs of 10 k_n at 1.003 times. What differs is the strain on the way."),
