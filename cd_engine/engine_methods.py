@@ -83,9 +83,11 @@ def check_name(engine, name):
     near = difflib.get_close_matches(name, settings, n=1)
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
-    other = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"} if hasattr(engine, "restitution") else {}
-    remedy = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
+    rigid = hasattr(engine, "restitution")
+    other = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"} if rigid else {}
+    remedy = {} if not rigid else {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
               "kn": "Rigid contacts have no stiffness.", "ks": "Rigid contacts have no stiffness.",
               "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction,
-              "frictionAngle": friction}.get(name, f"Did you mean {other.get(name) or near[0]}?" if name in other or near else "")
+              "frictionAngle": friction}
+    remedy = remedy.get(name, f"Did you mean {other.get(name) or near[0]}?" if name in other or near else "")
     raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")

@@ -124,8 +124,10 @@ class _EngineCheck:
     def __call__(self):
         live = [engine for engine in self.O.engines if not engine.dead]
         names = [type(engine).__name__ for engine in live]
-        if any(name == "ParallelEngine" and "ContactDynamics" in str(engine.slaves) for name, engine in zip(names, live)):
-            raise RuntimeError("ContactDynamics stands in a ParallelEngine; there any error that it raises ends YADE. Put it into O.engines itself")
+        for slaves in (str(engine.slaves) for name, engine in zip(names, live) if name == "ParallelEngine"):
+            for inside in ("ContactDynamics", "PathIndependentShear", "DashpotWork"):
+                if inside in slaves:
+                    raise RuntimeError(f"{inside} stands in a ParallelEngine; there any error that it raises ends YADE. Put it into O.engines itself")
         if "ContactDynamics" in names:
             if self.O.periodic:  # YADE's collider would end the program if there are boundaries
                 raise RuntimeError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls")

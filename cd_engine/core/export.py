@@ -14,4 +14,8 @@ def write_step(path, bodies, inverse_masses, free_velocities, pairs, normals, ar
     if bodies:
         write_problem(path, problem)
     else:
-        write_problem(path, problem.delassus(), title="A step of Contact Dynamics", contact_ids=pairs)
+        try:
+            matrix = problem.delassus()
+        except ValueError as error:
+            raise ValueError(f"{error}. FCLIB cannot hold it: export it with bodies=True") from None
+        write_problem(path, matrix, title="A step of Contact Dynamics", contact_ids=pairs)

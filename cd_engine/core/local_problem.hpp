@@ -22,9 +22,9 @@ inline void solveLocal(double wnn, double wnt, double wtn, double wtt, double mu
 	}
 	pn = -qn / wnn;
 	pt = 0;
-	// No impulse changes the velocity along t, which is qt + wtn pn. Where it is zero up to round-off, any friction within the cone would do, and
-	// none is taken. Else, as under a disk that is driven over a floor, friction opposes it.
-	if (!regular && wtt <= 1e-14 * wnn && !(std::abs(qt * wnn - wtn * qn) > 1e-12 * std::abs(qt * wnn)))
+	// No impulse changes the velocity along t, which is qt + wtn pn. Where bodies are driven so that they slide, friction opposes it. Where they
+	// do not, up to round-off (beside the velocity -qn with which they would close), any friction within the cone would do, and none is taken.
+	if (!regular && wtt <= 1e-14 * wnn && !(std::abs(qt * wnn - wtn * qn) > 1e-12 * std::abs(qt * wnn) - 1e-10 * qn * wnn))
 		return;
 	for (const double side : { -1., 1. }) {
 		const double w = wnn + side * mu * wnt;

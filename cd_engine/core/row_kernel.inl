@@ -56,7 +56,8 @@ INLINE void solveRows(const RowGroup& g, int lane, const Vector& qn, const Vecto
 	const Vector stickN = qt * nt - qn * tt, stickT = qn * tn - qt * nn;
 	const auto sticks = regular & (stickN >= none) & (absolute(stickT) <= mu * stickN);
 	const Vector wBack = nn - mu * nt, wForth = nn + mu * nt;
-	const auto canSlide = regular | ~stiff | (absolute(qt * nn - tn * qn) > 1e-12 * absolute(qt * nn)); // the latter: driven along t
+	const auto driven = absolute(qt * nn - tn * qn) > 1e-12 * absolute(qt * nn) - 1e-10 * qn * nn; // along t, where nothing can move
+	const auto canSlide = regular | ~stiff | driven;
 	const auto slidesBack = canSlide & (wBack > none) & (qt * wBack >= (tn - mu * tt) * qn);
 	const auto slidesForth = canSlide & (wForth > none) & (qt * wForth <= (tn + mu * tt) * qn);
 	const Vector ratio = slidesBack ? -mu : slidesForth ? mu : none;

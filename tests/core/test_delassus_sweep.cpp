@@ -201,6 +201,8 @@ TEST_CASE("every case of the local problem, wedging and singular ones among them
 		CHECK(std::abs(s.p[2 * i] - pn) <= 2e-15 * size * std::max(1., cancelled));
 		CHECK(std::abs(s.p[2 * i + 1] - pt) <= 2e-15 * size * std::max(1., cancelled));
 		CHECK(std::abs(s.p[2 * i + 1]) <= s.mu[i] * s.p[2 * i] * (1 + 1e-15 * cancelled));
+		if (i % 4 == 3 && s.q[2 * i + 1] != 0) // nothing can move along t: friction opposes the sliding
+			CHECK(s.p[2 * i + 1] == doctest::Approx(std::copysign(s.mu[i] * s.p[2 * i], -s.q[2 * i + 1])));
 	}
 }
 

@@ -57,7 +57,7 @@ def test_it_survives_saving(O, tmp_path):
     (lambda all, dashpots: all[:3] + [cd_engine.DashpotWork(), dashpots] + all[3:], "another one before it"),
     (lambda all, dashpots: all[:2] + [w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3)],
                                                         [w.Law2_ScGeom_MindlinPhys_Mindlin()]), dashpots] + all[3:],
-     "#0 and #1 has ScGeom and MindlinPhys"),
+     "#0 and #1 has MindlinPhys"),
 ], ids=["no loop", "behind the integrator", "two of them", "other dashpots"])
 @pytest.mark.parametrize("wait", [False, True])
 def test_refused(O, change, words, wait):

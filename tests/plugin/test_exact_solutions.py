@@ -56,6 +56,20 @@ def test_friction_acts_on_disks_that_are_driven_over_a_floor(O, disks, settings)
     assert engine.dissipatedEnergy == pytest.approx(0.5 * sum(weight) * speed * steps * dt, rel=1e-9)
 
 
+@pytest.mark.parametrize("reduce", [True, False])
+def test_round_off_of_driven_motions_is_no_sliding(O, reduce):
+    """Disks that are driven as rolling ones, spin = -v/R, and one on a belt of its speed, 0.1 + 0.2 m/s: no friction."""
+    mat, cases = plane.material(0.5), [(radius, v) for radius in (0.05, 0.07, 0.1, 0.25, 0.3) for v in (0.1, 0.3, 0.7, 1.1, 1.3)]
+    plane.floor(mat)
+    ids = [plane.disk((2 * k, radius), radius, velocity=(v, 0), spin=-v / radius, blocked="xzXYZ", mat=mat) for k, (radius, v) in enumerate(cases)]
+    belt = plane.box((-5, 9.9), (2, 0.1), mat=mat)
+    O.bodies[belt].state.vel = (0.1 + 0.2, 0, 0)
+    ids.append(plane.disk((-5, 10.1), 0.1, velocity=(0.3, 0), blocked="xzXYZ", mat=mat))
+    engine = plane.run(20, 1e-3, gravity=(0, -G, 0), reduce=reduce)
+    assert engine.converged and engine.contacts == len(ids)
+    assert all(O.forces.f(k)[0] == 0 for k in ids)
+
+
 def slide_to_roll(O, dt, mu=0.2, radius=0.1):
     O.reset()
     mat = plane.ground(mu)

@@ -91,7 +91,10 @@ def test_lists_at_which_yade_would_end(O, go, capfd):
     reset, collider, cd = plane.disk_on_a_floor()
     O.dt = 1e-3
     O.engines = [reset, collider, wrapper.ParallelEngine([cd])]
-    with pytest.raises(RuntimeError, match="ParallelEngine.*into O.engines itself"):
+    with pytest.raises(RuntimeError, match="ContactDynamics stands in a ParallelEngine.*into O.engines itself"):
+        go(O)
+    O.engines = [reset, collider, wrapper.ParallelEngine([cd_engine.DashpotWork()])]
+    with pytest.raises(RuntimeError, match="DashpotWork stands in a ParallelEngine"):
         go(O)
     far_looking = wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Wall_Aabb()], verletDist=0.001)
     O.engines = [reset, far_looking, cd]

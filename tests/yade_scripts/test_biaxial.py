@@ -187,3 +187,11 @@ def test_row_of_a_yade_batch_table(yade60):
     assert done.returncode == 0, done.stderr
     with yade60.run(method="MD", period=0.03, records_per_cycle=2) as file:
         assert file.attrs["finished"]
+
+
+def test_same_row_same_numbers_in_another_process(yade60, yade_elsewhere):
+    """All that is recorded, energies and works too."""
+    row = dict(method="MD", period=0.1, records_per_cycle=10)
+    one, other = yade60.run(**row), yade_elsewhere.run(**row)
+    for name in set(one["history"]) - {"wall_clock", "processor_time"}:
+        assert one[f"history/{name}"][:].tobytes() == other[f"history/{name}"][:].tobytes(), name

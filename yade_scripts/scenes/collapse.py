@@ -19,7 +19,7 @@ HORIZON = "At rest, about four times the fall sqrt(2H/g) from the start on, and 
 LEFT_OUT = "the gate's removal, which takes no time here; grains that fly ahead of the heap, by taking the front where 98 % are behind"
 DEFAULTS = dict(method="CD", disks=4000, friction=0.5, kn=2e7, beta_n=0.9, gravity=9.81, period=2.5, records_per_cycle=20, tolerance=1e-3,
                 max_iterations=2000)
-POSITIVE = ("gravity",)  # needed for the exact answer
+POSITIVE = ("gravity",)
 PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over its width, about: at a solid fraction of 0.8", low=0.1, high=20),)
 CHART = Chart(base={"disks": 400}, patience=2, physics=("beta_n",), rolling=True)
 

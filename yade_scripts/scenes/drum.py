@@ -21,7 +21,7 @@ HORIZON = "The mean over the second half of the run, and over seeds; one run is 
 LEFT_OUT = "the third dimension; the curvature between the flat sides of the drum, of which there is one for about every two disks at the rim"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=3.0, cd_dt=1e-3,
                 records_per_cycle=30, tolerance=1e-3, max_iterations=2000)
-POSITIVE = ("gravity",)  # needed for the exact answer
+POSITIVE = ("gravity",)
 PARAMETERS = (Parameter("froude", 0.01, "1", "Froude number of the drum, omega^2 R/g, where R is its inner radius", low=1e-6, high=1),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 

@@ -15,7 +15,7 @@ HORIZON = "At rest, about five times the fall from the highest row on, and as a 
 LEFT_OUT = "the third dimension and air; the way in which a real box is filled, since all rows fall at once"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, records_per_cycle=20, tolerance=1e-3,
                 max_iterations=2000)
-POSITIVE = ("gravity",)  # needed for the exact answer
+POSITIVE = ("gravity",)
 PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 

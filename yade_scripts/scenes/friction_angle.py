@@ -16,7 +16,7 @@ KIND = "sliding and rolling"
 HORIZON = "Any time: one block rests, the other's acceleration is constant."
 LEFT_OUT = "rotation, which is blocked: a block's contacts carry its moment"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, records_per_cycle=10, tolerance=1e-13)
-POSITIVE = "gravity", "friction"  # needed for the exact answer
+POSITIVE = "gravity", "friction"
 PARAMETERS = (Parameter("margin", 0.01, "1", "by how much one body is below the limit of friction and the other above it", low=1e-6, high=0.5),)
 CHART = Chart()
 

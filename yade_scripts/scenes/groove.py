@@ -23,7 +23,7 @@ KIND = "sliding and rolling"
 HORIZON = "Any time: the acceleration is constant. A jammed disk rests because one of the solutions is rest; a disk that already spins need not stop."
 LEFT_OUT = "a gradual start of the torque: it acts fully from time 0. The springs then oscillate, the tangential ones without damping"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, slope=45.0, beta_n=0.5, period=0.2, records_per_cycle=10, tolerance=1e-12)
-POSITIVE = "gravity", "friction"  # needed for the exact answer
+POSITIVE = "gravity", "friction"
 PARAMETERS = (Parameter("torque_margin", 0.05, "1", "by how much one disk's torque is below the critical one and the other's above it",
                         low=1e-6, high=0.5),)
 CHART = Chart()

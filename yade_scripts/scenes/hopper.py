@@ -20,7 +20,7 @@ HORIZON = "While 15 % to 50 % of the disks pass, and as a mean over seeds; one r
 LEFT_OUT = "the third dimension and air; arches that stop the flow, for which a slot of 10 diameters is too wide"
 DEFAULTS = dict(method="CD", disks=500, friction=0.5, radius_spread=0.2, kn=2e7, beta_n=0.9, gravity=9.81, period=1.5, cd_dt=1e-3,
                 records_per_cycle=30, tolerance=1e-3, max_iterations=2000)
-POSITIVE = ("gravity",)  # needed for the exact answer
+POSITIVE = ("gravity",)
 PARAMETERS = (Parameter("slot", 10.0, "1", "width of the slot over the mean diameter", low=4, high=100),
               Parameter("silo_aspect", 1.5, "1", "height of the filling over its width, about", low=0.5, high=10))
 CHART = Chart(physics=("beta_n",), rolling=True)

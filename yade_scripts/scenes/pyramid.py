@@ -15,7 +15,7 @@ HORIZON = ("Once the contacts carry the weights, for any time: CD's first step, 
 LEFT_OUT = "the single forces, which are not unique for rigid contacts: any admissible set of them is right"
 DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, records_per_cycle=10, tolerance=1e-12,
                 max_iterations=10**6)
-POSITIVE = ("gravity",)  # needed for the exact answer
+POSITIVE = ("gravity",)
 PARAMETERS = (Parameter("rows", 5, "1", "of the pyramid that are free, and disks in the lowest of them", low=1, high=100),)
 CHART = Chart(rolling=True)
 

@@ -7,7 +7,7 @@ KIND = "sliding and rolling"
 HORIZON = "From speed/(3 mu g) on, when it rolls, for any time: nothing slows it then."
 LEFT_OUT = "rolling friction, which rigid round contacts do not have"
 DEFAULTS = dict(method="CD", friction=0.3, gravity=9.81, records_per_cycle=10, tolerance=1e-13)
-POSITIVE = "gravity", "friction"  # needed for the exact answer
+POSITIVE = "gravity", "friction"
 CHART = Chart()
 
 

@@ -6,7 +6,7 @@ KIND = "piles at rest"
 HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of any origin grows about as exp(t sqrt(g/R)), tenfold in 0.07 s."
 LEFT_OUT = "the building of the stack: MD starts with springs compressed by the weights, CD without forces"
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, records_per_cycle=10, tolerance=1e-12, max_iterations=10**6)
-POSITIVE = ("gravity",)  # needed for the exact answer
+POSITIVE = ("gravity",)
 CHART = Chart(sizes=(4, 16, 64, 256))
 
 
