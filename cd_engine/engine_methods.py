@@ -85,7 +85,8 @@ def check_name(engine, name):
     bounce = "The share of the speed that an impact gives back is `restitution`."
     rigid = hasattr(engine, "restitution")
     other = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"} if rigid else {}
-    remedy = {} if not rigid else {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
+    remedy = {} if not rigid else {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce,
+                                   "coefficientOfRestitution": bounce,
               "kn": "Rigid contacts have no stiffness.", "ks": "Rigid contacts have no stiffness.",
               "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction,
               "frictionAngle": friction}
