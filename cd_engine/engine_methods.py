@@ -79,16 +79,15 @@ def check_name(engine, name):
         raise AttributeError(f"{engine.__name__}.{name} is a result and cannot be set{limit}")
     if hasattr(engine, name):
         return
-    settings = [known for known in dir(engine) if not known.startswith("_") and known != "ompThreads" and not result(getattr(engine, known))]
-    near = difflib.get_close_matches(name, settings, n=1)
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
-    rigid = hasattr(engine, "restitution")
-    other = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"} if rigid else {}
-    remedy = {} if not rigid else {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce,
-                                   "coefficientOfRestitution": bounce,
-              "kn": "Rigid contacts have no stiffness.", "ks": "Rigid contacts have no stiffness.",
-              "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.", "friction": friction, "mu": friction,
-              "frictionAngle": friction}
-    remedy = remedy.get(name, f"Did you mean {other.get(name) or near[0]}?" if name in other or near else "")
+    stiffness = "Rigid contacts have no stiffness."
+    rigid = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
+             "kn": stiffness, "ks": stiffness, "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
+             "friction": friction, "mu": friction, "frictionAngle": friction}
+    meant = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"}
+    settings = [known for known in dir(engine) if not known.startswith("_") and known != "ompThreads" and not result(getattr(engine, known))]
+    near = [meant[name]] if meant.get(name) in settings else difflib.get_close_matches(name, settings, n=1)
+    remedy = rigid.get(name) if "restitution" in settings else None
+    remedy = remedy or (f"Did you mean {near[0]}?" if near else None)
     raise AttributeError(f"{engine.__name__} has no attribute {name!r}. {remedy or f'help(cd_engine.{engine.__name__}) lists them.'}")
