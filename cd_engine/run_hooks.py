@@ -2,6 +2,7 @@
 
 O.pause() returns when the last step has ended (where the run's own stop is not a few steps away). O.load, O.reset and their like call it first.
 """
+import inspect
 import time
 
 from . import engine_methods
@@ -98,6 +99,11 @@ def install(plugin):
     engines = type(O).engines
 
     def set_engines(self, new):
+        if inspect.isfunction(new):
+            raise TypeError(f"O.engines: {new.__name__} is a function; call it: {new.__name__}()")
+        new = list(new)
+        if any(isinstance(engine, (list, tuple)) for engine in new):
+            raise TypeError("O.engines: there is a list in the list; join lists of engines by +")
         if (self.running or engine_methods.in_a_run()) and of_this_scene().replaces_rigid(new):
             raise RuntimeError("O.engines: springs cannot take over from ContactDynamics within a run, since its contacts have no stiffness. Call "
                                "O.pause() there; then call cd_engine.release() and set the engines in the script")

@@ -190,3 +190,12 @@ def test_an_engine_that_moves_bodies_after_it_is_told(O, capfd):
         O.run(5, True)
         said = capfd.readouterr().err
         assert said.count("HarmonicMotionEngine stands after it in O.engines, so the motion that it sets comes a step late. Put it") == after
+
+
+def test_lists_that_are_none(O):
+    with pytest.raises(TypeError, match=r"engines is a function; call it: engines\(\)"):
+        O.engines = cd_engine.engines
+    with pytest.raises(TypeError, match=r"a list in the list; join lists of engines by \+"):
+        O.engines = [cd_engine.engines(), wrapper.PyRunner()]
+    O.engines = (*cd_engine.engines(), wrapper.PyRunner(command="pass"))
+    assert len(O.engines) == 4
