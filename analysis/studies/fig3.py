@@ -186,8 +186,7 @@ def numbers(table):
     at, low = dict(list(held.groupby("dSigma"))), constant[constant.dSigma <= 0.5]
     loose = md[(md["preparation friction"] > 0) & ((md["largest ratio"] - 1.5).abs() < 1e-9)].set_index(["stress path", "seed"])
     same, paths = constant[constant.dSigma == 0.5], [loose.loc[path, gamma] for path in LOADS]
-    start, alike, loosely = (at[0.2]["first cycle"] / same["first cycle"], at[0.2][gamma] / same[gamma],
-                             paths[0] / paths[1])
+    start, alike, loosely = at[0.2]["first cycle"] / same["first cycle"], at[0.2][gamma] / same[gamma], paths[0] / paths[1]
     gentle, severe = table[table.ratio < 1.51], [rows[rows.ratio > 1.79][after].notna() for rows in (md, cd)]
     close = md[md["load over limit"].between(1.1, 1.3)].groupby("preparation friction")[after]
     pairs = md.merge(cd, on=["stress path", "preparation friction", "dSigma", "seed"], suffixes=(" MD", " CD"))
@@ -209,8 +208,8 @@ def numbers(table):
             "0.991": moves["load over limit"].min(), "3": [len(moves), (moves[gamma].abs() > 1e-4).sum()],
             **summary.stated("3.0e-4 5.3e-3", moves[gamma].abs()), "101": [len(beyond[1]), len(above)], "3.7e-4": beyond[1].min(),
             **summary.stated("1.5e-5 6.6e-3", carried[0]), "5.1e-3": beyond[0].min(),
-            **summary.stated("0.76 1.01", start), **summary.stated("0.93 1.12", alike), "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour),
-            within[1].sum()], **summary.stated("0.46 0.94", loosely), "140": len(gentle),
+            **summary.stated("0.76 1.01", start), **summary.stated("0.93 1.12", alike),
+            "5": [len(alike), len(at[0.1]), len(at[0.2]), len(detour), within[1].sum()], **summary.stated("0.46 0.94", loosely), "140": len(gentle),
             "6": [within[0].sum(), (falls[0] & ~falls[1]).sum()], "49": [severe[0].sum(), (falls[0] & falls[1]).sum()], "44": severe[1].sum(),
             "50": [len(severe[0]), len(severe[1])],
             "10": [close.count()[0.0], packings(breaks), fails.notna().sum(), 100 * at[0.1]["sliding at most, last cycle"].median()],

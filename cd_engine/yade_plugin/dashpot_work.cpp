@@ -37,9 +37,7 @@ class DashpotWork : public SpringEngine<DashpotWork> {
 						+ className(phys),
 					    "Only dashpots of Law2_ScGeom_FrictViscoPhys_CundallStrackVisco are summed. Take that law, or remove "
 					    "DashpotWork");
-			if (!isScGeom(geom) || !isFrictViscoPhys(phys))
-				continue;
-			if (!(phys_cn(phys) > 0))
+			if (!isScGeom(geom) || !isFrictViscoPhys(phys) || !(phys_cn(phys) > 0))
 				continue;
 			const double radii = geom_refR1(geom) + geom_refR2(geom), alpha = radii / (radii - geom_penetrationDepth(geom));
 			power += phys_normalViscous(phys).squaredNorm() / (phys_cn(phys) * alpha);
