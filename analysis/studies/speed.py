@@ -110,8 +110,8 @@ def draw(runs, rows, path):
     shown = [series for series in looks if series in drawn]
     axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left",
                        bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "A point a setting of stiffness, step and tolerance. Small points: cycles of 0.1 s (springs of 10 $k_n$: 0.316 s), not 1 "
-                 "s. Grey: least error of springs that cost no more. Bars: standard errors over fillings.", runs)
+    style.finish(fig, path, "Each point: one setting of stiffness, step and tolerance. Small: cycles of 0.1 s (springs of 10 $k_n$: 0.316 s), "
+                 "else of 1 s. Grey: least error of springs that cost no more. Bars: standard errors over fillings.", runs)
 
 
 def _series(row):
