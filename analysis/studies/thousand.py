@@ -21,7 +21,7 @@ LOOK = {("standard", SPRINGS["period"]): ("#1A1A1A", "standard law"),  # colours
 ROWS = {"quick": product(cycles=20, **BASE),
         "full": product(tangential_law="standard", seed=(1, 2, 3), cycles=1000, **BASE)
         + product(tangential_law="path_independent", seed=(1, 2, 3), cycles=1000, **BASE)
-        + product(tangential_law="standard", seed=(1, 2, 3), cycles=300, **BASE | SLOW)}
+        + product(tangential_law="standard", seed=(1, 2, 3), cycles=100, **BASE | SLOW)}
 
 
 def summarize(runs):
