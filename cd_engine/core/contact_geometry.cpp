@@ -101,15 +101,15 @@ bool comesThrough(const Shape& shape, const Place& boundaryBefore, const Place& 
 // disk keeps the required distance if b' cos w + s' sin w = touching. This equation gives b'. With h u_n = b' - b + w s, the condition h u_n + gap +
 // change >= 0 then gives the change.
 double gapByTurning(
-    const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, const double* vBox, const double* vDisk, double h)
+    const Shape& shape, const Place& box, const Place& disk, const Touch& touch, double touching, double spin, Vector velocity, double h)
 {
 	const Vector d = toDisk(box, disk), n { touch.nx, touch.ny };
-	const double w = h * vBox[2];
+	const double w = h * spin;
 	if (isBeyondCorner(shape, box, disk))
 		return 0; // a corner is a point: its path bends away from the disk
 	if (!(std::abs(w) < 1))
 		return 0; // more than a radian a step: the disk meets no definite face
-	const double s = cross(n, d), after = s + h * cross(n, { vDisk[0] - vBox[0], vDisk[1] - vBox[1] });
+	const double s = cross(n, d), after = s + h * cross(n, velocity);
 	return touching * (1 - 1 / std::cos(w)) + after * std::tan(w) - w * s;
 }
 

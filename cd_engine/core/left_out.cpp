@@ -27,7 +27,7 @@ bool TimeStep::crosses(size_t index, const World& world, double dt) const
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const double un = touch.nx * (vb[0] - va[0] + va[2] * (touch.cy - a.y)) + touch.ny * (vb[1] - va[1] - va[2] * (touch.cx - a.x));
 	const double gap = gapOf(world, index);
-	return gap + turning(pair, world, touch, gap, dt) + dt * un < 0;
+	return gap + turning(pair, world, touch, gap, dt, va[2]) + dt * un < 0;
 }
 
 // If there are such pairs, adds them and all other pairs whose gap the bodies are fast enough to close, since an impact may spread from body to body.

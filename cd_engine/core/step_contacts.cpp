@@ -68,7 +68,7 @@ TimeStep::Begun TimeStep::beginBodies(const World& world, double dt)
 			places[i] = placeAhead(b, 0.5 * dt);
 			system.places[i] = { places[i].x, places[i].y };
 			ways[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
-			begun.turns = begun.turns || (b.radius == 0 && system.bodies[i].v[2] != 0);
+			begun.turns = begun.turns || (b.radius == 0 && b.v[2] != 0);
 			begun.guides = begun.guides || (b.radius > 0 && isGuided(b));
 		}
 		return begun;
@@ -181,7 +181,8 @@ ContactRow TimeStep::rowOf(const World& world, std::size_t index, const StepSett
 		c.an = ax * touch.ny - ay * touch.nx;
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
-	turned = turning(pair, world, touch, gap, settings.dt);
+	// The spin before the step: a torque that the contacts balance does not turn the box.
+	turned = turning(pair, world, touch, gap, settings.dt, world.bodies[pair.a].v[2]);
 	const double radius = smallerRadius(pair), allowed = settings.allowedOverlap * radius;
 	const bool pushes = gap < -std::max(pushedOut, settings.allowedOverlap) * radius;
 	c.bias = ((gap > 0 ? gap : pushes ? settings.gapCorrection * (gap + allowed) : 0) + turned) / settings.dt;
@@ -248,7 +249,7 @@ bool TimeStep::closes(const World& world, const Pair& pair, const Touch& touch, 
 	    = [&](const double* a, const double* b) { return touch.nx * (b[0] - a[0] + a[2] * ay) + touch.ny * (b[1] - a[1] - a[2] * ax); };
 	const double before = approach(world.bodies[pair.a].v, world.bodies[pair.b].v);
 	const double after = approach(system.bodies[pair.a].v, system.bodies[pair.b].v);
-	return gap + turning(pair, world, touch, gap, dt) + dt * std::min(before, after) <= 0;
+	return gap + turning(pair, world, touch, gap, dt, world.bodies[pair.a].v[2]) + dt * std::min(before, after) <= 0;
 }
 
 // Decides whether a pair is a contact, where the kernel cannot. Finds the overlap and the gap if `a` is a boundary.

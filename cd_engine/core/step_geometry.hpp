@@ -8,16 +8,17 @@
 
 namespace cd {
 
-// The change of a pair's gap within the step by the rotation of its boundary.
-inline double TimeStep::turning(const Pair& pair, const World& world, const Touch& touch, double gap, double dt) const
+// The change of a pair's gap within the step by the rotation of its boundary at `spin` [rad/s]. The disk moves along the face with the velocities in
+// `system`.
+inline double TimeStep::turning(const Pair& pair, const World& world, const Touch& touch, double gap, double dt, double spin) const
 {
 	const Shape& shape = world.shapes[pair.a];
 	const double *va = system.bodies[pair.a].v, *vb = system.bodies[pair.b].v;
 	const Place &a = places[pair.a], &b = places[pair.b];
-	if (a.radius > 0 || shape.kind != ShapeKind::box || va[2] == 0)
+	if (a.radius > 0 || shape.kind != ShapeKind::box || spin == 0)
 		return 0;
 	const double distance = touch.nx * (b.x - a.x) + touch.ny * (b.y - a.y);
-	return gapByTurning(shape, a, b, touch, distance - std::max(gap, 0.), va, vb, dt);
+	return gapByTurning(shape, a, b, touch, distance - std::max(gap, 0.), spin, { vb[0] - va[0], vb[1] - va[1] }, dt);
 }
 
 // An upper bound for the relative speed of two bodies, at any point of their outlines [m/s].

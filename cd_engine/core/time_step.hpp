@@ -138,7 +138,7 @@ class TimeStep : RowSource {
 	void prepare(World&, const StepSettings&);
 	bool isThrough(const Pair&, const World&, const Touch&, double dt, Foot& face) const;
 	void stopAtFaces(const World&, double dt);
-	double turning(const Pair&, const World&, const Touch&, double gap, double dt) const;
+	double turning(const Pair&, const World&, const Touch&, double gap, double dt, double spin) const;
 	bool crosses(std::size_t pair, const World&, double dt) const;
 	void resizeRows(std::size_t count, const StepSettings&);
 	std::array<double, 2> firstGuess(const World&, std::size_t pair, const StepSettings&) const;

@@ -49,11 +49,12 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 
 // Warns if gravity moves a boundary down onto another one, or its velocity or a force moves it onto one from which it is still apart, since nothing
 // will hold it there: two boundaries make no pair. Also if gravity moves all of them. Called after a search.
-void SceneLink::tellOfFalls()
+void SceneLink::tellOfFalls(double dt)
 {
 	const int count = static_cast<int>(bodies.size());
 	const auto isSolid = [this](int id) { return bodies[id].boundary && world.masks[id] != 0; };
 	int held = 0, falling = -1;
+	const double fits = 1.8 * cd::smallestRadius(world); // a disk, which may be pressed in by a tenth [m]
 	for (int upper = 0; upper < count; upper++) {
 		const cd::Body& a = world.bodies[upper];
 		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
@@ -69,7 +70,10 @@ void SceneLink::tellOfFalls()
 				continue;
 			const cd::Body& b = world.bodies[lower];
 			const cd::Half hb = cd::halfSides(b, world.shapes[lower]);
-			const double margin = search.marginOf(upper) + search.marginOf(lower), way[2] = { b.x - a.x, b.y - a.y },
+			// Where a disk fits between, only actual motion counts: under a large force the margin is wide, though disks may carry it.
+			const double moving = 10 * dt * (std::hypot(a.v[0], a.v[1]) + std::hypot(b.v[0], b.v[1]));
+			const double margin = std::min(search.marginOf(upper) + search.marginOf(lower), fits + moving),
+				     way[2] = { b.x - a.x, b.y - a.y },
 				     overlap[2] = { ha.x + hb.x - std::abs(way[0]), ha.y + hb.y - std::abs(way[1]) };
 			// The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
 			// and a piston with clearance not at all.
@@ -199,8 +203,6 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 	bool taken = reordered || (read && (outdated || interactionsOf(scene) != listed));
 	if (searched || reordered)
 		order.sort(pairs, memory.order.rank);
-	if (searched)
-		tellOfFalls();
 	if (searched && !taken)
 		keepPairs();
 	if (read && !taken)
@@ -294,6 +296,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	if (searched) {
 		before.swap(pairs);
 		search.find(world, pairs);
+		tellOfFalls(dt);
 	}
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
 	if (read || searched || reordered)

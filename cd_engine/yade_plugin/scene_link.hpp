@@ -127,7 +127,7 @@ class SceneLink {
 	void tellOfPlacing(int id, bool same, double x, double y, long step);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
-	void tellOfFalls();
+	void tellOfFalls(double dt);
 	void keepPairs();
 	void takePairs(yade::Scene*, const std::vector<int>& rank);
 	void forget(yade::Interaction*) const;

@@ -56,6 +56,20 @@ def test_friction_acts_on_disks_that_are_driven_over_a_floor(O, disks, settings)
     assert engine.dissipatedEnergy == pytest.approx(0.5 * sum(weight) * speed * steps * dt, rel=1e-9)
 
 
+@pytest.mark.parametrize("inertia", [3.4e-3, 1e-4, 1e-5])
+def test_a_torque_that_a_peg_balances_turns_nothing(O, inertia):
+    """A box pivoted at its centre presses on a peg: at rest, torque over arm on the peg, whatever the angle by which the free box would turn in the
+    step (0.003, 0.1 and 1 rad)."""
+    mat, torque, arm = plane.material(0), 10, 0.08
+    box = plane.box((0, 0), (0.1, 0.01), blocked="xyzXY", inertia=inertia, mat=mat)
+    peg = plane.disk((arm, 0.02), 0.01, blocked="xyzXYZ", mat=mat)
+    O.forces.setPermT(box, (0, 0, torque))
+    engine = plane.run(100, 1e-3, tolerance=1e-10)
+    assert engine.unconvergedSteps == 0 and abs(O.bodies[box].state.angVel[2]) < 1e-9
+    assert O.forces.f(peg)[1] == pytest.approx(torque / arm, rel=1e-9)
+    assert abs(engine.dissipatedEnergy) < 1e-9
+
+
 @pytest.mark.parametrize("reduce", [True, False])
 def test_round_off_of_driven_motions_is_no_sliding(O, reduce):
     """Disks that are driven as rolling ones, spin = -v/R, and one on a belt of its speed, 0.1 + 0.2 m/s: no friction."""

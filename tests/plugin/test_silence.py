@@ -178,6 +178,18 @@ def test_a_boundary_that_gravity_moves(O, capfd):
     assert f"body #{box} is a boundary that gravity moves" in line and "through body #0" in line
 
 
+@pytest.mark.parametrize("load", [50, 5000])
+def test_a_lid_that_disks_carry_is_not_told_of(O, capfd, load):
+    """Without the disks the larger load would move this lid by 50 mm in a step; the floor is 2 mm away."""
+    mat = plane.ground()
+    for k in range(10):
+        plane.disk((0.002 * k, 0.001), 0.001, mass=0.008, mat=mat)
+    lid = plane.box((0.009, 0.004), (0.01, 0.002), blocked="xzXYZ", mass=0.1, mat=mat)
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    O.forces.setPermF(lid, (0, -load, 0))
+    assert said_by(O, capfd) == []
+
+
 def test_a_scene_that_falls_as_a_whole(O, capfd):
     """All bodies got the freedoms of disks."""
     mat = plane.material()
