@@ -5,6 +5,7 @@ which stress is held constant while sigma2 rises; the load sigma2/P0 at which a 
 """
 import numpy as np
 
+from yade_scripts import parameters
 from yade_scripts.results.reader import ResultError
 from yade_scripts.theory import statics
 
@@ -19,10 +20,10 @@ def stress_ratio(load, stress_path):
 def static_limit(run, snapshot=0):
     """Return the largest sigma2/P0 on the run's stress path that the contacts of a snapshot can carry (yade_scripts/theory/statics.py).
 
-    NaN if they cannot hold the walls.
+    NaN if they cannot hold the walls, or if there are no loaded walls.
     """
     contacts, path = run.snapshots[snapshot], run.parameters["stress_path"]
-    key = contacts["contact_point"].tobytes(), run.pressure, path
+    key = contacts["contact_point"].tobytes(), contacts["contact_friction"].tobytes(), run.pressure, path
     if key not in _known:
         try:
             _known[key] = statics.limit_loads(contacts, run.pressure, run.attributes["depth"], path)[1]
@@ -38,5 +39,5 @@ def over_limit(run, load):
 
 
 def load_over_limit(run):
-    """Return the largest sigma2/sigma1 of repeated loading over the largest that the packing's contacts can carry."""
-    return over_limit(run, 1 + run.parameters["delta_sigma"])
+    """Return the largest sigma2/sigma1 of the loading over the largest that the packing's contacts can carry."""
+    return over_limit(run, parameters.highest_load(run.parameters))

@@ -4,8 +4,8 @@
 
 The first level runs the row at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8. Each further level halves both.
 The estimated error of a level is the larger of two numbers:
-    the change of the measured quantities since the level before, over their scales (of the strains, for loaded walls without such quantities); the
-    scheme is of first order, so the remaining error is about as large as the last change;
+    the change of the measured quantities since the level before, over their scales (of the final strains themselves, for loaded walls without such
+    quantities, so accuracy=1e-5 means strains to 1e-5); the scheme is of first order, so the remaining error is about as large as the last change;
     the largest overlap, over the mean radius, since rigid disks should not overlap.
 A level does not count if steps miss their tolerance, or if disks move by more than a radius in a step: then two coarse levels can agree although
 both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy, since a single
@@ -97,7 +97,7 @@ def check(row, accuracy):
     if "tolerance" in row:
         raise parameters.ParameterError(f"tolerance = {row['tolerance']}: the search for an accuracy chooses it, so leave it out")
     if not (isinstance(accuracy, float) and LOW <= accuracy < 1):
-        raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error")
+        raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error, or that of a strain")
 
 
 def run_in_yade(folder):
@@ -122,6 +122,8 @@ def run_in_yade(folder):
         values = {known.name: known.measure() / known.scale for known in scene.known}
         if not values:
             values = {f"strain{k}": now / before - 1 for k, (now, before) in enumerate(zip(walls.sides(), sides), 1)}
+            if not any(values.values()):
+                raise parameters.ParameterError(f"scene = {full['scene']}: its walls do not move, so no accuracy can be asked for")
         return Level(row, values, engine.maxPenetration / full["radius_mean"], moved[0], engine.unconvergedSteps, seconds, scene)
     return run
 
@@ -132,6 +134,8 @@ def main(arguments=None):
     from yade_scripts import run
     options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
     asked = [argument for argument in options.row if argument.startswith("accuracy=")]
+    if len(asked) > 1:
+        raise parameters.ParameterError("accuracy is given twice")
     row = {"method": "CD"} | parameters.from_arguments([argument for argument in options.row if argument not in asked])
     try:
         accuracy = float(asked[-1].partition("=")[2])

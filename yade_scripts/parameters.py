@@ -167,6 +167,15 @@ def registry(scene):
     return REGISTRY | own
 
 
+def _registries():
+    """Yield (scene, its parameters) for all scenes whose files can be read; another scene's fault is told by a row of that scene."""
+    for scene in scenes.names():
+        try:
+            yield scene, registry(scene)
+        except (ImportError, ParameterError):
+            continue
+
+
 def defaults(scene):
     """Return the row of a scene if the user sets nothing: the general defaults, replaced by the scene's own where it has some."""
     usual, file = {name: parameter.default for name, parameter in registry(scene).items()} | {"scene": scene}, scenes.module(scene)
@@ -197,7 +206,7 @@ def _hint(name, legal, scene):
     """Return a hint for a name that is not legal in a scene: the command or the scenes that have it, or names that look like it."""
     if name == "accuracy":
         return "it belongs to another command: yade -n -x yade_scripts/accuracy.py"
-    if others := [other for other in scenes.names() if name in registry(other)]:
+    if others := [other for other, own in _registries() if name in own]:
         return f"scene {scene} has none of that name, {' and '.join(others)} {'has' if len(others) == 1 else 'have'}"
     near = difflib.get_close_matches(name, legal, n=3)
     return f"did you mean {' or '.join(near)}?" if near else "for the list of all parameters: /usr/bin/python3 -m yade_scripts.parameters"
@@ -214,9 +223,9 @@ def _check_together(full):
     if full["gravity"] and not scene.DEFAULTS.get("gravity"):
         raise ParameterError(f"gravity = {full['gravity']}: the scene {full['scene']} is without gravity, so take 0; a scene with gravity declares "
                              "it in DEFAULTS")
-    highest = full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"]
-    if full["stress_path"] == "mean" and highest >= 1:
-        raise ParameterError(f"stress_path = mean: sigma2 would rise to {1 + highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; "
+    highest = highest_load(full)
+    if full["stress_path"] == "mean" and highest >= 2:
+        raise ParameterError(f"stress_path = mean: sigma2 would rise to {highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; "
                              "take " + ("a smaller ramp_rate or period" if full["loading"] == "ramp" else "delta_sigma below 1"))
     if full["records_per_cycle"] % 2:
         raise ParameterError(f"records_per_cycle = {full['records_per_cycle']}: must be even, so that one sample falls on the load maximum")
@@ -232,7 +241,7 @@ def from_text(name, text):
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
         return text[1:-1]
     # A name has the same type of value in every scene that declares it.
-    parameter = REGISTRY.get(name) or next((own[name] for own in map(registry, scenes.names()) if name in own), None)
+    parameter = REGISTRY.get(name) or next((own[name] for _, own in _registries() if name in own), None)
     if parameter is None or isinstance(parameter.default, str):
         return text
     if isinstance(parameter.default, bool):
@@ -293,6 +302,11 @@ def pressure(full):
     return full["pressure_ratio"] * full["kn"] / full["depth"]
 
 
+def highest_load(full):
+    """Return the largest sigma2/P0 of the loading."""
+    return 1 + (full["ramp_rate"] * full["period"] * full["cycles"] if full["loading"] == "ramp" else full["delta_sigma"])
+
+
 def width(full, aspect):
     """Return the width [m] of a box that all disks fill to `aspect` times its width at a solid fraction of 0.8."""
     area = full["disks"] * math.pi * full["radius_mean"]**2 * (1 + full["radius_spread"]**2 / 3)  # expected, of radii that are uniform
@@ -307,11 +321,12 @@ def steps(full, largest):
 
 
 def restitution(full):
-    """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2))."""
+    """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2)), or 0 from
+    beta = 1 on, where the disks do not separate any more."""
     if full["method"] == "CD":
         return full["restitution"]
-    beta = full["beta_n"]
-    return math.exp(-math.pi * beta / math.sqrt(1 - beta**2))
+    beta = full["beta_n"] * full["damping_factor"]
+    return math.exp(-math.pi * beta / math.sqrt(1 - beta**2)) if beta < 1 else 0.0
 
 
 def _lines(parameter):

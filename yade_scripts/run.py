@@ -32,7 +32,7 @@ def start(folder=results.FOLDER, **row):
 def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     """Run a row to its end and write its file. Return the exit status. checkpoint_samples: None for the default of checkpoint.py."""
     full = plausible.Watched(parameters.complete(row))
-    for doubt in plausible.doubts(full) + plausible.unread([full]):
+    for doubt in plausible.doubts(dict(full)) + plausible.unread([full]):
         print(f"run: {doubt}.", file=sys.stderr)
     path = results.path_of(full, folder)
     results.make(folder)
@@ -68,7 +68,7 @@ def _run(path, full, folder, checkpoint_samples):
         raise
     except Exception as error:
         failure = error
-    between = checkpoint.samples_between(full, scene, checkpoint_samples)
+    between = checkpoint.samples_between(dict(full), scene, checkpoint_samples)
     if checkpoint_samples and not between and failure is None:
         print("run: --checkpoints has no effect: " + ("this scene cannot be resumed." if scene.kept is None else "CD takes a sample in every step."),
               file=sys.stderr)

@@ -71,7 +71,7 @@ def draw(runs, rows, path):
         axis.set(xscale="log", xlabel="cycles until collapse", title=rf"$\Delta\sigma$ = {load:g}")
         axis.grid(True)
     axes[0, 0].set_yticks(range(len(names)), [name.replace("10 k_n", "$10\\,k_n$") for name in names])
-    axes[0, 0].invert_yaxis()
+    axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
     style.finish(fig, path, "One point per packing. Open: it still stands after so many cycles.", runs)
 
 

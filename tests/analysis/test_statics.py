@@ -1,9 +1,12 @@
 """Statics of grains in the box against samples solved by hand."""
 import math
+import types
 
 import numpy as np
 import pytest
 
+from analysis import limits
+from yade_scripts import parameters
 from yade_scripts.theory import statics
 from yade_scripts.results.reader import ResultError
 
@@ -52,6 +55,21 @@ def test_the_limit_under_a_constant_mean_stress():
     ratio = statics.limit_loads(snapshot, P0, DEPTH)[1]
     exact = 2 * ratio / (1 + ratio)
     assert statics.limit_loads(snapshot, P0, DEPTH, "mean") == pytest.approx((exact, exact), rel=1e-9)
+
+
+def test_the_limit_of_a_run_depends_on_friction():
+    """Packings of other friction may have the same contacts to the last bit. Without loaded walls there is no limit."""
+    def run(mu, box=None):
+        snapshot = diagonal_pair(math.pi / 4, mu, mu) | ({} if box is None else {"box": box})
+        return types.SimpleNamespace(snapshots=[snapshot], pressure=P0, parameters=parameters.complete({}), attributes={"depth": DEPTH})
+    exact = [statics.limit_loads(diagonal_pair(math.pi / 4, mu, mu), P0, DEPTH)[1] for mu in (0.1, 0.2)]
+    assert [limits.static_limit(run(mu)) for mu in (0.1, 0.2)] == exact
+    assert math.isnan(limits.static_limit(run(0.15, box=np.full(4, np.nan))))
+
+
+def test_the_largest_load_of_a_ramp_is_where_it_ends():
+    assert parameters.highest_load(parameters.complete({"delta_sigma": 0.3})) == pytest.approx(1.3)
+    assert parameters.highest_load(parameters.complete({"loading": "ramp", "ramp_rate": 0.1, "period": 4.0})) == pytest.approx(1.4)
 
 
 def test_violations_tell_balance_cone_and_pull_apart():

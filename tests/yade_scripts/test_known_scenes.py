@@ -163,10 +163,22 @@ def test_a_run_ends_with_what_is_known(yade60):
     (dict(scene="two_grain_path", friction=0.0), "needs friction"), (dict(scene="two_grain_path", records_per_cycle=10), "multiple of 4"),
     (dict(scene="two_grain_path", path_angle=1.0), "smaller path_angle"), (dict(scene="frozen_packing", network_seed=0), "frozen_packing: needs"),
     (dict(scene="frozen_packing", warm_start=False), "frozen_packing: needs"), (dict(scene="slide_to_roll", period=0.05), "rolls only after"),
+    (dict(method="CD", network_seed=1, warm_start=False), "set warm_start = True"),
     (dict(scene="stack", gravity=0.0), "above 0 in the scene stack"), (dict(scene="groove", friction=0.0), "above 0 in the scene groove")])
 def test_rows_without_a_known_answer_are_refused(row, words):
     with pytest.raises(parameters.ParameterError, match=words):
         parameters.complete(row)
+
+
+def test_the_known_restitution_is_that_of_the_dashpots_in_the_run():
+    """exp(-pi beta/sqrt(1 - beta^2)) for beta = 0.1 times 3, and none beyond critical damping."""
+    rows = (dict(scene="bounce", method="MD", beta_n=0.1, damping_factor=factor) for factor in (3.0, 20.0))
+    assert [parameters.restitution(parameters.complete(row)) for row in rows] == [pytest.approx(0.37231, rel=1e-4), 0]
+
+
+@pytest.mark.parametrize("row", [dict(scene="drum", gravity=0.5), dict(scene="filling", radius_mean=0.02)])
+def test_a_flow_on_another_scale_has_no_known_answer(O, row, tmp_path):
+    assert not scenes.build(parameters.complete(row), tmp_path).known
 
 
 def test_known_scale_must_be_a_size():
@@ -195,6 +207,13 @@ def test_a_run_that_cannot_be_measured_has_failed_and_says_why(O, known_as, tmp_
     assert run.execute({"scene": "incline"}, tmp_path) == 1
     path = results.path_of(parameters.complete({"scene": "incline"}), tmp_path)
     assert results.status(path).startswith(words) and list(tmp_path.glob("*.h5")) == [path]
+
+
+@pytest.mark.parametrize("name", ["v/v0", ""])
+def test_names_that_no_file_can_hold_are_refused(O, known_as, name):
+    known_as(lambda known: [dataclasses.replace(known, name=name)])
+    with pytest.raises(parameters.ParameterError, match="take a name without '/'"):
+        scenes.build(parameters.complete({"scene": "incline"}), "results")
 
 
 def test_two_known_of_one_name_are_refused(O, known_as):

@@ -253,6 +253,20 @@ def test_the_methods_of_cd_are_the_engines_own():
         complete({"method": "CD", "method_cd": "magic"})
 
 
+def test_a_file_with_a_fault_costs_other_scenes_nothing(monkeypatch):
+    whole = scenes.module
+    def module(name):
+        if name == "arch":
+            raise ImportError("arch.py: a fault")
+        return whole(name)
+    monkeypatch.setattr(scenes, "module", module)
+    assert parameters.from_text("slot", "9") == 9 and complete({"scene": "hopper", "slot": 9.0})["slot"] == 9
+    with pytest.raises(ParameterError, match="did you mean seed"):
+        complete({"sed": 1})
+    with pytest.raises(ImportError, match="a fault"):
+        complete({"scene": "arch"})
+
+
 def test_help_says_what_the_list_is(root):
     done = subprocess.run([sys.executable, "-m", "yade_scripts.parameters", "--help"], cwd=root, capture_output=True, text=True)
     assert done.stdout.startswith("usage: python3 -m yade_scripts.parameters [-h]") and "cd_dt" not in done.stdout and not done.returncode

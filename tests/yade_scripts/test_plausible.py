@@ -33,3 +33,9 @@ def test_values_that_a_run_has_not_read_are_named():
     full = plausible.Watched(parameters.complete(row))
     assert full["friction"] == 0.3 and (full | {"seed": 2})["density"] == 1.0  # a changed copy counts, too
     assert plausible.ignored(full) == ["slope = 20.0 has no effect in the scene stack"]  # of md_walls `unread` tells
+
+
+def test_a_seed_without_effect_is_named(yade60):
+    """Nothing is drawn in this scene, so runs of other seeds are no other runs. The bookkeeping of a run reads what it stores, which is no effect."""
+    said = yade60.script("run.py", "scene=incline", "method=CD", "seed=7", "disks=50", "kn=5e7", "period=0.1").stderr
+    assert all(f"{value} has no effect in the scene incline" in said for value in ("seed = 7", "disks = 50", "kn = 50000000.0")), said

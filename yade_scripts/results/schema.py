@@ -64,7 +64,7 @@ HISTORY = _table(
 # Arrays with a row for each disk, the contact fields with one for each contact; the box has four numbers.
 SNAPSHOT = _table(
     Field("position", "m", "centres of the disks"),
-    Field("angle", "rad", "rotation of each disk since the start"),
+    Field("angle", "rad", "orientation of each disk, from -pi to pi; a packing keeps that of its preparation"),
     Field("radius", "m", "radius of each disk"),
     Field("body_ids", "1", "YADE's id of each disk"),
     Field("contact_ids", "1", "ids of the two bodies, walls included"),

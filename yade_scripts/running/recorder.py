@@ -46,7 +46,7 @@ class Recorder:
         self.partial = self.path.with_suffix(reader.PARTIAL_SUFFIX)
         self.names = [name for name, field in schema.HISTORY.items() if full["method"] in field.methods]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
-        self.bounds = Bounds(full, scene.load is not None)
+        self.bounds = Bounds(dict(full), scene.load is not None)  # its reading of a value is no effect
         self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
         self.reference, self.first_sides = None, None
         self.memory = io.BytesIO(record or b"")
@@ -59,11 +59,12 @@ class Recorder:
         sealed.write(self.partial, self.image())
 
     def _new_file(self, checkpoint_samples):
+        full = dict(self.full)  # noting a value is no effect of it
         self.file.attrs.update({
-            "schema_version": schema.SCHEMA_VERSION, "scene": self.full["scene"], "method": self.full["method"],
-            "parameters": json.dumps(self.full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),
-            "yade_version": config.version, "seed": self.full["seed"], "finished": False, "status": "running", "outcome": "none yet",
-            "pressure": parameters.pressure(self.full), "depth": self.full["depth"]})
+            "schema_version": schema.SCHEMA_VERSION, "scene": full["scene"], "method": full["method"],
+            "parameters": json.dumps(full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),
+            "yade_version": config.version, "seed": full["seed"], "finished": False, "status": "running", "outcome": "none yet",
+            "pressure": parameters.pressure(full), "depth": full["depth"]})
         self.file.attrs.update(zip(schema.CHECKPOINT_ATTRIBUTES, (checkpoint_samples, 0)))
         for name in self.names:
             column = self.file.create_dataset(f"history/{name}", shape=(0,), maxshape=(None,), dtype=float)

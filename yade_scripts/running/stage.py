@@ -1,4 +1,5 @@
 """Helps to build scenes in O: Ground places disks and boxes; `small` sets time step and engines, `load_walls` those of the biaxial box."""
+import functools
 import math
 import random
 
@@ -17,9 +18,13 @@ class Ground:
     """
 
     def __init__(self, full):
-        self.full, self.radius, self.time, self.draw = full, full["radius_mean"], full["period"] * full["cycles"], random.Random(full["seed"])
+        self.full, self.radius, self.time = full, full["radius_mean"], full["period"] * full["cycles"]
         self.mass = bodies.disk_mass(self.radius, full)
         bodies.append_material("disk", full["friction"], full)
+
+    @functools.cached_property
+    def draw(self):  # made when it is used, so that a seed without effect can be told
+        return random.Random(self.full["seed"])
 
     def disk(self, place, velocity=(0, 0), blocked="zXY", radius=None, mass=None):
         """Append a disk at (x, y) [m], of radius_mean and the mass of its radius unless said otherwise. Return the body."""

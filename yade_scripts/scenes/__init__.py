@@ -135,6 +135,8 @@ def build(full, folder):
     if not isinstance(built, Scene):
         raise ParameterError(f"build() of scene {full['scene']} must return a Scene")
     names = [known.name for known in built.known]
+    if wrong := [name for name in (*names, *built.extra) if not name or "/" in name or name == "."]:
+        raise ParameterError(f"build() of scene {full['scene']} names a quantity {wrong[0]!r}: take a name without '/', such as v_over_v0")
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ParameterError(f"build() of scene {full['scene']} returns more than one Known of the name {', '.join(twice)}: give each its own")
     return built

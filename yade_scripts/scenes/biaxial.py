@@ -1,5 +1,7 @@
 """The paper's experiment: a packing is prepared under P0, then sigma2 changes (eqs. 1 and 7, Figs. 3 to 5); sigma1 or the mean stress stays P0."""
 
+from yade_scripts.parameters import ParameterError
+
 TITLE = "Biaxial test of a dense packing"
 KIND = "dense packings under load"
 HORIZON = "Nothing is known exactly; runs of different methods are compared sample by sample, by statistics once grains rearrange."
@@ -8,6 +10,13 @@ DEFAULTS = {}
 
 # Number of snapshots of a ramp, which has no load maximum before it ends, and of a single cycle: enough to follow single contacts.
 SNAPSHOTS = 40
+
+
+def check(full):
+    """Check that the solver starts from the forces of network_seed."""
+    if full["method"] == "CD" and full["network_seed"] and not full["warm_start"]:
+        raise ParameterError(f"network_seed = {full['network_seed']}: has no effect with warm_start = False, since its forces are the solver's first "
+                             "guess; set warm_start = True")
 
 
 def build(full, folder, goals=None):

@@ -28,6 +28,7 @@ SHARE = 0.98  # of the disks behind the front, and below the height
 CONVERGED = {400: ({"front": (3.99, 0.13), "height": (0.817, 0.033)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
              4000: ({"front": (4.67, 0.05), "height": (0.733, 0.006)}, "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)
+REST = 3.5  # the heap is at rest after this many falls through the column's height
 
 
 def build(full, folder):
@@ -49,4 +50,5 @@ def build(full, folder):
 
     extra = {"front": ("L0", f"x that {SHARE:.0%} of the disks are behind, over the width of the column", lambda: quantile(0)),
              "height": ("L0", f"y that {SHARE:.0%} of the disks are below, likewise", lambda: quantile(1))}
-    return stage.small(full, converged(full, CONVERGED, SAME, extra), kept={}, extra=extra)
+    rests = ground.time >= REST * math.sqrt(2 * full["column_aspect"] * span / full["gravity"])
+    return stage.small(full, converged(full, CONVERGED, SAME, extra) if rests else [], kept={}, extra=extra)

@@ -30,7 +30,7 @@ SELDOM = 5                # measurements of the slope for one of the profile
 ABOVE = 4                 # layers of the profile that lie above the axis
 # Found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
-SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1)
+SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1, gravity=9.81, radius_mean=0.01)
 
 
 def build(full, folder):

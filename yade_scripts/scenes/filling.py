@@ -21,7 +21,7 @@ CHART = Chart(physics=("beta_n",), rolling=True)
 
 # Found with the parameters of SAME. scenes.converged explains the form.
 CONVERGED = {500: ({"height": (1.287, 0.010)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
-SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1)
+SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1, gravity=9.81, radius_mean=0.01)
 
 
 def build(full, folder):

@@ -81,6 +81,8 @@ def limit_loads(snapshot, pressure, depth, stress_path="constant"):
     Beyond these loads rigid contacts cannot hold the sample in its present geometry. Between them they need not hold it, since Coulomb's friction is
     not associated.
     """
+    if not np.isfinite(snapshot["box"]).all():
+        raise ResultError("a snapshot", "no walls are loaded in it", "take a run of a packing under P0")
     paths = {"constant": ((pressure, 0), (0, pressure)), "mean": ((2 * pressure, 0), (-pressure, pressure))}
     constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in paths[stress_path])
     goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)

@@ -11,7 +11,7 @@ from yade import O
 from yade_scripts import accuracy, parameters, scenes
 from yade_scripts.measuring import charts, store
 from yade_scripts.results.schema import STATUS_FAILED
-from yade_scripts.running import hooks, timing
+from yade_scripts.running import bodies, hooks, timing
 
 LEAST, MOST = 3, 9     # repeats
 ENOUGH = 0.1           # s: short runs are repeated up to this total time, or MOST times
@@ -35,7 +35,7 @@ def measure(row, folder, limit, allow):
         return facts | {"status": STATUS_FAILED + (str(error).splitlines() or [type(error).__name__])[0], "seconds": seconds}, []
     error = charts.error(known)
     facts |= {"status": charts.status(known), "error": error if math.isfinite(error) else None, "seconds": seconds, "steps": O.iter,
-              "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in O.bodies)}
+              "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in bodies.disks()) or len(bodies.disks())}
     if full["method"] == "CD":
         engine = hooks.engine("ContactDynamics")
         facts |= {"sweeps": engine.totalIterations, "unconverged_steps": engine.unconvergedSteps}
