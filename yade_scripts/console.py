@@ -23,7 +23,8 @@ def start(**changes):
     global row, scene
     begun = False
     try:
-        known = parameters.registry(changes.get("scene", row.get("scene", parameters.REGISTRY["scene"].default)))
+        name = parameters.REGISTRY["scene"]
+        known = parameters.registry(name.check(changes.get("scene", row.get("scene", name.default))))
         changed = {name: value for name, value in row.items() if name in known} | changes
         parameters.complete(changed)
         begun = True

@@ -79,8 +79,8 @@ In cycles of 2 s, which the springs follow more closely, packings 1 and 2 have s
 burst here, too, only later: it strains by 6.1e-5 a cycle in cycles 21 to 50 and 1.5e-4 in cycles 51 to 100, and has then strained 1.01 times as far
 as in cycles of 0.5 s. The error of the energy balance is 8.1e-5 of the work at most.
 """
-GIVEN = ("0.4", "1", "2", "3", "6", "10", "11", "20", "21", "50", "51", "100", "101", "125", "200", "201", "250", "500", "501", "625", "626", "750", "40",
-         "0.5", "1000")
+GIVEN = ("0.4", "1", "2", "3", "6", "10", "11", "20", "21", "50", "51", "100", "101", "125", "200", "201", "250", "500", "501", "625", "626", "750",
+         "40", "0.5", "1000")
 
 
 def numbers(table):
