@@ -158,8 +158,8 @@ bool isBeyondCorner(const Shape&, const Place& boundary, const Place& disk);
 bool comesThrough(const Shape&, const Place& boundaryBefore, const Place& diskBefore, const Place& boundary, const Place& disk, Foot& face);
 
 // The change of the gap between a box and a disk by the rotation of the box in a step h [s], beyond gap + h u_n [m]. It is exact if the motion of the
-// disk along the face is given. touching: the distance along the normal from the box's centre to the disk's that is to be kept [m]; spin: of the box
-// [rad/s]; velocity: of the disk's centre against that of the box [m/s].
+// disk along the face is given and the spin stays. touching: the distance along the normal from the box's centre to the disk's that is to be kept
+// [m]; spin: of the box [rad/s]; velocity: of the disk's centre against that of the box [m/s].
 double gapByTurning(const Shape&, const Place& box, const Place& disk, const Touch&, double touching, double spin, Vector velocity, double h);
 
 inline Touch touchAt(double nx, double ny, double gap, const Place& disk)

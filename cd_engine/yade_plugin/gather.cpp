@@ -54,7 +54,7 @@ void SceneLink::tellOfFalls(double dt)
 	const int count = static_cast<int>(bodies.size());
 	const auto isSolid = [this](int id) { return bodies[id].boundary && world.masks[id] != 0; };
 	int held = 0, falling = -1;
-	const double fits = 1.8 * cd::smallestRadius(world); // a disk, which may be pressed in by a tenth [m]
+	const double fits = 1.8 * cd::smallestRadius(world); // where a disk fits between two, pressed in by a tenth [m]
 	for (int upper = 0; upper < count; upper++) {
 		const cd::Body& a = world.bodies[upper];
 		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
@@ -65,15 +65,15 @@ void SceneLink::tellOfFalls(double dt)
 		if (a.inverseMass[0] == 0 && a.inverseMass[1] == 0)
 			continue;
 		const cd::Half ha = cd::halfSides(a, world.shapes[upper]);
+		// A large force makes the margin wide. If the boundary has disks near it, which may carry the force, only its present motion counts.
+		const bool meetsDisks = std::any_of(pairs.begin(), pairs.end(), [upper](const cd::NearPair& pair) { return pair.a == upper; });
+		const double most = meetsDisks ? fits + 10 * dt * std::hypot(a.v[0], a.v[1]) : cd::endless;
 		for (int lower = 0; lower < count; lower++) {
 			if (lower == upper || !isSolid(lower))
 				continue;
 			const cd::Body& b = world.bodies[lower];
 			const cd::Half hb = cd::halfSides(b, world.shapes[lower]);
-			// Where a disk fits between, only actual motion counts: under a large force the margin is wide, though disks may carry it.
-			const double moving = 10 * dt * (std::hypot(a.v[0], a.v[1]) + std::hypot(b.v[0], b.v[1]));
-			const double margin = std::min(search.marginOf(upper) + search.marginOf(lower), fits + moving),
-				     way[2] = { b.x - a.x, b.y - a.y },
+			const double margin = std::min(search.marginOf(upper) + search.marginOf(lower), most), way[2] = { b.x - a.x, b.y - a.y },
 				     overlap[2] = { ha.x + hb.x - std::abs(way[0]), ha.y + hb.y - std::abs(way[1]) };
 			// The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
 			// and a piston with clearance not at all.

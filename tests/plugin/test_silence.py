@@ -190,6 +190,17 @@ def test_a_lid_that_disks_carry_is_not_told_of(O, capfd, load):
     assert said_by(O, capfd) == []
 
 
+def test_a_lid_that_a_force_moves_through_the_floor_in_a_step(O, capfd):
+    """No disk is near it, so it is told of before the only search that comes in time."""
+    mat = plane.ground()
+    plane.disk((1, 0.001), 0.001, mat=mat)
+    lid = plane.box((0, 0.06), (0.03, 0.002), blocked="xzXYZ", mass=0.1, mat=mat)
+    O.engines, O.dt = cd_engine.engines(), 1e-3
+    O.forces.setPermF(lid, (0, -5000, 0))
+    line, = said_by(O, capfd)
+    assert f"body #{lid} is a boundary that its velocity or a force moves" in line
+
+
 def test_a_scene_that_falls_as_a_whole(O, capfd):
     """All bodies got the freedoms of disks."""
     mat = plane.material()
