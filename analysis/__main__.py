@@ -70,11 +70,11 @@ def _folder(options):
 
 def _study(options):
     from analysis import make_study, studies
-    broken = {}
+    broken = []
     names, figures = options.names or studies.names(broken), Path(options.output or _folder(options))
     for name in names:
         studies.module(name)
-    for message in broken.values():
+    for message in broken:
         print(f"analysis study: {message}", file=sys.stderr)
     if not options.rows and not Path(options.results).is_dir():
         raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name another folder")
@@ -95,13 +95,14 @@ def _charts(options):
     from analysis import charts, publish
     folder = Path(options.output or _folder(options) / charts.FOLDER)
     results.make(folder, "figures")
-    left = charts.publish_all(options.results, folder, options.full)
-    for message in left.values():
+    broken = []
+    left = charts.publish_all(options.results, folder, options.full, broken)
+    for message in (*left.values(), *broken):
         print(f"analysis charts: {message}", file=sys.stderr)
     for name in [name for name in charts.ORDER if name not in left]:  # others may lie there from before
         for file in publish.read_json(folder / f"{name}.json", {"figures": dict})["figures"]:
             print((folder / file).resolve())
-    return commands.MISTAKE if len(left) == len(charts.ORDER) else 0
+    return commands.MISTAKE if broken or len(left) == len(charts.ORDER) else 0
 
 
 def _report(options):
@@ -111,9 +112,10 @@ def _report(options):
     if options.published and (options.quick or options.full or options.results != results.FOLDER):
         raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
     if not options.published:
-        broken = {}
-        for message in (publish.publish_all(studies.names(broken), folder, options.results, options.full) | broken
-                        | charts.publish_all(options.results, folder / charts.FOLDER, options.full)).values():
+        broken = []
+        left = publish.publish_all(studies.names(broken), folder, options.results, options.full)
+        left |= charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
+        for message in (*left.values(), *broken):
             print(f"analysis report: {message}", file=sys.stderr)
     page = options.output or FIGURES / "report.html"
     try:

@@ -31,7 +31,7 @@ def build(folder, path, published=False):
     folder, path = Path(folder), Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
-    broken = {}
+    broken = []
     names = studies.names(broken)
     found = [_study(name, folder, link) for name in names if (folder / f"{name}.json").is_file()]
     if not found:

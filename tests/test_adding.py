@@ -92,11 +92,11 @@ def copy(root, tmp_path_factory):
     return target
 
 
-def run(copy, *arguments):
+def run(copy, *arguments, status=0):
     done = subprocess.run([sys.executable, "-m", *arguments], cwd=copy, capture_output=True, text=True, timeout=1200,
                           env=os.environ | {"OMP_NUM_THREADS": "1"})
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    assert done.returncode == status, done.stdout + done.stderr
+    return done.stdout + done.stderr * (status != 0)
 
 
 def test_a_new_study_scene_and_map_are_run_drawn_and_reported(copy):
@@ -109,6 +109,21 @@ def test_a_new_study_scene_and_map_are_run_drawn_and_reported(copy):
     page = (copy / "page.html").read_text(encoding="utf-8")
     assert "A falling disk" in page and "As fast as gravity says." in page and "Too large" in page and "Free fall of a disk" in page
     assert "falls" in (copy / "figures/quick/charts/by_kind.csv").read_text()
+
+
+def test_a_fault_in_a_scene_or_a_map_is_named_and_stops_no_other(copy):
+    """After the test above, which leaves measurements."""
+    faulty = {copy / "yade_scripts/scenes/bad.py": "TITLE = (", copy / "yade_scripts/measuring/maps/bad.py": "MAP = mpa"}
+    for path, text in faulty.items():
+        path.write_text(text)
+    try:
+        measured = run(copy, "yade_scripts.measuring", "--quick", "--only", "too_large", status=1)
+        drawn = run(copy, "analysis", "charts", "--quick", status=2)
+    finally:
+        for path in faulty:
+            path.unlink()
+    assert "too_large: measured" in measured and "map_too_large.png" in drawn
+    assert all(f"{path}" in said for path in faulty for said in (measured, drawn))
 
 
 def test_make_runs_these_commands(root):

@@ -22,6 +22,23 @@ def load(package, name, needed, usual):
     return found
 
 
+def readable(names, read, broken=None):
+    """Return the names that read(name) accepts. A file with a fault raises ParameterError or ImportError; with a list `broken` its name is left out,
+    and the list gets the message."""
+    from yade_scripts.parameters import ParameterError
+    found = []
+    for name in names:
+        try:
+            read(name)
+        except (ParameterError, ImportError) as error:
+            if broken is None:
+                raise
+            broken.append(str(error))
+        else:
+            found.append(name)
+    return found
+
+
 @contextlib.contextmanager
 def located(file, kinds=Exception):
     """Turn an exception of these kinds into an ImportError that names the file, and the line if it is known. One that names the file stays."""

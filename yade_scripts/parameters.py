@@ -16,7 +16,7 @@ import math
 import sys
 from dataclasses import dataclass
 
-from yade_scripts import scenes
+from yade_scripts import declared, scenes
 
 
 class ParameterError(ValueError):
@@ -168,12 +168,8 @@ def registry(scene):
 
 
 def _registries():
-    """Yield (scene, its parameters) for all scenes whose files can be read; another scene's fault is told by a row of that scene."""
-    for scene in scenes.names():
-        try:
-            yield scene, registry(scene)
-        except (ImportError, ParameterError):
-            continue
+    """Return [(scene, its parameters)] of all scenes whose files can be read; another scene's fault is told by a row of that scene."""
+    return [(scene, registry(scene)) for scene in declared.readable(scenes.names(), registry, [])]
 
 
 def defaults(scene):

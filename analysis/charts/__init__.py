@@ -26,14 +26,15 @@ def module(name):
                          {"GIVEN": (), "numbers": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
 
 
-def publish_all(results, folder, full):
-    """Publish every chart that has measurements. Return {name: message} of those that have none."""
+def publish_all(results, folder, full, broken):
+    """Publish every chart that has measurements. Return {name: message} of those that have none. broken: as of declared.readable, of scenes and maps.
+    """
     from analysis.charts import maps, table
     folder, left = Path(folder), {}
     folder.mkdir(parents=True, exist_ok=True)
     for names, source in ((ORDER[:-1], table), (ORDER[-1:], maps)):
         try:
-            measured, origin = source.measured(results, full)
+            measured, origin = source.measured(results, full, broken)
         except ResultError as error:
             left |= {name: f"{name}: {error}" for name in names}
             continue

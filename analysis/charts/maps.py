@@ -57,7 +57,7 @@ LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
 
 def descriptions():
     """Return the maps, with question, criterion and remedy, for the report."""
-    return [maps.get(name) for name in maps.names()]
+    return [maps.get(name) for name in maps.names([])]
 
 
 # A map with its results: table of the cells, cases that were not run, the Lines searched, facts of all.
@@ -66,9 +66,9 @@ Found = namedtuple("Found", "name map rows missing lines facts")
 Line = namedtuple("Line", "search boundary told theory")
 
 
-def measured(results, full):
-    """Return (Found of every map that was probed, where they come from). Raise ResultError if none was."""
-    several = [found for found in (collect(name, results, full) for name in maps.names()) if len(found.rows)]
+def measured(results, full, broken=None):
+    """Return (Found of every map that was probed, where they come from). Raise ResultError if none was. broken: as of declared.readable."""
+    several = [found for found in (collect(name, results, full) for name in maps.names(broken)) if len(found.rows)]
     if not several:
         raise ResultError(Path(results) / maps.FOLDER, "no case has been probed", "run `make charts`")
     return several, charts.origin_of([one for found in several for one in found.facts], full)

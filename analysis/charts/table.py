@@ -22,10 +22,10 @@ LEVELS = (1e-2, 1e-4, 1e-6)  # accuracies that the charts look at
 PUBLISHED = Path(charts.__file__).resolve().parents[1] / "published" / charts.FOLDER / "work_precision.csv"
 
 
-def measured(results, full):
-    """Return (the table of all scenes, where it comes from). Raise ResultError if nothing was measured."""
+def measured(results, full, broken=None):
+    """Return (the table of all scenes, where it comes from). Raise ResultError if nothing was measured. broken: as of declared.readable."""
     folder = Path(results) / settings.FOLDER
-    found = [(setting, facts) for scene in settings.names() for setting in settings.settings(scene, full)
+    found = [(setting, facts) for scene in settings.names(broken) for setting in settings.settings(scene, full)
              if (facts := store.get(folder, setting.name))]
     if not found:
         raise ResultError(folder, "holds no measured setting", "measure some: make charts")

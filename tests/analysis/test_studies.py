@@ -69,8 +69,8 @@ def test_a_fault_in_one_study_is_named_and_stops_no_other(monkeypatch, tmp_path,
         monkeypatch.delitem(sys.modules, f"analysis.studies.{name}", raising=False)
     monkeypatch.setattr(studies, "__path__", [str(folder)])
     monkeypatch.setattr(studies, "__file__", str(folder / "__init__.py"))
-    broken = {}
-    assert studies.names(broken) == ["other"] and str(folder / "mine.py") in broken["mine"]
+    broken = []
+    assert studies.names(broken) == ["other"] and len(broken) == 1 and str(folder / "mine.py") in broken[0]
     studies.module.cache_clear()
 
 

@@ -61,7 +61,10 @@ def main(arguments=None):
     commands.add_extent(parser)
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")
     options = commands.add(parser, "--jobs", "--results").parse_args(arguments)
-    known = {name: kind for kind, module in KINDS.items() for name in module.names()}
+    broken = []
+    known = {name: kind for kind, module in KINDS.items() for name in module.names(broken)}
+    for message in broken:
+        print(f"measuring: {message}", file=sys.stderr)
     if unknown := [name for name in options.only if name not in known]:
         raise parameters.ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
     results.make(options.results)
@@ -75,7 +78,7 @@ def main(arguments=None):
     troubled = [job for job in jobs if job.trouble]
     for job in troubled:
         print(f"measuring: {job.work.name}: {job.trouble}", file=sys.stderr)
-    return 1 if troubled else 0
+    return 1 if troubled or broken else 0
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ A series varies one parameter and keeps the scene's own defaults for the others.
 import math
 from dataclasses import dataclass, field
 
-from yade_scripts import parameters, scenes
+from yade_scripts import declared, parameters, scenes
 from yade_scripts.measuring import store
 from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, relative_error
 
@@ -60,8 +60,9 @@ def chart_of(scene):
     return scenes.module(scene).CHART
 
 
-def names():
-    return [name for name in scenes.names() if chart_of(name)]
+def names(broken=None):
+    """Return the names of the scenes that have a Chart. broken: as of declared.readable."""
+    return [name for name in declared.readable(scenes.names(), chart_of, broken) if chart_of(name)]
 
 
 def series(scene):

@@ -126,9 +126,9 @@ class Map:
     order: int = 100
 
 
-def names():
-    """Return the names of all maps in the order of the report."""
-    return sorted(declared.names(__name__), key=lambda name: (get(name).order, name))
+def names(broken=None):
+    """Return the names of all maps, in the order of the report. broken: as of declared.readable."""
+    return sorted(declared.readable(declared.names(__name__), get, broken), key=lambda name: (get(name).order, name))
 
 
 @functools.cache
