@@ -9,6 +9,8 @@ from yade_scripts.running import plausible
 @pytest.mark.parametrize("row, words", [
     ({"radius_mean": 10.0, "depth": 50.0}, "in mm"), ({"density": 2.6}, "g/cm"), ({"kn": 2.0}, "MPa"), ({"method": "CD", "cd_dt": 1.0}, "in ms"),
     ({"scene": "stack", "gravity": 98100.0}, "gravity"),
+    ({"scene": "stack", "method": "CD", "cd_dt": 0.05}, "lower records_per_cycle"),
+    ({"scene": "stack", "method": "CD", "method_cd": "nsgs", "fixed_iterations": 5}, "no effect with fixed_iterations = 5"),
     ({"scene": "incline", "slope": 0.5236}, "radians"), ({"period": 1e-3}, "like an impact")])
 def test_other_units_are_doubted(row, words):
     found = plausible.doubts(parameters.complete(row))

@@ -30,6 +30,14 @@ def doubts(full):
         if full["period"] < BLOW * grain:
             found.append(f"period = {full['period']:g} s is {full['period'] / grain:.2g} times the {grain:.2g} s in which P0 moves a grain by its "
                          f"size: the load acts like an impact; use at least {BLOW * grain:.2g} s")
+    if full["method"] == "CD":
+        interval, usual = full["period"] / full["records_per_cycle"], parameters.defaults(full["scene"])
+        if full["cd_dt"] != usual["cd_dt"] and full["cd_dt"] > interval:
+            found.append(f"cd_dt = {full['cd_dt']:g} s is longer than the {interval:g} s between two samples, which is the step that is taken: lower "
+                         "records_per_cycle for a longer one")
+        if full["fixed_iterations"]:
+            found += [f"{name} = {full[name]} has no effect with fixed_iterations = {full['fixed_iterations']}"
+                      for name in ("method_cd", "max_iterations", "flow_tolerance") if full[name] != usual[name]]
     return found
 
 
