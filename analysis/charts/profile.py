@@ -70,5 +70,5 @@ def draw(rows, folder, line):
     handles = charts.entries(panels)
     panels[-1].legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
     style.finish(fig, folder / "profile.png",
-                 f"{rows.scene.nunique()} scenes that both methods run; higher and further left is better.", line)
+                 f"Scenes that both methods run: {rows.scene.nunique()}. Higher and further left is better.", line)
     return {"profile.png": TITLE}

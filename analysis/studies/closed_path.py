@@ -39,7 +39,8 @@ def draw(runs, rows, path):
     for axis, quantity, label in zip(axes, ("left_force", "loop_work"), (
             r"force left $|T|\,/\,(k_t\,2R\,A)$", r"work taken by the path $|W|\,/\,\frac{1}{2}k_t(2R\,A)^2$")):
         for law in LAWS:
-            _draw_law(axis, law, quantity, table[table.law == law])
+            if len(own := table[table.law == law]):
+                _draw_law(axis, law, quantity, own)
         axis.set(xlabel=r"depth of the path $h/R$", ylabel=label)
     axes[0].legend(loc="center left", bbox_to_anchor=(0, 0.37))
     angles = ", ".join(f"{angle:g}" for angle in sorted(table.path_angle.unique()))

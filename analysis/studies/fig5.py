@@ -82,7 +82,8 @@ def draw(runs, rows, path):
             _strain(axis, panels.get((friction, stress_path), []))
             axis.set_title(style.STRESS_PATH[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
         _loads(line[-1], table[table["preparation friction"] == friction])
-    entries = [dict(color=colour, marker=style.MARKER[method], label=method) for method, colour in style.COLOUR.items()]
+    entries = [dict(color=colour, marker=style.MARKER[method], label=method)
+               for method, colour in style.COLOUR.items() if any(run.method == method for run in usual)]
     entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in usual)
     style.legend(axes[0, -1], entries, loc="lower right", fontsize=7)
     style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "

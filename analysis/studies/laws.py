@@ -60,7 +60,8 @@ def draw(runs, rows, path):
         windows = cycles.windows(len(found.number))
         right.plot([last for _, last in windows], np.abs(found.rates(windows)), color=colour, marker=marker, ms=3, lw=0.8)
     right.set(xscale="log", yscale="log", xlabel="cycle", ylabel=r"strain a cycle $|\Delta\gamma|$")
-    style.legend(right, [dict(color=colour, marker=marker, ms=4, label=law.replace("_", " ")) for law, (colour, marker) in LOOK.items()])
+    style.legend(right, [dict(color=colour, marker=marker, ms=4, label=law.replace("_", " ")) for law, (colour, marker) in LOOK.items()
+                         if law in set(table.law)])
     style.finish(fig, path, "Left: a point a packing, absolute values. Right: one packing, means over windows that grow with the cycle.", runs)
 
 

@@ -67,7 +67,7 @@ def draw(runs, rows, path):
                 axes.axhline(level, color=SHADE[name], ls="--", lw=0.8)
         axes.set(xscale="log", yscale="log", xlabel=label, title=title)
     panels[0].set_ylabel(r"strain $\gamma$")
-    panels[0].legend(title="dashed: MD")
+    panels[0].legend(title="dashed: MD" if len(md) else None)
     if len(by_sweeps) and len(md):
         panels[1].plot(by_sweeps.value, md.largest.iloc[0] / by_sweeps.kappa_over_kn, ":", color="k",
                        label=r"MD's largest $|\gamma|$ times $k_n/\kappa$, $\kappa = q m N_I/\Delta t^2$")
