@@ -61,7 +61,7 @@ def draw(runs, rows, path):
     last cycle."""
     table = pandas.DataFrame(rows)
     names, loads = list(table.case.unique()), sorted(table.dSigma.unique())
-    table["place"] = table.case.map(names.index) + 0.04 * (table.seed - 5.5)
+    table["place"] = table.case.map(names.index) + 0.04 * (table.seed - table.seed.unique().mean())
     fig, axes = plt.subplots(1, len(loads), figsize=(3 + 4 * len(loads), 5.4), squeeze=False, sharey=True)
     for axis, load in zip(axes[0], loads):
         for method in style.MARKER:
