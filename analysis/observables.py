@@ -158,10 +158,3 @@ def coordination(snapshot):
     loaded, held = snapshot["force_normal"] > 0, ~rattlers(snapshot)
     touching = np.isin(snapshot["contact_ids"][loaded], snapshot["body_ids"][held]).sum()
     return touching / held.sum() if held.any() else 0.0
-
-
-def correlation(first, second):
-    """Return Pearson's correlation coefficient; NaN where one of the two does not vary."""
-    if not (np.ptp(first) and np.ptp(second)):
-        return np.nan
-    return float(np.corrcoef(first, second)[0, 1])

@@ -97,11 +97,6 @@ def test_forces_are_matched_by_bodies():
     np.testing.assert_array_equal(observables.matched_forces(first, second), [[1, 0, 2], [0, 30, 20]])
 
 
-def test_correlation():
-    x = np.array([1.0, 2.0, 4.0])
-    assert observables.correlation(x, 3 - 2 * x) == pytest.approx(-1)
-    assert np.isnan(observables.correlation(x, np.ones(3)))
-
 
 def energies(folder, method, name, dissipated):
     """A run in which the walls do 1 J of work, 0.25 J are stored, 0.05 J move, and the history field `name` counts `dissipated` J."""

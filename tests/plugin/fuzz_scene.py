@@ -3,7 +3,6 @@ import math
 
 import yade
 from yade import utils
-from yade.wrapper import Sphere
 
 from . import fuzz_geometry, plane
 
@@ -198,8 +197,3 @@ def pair(scene):
 
 
 DISKS = (cloud, cloud, columns, layers, pair)
-
-
-def sphere(k, radius):
-    """Body k gets another Sphere."""
-    yade.O.bodies[k].shape = Sphere(radius=radius)
