@@ -16,6 +16,8 @@ namespace {
 	// rest that stays awake. Islands that come to rest in a thousand sweeps mostly do so in a hundred, the others by chance in a later trial.
 	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
 	constexpr const char* noMemory = "ContactDynamics: no memory is left for this step; it has not been made";
+	constexpr const char* noMemoryToShow
+	    = "ContactDynamics: no memory is left to show this step: the bodies have moved, but the forces of their contacts are lost";
 
 	struct Energy {
 		double kinetic = 0; // of all free motions [J]
@@ -97,17 +99,22 @@ void ContactDynamics::action()
 		lock.lock();
 	} else if (!lock)
 		lock.lock();
+	moved = false;
 	try {
 		takeOver();
 		advance();
-	} catch (const std::bad_alloc&) { // arrays may be half filled: all but the motion before this step is given up
+	} catch (const std::bad_alloc&) { // arrays may be half filled: all but the motion is given up
 		link.saveMotion();
+		if (moved) { // YADE does not count a step that ends by an error
+			scene_time(scene) += scene_dt(scene);
+			scene_iter(scene)++;
+		}
 		link = SceneLink();
 		step = cd::TimeStep();
 		last = {};
 		idle = false;
 		others.wakeUnsorted();
-		const std::string error = noMemory;
+		const std::string error = moved ? noMemoryToShow : noMemory;
 		exchangeError(error);
 		scene_forces(scene).sync(); // as below; last, since it may need memory itself
 		throw SceneError(error);
@@ -260,14 +267,15 @@ void ContactDynamics::advance()
 		throw SceneError(text("ContactDynamics: the solver met a number that is not finite at step ", scene_iter(scene),
 		    "; no body has been moved. Look for disks with the same centre, extreme masses or forces, or take a smaller O.dt"));
 	link.hold(step, settings.dt);
+	moved = true;
 	idle = made.idle;
 	if (tracks) {
 		const Energy now = energyOf(link.world, weighs);
 		track(now.kinetic, now.weight - height, made.dissipated);
 	}
-	show();
 	const double before = deepestPenetration;
 	report(made, settings);
+	show();
 	if (!converged && fixedIterations == 0)
 		warn();
 	if (deepestPenetration > before)

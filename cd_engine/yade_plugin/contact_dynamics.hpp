@@ -64,6 +64,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool warned = false, toldOfLost = false, toldOfSpeed = false, toldOfUnsolvable = false;
 	cd::StepSettings last; // settings of the last step
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
+	bool moved = false; // the step under way has moved the bodies
 	long known = 0; // attributes set before the last step
 };
 
