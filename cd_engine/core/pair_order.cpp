@@ -32,30 +32,11 @@ namespace {
 
 } // namespace
 
-// Counting sort into at most as many parts as there are pairs, then a sort within each part.
-void PairOrder::sort(std::vector<NearPair>& pairs, const std::vector<int>& rank)
+void sortPairs(std::vector<NearPair>& pairs, const std::vector<int>& rank)
 {
-	uint64_t last = 0;
-	for (NearPair& pair : pairs) {
+	for (NearPair& pair : pairs)
 		pair.key = keyOf(pair, rank);
-		last = std::max(last, pair.key);
-	}
-	int shift = 0;
-	while (last >> shift > pairs.size())
-		shift++;
-	const std::size_t parts = (last >> shift) + 1;
-	begins.assign(parts + 1, 0);
-	for (const NearPair& pair : pairs)
-		begins[(pair.key >> shift) + 1]++;
-	for (std::size_t k = 1; k <= parts; k++)
-		begins[k] += begins[k - 1];
-	sorted.resize(pairs.size());
-	next = begins;
-	for (const NearPair& pair : pairs)
-		sorted[next[pair.key >> shift]++] = pair;
-	for (std::size_t k = 0; k < parts; k++)
-		std::sort(sorted.begin() + static_cast<long>(begins[k]), sorted.begin() + static_cast<long>(begins[k + 1]), comesFirst);
-	pairs.swap(sorted);
+	std::sort(pairs.begin(), pairs.end(), comesFirst);
 }
 
 void findAgain(std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& left)

@@ -7,16 +7,9 @@
 
 namespace cd {
 
-// The position of a pair depends only on its numbers and ranks, so the result of a step does not depend on which other pairs are listed.
-class PairOrder {
-    public:
-	// rank: of the bodies along the space-filling curve (space_order.hpp); empty: the numbers of the bodies are their ranks.
-	void sort(std::vector<NearPair>&, const std::vector<int>& rank);
-
-    private:
-	std::vector<NearPair> sorted;
-	std::vector<std::size_t> begins, next; // of each part: its first place in `sorted`, and its next free one
-};
+// Sorts pairs. The position of a pair depends only on its numbers and ranks, so the result of a step does not depend on which other pairs are listed.
+// rank: of the bodies along the space-filling curve (space_order.hpp); empty: the numbers of the bodies are their ranks.
+void sortPairs(std::vector<NearPair>&, const std::vector<int>& rank);
 
 // Sets `from` of every pair in `now` to its index in `before`, or to -1. Both lists are sorted by the same ranks. left: the indices of the pairs in
 // `before` that `now` no longer contains.

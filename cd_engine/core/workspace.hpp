@@ -15,29 +15,8 @@ namespace cd {
 class Workspace {
 	template <class, class> friend class Borrowed;
 
-	struct Shelf {
-		virtual ~Shelf() = default;
-	};
-	template <class T> struct ShelfOf : Shelf {
-		std::vector<std::unique_ptr<T>> objects; // the last one returned is the next one lent
-	};
-
-	static std::size_t newKind()
-	{
-		static std::atomic<std::size_t> kinds { 0 };
-		return kinds++;
-	}
-	template <class T, class User> std::vector<std::unique_ptr<T>>& shelf()
-	{
-		static const std::size_t kind = newKind();
-		if (shelves.size() <= kind)
-			shelves.resize(kind + 1);
-		if (!shelves[kind])
-			shelves[kind] = std::make_unique<ShelfOf<T>>();
-		return static_cast<ShelfOf<T>&>(*shelves[kind]).objects;
-	}
-
-	std::vector<std::unique_ptr<Shelf>> shelves; // one for each T and User
+	static inline std::atomic<std::size_t> kinds { 0 };
+	std::vector<std::vector<std::shared_ptr<void>>> shelves; // one for each T and User of Borrowed; the last one returned is the next one lent
 };
 
 // An object as the last Borrowed of the same T and User has left it in the workspace; a new one if there is none, or no workspace.
@@ -47,10 +26,10 @@ template <class T, class User = T> class Borrowed {
 	    : workspace(w)
 	{
 		if (workspace && !shelf().empty()) {
-			object = std::move(shelf().back());
+			object = std::static_pointer_cast<T>(shelf().back());
 			shelf().pop_back();
 		} else
-			object = std::make_unique<T>();
+			object = std::make_shared<T>();
 	}
 	~Borrowed()
 	{
@@ -68,10 +47,16 @@ template <class T, class User = T> class Borrowed {
 	T* operator->() const { return object.get(); }
 
     private:
-	std::vector<std::unique_ptr<T>>& shelf() { return workspace->shelf<T, User>(); }
+	std::vector<std::shared_ptr<void>>& shelf()
+	{
+		static const std::size_t kind = Workspace::kinds++;
+		if (workspace->shelves.size() <= kind)
+			workspace->shelves.resize(kind + 1);
+		return workspace->shelves[kind];
+	}
 
 	Workspace* const workspace;
-	std::unique_ptr<T> object;
+	std::shared_ptr<T> object;
 };
 
 } // namespace cd

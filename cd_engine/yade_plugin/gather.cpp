@@ -159,7 +159,7 @@ void SceneLink::takePairs(yade::Scene* scene, const std::vector<int>& rank)
 		else
 			before.push_back({ 0, a, b, static_cast<int32_t>(i) });
 	}
-	order.sort(before, rank);
+	cd::sortPairs(before, rank);
 	cd::findAgain(pairs, before, left);
 	for (const int32_t i : left)
 		forget(listed[before[i].from].get());
@@ -202,7 +202,7 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 	// `listed` holds on to its interactions, so that a new one cannot get an old one's address.
 	bool taken = reordered || (read && (outdated || interactionsOf(scene) != listed));
 	if (searched || reordered)
-		order.sort(pairs, memory.order.rank);
+		cd::sortPairs(pairs, memory.order.rank);
 	if (searched && !taken)
 		keepPairs();
 	if (read && !taken)

@@ -152,7 +152,6 @@ class SceneLink {
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<Shared<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearch search;
-	cd::PairOrder order;
 	std::vector<cd::NearPair> pairs, before; // pairs: those of world.pairs; before: scratch
 	std::vector<int32_t> left; // scratch
 	std::vector<yade::Interaction*> interactions; // of world.pairs; null: the pair has carried nothing yet

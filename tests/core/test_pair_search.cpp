@@ -235,9 +235,8 @@ TEST_CASE("bodies far from the origin and one without a rank have their pairs in
 	std::vector<NearPair> second = pairsOf(there, w);
 	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
 	std::iota(rank.begin(), rank.begin() + 99, 0); // one disk less
-	PairOrder order;
-	order.sort(first, rank);
-	order.sort(second, rank);
+	sortPairs(first, rank);
+	sortPairs(second, rank);
 	REQUIRE(first.size() > 50);
 	CHECK((first.back().key >> 40) <= rank.size());
 	const auto ids = listed(first), again = listed(second);
@@ -272,15 +271,14 @@ TEST_CASE("pairs keep their places in the order whatever others are listed, and 
 	narrow.needed(w, 1e-3, 0.1, {});
 	wide.needed(w, 1e-3, 3, {});
 	std::vector<NearPair> few = pairsOf(narrow, w), many = pairsOf(wide, w);
-	PairOrder order;
 	std::mt19937 draw(1);
 	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
 	std::iota(rank.begin(), rank.begin() + 300, 0);
 	std::shuffle(rank.begin(), rank.begin() + 300, draw);
 	for (const std::vector<int>& ranks : { std::vector<int> {}, rank }) {
 		std::shuffle(few.begin(), few.end(), draw);
-		order.sort(few, ranks);
-		order.sort(many, ranks);
+		sortPairs(few, ranks);
+		sortPairs(many, ranks);
 		std::vector<int32_t> left;
 		findAgain(few, many, left);
 		REQUIRE(few.size() < many.size());

@@ -46,7 +46,7 @@ World tray(int rows, int columns, bool counts, bool parted = false)
 	w.masks.assign(w.bodies.size(), 1);
 	std::vector<NearPair> near;
 	NearPairs().find(w, std::vector<double>(w.bodies.size(), 0.05 * radius), near);
-	PairOrder().sort(near, {});
+	sortPairs(near, {});
 	for (const NearPair& pair : near) {
 		w.pairs.push_back({ pair.a, pair.b });
 		w.pairs.back().mu = 0.5;
@@ -242,7 +242,7 @@ struct Edited : Run {
 			return step.sleepers.look(world);
 		before = near;
 		search.find(world, near);
-		PairOrder().sort(near, {});
+		sortPairs(near, {});
 		std::vector<int32_t> left;
 		findAgain(near, before, left);
 		std::vector<Carried> carried(near.size());
