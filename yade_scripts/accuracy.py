@@ -140,7 +140,8 @@ def main(arguments=None):
     try:
         accuracy = float(asked[-1].partition("=")[2])
     except (IndexError, ValueError):
-        raise parameters.ParameterError("accuracy=...: a relative error such as accuracy=1e-3 has to be given") from None
+        raise parameters.ParameterError("accuracy=...: an error such as accuracy=1e-3 has to be given, relative to the scale of a known "
+                                        "quantity; in the biaxial box that of a strain") from None
     check(row, accuracy)
     results.make(options.results)
     try:
@@ -148,9 +149,10 @@ def main(arguments=None):
     except RuntimeError as error:
         print(f"accuracy: {error}", file=sys.stderr)
         return 1
+    what = "error" if levels[-1][0].scene.known else "absolute error of the strains"
     for level, error in levels:
         print(f"cd_dt = {level.row['cd_dt']:g} s, tolerance = {level.row['tolerance']:g}: " + (
-            f"estimated error {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
+            f"estimated {what} {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
     return run.execute(levels[-1][0].row, options.results)
 
 

@@ -82,6 +82,10 @@ def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):
             failed.append(job.path)
             if not job.late and results.status(job.path) is None and shutil.disk_usage(job.path.parent).free < LEAST_SPACE:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.path.parent))
+        elif job.log.exists():  # what a row sets in vain would look like a result of its own
+            for line in job.log.read_text(encoding="utf-8", errors="replace").splitlines():
+                if line.startswith("run: ") and "has no effect in the scene" in line:
+                    print(f"batch: {job.path.stem}: {line.removeprefix('run: ')}", file=sys.stderr)
         if not job.late:
             ended(job.path)
 

@@ -96,7 +96,7 @@ def command(name):
                 try:
                     return main(arguments)
                 except (parameters.ParameterError, ImportError, OSError) as error:
-                    no_yade = getattr(error, "name", None) == "yade"
+                    no_yade = isinstance(error, ModuleNotFoundError) and error.name == "yade"
                     print(f"{name}: " + (f"start it by YADE: yade -n -x {sys.argv[0]}" if no_yade else str(error)), file=sys.stderr)
                     return MISTAKE
                 finally:

@@ -48,7 +48,7 @@ def located(file, kinds=Exception):
         if str(file) in str(error):
             raise
         if isinstance(error, ImportError):
-            remedy = "; import what needs YADE inside a function, as inside build" * (error.name == "yade")
+            remedy = "; import what needs YADE inside a function, as inside build" * (isinstance(error, ModuleNotFoundError) and error.name == "yade")
             raise ImportError(f"{file}: {error}{remedy}", name=error.name) from None
         lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
         raise ImportError(f"{file}{''.join(f', line {line}' for line in lines[-1:])}: {type(error).__name__}: {error}; correct it") from None

@@ -59,9 +59,12 @@ def of_flow(scene, accuracy):
             set_by = f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
                 else f"kn={row['setting']:g} md_dt_factor={row['step']:g}"
             spread = f"standard error {100 * row['error_deviation']:.1f} %, {row['seeds']:.0f} seeds" if row["seeds"] > 1 else "one seed"
-            lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % ({spread}), {row['seconds']:.3g} s a run")
+            sure = "" if abs(row["error"]) + row["error_deviation"] <= accuracy else "; whether it is within the accuracy is not certain"
+            lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % ({spread}{sure}), {row['seconds']:.3g} s a run")
+            if row is best[0]:
+                run = f"Run it: yade -n -x yade_scripts/run.py scene={scene} method={row['method']} disks={row['disks']:.0f} seed=1 {set_by}"
         lines += [f"  {row['method']}: not reached; the nearest is off by {100 * row['error']:.1f} %, {row['seconds']:.3g} s a run"
-                  for row in cheapest if row and row not in best]
+                  for row in cheapest if row and row not in best] + ([run] if best else [])
     return lines
 
 

@@ -117,6 +117,9 @@ def test_recommend_for_a_flow(published, capsys):
     assert main([*published, "--scene", "filling", "--accuracy", "0.02"]) == 0
     said = capsys.readouterr().out
     assert "filling, height of 500 disks to 0.02: CD" in said and "standard error" in said and "MD, kn=" in said
+    assert "Run it: yade -n -x yade_scripts/run.py scene=filling method=CD disks=500 seed=1 cd_dt=" in said
+    assert main([*published, "--scene", "drum", "--accuracy", "1e-3"]) == 0
+    assert "whether it is within the accuracy is not certain" in capsys.readouterr().out
     assert main([*published, "--scene", "collapse", "--accuracy", "0.02"]) == 0
     assert "MD: not reached; the nearest is off by 2.3 %" in capsys.readouterr().out
     assert main([*published, "--scene", "filling", "--accuracy", "1e-6"]) == 2

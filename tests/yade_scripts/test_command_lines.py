@@ -5,6 +5,7 @@ import random
 
 import pytest
 
+from yade_scripts import commands
 from yade_scripts.cluster import slurm
 
 NONSENSE = ["", "-", "--", "=", "--x", "--results", "--results=", "nonsense", "0", "-1", "1e9", "nan", "seed=1", "seed=x", "seed=", "=1", "disks=0",
@@ -35,6 +36,13 @@ PROGRAMS = {
                                            "-o",
                                            "{folder}/a.png", "--published", "fig4"]),
 }
+
+
+def test_a_name_that_yade_lacks_is_not_taken_for_plain_python(capsys):
+    """As by `from yade import sphere` in the file of a scene."""
+    def main(arguments):
+        raise ImportError("mine.py: cannot import name 'sphere' from 'yade'", name="yade")
+    assert commands.command("run")(main)([]) == 2 and "cannot import name 'sphere'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("program", ["regression", "benchmark", "measuring", "analysis"])

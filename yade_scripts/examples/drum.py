@@ -6,7 +6,8 @@
 
 The drum is a ring of boxes that YADE's RotationEngine turns. Like every engine that moves or pushes bodies it stands before ContactDynamics.
 drum.png shows the slope against time. It swings, and the mean over 2 s differs by some degrees from one start to the next.
-drum-*.vtk hold the disks for Paraview, drum.yade.gz the last state (in another script: `import cd_engine`, then O.load).
+drum-*.vtk hold the disks for Paraview, drum.yade.gz the last state. To load it elsewhere, import cd_engine and define what the
+PyRunners below use, then call O.load.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`

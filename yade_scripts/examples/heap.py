@@ -70,6 +70,6 @@ plot.plot(noShow=True).savefig(f"{name}.png")
 print(f"slope of the heap: {slope():.1f} degrees, friction angle {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
       f"{max(plot.data['energy']):.2g} J at its largest; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 O.save(f"{name}.yade.gz")
-O.load(f"{name}.yade.gz")                                                                # another script can load it, too, after `import cd_engine`
+O.load(f"{name}.yade.gz")                                                                # elsewhere: first import cd_engine, make pictures and plot
 O.run(100, True)
 print(f"saved, loaded and 100 steps on: slope {slope():.1f} degrees, kinetic energy {kineticEnergy():.2g} J")

@@ -5,7 +5,8 @@
     yade-batch TABLE yade_scripts/examples/hopper.py           the rows of a table with columns disks, springs, seconds
 
 The script removes disks that have left: a disk that falls for ever would get faster and faster. hopper.png shows the discharge;
-hopper-*.vtk hold the disks for Paraview, hopper.yade.gz the last state (in another script: `import cd_engine`, then O.load).
+hopper-*.vtk hold the disks for Paraview, hopper.yade.gz the last state. To load it elsewhere, import cd_engine and define what
+the PyRunners below use, then call O.load.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`

@@ -5,8 +5,8 @@
     yade-batch TABLE yade_scripts/examples/loaded_box.py           the rows of a table with columns disks, springs, load, seconds
 
 The lid is a Box that is free to move up and down; its load is a permanent force on it. There is no gravity. loaded_box.png shows the height of
-the lid; loaded_box-*.vtk hold the disks and the forces between them for Paraview, loaded_box.yade.gz the last state (in another script:
-`import cd_engine`, then O.load).
+the lid; loaded_box-*.vtk hold the disks and the forces between them for Paraview, loaded_box.yade.gz the last state. To load it
+elsewhere, import cd_engine and define what the PyRunners below use, call O.load, and set the permanent force again.
 """
 import math, pathlib, random, sys, time
 sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`

@@ -51,6 +51,7 @@ REASONS = {
 class Outcome:
     """The result of a probe for one case.
 
+    reason: one of REASONS, '' if the case is stable.
     told: the program's message that something is wrong, '' if there is none. A failure without a message looks like a success to the user.
     measures: {name: number}, with the names that the map declares.
     """
