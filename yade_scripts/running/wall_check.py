@@ -76,4 +76,5 @@ class LoadCheck:
                 f"{self.samples - self.left} samples off by more than {100 * TOLERANCE:g} % while gamma stayed between {self.gammas[0]:.3g} and "
                 f"{self.gammas[1]:.3g}: the walls have locked, or the load changes faster than they can follow; lengthen period"
                 + ("" if self.pushed else ", or use md_walls=force")
+                + (f", or lower tolerance = {self.full['tolerance']:g}" if self.full["method"] == "CD" and not self.full["fixed_iterations"] else "")
                 + (", or set wall_friction=0: with it the other walls carry part of the load" if self.full["wall_friction"] else ""))
