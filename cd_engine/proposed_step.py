@@ -13,8 +13,8 @@ def timeStep(gravity=None, speed=None, share=None):
 
     R [m]      radius of the smallest disk that may move
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
-    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (for a boundary that turns, of its
-               farthest point). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
+    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (of a body that turns, that of its
+               farthest point: friction can turn the spin of a disk into motion). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
                upper faces, where a disk that slides down leaves it
     a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give `speed`
                where a force moves a body over a long way, and for longer steps where a light lid presses on disks already
@@ -88,9 +88,10 @@ def _pressed(O):
 
 
 def _speed(body):
-    """Return the speed [m/s] of the fastest point of a body; for a disk that of its centre, since spin does not displace it."""
-    turning = body.state.angVel.norm() * body.shape.extents.norm() if type(body.shape).__name__ == "Box" else 0
-    return body.state.vel.norm() + turning
+    """Return the largest speed [m/s] that a point of a body can have."""
+    kind = type(body.shape).__name__
+    arm = body.shape.extents.norm() if kind == "Box" else body.shape.radius if kind == "Sphere" else 0
+    return body.state.vel.norm() + body.state.angVel.norm() * arm
 
 
 def _fall(bodies, movable, down):
