@@ -8,7 +8,7 @@
 //
 // With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
 // islands of contacts that would create energy, until they do not. A wedged disk may have no velocities that separate from both sides as fast as
-// demanded. There e = 0 at once.
+// demanded. There e = 0 at once, as in a step that would add energy and is not solved within its iterations.
 #pragma once
 
 #include "partition.hpp"

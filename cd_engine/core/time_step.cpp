@@ -86,8 +86,13 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 	if (status == Status::no_solution || status == Status::indefinite)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
-	return status == Status::converged && settings.gapCorrection == 0
-	    && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance);
+	const bool unsolved = status == Status::max_iterations || status == Status::stagnated;
+	if (settings.gapCorrection > 0 || !(status == Status::converged || unsolved)
+	    || !rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance))
+		return false;
+	if (unsolved) // without any rebound a step adds no energy, and is easier to solve
+		rebounds.giveUp(system, -1);
+	return true;
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -131,10 +136,15 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 			if (!lowerRebounds(world, settings, report)) {
 				if (less && rebounds.energyRemains())
 					report.solver.status = exactly;
-				return true;
+				return report.solver.iterations <= settings.solver.maxIterations || report.solver.status == Status::fixed_iterations
+				    || end(report);
 			}
-			if (spent)
+			if (spent && most > settings.solver.maxIterations)
 				return end(report);
+			if (spent) { // the rebounds that add energy must not stay
+				rebounds.giveUp(system, -1);
+				most += 1 + settings.solver.maxIterations / 10;
+			}
 			guessAgain(world, settings); // the judged impulses may be so large that any error is small beside them
 			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeAgain(world, settings.dt);

@@ -1,4 +1,6 @@
 """O.energy, if O.trackEnergy is set."""
+import math
+
 import pytest
 from yade import utils
 
@@ -56,3 +58,20 @@ def test_it_changes_no_motion(O):
         drop(O, track, 200)
         found.append(plane.digest())
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("faces, mu, velocity, spin, restitution, tolerance", [((165, 75), 1.0, (0, 0.3), 0, 0.9, 1e-6),
+                                                                               ((90, 225, 210), 0.5, (-0.202, 0.101), 0.487, 1.0, 1e-8)])
+def test_an_impact_that_is_not_solved_adds_no_energy(O, faces, mu, velocity, spin, restitution, tolerance):
+    """A disk that hits two or three faces at once, where no iterations are left: it must not keep rebounds that would add 4 and 32 %."""
+    mat = plane.material(mu)
+    disk = plane.disk((0, 0), 0.1, velocity=velocity, spin=spin, mat=mat)
+    for degrees in faces:
+        angle = math.radians(degrees)
+        plane.box((0.12 * math.cos(angle), 0.12 * math.sin(angle)), (0.02, 0.02), angle=angle, mat=mat)
+    before = utils.kineticEnergy()
+    engine = plane.run(1, 1e-5, restitution=restitution, tolerance=tolerance, handover=False)
+    assert not engine.converged, "choose a harder impact"
+    assert utils.kineticEnergy() <= (1 + 1e-9) * before
+    assert engine.dissipatedEnergy == pytest.approx(before - utils.kineticEnergy(), abs=1e-9 * before)
+    assert O.bodies[disk].state.pos.norm() < 1e-4

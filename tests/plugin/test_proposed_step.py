@@ -47,6 +47,14 @@ def test_the_speeds_present_count(O):
     assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / (100 * math.hypot(1, 0.5)))
 
 
+@pytest.mark.parametrize("blocked", ["zXY", "xyzXYZ"])
+def test_the_spin_of_a_disk_counts(O, blocked):
+    """Friction turns it into motion, its own or, of a roller, that of others."""
+    plane.disk((0, 0), 0.01, spin=500, blocked=blocked)
+    plane.disk((0.02, 0), 0.01)
+    assert cd_engine.timeStep(gravity=(0, 0, 0)) == pytest.approx(0.25 * 0.01 / 5)
+
+
 def test_where_nothing_is_fast_free_fall_sets_it(O):
     plane.disk((0, 0), 0.01)
     O.engines = cd_engine.engines(gravity=(0, -G, 0))
