@@ -13,9 +13,9 @@ def timeStep(gravity=None, speed=None, share=None):
 
     R [m]      radius of the smallest disk that may move
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
-    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present (of a body that turns, that of its
-               farthest point: friction can turn the spin of a disk into motion). h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its
-               upper faces, where a disk that slides down leaves it
+    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present; of a body that turns, that of its
+               farthest point, because friction can turn spin into motion. h [m] is the height from the highest disk down to the lowest body; for a
+               Box, down to the lowest corner of its upper faces, where a disk that slides down leaves it
     a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give `speed`
                where a force moves a body over a long way, and for longer steps where a light lid presses on disks already
     share      largest distance that a disk moves in one step at that speed, over its radius [1]; by default 0.25, or 0.05 if ContactDynamics has a

@@ -25,8 +25,10 @@ std::string ContactDynamics::unsolved() const
 	const bool proven = status == cd::name(cd::Status::no_solution) || status == cd::name(cd::Status::indefinite);
 	if (!unsolvableContact.empty() && proven)
 		return text(begin, "bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
-		    " are squeezed or wedged, and no solution was found. Look for boundaries that move towards each other with disks between them; one "
-		    "that is to press with a force needs a mass, free directions and O.forces.setPermF instead of a velocity. With much friction there may "
+		    " are squeezed or wedged, and no solution was found. Look for boundaries that move towards each other with disks between them; "
+		    "one "
+		    "that is to press with a force needs a mass, free directions and O.forces.setPermF instead of a velocity. With much friction "
+		    "there may "
 		    "be a solution: try method='nsgs'. Do not trust the steps that follow.");
 	const std::string doubt = unsolvableContact.empty() ? ""
 							    : text(" It may have no solution; the strongest sign of this is the contact of bodies #",
