@@ -38,7 +38,7 @@ deps: ## install the Debian packages that are missing
 build: deps ## compile the engine
 	@flock cd_engine $(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON)
 
-study: build ## prepare packings, run MD and CD, draw the figures: a first version in 8 to 15 minutes; FULL=1, STUDY=fig3
+study: build ## prepare packings, run MD and CD, draw the figures: a first version in 5 to 15 minutes; FULL=1, STUDY=fig3
 	$(PYTHON) -m analysis study --run $(extent) $(if $(HOURS),--hours $(HOURS)) $(STUDY) --jobs $(JOBS)
 
 report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1

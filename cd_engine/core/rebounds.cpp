@@ -51,8 +51,9 @@ bool Rebounds::giveUp(ContactSystem& system, int32_t row)
 	return askAgain(system);
 }
 
-bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, const std::vector<double>& free, double tolerance)
+bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, const std::vector<double>& free, double tolerance, bool atOnce)
 {
+	constexpr int all = static_cast<int>(std::size(shares));
 	findIslands(system);
 	for (Account& account : accounts)
 		account.sinceBefore = account.sinceFree = account.scale = account.energy = 0;
@@ -92,9 +93,8 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, con
 		const double allowed = std::clamp(tolerance, roundOff, mostGain) * account.scale + roundOff * account.energy;
 		if (!(gain > allowed))
 			continue;
-		const bool less = account.lowered < static_cast<int>(std::size(shares));
-		account.lowered += less;
-		(less ? any : remains) = true;
+		(account.lowered < all ? any : remains) = true;
+		account.lowered = atOnce ? all : std::min(account.lowered + 1, all);
 	}
 	return any && askAgain(system);
 }

@@ -8,7 +8,7 @@
 //
 // With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
 // islands of contacts that would create energy, until they do not. A wedged disk may have no velocities that separate from both sides as fast as
-// demanded. There e = 0 at once, as in a step that would add energy and is not solved within its iterations.
+// demanded. There e = 0 at once, as in islands that add energy in a step that is not solved.
 #pragma once
 
 #include "partition.hpp"
@@ -43,8 +43,8 @@ class Rebounds {
 	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
 	// changed a bias. To be called again after the next solution. `before`: the bodies before the step, `free`: the velocities that the external
 	// forces alone would leave. Islands are lowered only if the energy grows both over the whole step and over the impulses alone. If only one of
-	// the two grows, the work of the forces in the step causes it, not the rebounds.
-	bool lower(ContactSystem&, const std::vector<Body>& before, const std::vector<double>& free, double tolerance);
+	// the two grows, the work of the forces in the step causes it, not the rebounds. atOnce: give up all rebounds of such an island.
+	bool lower(ContactSystem&, const std::vector<Body>& before, const std::vector<double>& free, double tolerance, bool atOnce);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }

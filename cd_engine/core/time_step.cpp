@@ -77,8 +77,9 @@ void TimeStep::guessAgain(const World& world, const StepSettings& settings)
 	}
 }
 
-// Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable.
-bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, const StepReport& report)
+// Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable. last: it can be solved only
+// once more.
+bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, const StepReport& report, bool last)
 {
 	const Status status = report.solver.status;
 	if (!rebounds.any())
@@ -87,12 +88,8 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
 	const bool unsolved = status == Status::max_iterations || status == Status::stagnated;
-	if (settings.gapCorrection > 0 || !(status == Status::converged || unsolved)
-	    || !rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance))
-		return false;
-	if (unsolved) // without any rebound a step adds no energy, and is easier to solve
-		rebounds.giveUp(system, -1);
-	return true;
+	return settings.gapCorrection == 0 && (status == Status::converged || unsolved)
+	    && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance, unsolved || last);
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
@@ -131,20 +128,18 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 		const Status found = report.solver.status;
 		const bool outran = meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
 		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
+		const bool late = settings.solver.fixedIterations == 0 && report.solver.iterations > settings.solver.maxIterations;
 		if (settings.restitution > 0) {
 			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
-			if (!lowerRebounds(world, settings, report)) {
+			if (!lowerRebounds(world, settings, report, spent)) {
 				if (less && rebounds.energyRemains())
 					report.solver.status = exactly;
-				return report.solver.iterations <= settings.solver.maxIterations || report.solver.status == Status::fixed_iterations
-				    || end(report);
+				return !late || end(report);
 			}
 			if (spent && most > settings.solver.maxIterations)
 				return end(report);
-			if (spent) { // the rebounds that add energy must not stay
-				rebounds.giveUp(system, -1);
+			if (spent) // the rebounds that add energy must not stay
 				most += 1 + settings.solver.maxIterations / 10;
-			}
 			guessAgain(world, settings); // the judged impulses may be so large that any error is small beside them
 			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeAgain(world, settings.dt);
@@ -156,7 +151,6 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 				report.outran.push_back(needed(world, i, settings.dt));
 			return true;
 		}
-		const bool late = settings.solver.fixedIterations == 0 && report.solver.iterations > settings.solver.maxIterations;
 		if (spent && most > settings.solver.maxIterations)
 			return end(report);
 		if (!addViolated(world, settings))

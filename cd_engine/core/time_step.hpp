@@ -158,7 +158,7 @@ class TimeStep : RowSource {
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
 	void guessAgain(const World&, const StepSettings&);
-	bool lowerRebounds(const World&, const StepSettings&, const StepReport&);
+	bool lowerRebounds(const World&, const StepSettings&, const StepReport&, bool last);
 	static bool end(StepReport&);
 	void finishContacts(World&, const StepSettings&, StepReport&);
 	// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.

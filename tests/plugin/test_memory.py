@@ -197,8 +197,8 @@ assert ends == {{"for it", "to show"}}, ends
 
 @pytest.mark.parametrize("reduce", [True, False])
 def test_a_step_that_gets_no_memory_can_be_made_again(counter, reduce):
-    """Whichever request is refused: the step is refused in words, and the next attempt makes it, with the same bits. If only the scene could not be
-    told, the step counts."""
+    """Whichever request is refused: the step is refused in words, and the next attempt makes it, with the same bits. If the bodies have moved
+    before the refusal, the step counts."""
     done = programs.in_python(REFUSED.format(reduce=reduce), LD_PRELOAD=str(counter))
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("refused up to request") == 2
