@@ -17,6 +17,7 @@ namespace {
 	constexpr double mostClosing = 10; // tolerances by which Verdict::closing may exceed 0 once there has been a doubt
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from zero are kept instead of those found from an unsolved step
 	constexpr int fewSweeps = 64, fewProducts = 16;
+	constexpr double ofNoPress = 1e-6; // error that k sweeps of a press from zero impulses do not reach: it is about 1/k
 	constexpr int sweepsToTell = 1000; // reserved for the question whether there is a solution; at most a tenth of all
 
 	// A proof may cost about as much as the sweeps did, or as Newton's method does. One product with W costs about four sweeps.
@@ -293,6 +294,7 @@ namespace {
 			System& other = *copy;
 			other = system;
 			SolverSettings again = settings;
+			again.tolerance = std::min(settings.tolerance, ofNoPress);
 			for (const unsigned seed : { settings.seed, settings.seed + 1 }) {
 				again.seed = seed;
 				const int left = settings.maxIterations - report.iterations;
