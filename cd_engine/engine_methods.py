@@ -16,8 +16,11 @@ def exportProblem(self, path, bodies=False):
     The format is FCLIB (HDF5) or, with *bodies*, a BodyProblem as .npz, in the order of the sweeps and with the first guess; for
     :py:func:`cd_engine.core.read_problem` and for other codes. The ids of the bodies of each contact are in its data set contact_ids. Nothing in
     the scene changes. External forces are gravity and the permanent ones (O.forces.setPermF); what engines add in the course of a step is not
-    known before it, and is left out.
+    known before it, and is left out. ValueError if the name ends like one of the other format.
     """
+    if str(path).lower().endswith((".hdf5", ".h5") if bodies else ".npz"):
+        content = "bodies (.npz)" if bodies else "matrices (FCLIB, HDF5)"
+        raise ValueError(f"ContactDynamics.exportProblem: {path} would hold {content}. Give it another ending, or bodies={not bodies}")
     if runs_besides():
         raise RuntimeError("ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
                            "engine of the run (PyRunner)")
@@ -40,7 +43,7 @@ def text(engine):
                  f"error of the contacts {engine.residual:.2g}, of the bodies {engine.bodyError:.2g}")
     if engine.unsolvableContact:
         first, second = engine.unsolvableContact
-        lines.append(f"  no velocities keep bodies #{first} and #{second} from overlapping" if engine.status == "no_solution" else
+        lines.append(f"  bodies #{first} and #{second} are squeezed or wedged, and no solution was found" if engine.status == "no_solution" else
                      f"  there may be no solution; the strongest sign of this is the contact of bodies #{first} and #{second}")
     elif engine.worstBody >= 0 and not engine.converged:
         lines.append(f"  body #{engine.worstBody} may have the largest error of its velocity")

@@ -107,6 +107,14 @@ def test_before_the_first_step(O, tmp_path):
     assert core.read_problem(tmp_path / "a").q == pytest.approx([-1e-3 * 9.81, 0]) and len(O.interactions.all(False)) == 0
 
 
+@pytest.mark.parametrize("name, bodies", [("a.npz", False), ("a.hdf5", True), ("A.H5", True)])
+def test_a_name_of_the_other_format_is_refused(O, tmp_path, name, bodies):
+    cd = heap(O)
+    with pytest.raises(ValueError, match=f"{name} would hold .* bodies={not bodies}"):
+        cd.exportProblem(str(tmp_path / name), bodies)
+    assert not list(tmp_path.iterdir())
+
+
 def test_lasting_forces_of_some_bodies_only(O, tmp_path):
     """Bodies that came after the one with a lasting force have none."""
     plane.floor()
