@@ -137,17 +137,19 @@ def _recommend(options):
 
 
 def _summary(options):
-    """Print a table, then what is known exactly of each run; a failed or unfinished run stays in the table, with its status."""
-    rows, exact = [], []
+    """Print a table, then why runs failed and what is known exactly of each; a failed or unfinished run stays in the table."""
+    rows, notes = [], []
     for name in options.files:
         try:
             run = reader.load_named(name)
         except reader.NoRunError:
             store.load(name)
             raise reader.ResultError(name, "is a measurement, not a run", "`python3 -m analysis check` reads it") from None
-        rows.append({"file": run.path.name, "method": run.method, "status": str(run.attributes["status"])} | (_numbers(run) if run.finished else {}))
-        exact += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
-    print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *exact, sep="\n")
+        status, _, reason = str(run.attributes["status"]).partition(": ")
+        rows.append({"file": run.path.name, "method": run.method, "status": status} | (_numbers(run) if run.finished else {}))
+        notes += [f"{run.path.name}: {status}: {reason}"] * bool(reason)
+        notes += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
+    print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *notes, sep="\n")
 
 
 def _numbers(run):
@@ -157,7 +159,7 @@ def _numbers(run):
         "cycles": lambda: run.values("cycle")[-1],
         "gamma end": lambda: observables.change(run, "gamma"),
         "loop width": lambda: observables.loop_width(run.values("gamma"), run.values("sigma2")),
-        "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), run.values("sigma2")),
+        "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), run.values("sigma2")) if run.method == "MD" else None,
         "dissipated J": lambda: observables.change(run, "dissipated_energy"),
         "wall work J": lambda: observables.wall_work(run),
         "stress error/P0": lambda: observables.stress_error(run),
