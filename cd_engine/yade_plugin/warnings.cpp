@@ -25,10 +25,9 @@ std::string ContactDynamics::unsolved() const
 	const bool proven = status == cd::name(cd::Status::no_solution) || status == cd::name(cd::Status::indefinite);
 	if (!unsolvableContact.empty() && proven)
 		return text(begin, "bodies #", unsolvableContact[0], " and #", unsolvableContact[1],
-		    " are squeezed or wedged, and no solution was found. Look for boundaries that move towards each other with disks between them; "
-		    "one "
-		    "that is to press with a force needs a mass, free directions and O.forces.setPermF instead of a velocity. With friction there "
-		    "may still be a solution, which another method or seed may find. Do not trust the steps that follow.");
+		    " are squeezed or wedged, and no solution was found. Look for boundaries that move towards each other with disks between "
+		    "them; one that is to press with a force needs a mass, free directions and O.forces.setPermF instead of a velocity. With "
+		    "friction there may still be a solution, which another method or seed may find. Do not trust the steps that follow.");
 	const std::string doubt = unsolvableContact.empty() ? ""
 							    : text(" It may have no solution; the strongest sign of this is the contact of bodies #",
 								unsolvableContact[0], " and #", unsolvableContact[1], ".");
