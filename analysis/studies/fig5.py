@@ -135,9 +135,9 @@ beforehand: it passes |gamma| = 1e-4 at 0.986 to 1.022 of it in 30 ramps from 10
 
 At yield the methods nearly agree. CD reaches |gamma| = 1e-2 at 1.05 times the stress ratio of MD on dense packings (median of 10 ramps at the usual
 rate, 0.1 per second, on 5 packings; 1.02 to 1.06, on all of them at a higher ratio than MD) and at 1.02 times on loose ones (0.97 to 1.08, at a
-higher ratio in 6 of 10). The difference vanishes as springs get stiffer: on dense packings prepared with springs of 10 k_n, with sigma1 held, MD
-passes |gamma| = 1e-4 at 0.88 of the limit, and at 1e-2 CD needs 1.003 times the ratio of MD (medians of 5 packings; 0.998 to 1.011). These packings
-have other contacts: rigid contacts on the packings of k_n need 1.03 times the ratio of springs of 10 k_n (median; 0.992 to 1.051).
+higher ratio in 6 of 10). With stiffer springs the difference nearly vanishes at this strain: on dense packings prepared with springs of 10 k_n, with
+sigma1 held, MD passes |gamma| = 1e-4 at 0.88 of the limit, and at 1e-2 CD needs 1.003 times the ratio of MD (medians of 5 packings; 0.998 to 1.011).
+These packings have other contacts: rigid contacts on the packings of k_n need 1.03 times the ratio of springs of 10 k_n (median; 0.992 to 1.051).
 
 All 70 runs reach |gamma| = 0.2. A ramp twice as fast changes the load at |gamma| = 1e-2 by at most 3.3 %, one half as fast by at most 1.0 %; in the
 slowest ramps CD reaches it at 1.02 to 1.06 times the ratio of MD (5 dense packings). Beyond that strain the samples collapse, and the methods cannot
