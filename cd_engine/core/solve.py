@@ -99,9 +99,9 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     A problem that is not solved raises no exception: `status` in the report says so, and the report holds the best impulses found. Input of a wrong
     kind or out of range raises ValueError. `no_solution`: the impulses grow without limit, as between two walls that close in on a body (along a
     self-stress against which the free velocities do work), or a solution would need impulses 1e12 times larger than what would stop each closing
-    contact alone. Without friction this proves that there is no solution; with friction one may exist that plain sweeps from zero did not find
-    either. `indefinite`: p^T W p is negative for some impulses, which is impossible in mechanics. In a dense packing of disks a sweep reads about 7 n
-    blocks of W, but for a `BodyProblem` only the n contacts. The arrays are copied once.
+    contact alone. Without friction this proves that there is no solution; with friction another motion may exist. `indefinite`: p^T W p is negative
+    for some impulses, which is impossible in mechanics. In a dense packing of disks a sweep reads about 7 n blocks of W, but for a `BodyProblem` only
+    the n contacts. The arrays are copied once.
     """
     core = _core()
     if not isinstance(method, str) or method not in core.methods():

@@ -17,7 +17,6 @@ namespace {
 	constexpr double mostClosing = 10; // tolerances by which Verdict::closing may exceed 0 once there has been a doubt
 	constexpr double nearlySolved = 1e-2; // error up to which impulses found from zero are kept instead of those found from an unsolved step
 	constexpr int fewSweeps = 64, fewProducts = 16;
-	constexpr double ofNoPress = 1e-6; // error that k sweeps of a press from zero impulses do not reach: it is about 1/k
 	constexpr int sweepsToTell = 1000; // reserved for the question whether there is a solution; at most a tenth of all
 
 	// A proof may cost about as much as the sweeps did, or as Newton's method does. One product with W costs about four sweeps.
@@ -119,16 +118,14 @@ namespace {
 		}
 	}
 
-	// Sweeps from zero impulses may find a solution that the impulses of an unsolvable step hide. If not, restores the guess.
-	template <class System>
-	SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, int sweeps, Method<System> method)
+	// A few sweeps from zero impulses may find a solution that the impulses of an unsolvable step hide. If not, restores the guess.
+	template <class System> SolverReport tryFromNothing(System& system, const Start& start, const SolverSettings& settings, Method<System> method)
 	{
-		start.free(system);
 		clearImpulses(system);
 		const Start nothing(system, settings.threads);
 		SolverSettings brief = settings;
 		brief.start = &nothing;
-		brief.maxIterations = sweeps;
+		brief.maxIterations = std::min(fewSweeps, settings.maxIterations / 8);
 		SolverReport report = method == static_cast<Method<System>>(nsgs) ? nsgs(system, brief) : accelerated(system, brief);
 		if (report.status == Status::converged && judge(system, start, 0, settings.tolerance, fewProducts).finding == Finding::nothing)
 			return report;
@@ -191,7 +188,7 @@ namespace {
 		{
 			const int most = part.maxIterations;
 			if (!solvable && !fixed && settings.guessPressed) {
-				report = tryFromNothing(system, start, part, std::min(fewSweeps, part.maxIterations / 8), method);
+				report = tryFromNothing(system, start, part, method);
 				if (report.status == Status::converged)
 					return report;
 			}
@@ -284,37 +281,8 @@ namespace {
 			}
 		}
 
-		// A self-stress with friction is no proof (verdict.hpp), and other methods than plain sweeps may have created it: sweeps from zero
-		// impulses may find a motion in which its contacts slide or part. Where those in one order cycle, those in random orders may not.
-		bool solvedFromNothing()
-		{
-			if (fixed || verdict.finding != Finding::no_solution)
-				return false;
-			const Borrowed<System> copy(system.memory);
-			System& other = *copy;
-			other = system;
-			SolverSettings again = settings;
-			again.tolerance = std::min(settings.tolerance, ofNoPress);
-			for (const unsigned seed : { settings.seed, settings.seed + 1 }) {
-				again.seed = seed;
-				const int left = settings.maxIterations - report.iterations;
-				const int sweeps = std::min({ left, std::max(report.iterations, fewSweeps), sweepsToTell });
-				SolverReport found = tryFromNothing<System>(other, start, again, sweeps, nsgs);
-				report.iterations = found.iterations += report.iterations;
-				if (found.status != Status::converged)
-					continue;
-				found.plain = true;
-				report = found;
-				std::swap(system, other);
-				return true;
-			}
-			return false;
-		}
-
 		SolverReport conclude()
 		{
-			if (solvedFromNothing())
-				return report;
 			const bool doubted = verdict.finding == Finding::beyond || verdict.finding == Finding::doubtful;
 			const bool cutShort = doubted && report.status == Status::max_iterations; // maybe by a smaller limit than asked
 			if (cutShort || doubtful())

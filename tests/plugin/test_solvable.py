@@ -151,25 +151,6 @@ def test_nor_where_a_doubt_remains_though_the_error_is_small(O, method, toleranc
         assert not engine.converged or engine.residual * strongest / 1.0 < 0.1 * 0.05  # velocity of disks of 1 kg that the error amounts to
 
 
-@pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
-def test_a_self_stress_with_friction_hides_no_solution(O, method):
-    """One of two driven boxes that a disk touches takes the disk along, and the disk does not reach the other. Impulses of both may also balance
-    each other: the friction angle, 26.6 degrees, exceeds half the angle of 15 degrees by which their normals differ from opposite ones.
-    """
-    radius, mat = 0.1, plane.material(0.5)
-    plane.disk((0, 0), radius, mat=mat)
-    for degrees, velocity in ((195, (-0.4, 0, 0)), (30, (-0.5, -0.3, 0))):
-        angle = math.radians(degrees)
-        n = math.cos(angle), math.sin(angle)
-        O.bodies[plane.box((0.12 * n[0], 0.12 * n[1]), (0.02, 0.02), angle, mat=mat)].state.vel = velocity
-    assert plane.run(1, 1e-7, method=method).converged
-    along, across = n[0] * -0.5 + n[1] * -0.3, -n[1] * -0.5 + n[0] * -0.3  # velocity of the box; the disk without slip has a third of `across`
-    state = O.bodies[0].state
-    taken = n[0] * along - n[1] * across / 3, n[1] * along + n[0] * across / 3, 0
-    assert tuple(state.vel) == pytest.approx(taken, abs=1e-8)  # in half a step the box comes closer by 3e-7 radii
-    assert state.angVel[2] == pytest.approx(across * 2 / 3 / radius, abs=1e-7)
-
-
 @pytest.mark.parametrize("method", ["auto", "newton"])
 def test_wedged_disks_that_rebound_gain_no_energy(O, method):
     """Columns of disks between a floor and two walls, thrown at random, friction 1 and 2: impulses that wedge them have no bound."""
