@@ -174,6 +174,34 @@ def test_wedged_disks_that_rebound_gain_no_energy(O, method):
             assert not O.engines[-1].converged or plane.kinetic_energy() <= before * (1 + tolerance)
 
 
+def test_a_press_that_has_stopped_moves_nothing(O):
+    """Boxes that touch a thrown disk at random places move in two steps and stop. Impulses by which they have pressed it are no first guess then."""
+    draw, pressed = random.Random(5), 0
+    for _ in range(300):
+        O.reset()
+        radius, mat, tolerance = 0.1, plane.material(draw.choice([0.3, 0.5, 1, 1.5, 2])), draw.choice([1e-4, 1e-6])
+        plane.disk((0, 0), radius, velocity=(draw.gauss(0, 1), draw.gauss(0, 1)), spin=draw.gauss(0, 5), mat=mat)
+        boxes = []
+        for _ in range(draw.randint(2, 4)):
+            angle = math.radians(15 * draw.randrange(24))
+            boxes.append(plane.box((0.12 * math.cos(angle), 0.12 * math.sin(angle)), (0.02, 0.005), angle, mat=mat))
+            O.bodies[boxes[-1]].state.vel = (draw.gauss(0, 0.3), draw.gauss(0, 0.3), 0)
+        method, restitution = draw.choice(["auto", "newton"]), draw.choice([0.3, 0.5])
+        O.engines = cd_engine.engines(method=method, tolerance=tolerance, restitution=restitution, handover=False)
+        O.dt = 1e-4
+        for _ in range(2):
+            O.step()
+        pressed += O.engines[-1].status == "no_solution"
+        for box in boxes:
+            O.bodies[box].state.vel = (0, 0, 0)
+        for _ in range(3):
+            before = plane.kinetic_energy()
+            O.step()
+            error = 0.5 * (10 * tolerance * 1)**2  # [J]: of 1 kg, if ten tolerances of a speed of 1 m/s are wrong
+            assert not O.engines[-1].converged or plane.kinetic_energy() <= before * (1 + 10 * tolerance) + error
+    assert pressed > 30
+
+
 @pytest.mark.parametrize("settings", [dict(), dict(gapCorrection=0.1), dict(restitution=0.5)], ids=["belt", "gap correction", "rebounds"])
 def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
     """A column of 30 disks on a belt with 20 sweeps a step: unsolved while it settles, but without deep overlaps."""
