@@ -202,6 +202,41 @@ def test_a_press_that_has_stopped_moves_nothing(O):
     assert pressed > 30
 
 
+@pytest.mark.parametrize("settings", [dict(), dict(reduce=False)], ids=["islands", "whole"])
+def test_nor_in_an_island_of_several_disks(O, settings):
+    """Two disks and one on top of them, in a box whose wall has moved by 0.05 m/s. Afterwards no disk is faster than one that falls freely."""
+    radius, mat = 0.05, plane.ground(0.3)
+    disks = [plane.disk(place, radius, mat=mat) for place in ((0, radius), (2 * radius, radius), (radius, (1 + math.sqrt(3)) * radius))]
+    plane.box((-radius - 0.01, 0.45), (0.01, 0.6), mat=mat)
+    wall = plane.box((3 * radius + 0.01, 0.45), (0.01, 0.6), mat=mat)
+    O.bodies[wall].state.vel = (-0.05, 0, 0)
+    engine = plane.run(3, 3e-4, gravity=(0, -G, 0), **settings)
+    assert engine.status == "no_solution"
+    for body in (wall, *disks):
+        O.bodies[body].state.vel = O.bodies[body].state.angVel = (0, 0, 0)
+    for step in range(1, 9):
+        O.step()
+        assert engine.converged and plane.kinetic_energy() < len(disks) * 0.5 * (step * O.dt * G)**2
+
+
+def test_what_a_press_has_left_holds_nothing_down(O):
+    """Two disks between boxes that have closed in rest on the floor. Pulled up by 20 N, one of 1 kg rises as if nothing touched it."""
+    radius, mat = 0.1, plane.ground()
+    disk = plane.disk((0, radius), radius, mat=mat)
+    plane.disk((2 * radius, radius), radius, mat=mat)
+    boxes = [plane.box((x, radius), (0.01, 0.3), mat=mat) for x in (-radius - 0.01, 3 * radius + 0.01)]
+    for box, speed in zip(boxes, (0.5, -0.5)):
+        O.bodies[box].state.vel = (speed, 0, 0)
+    engine = plane.run(2, 1e-4, gravity=(0, -G, 0))
+    assert engine.status == "no_solution"
+    for body in O.bodies:
+        body.state.vel = body.state.angVel = (0, 0, 0)
+    O.run(100, True)
+    O.forces.setPermF(disk, (0, 20, 0))
+    O.run(5, True)
+    assert engine.converged and O.bodies[disk].state.vel[1] == pytest.approx(5 * O.dt * (20 - G), rel=1e-5)  # ten tolerances
+
+
 @pytest.mark.parametrize("settings", [dict(), dict(gapCorrection=0.1), dict(restitution=0.5)], ids=["belt", "gap correction", "rebounds"])
 def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
     """A column of 30 disks on a belt with 20 sweeps a step: unsolved while it settles, but without deep overlaps."""
