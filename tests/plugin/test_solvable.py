@@ -205,10 +205,11 @@ def test_a_press_that_has_stopped_moves_nothing(O):
 @pytest.mark.parametrize("settings", [dict(), dict(reduce=False)], ids=["islands", "whole"])
 def test_nor_in_an_island_of_several_disks(O, settings):
     """Two disks and one on top of them, in a box whose wall has moved by 0.05 m/s. Afterwards no disk is faster than one that falls freely."""
-    radius, mat = 0.05, plane.ground(0.3)
-    disks = [plane.disk(place, radius, mat=mat) for place in ((0, radius), (2 * radius, radius), (radius, (1 + math.sqrt(3)) * radius))]
-    plane.box((-radius - 0.01, 0.45), (0.01, 0.6), mat=mat)
-    wall = plane.box((3 * radius + 0.01, 0.45), (0.01, 0.6), mat=mat)
+    radius, mat = 0.05, plane.material(0.3)
+    disks = [plane.disk(place, radius, mat=mat) for place in ((0, 0), (2 * radius, 0), (radius, radius * 3**0.5))]
+    O.bodies.append(yade.utils.wall(-radius, axis=1, material=mat))
+    plane.box((-radius - 0.01, 0.4), (0.01, 0.6), mat=mat)
+    wall = plane.box((3 * radius + 0.01, 0.4), (0.01, 0.6), mat=mat)
     O.bodies[wall].state.vel = (-0.05, 0, 0)
     engine = plane.run(3, 3e-4, gravity=(0, -G, 0), **settings)
     assert engine.status == "no_solution"
