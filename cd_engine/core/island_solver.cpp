@@ -125,7 +125,7 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport report;
-	if (rested && surelySolvable(system, settings.threads)) {
+	if (rested && !settings.guessPressed && surelySolvable(system, settings.threads)) {
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
@@ -216,7 +216,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 	}
 	const bool solvable
 	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
-	if (solvable)
+	if (solvable && !settings.guessPressed)
 		judge(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // iterations that all parts together may still take
@@ -293,7 +293,7 @@ SolverReport IslandSolver::operator()(
 	countUnknowns(effort);
 	copyVelocities(system, freeVelocity, settings.threads);
 	sums.assign(islands.size(), {});
-	if (stillness)
+	if (stillness && !settings.guessPressed) // what a press has left may balance, but holds nothing
 		recognise(system, stillness->before, stillness->tolerance);
 	solveLoneContacts(system, settings.tolerance);
 	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);

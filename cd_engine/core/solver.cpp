@@ -306,8 +306,18 @@ namespace {
 		bool proofTried = false, triedAll = false;
 	};
 
+	// A press leaves large impulses that balance each other. Where nothing presses any more, they would count as balanced although the velocities
+	// that they cause, within the tolerance of such impulses, may be far larger than those in the scene.
+	void forgetPress(ContactSystem& system, const SolverSettings& settings)
+	{
+		if (settings.guessPressed && settings.fixedIterations == 0 && surelySolvable(system, settings.threads))
+			clearImpulses(system);
+	}
+	void forgetPress(DelassusSystem&, const SolverSettings&) { } // it comes without a step before
+
 	template <class System, Method<System> method> SolverReport judged(System& system, const SolverSettings& settings)
 	{
+		forgetPress(system, settings);
 		return Judged<System>(system, settings, method)();
 	}
 

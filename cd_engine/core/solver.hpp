@@ -35,7 +35,8 @@ struct SolverSettings {
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
 	bool guessSolved = true; // whether the first guess is from a solved step; if not, its size does not excuse growth (verdict.hpp)
-	bool guessPressed = false; // whether the guess is from an unsolvable or doubtful step; its result is then confirmed from zero impulses
+	bool guessPressed = false; // whether the guess is from an unsolvable or doubtful step. It is not used where nothing presses any more; else
+				   // its result is confirmed from zero impulses
 	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
 	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
 	Trace* trace = nullptr; // records the error on the way, if somebody asks for it

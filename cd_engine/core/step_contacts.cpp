@@ -417,7 +417,6 @@ void TimeStep::prepare(World& world, const StepSettings& settings)
 			freeVelocity.insert(freeVelocity.end(), b.v, b.v + 3);
 	shifts.clear();
 	findContacts(world, settings, begun);
-	forgetPress(settings);
 }
 
 } // namespace cd

@@ -1,6 +1,5 @@
 // A step from its beginning to its end: contacts, impulses, motion.
 #include "time_step.hpp"
-#include "verdict.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -68,21 +67,11 @@ bool TimeStep::end(StepReport& report)
 	return true;
 }
 
-// A press leaves large impulses that balance each other. Where nothing presses any more, they would count as balanced although the velocities that
-// they cause, within the tolerance of such impulses, may be far larger than those in the scene.
-void TimeStep::forgetPress(const StepSettings& settings)
-{
-	pressForgotten = settings.solver.guessPressed && settings.solver.fixedIterations == 0
-	    && std::none_of(system.bodies.begin(), system.bodies.end(), isDriven);
-	for (std::size_t i = 0; pressForgotten && i < system.contacts.size(); i++)
-		system.contacts[i].pn = system.contacts[i].pt = 0;
-}
-
 // Restores the first guess. Contacts that were added later have none.
 void TimeStep::guessAgain(const World& world, const StepSettings& settings)
 {
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const auto [pn, pt] = i < assembled && !pressForgotten ? firstGuess(world, rowPair[i], settings) : std::array<double, 2> { 0, 0 };
+		const auto [pn, pt] = i < assembled ? firstGuess(world, rowPair[i], settings) : std::array<double, 2> { 0, 0 };
 		system.contacts[i].pn = pn;
 		system.contacts[i].pt = pt;
 	}

@@ -157,7 +157,6 @@ class TimeStep : RowSource {
 	bool within(std::size_t pair, const World&, double dt) const;
 	bool addViolated(World&, const StepSettings&);
 	bool attempt(World&, const StepSettings&, StepReport&);
-	void forgetPress(const StepSettings&);
 	void guessAgain(const World&, const StepSettings&);
 	bool lowerRebounds(const World&, const StepSettings&, const StepReport&, bool last);
 	static bool end(StepReport&);
@@ -218,7 +217,6 @@ class TimeStep : RowSource {
 	bool spared = false;
 	long listing = 0; // World::listing of the last step
 	bool appended = false; // the last step has added contacts
-	bool pressForgotten = false; // the first guess of this step is zero
 	std::size_t assembled = 0; // contacts before any pair that was left out has been added
 	std::vector<int32_t> rowPair; // the pair of each contact of the system
 	std::vector<char> solved; // whether a pair has a contact in the system

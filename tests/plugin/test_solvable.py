@@ -220,9 +220,11 @@ def test_nor_in_an_island_of_several_disks(O, settings):
         assert engine.converged and plane.kinetic_energy() < len(disks) * 0.5 * (step * O.dt * G)**2
 
 
-def test_what_a_press_has_left_holds_nothing_down(O):
+@pytest.mark.parametrize("driven", [False, True], ids=["all at rest", "another box moves far away"])
+def test_what_a_press_has_left_holds_nothing_down(O, driven):
     """Two disks between boxes that have closed in rest on the floor. Pulled up by 20 N, one of 1 kg rises as if nothing touched it."""
     radius, mat = 0.1, plane.ground()
+    elsewhere = plane.box((50, 5), (0.1, 0.1), mat=mat)
     disk = plane.disk((0, radius), radius, mat=mat)
     plane.disk((2 * radius, radius), radius, mat=mat)
     boxes = [plane.box((x, radius), (0.01, 0.3), mat=mat) for x in (-radius - 0.01, 3 * radius + 0.01)]
@@ -232,6 +234,7 @@ def test_what_a_press_has_left_holds_nothing_down(O):
     assert engine.status == "no_solution"
     for body in O.bodies:
         body.state.vel = body.state.angVel = (0, 0, 0)
+    O.bodies[elsewhere].state.vel = (0.01 * driven, 0, 0)
     O.run(100, True)
     O.forces.setPermF(disk, (0, 20, 0))
     O.run(5, True)
