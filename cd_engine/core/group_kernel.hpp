@@ -40,8 +40,6 @@ struct alignas(64) PairEffects {
 	static constexpr int lanes = PairLanes::lanes;
 	double nx[lanes], ny[lanes];
 	double fn[2][lanes], ft[2][lanes]; // as in Carried
-	double x[lanes], y[lanes]; // impulse on b [N s]
-	double turnA[lanes], turnB[lanes]; // moments about the centres [N m s]
 	double work[lanes]; // [J]
 };
 struct RowSettings {

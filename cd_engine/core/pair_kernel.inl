@@ -119,7 +119,7 @@ static unsigned assembleGroup(
 	return unknown;
 }
 
-// The formulas of TimeStep::share(), carry() and account(), for arms an = bn = 0.
+// The formulas of TimeStep::effectOf(), for arms an = bn = 0.
 static void effects(const Place* places, const Mean* means, const double* p, std::size_t count, double rate, const PairLanes* pairs,
     PairEffects* effects, std::size_t groups)
 {
@@ -144,10 +144,6 @@ static void effects(const Place* places, const Mean* means, const double* p, std
 		store(e.fn[1] + lane, fn * ny);
 		store(e.ft[0] + lane, -ft * ny);
 		store(e.ft[1] + lane, ft * nx);
-		store(e.x + lane, nx * pn - ny * pt);
-		store(e.y + lane, ny * pn + nx * pt);
-		store(e.turnA + lane, -(at * pt));
-		store(e.turnB + lane, -bt * pt);
 		store(e.work + lane, pn * un + pt * ut);
 	}
 }

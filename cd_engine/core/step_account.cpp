@@ -12,29 +12,12 @@ namespace {
 	// to round-off, and a sticking one lies this close by chance with negligible probability.
 	constexpr double onCone = 1e-9;
 
-	constexpr size_t ahead = 12; // number of contacts ahead whose bodies are prefetched
-
-	void add(std::array<double, 3>& on, double x, double y, double turn)
-	{
-		on[0] += x;
-		on[1] += y;
-		on[2] += turn;
-	}
+	// Numbers of contacts ahead whose data are prefetched: the bodies of a row, and what a pair carries, which comes from far in large scenes.
+	constexpr size_t bodiesAhead = 12, carriedAhead = 24;
 
 	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
 
 } // namespace
-
-// The effect of a contact's impulse on both of its bodies.
-inline TimeStep::Share TimeStep::share(size_t row, const ContactRow& c) const
-{
-	const Place &a = places[c.a], &b = places[c.b];
-	const double x = c.nx * c.pn - c.ny * c.pt, y = c.ny * c.pn + c.nx * c.pt;
-	// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
-	const double overlap = overlaps[rowPair[row]], arm = b.radius - 0.5 * overlap;
-	const double turnA = a.radius > 0 ? (a.radius - 0.5 * overlap) * c.pt : (b.x - arm * c.nx - a.x) * y - (b.y - arm * c.ny - a.y) * x;
-	return { c.a, c.b, x, y, -turnA, -arm * c.pt };
-}
 
 // Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
 void TimeStep::release(const Pair& pair, Carried& was)
@@ -57,43 +40,7 @@ inline bool TimeStep::keeps(double nx, double ny, double pn, double pt, Carried&
 	return true;
 }
 
-// Gives the impulse of a contact to both of its bodies.
-inline void TimeStep::give(const Share& of)
-{
-	add(impulses[of.a], -of.x, -of.y, of.turnA);
-	add(impulses[of.b], of.x, of.y, of.turnB);
-}
-
-// Adds the impulses to each body in the order of the contacts, which decides the last digits. So several threads share the bodies, not the contacts.
-// Each thread reads all contacts; more than a few threads would gain nothing.
-void TimeStep::pushAll()
-{
-	const std::size_t ranges = shares.size() < Cut::few ? 1 : std::min(threads.count(), 4), count = impulses.size();
-	forEach(&threads, ranges, [&](std::size_t range) {
-		const auto from = static_cast<int32_t>(count * range / ranges), to = static_cast<int32_t>(count * (range + 1) / ranges);
-		for (const Share& of : shares) {
-			if (of.a >= from && of.a < to)
-				add(impulses[of.a], -of.x, -of.y, of.turnA);
-			if (of.b >= from && of.b < to)
-				add(impulses[of.b], of.x, of.y, of.turnB);
-		}
-	});
-}
-
-// Adds a share to the bodies of a sleeping island, and to the list of its impulses on immobile bodies.
-void TimeStep::push(const Share& of, int32_t island, int32_t row)
-{
-	const auto addTo = [&](int32_t body, double x, double y, double turn) {
-		if (sleepers.sleeps(body))
-			add(impulses[body], x, y, turn);
-		else
-			sleepers.push({ island, row, body, { x, y, turn } });
-	};
-	addTo(of.a, -of.x, -of.y, of.turnA);
-	addTo(of.b, of.x, of.y, of.turnB);
-}
-
-// Sums over the contacts of a range, without the shares of their bodies.
+// Sums over the contacts of a range.
 struct TimeStep::Account {
 	int loaded = 0, sliding = 0;
 	double dissipated = 0; // [J]
@@ -101,13 +48,13 @@ struct TimeStep::Account {
 
 // What the impulse of a contact does.
 struct TimeStep::Effect {
-	Share share;
+	int32_t a, b; // bodies
 	double nx, ny, fnx, fny, ftx, fty; // as in Carried, whose members would have to be set to 0 first
 	double mu, pn, pt;
 	double work; // [J]
 };
 
-inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, double rate) const
+inline TimeStep::Effect TimeStep::effectOf(const ContactRow& c, double rate) const
 {
 	const double fn = c.pn * rate, ft = c.pt * rate;
 	// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
@@ -115,18 +62,15 @@ inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, doub
 	const double dx = b[0] - a[0], dy = b[1] - a[1];
 	const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
 	const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-	return { share(row, c), c.nx, c.ny, fn * c.nx, fn * c.ny, -ft * c.ny, ft * c.nx, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
+	return { c.a, c.b, c.nx, c.ny, fn * c.nx, fn * c.ny, -ft * c.ny, ft * c.nx, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
 }
 
-// Books the effect of a contact on its pair, its bodies and the sums. Inlined, so that no effect goes through memory.
+// Books the effect of a contact on its pair and the sums. Inlined, so that no effect goes through memory.
 [[gnu::always_inline]] inline void TimeStep::book(
     World& world, const StepSettings& settings, size_t row, const Effect& e, bool anyAsleep, Account& sum)
 {
-	const Share& of = e.share;
 	const int32_t pair = rowPair[row];
 	Carried& was = world.carried[pair];
-	if (!shares.empty())
-		shares[row] = e.pn > 0 || anyAsleep ? of : Share { -1, -1, 0, 0, 0, 0 };
 	if (e.pn <= 0)
 		return release(world.pairs[pair], was);
 	if (!keeps(e.nx, e.ny, e.pn, e.pt, was, settings.dt)) {
@@ -138,11 +82,9 @@ inline TimeStep::Effect TimeStep::effectOf(size_t row, const ContactRow& c, doub
 		was.ft[1] = e.fty;
 		was.since = was.any() ? was.since : settings.iteration;
 		if (anyAsleep)
-			sleepers.disturb(of.a, of.b);
+			sleepers.disturb(e.a, e.b);
 	}
-	if (shares.empty())
-		give(of);
-	const bool asleep = anyAsleep && sleepers.islandAt(of.a, of.b);
+	const bool asleep = anyAsleep && sleepers.islandAt(e.a, e.b);
 	sum.loaded += !asleep;
 	sum.sliding += !asleep && slides(e.mu, e.pn, e.pt);
 	sum.dissipated -= e.work;
@@ -156,19 +98,19 @@ inline void TimeStep::bookPostponed(World& world, const StepSettings& settings, 
 	const double* const p = system.contacts.solution() + 2 * from;
 	for (size_t k = 0; k < count; k++) {
 		const size_t i = from + k, l = k % PairLanes::lanes;
+		__builtin_prefetch(&world.carried[rowPair[std::min(i + carriedAhead, rowPair.size() - 1)]], 1);
 		const Pair& pair = world.pairs[rowPair[i]];
 		const PairEffects& e = effects[k / PairLanes::lanes];
 		if (specialOf[i] >= 0) {
 			ContactRow c = specialRows[specialOf[i]];
 			c.pn = p[2 * k];
 			c.pt = p[2 * k + 1];
-			book(world, settings, i, effectOf(i, c, rate), false, sum);
+			book(world, settings, i, effectOf(c, rate), false, sum);
 			continue;
 		}
-		const Share share { pair.a, pair.b, e.x[l], e.y[l], e.turnA[l], e.turnB[l] };
 		book(world, settings, i,
-		    { share, e.nx[l], e.ny[l], e.fn[0][l], e.fn[1][l], e.ft[0][l], e.ft[1][l], pair.mu, p[2 * k], p[2 * k + 1], e.work[l] }, false,
-		    sum);
+		    { pair.a, pair.b, e.nx[l], e.ny[l], e.fn[0][l], e.fn[1][l], e.ft[0][l], e.ft[1][l], pair.mu, p[2 * k], p[2 * k + 1], e.work[l] },
+		    false, sum);
 	}
 }
 
@@ -184,29 +126,23 @@ TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, 
 	}
 	const ContactRow* const rows = system.contacts.data();
 	for (size_t i = from; i < to; i++) {
-		if (i + ahead < to) {
-			__builtin_prefetch(&means[rows[i + ahead].a]);
-			__builtin_prefetch(&means[rows[i + ahead].b]);
+		if (i + bodiesAhead < to) {
+			__builtin_prefetch(&means[rows[i + bodiesAhead].a]);
+			__builtin_prefetch(&means[rows[i + bodiesAhead].b]);
 		}
-		book(world, settings, i, effectOf(i, rows[i], rate), !sleepers.none(), sum);
+		book(world, settings, i, effectOf(rows[i], rate), !sleepers.none(), sum);
 	}
 	return sum;
 }
 
 void TimeStep::finishContacts(World& world, const StepSettings& settings, StepReport& report)
 {
-	impulses.resize(world.bodies.size());
-	forRanges(&threads, impulses.size(), [&](size_t from, size_t to) {
-		for (size_t i = from; i < to; i++)
-			if (!sleepers.sleeps(static_cast<int32_t>(i)))
-				impulses[i] = { 0, 0, 0 };
-	});
+	clearImpulses();
 	if (settings.reduce)
 		solveIslands.putToSleep(sleepers, world);
 	if (!sleepers.none() || !system.contacts.solvedBeside())
 		system.contacts.make();
-	// A single thread adds the shares to the bodies at once, without storing them.
-	shares.resize(sleepers.none() && threads.count() == 1 ? 0 : system.contacts.size());
+	spared = system.contacts.postponed();
 	const Account all = reduceRanges<Account>(
 	    sleepers.none() ? &threads : nullptr, // only one thread may report what it wakes
 	    system.contacts.size(), [&](size_t from, size_t to) { return account(world, settings, from > 0 ? 0 : report.dissipated, from, to); },
@@ -220,11 +156,12 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 	report.loadedContacts += all.loaded;
 	report.slidingContacts += all.sliding;
 	report.dissipated = all.dissipated;
-	if (sleepers.none())
-		return pushAll();
+	impulsesKnown = !sleepers.none();
+	if (!impulsesKnown)
+		return;
+	impulses.resize(world.bodies.size());
 	sleepers.powerless.clear();
-	for (size_t i = 0; i < shares.size(); i++) {
-		const Share& of = shares[i];
+	for (size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c = system.contacts[i];
 		SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b);
 		if (asleep && !(c.wnn > 0))
@@ -237,9 +174,9 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 				sleepers.disturb(asleep->name, "a contact came late", c.a);
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
-			push(of, asleep->name, static_cast<int32_t>(i));
+			push(share(c, overlaps[rowPair[i]]), asleep->name, static_cast<int32_t>(i));
 		} else if (c.pn > 0)
-			give(of);
+			give(share(c, overlaps[rowPair[i]]));
 	}
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace cd {
 namespace {
@@ -410,6 +411,8 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 void TimeStep::prepare(World& world, const StepSettings& settings)
 {
 	world.carried.resize(world.pairs.size());
+	if (!std::exchange(impulsesKnown, true)) // those of the last step, which nobody has asked for
+		impulses.clear();
 	const Begun begun = beginBodies(world, settings.dt);
 	freeVelocity.clear();
 	if (settings.restitution > 0)

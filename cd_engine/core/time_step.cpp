@@ -187,7 +187,6 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	report.maxPenetration = deepest;
 	finishContacts(world, settings, report);
 	finishSleepers(report);
-	spared = system.contacts.postponed();
 	system.contacts.forgetSource();
 	report.idle = !finishBodies(world, settings.dt) && rowPair.empty();
 	return report;

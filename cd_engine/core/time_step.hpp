@@ -107,8 +107,9 @@ class TimeStep : RowSource {
 	const std::vector<int32_t>& overlapsForgotten() const { return forgotten; }
 	// Hashes of the loads of the bodies, if they were recorded.
 	const std::vector<int>& loads() const { return fingerprints; }
-	// The impulse of all contacts on a body, those of sleeping islands included.
-	const std::array<double, 3>& impulseOn(std::size_t body) const { return impulses[body]; }
+	// The impulses of all contacts on the bodies in the last step, those of sleeping islands included: [N s], [N s], [N m s]. They are summed
+	// when somebody asks, so before the next step begins. world: as that step has left it.
+	const std::vector<std::array<double, 3>>& impulsesOn(const World& world);
 
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return spared; }
@@ -166,17 +167,17 @@ class TimeStep : RowSource {
 	void effectsOf(const World&, double rate, std::size_t from, std::size_t count, PairEffects*) const;
 	struct Account;
 	struct Effect;
-	Effect effectOf(std::size_t row, const ContactRow&, double rate) const;
+	Effect effectOf(const ContactRow&, double rate) const;
 	void book(World&, const StepSettings&, std::size_t row, const Effect&, bool anyAsleep, Account&);
 	void bookPostponed(World&, const StepSettings&, double rate, std::size_t from, std::size_t count, Account&);
 	Account account(World&, const StepSettings&, double dissipated, std::size_t from, std::size_t to);
 	static bool keeps(double nx, double ny, double pn, double pt, Carried&, double dt);
 	void release(const Pair&, Carried&);
 	struct Share;
-	Share share(std::size_t row, const ContactRow&) const;
+	Share share(const ContactRow&, double overlap) const;
+	void clearImpulses();
 	void give(const Share&);
 	void push(const Share&, int32_t island, int32_t row);
-	void pushAll();
 	void finishSleepers(StepReport&);
 	bool finishBodies(World&, double dt);
 
@@ -223,11 +224,11 @@ class TimeStep : RowSource {
 	HiddenCorners corners;
 	std::vector<double> overlaps; // geometric ones of the pairs looked at; negative: apart [m]
 	struct Share { // what a contact's impulse does to its bodies
-		int32_t a, b; // bodies; a < 0: none
+		int32_t a, b; // bodies
 		double x, y, turnA, turnB; // impulse on b [N s], moments about the centres of both [N m s]
 	};
-	std::vector<Share> shares; // of the contacts, if several threads work or something sleeps
-	std::vector<std::array<double, 3>> impulses; // on the bodies [N s], [N s], [N m s]
+	std::vector<std::array<double, 3>> impulses;
+	bool impulsesKnown = false; // else nothing sleeps, and the contacts of the last step tell them
 };
 
 } // namespace cd

@@ -83,7 +83,7 @@ class SceneLink {
 	void hold(cd::TimeStep&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void publish(yade::Scene*, const cd::TimeStep&);
+	void publish(yade::Scene*, cd::TimeStep&);
 	// Writes positions and velocities of boundaries whose velocities others will set, and reads these before the next step.
 	void publishMotion(const std::vector<int>& ids);
 	bool areBoundaries(const std::vector<int>& ids) const;

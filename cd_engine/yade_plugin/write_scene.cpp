@@ -227,17 +227,18 @@ void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 	publishScene(scene, step);
 }
 
-void SceneLink::publish(yade::Scene* scene, const cd::TimeStep& step)
+void SceneLink::publish(yade::Scene* scene, cd::TimeStep& step)
 {
 	publishScene(scene, step);
 	auto& container = scene_forces(scene);
 	const double rate = 1 / heldStep;
+	const auto& impulses = step.impulsesOn(world);
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
 		if (!bodies[id].exists)
 			continue;
 		const double* w = world.bodies[id].inverseMass;
 		const double weight = w[0] > 0 || w[1] > 0 ? state_mass(bodies[id].state) : 0;
-		const std::array<double, 3>& p = step.impulseOn(id);
+		const std::array<double, 3>& p = impulses[id];
 		container.addForce(static_cast<int>(id), Vector3r(p[0] * rate + weight * gravity[0], p[1] * rate + weight * gravity[1], 0));
 		container.addTorque(static_cast<int>(id), Vector3r(0, 0, p[2] * rate));
 	}

@@ -89,13 +89,14 @@ struct Run {
 	}
 
 	// What a user sees of a step.
-	std::vector<double> seen() const
+	std::vector<double> seen()
 	{
 		std::vector<double> all;
 		for (std::size_t i = 0; i < world.bodies.size(); i++) {
 			const Body& b = world.bodies[i];
 			all.insert(all.end(), { b.x, b.y, b.turn, b.v[0], b.v[1], b.v[2] });
-			all.insert(all.end(), step.impulseOn(i).begin(), step.impulseOn(i).end());
+			const std::array<double, 3>& impulse = step.impulsesOn(world)[i];
+			all.insert(all.end(), impulse.begin(), impulse.end());
 		}
 		for (const Carried& of : world.carried)
 			all.insert(all.end(), { of.fn[0], of.fn[1], of.ft[0], of.ft[1] });

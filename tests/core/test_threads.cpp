@@ -240,9 +240,7 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 					most = std::max(most, report.contacts);
 					lost += report.dissipated;
 				}
-				shared.clear();
-				for (std::size_t i = 0; i < w.bodies.size(); i++)
-					shared.push_back(step.impulseOn(i));
+				shared = step.impulsesOn(w);
 				if (count == 1) {
 					expected = w;
 					forces = shared;
