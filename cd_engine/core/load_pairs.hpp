@@ -30,11 +30,18 @@ inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLan
 		p.index[lane] = index;
 		p.mu[lane] = pair.mu;
 		if (inverseRadius) {
-			p.scaleA[lane] = inverseRadius[pair.a];
-			p.scaleB[lane] = inverseRadius[pair.b];
+			__builtin_prefetch(&inverseRadius[pair.a]);
+			__builtin_prefetch(&inverseRadius[pair.b]);
 		}
 		__builtin_prefetch(&system.bodies[pair.a]);
 		__builtin_prefetch(&system.bodies[pair.b]);
+	}
+	// Not read above, where each would be waited for.
+	for (std::size_t k = 0; rows && inverseRadius && k < groups * PairLanes::lanes; k++) {
+		PairLanes& p = lanes[k / PairLanes::lanes];
+		const std::size_t lane = k % PairLanes::lanes;
+		p.scaleA[lane] = inverseRadius[p.a[lane]];
+		p.scaleB[lane] = inverseRadius[p.b[lane]];
 	}
 	return groups;
 }

@@ -69,6 +69,18 @@ bool TimeStep::findSpecial(const World& world, const StepSettings& settings)
 	}
 	specialRows.resize(specials.size());
 	for (std::size_t k = 0; k < specials.size(); k++) {
+		// They are far from each other in memory: first the pairs are prefetched, then their bodies.
+		if (k + 8 < specials.size()) {
+			const int32_t pair = rowPair[specials[k + 8]];
+			__builtin_prefetch(&world.pairs[pair]);
+			__builtin_prefetch(&world.carried[pair]);
+			__builtin_prefetch(&overlaps[pair]);
+		}
+		if (k + 4 < specials.size()) {
+			const Pair& pair = world.pairs[rowPair[specials[k + 4]]];
+			__builtin_prefetch(&places[pair.b]);
+			__builtin_prefetch(&system.bodies[pair.b]);
+		}
 		double turned;
 		specialRows[k] = rowOf(world, rowPair[specials[k]], settings, turned);
 		if (!(specialRows[k].wnn > 0) || !(specialRows[k].bias >= 0))

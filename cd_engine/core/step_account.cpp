@@ -12,8 +12,9 @@ namespace {
 	// to round-off, and a sticking one lies this close by chance with negligible probability.
 	constexpr double onCone = 1e-9;
 
-	// Numbers of contacts ahead whose data are prefetched: the bodies of a row, and what a pair carries, which comes from far in large scenes.
-	constexpr size_t bodiesAhead = 12, carriedAhead = 24;
+	// How many contacts ahead data are prefetched: the bodies of rows, and without rows what pairs carry, and the pairs of the batch after the
+	// next.
+	constexpr size_t bodiesAhead = 12, carriedAhead = 48, pairsAhead = 128;
 
 	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
 
@@ -98,7 +99,9 @@ inline void TimeStep::bookPostponed(World& world, const StepSettings& settings, 
 	const double* const p = system.contacts.solution() + 2 * from;
 	for (size_t k = 0; k < count; k++) {
 		const size_t i = from + k, l = k % PairLanes::lanes;
-		__builtin_prefetch(&world.carried[rowPair[std::min(i + carriedAhead, rowPair.size() - 1)]], 1);
+		const auto later = [&](size_t by) { return rowPair[std::min(i + by, rowPair.size() - 1)]; };
+		__builtin_prefetch(&world.carried[later(carriedAhead)], 1);
+		__builtin_prefetch(&world.pairs[later(pairsAhead)]);
 		const Pair& pair = world.pairs[rowPair[i]];
 		const PairEffects& e = effects[k / PairLanes::lanes];
 		if (specialOf[i] >= 0) {

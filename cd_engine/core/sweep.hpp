@@ -67,7 +67,7 @@ class Sweep {
 	Workspace* memory() const { return system.memory; }
 
     private:
-	static constexpr std::size_t soon = 8; // of what a loop reads elsewhere in memory, so many bodies or groups ahead are fetched
+	static constexpr std::size_t soon = 24; // of what a loop reads elsewhere in memory, so many bodies or groups ahead are fetched
 
 	// A contact that is solved alone: it couples n and t, or one of its bodies has no uniform inverse mass (BodyKind).
 	struct Loose {
