@@ -14,35 +14,35 @@ template <bool rows, class Which>
 inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius) const
 {
 	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
-	for (std::size_t k = 0; k < groups * PairLanes::lanes; k++) {
-		const int32_t index = which(std::min(k, count - 1));
-		const Pair& pair = world.pairs[index];
-		PairLanes& p = lanes[k / PairLanes::lanes];
-		const std::size_t lane = k % PairLanes::lanes;
-		p.a[lane] = pair.a;
-		p.b[lane] = pair.b;
-		p.reference[lane] = pair.reference;
-		__builtin_prefetch(&places[pair.a]);
-		__builtin_prefetch(&places[pair.b]);
-		if (!rows)
-			continue;
-		p.ends[lane] = { pair.a, pair.b };
-		p.index[lane] = index;
-		p.mu[lane] = pair.mu;
-		if (inverseRadius) {
-			__builtin_prefetch(&inverseRadius[pair.a]);
-			__builtin_prefetch(&inverseRadius[pair.b]);
+	for (std::size_t g = 0; g < groups; g++) {
+		PairLanes& p = lanes[g];
+		for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
+			const int32_t index = which(std::min(g * PairLanes::lanes + lane, count - 1));
+			const Pair& pair = world.pairs[index];
+			p.a[lane] = pair.a;
+			p.b[lane] = pair.b;
+			p.reference[lane] = pair.reference;
+			__builtin_prefetch(&places[pair.a]);
+			__builtin_prefetch(&places[pair.b]);
+			if (!rows)
+				continue;
+			p.ends[lane] = { pair.a, pair.b };
+			p.index[lane] = index;
+			p.mu[lane] = pair.mu;
+			if (inverseRadius) {
+				__builtin_prefetch(&inverseRadius[pair.a]);
+				__builtin_prefetch(&inverseRadius[pair.b]);
+			}
+			__builtin_prefetch(&system.bodies[pair.a]);
+			__builtin_prefetch(&system.bodies[pair.b]);
 		}
-		__builtin_prefetch(&system.bodies[pair.a]);
-		__builtin_prefetch(&system.bodies[pair.b]);
 	}
 	// Not read above, where each would be waited for.
-	for (std::size_t k = 0; rows && inverseRadius && k < groups * PairLanes::lanes; k++) {
-		PairLanes& p = lanes[k / PairLanes::lanes];
-		const std::size_t lane = k % PairLanes::lanes;
-		p.scaleA[lane] = inverseRadius[p.a[lane]];
-		p.scaleB[lane] = inverseRadius[p.b[lane]];
-	}
+	for (std::size_t g = 0; rows && inverseRadius && g < groups; g++)
+		for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
+			lanes[g].scaleA[lane] = inverseRadius[lanes[g].a[lane]];
+			lanes[g].scaleB[lane] = inverseRadius[lanes[g].b[lane]];
+		}
 	return groups;
 }
 

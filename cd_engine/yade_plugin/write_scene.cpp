@@ -162,7 +162,7 @@ void SceneLink::hold(cd::TimeStep& step, double dt)
 			// Renormalised, because round-off would grow over 1e6 steps.
 			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
 			q = { x * inverse, y * inverse, z * inverse, w * inverse };
-			if (world.shapes[id].kind == cd::ShapeKind::box)
+			if (b.radius == 0 && world.shapes[id].kind == cd::ShapeKind::box)
 				orient(static_cast<int>(id));
 		}
 		return finite;
