@@ -169,29 +169,29 @@ def draw(runs, rows, path):
 
 
 ANSWER = """
-In the silo, the drum and the filling the cheapest springs that count cost 6.2, 5.4 and 8.9 times as much as the cheapest rigid contacts. A setting
+In the silo, the drum and the filling the cheapest springs that count cost 5.8, 5.3 and 9.0 times as much as the cheapest rigid contacts. A setting
 counts if its mean, and that of all finer settings, lies within 2 % of the result of the finest rigid contacts (the rigid answer) and no disks overlap
 by more than 0.1 radii. The means have standard errors of up to 1.9 % (12 or 36 seeds), and which setting counts depends on them: if the means are
 drawn again with these errors (Student's t distribution), both methods have a setting that counts in 60 % of the draws in the silo, in 96 % in the
-drum and in 100 % in the filling. In these draws the medians of the factors are 4.8, 4.2 and 8.9, and 95 % of the factors lie between 1.1 and 7.7,
-between 0.6 and 7.6 and between 8.9 and 13.2.
+drum and in 100 % in the filling. In these draws the medians of the factors are 4.4, 3.3 and 9.0, and 95 % of the factors lie between 1.0 and 7.2,
+between 0.6 and 7.3 and between 9.0 and 14.0.
 
-In the collapse no springs count: those of 1e8 N/m, the stiffest, are still off by 2.3 % (standard error 0.7 %) and cost 3.8 times as much as the
+In the collapse no springs count: those of 1e8 N/m, the stiffest, are still off by 2.3 % (standard error 0.7 %) and cost 3.5 times as much as the
 cheapest rigid contacts that count. Both methods have a setting that counts in 36 % of the draws. Rigid contacts have converged there: steps of 0.25
 ms, and steps of 0.5 ms with a tolerance of 1e-4, differ by 0.4 % from steps of 0.125 ms.
 
 Which steps and tolerances suffice? With a tolerance of 1e-3 steps of 1 ms give errors of 0.0 to 2.2 %, steps of 2 ms 0.6 to 2.8 % and steps of 4 ms
-0.1 to 5.4 %, largest in the collapse. With 1e-2 in place of 1e-3 disks overlap by up to 0.13 radii in steps of 2 ms, not 0.03, and the time is 0.62
-to 0.77 times as long. A gapCorrection of 0.1 then costs 1.8 to 4.0 times as much, and the slope of the drum is off by 7.6 %: a smaller step is a
+0.1 to 5.4 %, largest in the collapse. With 1e-2 in place of 1e-3 disks overlap by up to 0.13 radii in steps of 2 ms, not 0.03, and the time is 0.67
+to 0.85 times as long. A gapCorrection of 0.1 then costs 1.8 to 4.4 times as much, and the slope of the drum is off by 7.6 %: a smaller step is a
 better use of the time.
 
 Where does the time go? A step of 2 ms takes 28 to 84 sweeps to 1e-3 and 6 to 24 to 1e-2. Steps of 0.5 ms, about what timeStep() proposes, take 72 to
-274 sweeps to 1e-4, and a run costs 0.7 to 2.0 times as much as the cheapest springs that count in the silo, the drum and the filling. To 1e-6 the
-same steps take 803 to 3674 sweeps and 6.6 to 13.7 times as long (two seeds), and in the drum 0.53 % of them miss it. The default of
-cd_engine.engines(), 1e-4 after disks have flowed or collided and 1e-6 when all rest, takes 1.04 to 1.17 times as long as 1e-4 in every step (measured
-on different days); so with it and steps of 0.5 ms rigid contacts cost 0.77 to 2.07 times as much as the cheapest springs that count.
+274 sweeps to 1e-4, and a run costs 0.7 to 1.7 times as much as the cheapest springs that count in the silo, the drum and the filling. To 1e-6 the
+same steps take 803 to 3674 sweeps and 6.0 to 14.5 times as long (two seeds), and in the drum 0.53 % of them miss it. The default of
+cd_engine.engines(), 1e-4 after disks have flowed or collided and 1e-6 when all rest, takes 1.14 to 1.28 times as long as 1e-4 in every step (measured
+on different days); so with it and steps of 0.5 ms rigid contacts cost 0.89 to 1.93 times as much as the cheapest springs that count.
 
-Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two slow cores, while other runs used
+Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two cores, while other runs used
 the other core.
 """
 GIVEN = ("2", "500", "12", "95", "1e8", "0.25", "0.5", "1e-4", "0.125", "1e-3", "1", "4", "1e-2", "1e-6")
@@ -218,18 +218,20 @@ def numbers(table):
     fine, coarser, coarsest, coarse, proposed, strict, default = map(of, (FINE, COARSER, COARSEST, COARSE, PROPOSED, STRICT, DEFAULT))
     off = [100 * own.error.abs() for own in (fine, coarser, coarsest)]
     assert all(error.idxmax() == "collapse" for error in off) and strict.unsolved.idxmax() == "drum" and set(strict.seeds) == {2}
-    against = beside(proposed)
+    against, corrected = beside(proposed), of(COARSE, 0.1)
+    dearer = corrected.seconds / coarse.seconds
     judged = table[~table.is_rigid_answer & table.apply(_is_judged, axis=1)]
-    return {"6.2": gain["hopper"], "5.4": [gain["drum"], off[2].max()], "8.9": [gain["filling"], low["filling"], middle["filling"]],
+    return {"5.8": gain["hopper"], "5.3": gain["drum"], "9.0": [gain["filling"], middle["filling"], low["filling"]],
             "0.1": [OVERLAP, off[2].min()], "1.9": 100 * judged.error_deviation.max(), "36": [judged.seeds.max(), share["collapse"]],
-            "60": share["hopper"], "96": share["drum"], "100": share["filling"], "4.8": middle["hopper"], "4.2": middle["drum"],
-            "1.1": low["hopper"], "7.7": high["hopper"], "0.6": [low["drum"], off[1].min()],
-            "7.6": [high["drum"], 100 * abs(of(COARSE, 0.1).error["drum"])], "13.2": high["filling"], "2.3": 100 * springs["collapse"]["error"],
-            "0.7": [100 * springs["collapse"]["error_deviation"], against.min()], "3.8": gain["collapse"],
+            "60": share["hopper"], "96": share["drum"], "100": share["filling"], "4.4": [middle["hopper"], dearer.max()],
+            "3.3": middle["drum"], "1.0": low["hopper"], "7.2": high["hopper"], "0.6": [low["drum"], off[1].min()],
+            "7.3": high["drum"], "14.0": high["filling"], "2.3": 100 * springs["collapse"]["error"],
+            "0.7": [100 * springs["collapse"]["error_deviation"], against.min()], "3.5": gain["collapse"],
             "0.4": [100 * abs(own.error["collapse"]) for own in (of(FINEST), proposed)], "0.0": off[0].min(), "2.2": off[0].max(),
-            "2.8": off[1].max(), "0.13": coarse.overlap.max(), "0.03": coarser.overlap.max(),
-            **summary.stated("0.62 0.77", coarse.seconds / coarser.seconds), **summary.stated("1.8 4.0", of(COARSE, 0.1).seconds / coarse.seconds),
+            "2.8": off[1].max(), "5.4": off[2].max(), "0.13": coarse.overlap.max(), "0.03": coarser.overlap.max(),
+            **summary.stated("0.67 0.85", coarse.seconds / coarser.seconds), "1.8": dearer.min(),
+            "7.6": 100 * abs(corrected.error["drum"]),
             **summary.stated("28 84", coarser.sweeps), **summary.stated("6 24", coarse.sweeps), **summary.stated("72 274", proposed.sweeps),
-            "2.0": against.max(), **summary.stated("803 3674", strict.sweeps), **summary.stated("6.6 13.7", strict.seconds / proposed.seconds),
-            "0.53": 100 * strict.unsolved.max(), **summary.stated("1.04 1.17", default.seconds / proposed.seconds),
-            **summary.stated("0.77 2.07", beside(default))}
+            "1.7": against.max(), **summary.stated("803 3674", strict.sweeps), **summary.stated("6.0 14.5", strict.seconds / proposed.seconds),
+            "0.53": 100 * strict.unsolved.max(), **summary.stated("1.14 1.28", default.seconds / proposed.seconds),
+            **summary.stated("0.89 1.93", beside(default))}
