@@ -229,10 +229,10 @@ void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 
 void SceneLink::publish(yade::Scene* scene, cd::TimeStep& step)
 {
+	const auto& impulses = step.impulsesOn(world); // first, because it may find no memory
 	publishScene(scene, step);
 	auto& container = scene_forces(scene);
 	const double rate = 1 / heldStep;
-	const auto& impulses = step.impulsesOn(world);
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
 		if (!bodies[id].exists)
 			continue;
