@@ -177,9 +177,9 @@ void TimeStep::finishContacts(World& world, const StepSettings& settings, StepRe
 				sleepers.disturb(asleep->name, "a contact came late", c.a);
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
-			push(share(c, overlaps[rowPair[i]]), asleep->name, static_cast<int32_t>(i));
+			push(world, i, asleep->name);
 		} else if (c.pn > 0)
-			give(share(c, overlaps[rowPair[i]]));
+			give(world, i);
 	}
 }
 

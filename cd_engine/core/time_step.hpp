@@ -174,10 +174,11 @@ class TimeStep : RowSource {
 	static bool keeps(double nx, double ny, double pn, double pt, Carried&, double dt);
 	void release(const Pair&, Carried&);
 	struct Share;
-	Share share(const ContactRow&, double overlap) const;
+	Share share(const World&, std::size_t pair, Vector normal, double pn, double pt) const;
 	void clearImpulses();
 	void give(const Share&);
-	void push(const Share&, int32_t island, int32_t row);
+	void give(const World&, std::size_t row);
+	void push(const World&, std::size_t row, int32_t island);
 	void finishSleepers(StepReport&);
 	bool finishBodies(World&, double dt);
 
