@@ -188,8 +188,8 @@ better use of the time.
 Where does the time go? A step of 2 ms takes 28 to 84 sweeps to 1e-3 and 6 to 24 to 1e-2. Steps of 0.5 ms, about what timeStep() proposes, take 72 to
 274 sweeps to 1e-4, and a run costs 0.7 to 1.7 times as much as the cheapest springs that count in the silo, the drum and the filling. To 1e-6 the
 same steps take 803 to 3674 sweeps and 6.0 to 14.5 times as long (two seeds), and in the drum 0.53 % of them miss it. The default of
-cd_engine.engines(), 1e-4 after disks have flowed or collided and 1e-6 when all rest, takes 1.14 to 1.28 times as long as 1e-4 in every step (measured
-on different days); so with it and steps of 0.5 ms rigid contacts cost 0.89 to 1.93 times as much as the cheapest springs that count.
+cd_engine.engines(), 1e-4 after disks have flowed or collided and 1e-6 when all rest, takes 1.14 to 1.28 times as long as 1e-4 in every step (not
+measured at the same time); so with it and steps of 0.5 ms rigid contacts cost 0.89 to 1.93 times as much as the cheapest springs that count.
 
 Times are processor times without samples and measurements, and without sums of the springs' energies, on one of two cores, while other runs used
 the other core.

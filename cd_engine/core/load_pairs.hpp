@@ -37,7 +37,7 @@ inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLan
 			__builtin_prefetch(&system.bodies[pair.b]);
 		}
 	}
-	// Not read above, where each would be waited for.
+	// A loop of its own, so that the radii are already on their way from memory when they are read.
 	for (std::size_t g = 0; rows && inverseRadius && g < groups; g++)
 		for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
 			lanes[g].scaleA[lane] = inverseRadius[lanes[g].a[lane]];

@@ -1,4 +1,5 @@
-// The impulses of a step on its bodies. Few steps are published, so they are summed when somebody asks, except where islands sleep.
+// The impulses of a step on its bodies. Few steps are published, so the impulses are summed only when somebody asks for them, except in a step with
+// sleeping islands, which keep theirs.
 #include "time_step.hpp"
 
 #include <algorithm>

@@ -229,7 +229,7 @@ class TimeStep : RowSource {
 		double x, y, turnA, turnB; // impulse on b [N s], moments about the centres of both [N m s]
 	};
 	std::vector<std::array<double, 3>> impulses;
-	bool impulsesKnown = false; // else nothing sleeps, and the contacts of the last step tell them
+	bool impulsesKnown = false; // whether they are summed; if not, nothing sleeps, and they can be summed from the contacts of the last step
 };
 
 } // namespace cd
