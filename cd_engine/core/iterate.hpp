@@ -117,9 +117,9 @@ template <class S> class Iteration {
 	static constexpr int smoothing = 3;
 	static constexpr double patience = 0.3;
 
-	// Returns how many sweeps to make before the error is computed again, which costs as much as five sweeps: as many as the recent convergence
-	// needs to reach the tolerance, at least 4, at most a quarter of those made, and at most sqrt(2 x 5 x made). This last bound minimises the
-	// cost of the errors plus the mean number of superfluous sweeps. It is needed because with momentum the error rises and falls on its way.
+	// Returns how many sweeps to make before the error is computed again: as many as the recent convergence needs to reach the tolerance, at
+	// least 4, at most a quarter of those made, and at most sqrt(2 x 5 x made). This last bound minimises the cost of the errors, taken as 5
+	// sweeps each, plus the mean number of superfluous sweeps. It is needed because with momentum the error rises and falls on its way.
 	int untilNext()
 	{
 		const double fall = std::log(lastError / error) / std::max(1, report.iterations - lastIterations);

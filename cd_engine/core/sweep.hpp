@@ -49,7 +49,8 @@ class Sweep {
 	void restoreVelocities();
 	// Copies impulses and velocities back to the system. To be called once: it adds the changes of the spins to those of the system.
 	void store();
-	// The error of the packed impulses: that of residual(), except for the order of its sums. Costs two to three sweeps.
+	// The error of the packed impulses: that of residual(), except for the order of its sums. Costs about three sweeps: it reads every contact
+	// twice.
 	Residual error();
 
 	// The impulses of an iterate, saved to restore it later.
@@ -73,6 +74,7 @@ class Sweep {
 	struct Loose {
 		ContactRow row; // a, b: packed bodies; arms divided by k
 		double wa[3], wb[3]; // inverse masses of x, y and spin
+		int32_t sum; // for the error, that of its Ends
 	};
 	struct BodyKind {
 		double w[3]; // inverse masses that the members below are made from
@@ -169,6 +171,7 @@ class Sweep {
 	void findAsked();
 	void missInBlock(const Part&);
 	void addApart(const Range& groups);
+	void addBodies(const Part&);
 	static void push(const Loose&, double pn, double pt, PackedBody& A, PackedBody& B);
 	static void solveLoose(Loose&, PackedBody* bodies);
 	static void solveAhead(Loose&, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport&);

@@ -1,5 +1,5 @@
-// Computes the error of residual.hpp from the packed contacts, in the order of the sweep. This costs two to three sweeps instead of thirty.
-// residual.cpp contains the formulas.
+// Computes the error of residual.hpp from the packed contacts, in the order of the sweep. This costs about three sweeps instead of
+// thirty: a first pass adds up the velocities and what acts on each body, a second one the misses. residual.cpp contains the formulas.
 #include "sweep.hpp"
 
 #include <algorithm>
@@ -188,21 +188,30 @@ void Sweep::missInBlock(const Part& block)
 	for (const std::size_t i : block.loose) {
 		const ContactRow& c = packed.loose[i].row;
 		const Miss miss = missOf(c, c.wnn, moved(c.a), moved(c.b));
-		ResidualSum& sum = packed.partSums[packed.ends[packed.grouping.loose[i]].sum];
+		ResidualSum& sum = packed.partSums[packed.loose[i].sum];
 		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, c.wnn);
 		if (!packed.carried.empty())
 			sum.addUnderHeavy(miss.velocity, std::min(packed.asked[c.a], packed.asked[c.b]));
 	}
-	if (block.sums.size() == 1) {
-		ResidualSum sum = *first; // a local copy, which stays in registers
-		for (const std::size_t i : block.bodies)
-			if (packed.sumOfBody[i] >= 0)
-				sum.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
-		*first = sum;
-	} else
-		for (const std::size_t i : block.bodies)
-			if (packed.sumOfBody[i] >= 0)
-				packed.partSums[packed.sumOfBody[i]].addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
+	addBodies(block);
+}
+
+// Adds the bodies of a block. Most bodies add to the same sum as the one before, whose local copy stays in registers.
+void Sweep::addBodies(const Part& block)
+{
+	ResidualSum sum;
+	int32_t at = -1; // its place
+	for (const std::size_t i : block.bodies)
+		if (const int32_t own = packed.sumOfBody[i]; own >= 0) {
+			if (own != at) {
+				if (at >= 0)
+					packed.partSums[at] = sum;
+				sum = packed.partSums[at = own];
+			}
+			sum.addBody(packed.masses[i], packed.moved[i].w, packed.bodyAt[i]);
+		}
+	if (at >= 0)
+		packed.partSums[at] = sum;
 }
 
 // Adds what the contacts in some groups miss, contact by contact.

@@ -203,6 +203,7 @@ bool Sweep::fillLoose(const Part& block)
 	for (const std::size_t i : block.loose) {
 		ContactRow& c = packed.loose[i].row;
 		const int32_t contact = packed.grouping.loose[i];
+		packed.loose[i].sum = packed.ends[contact].sum;
 		c = rowOf(contact, c);
 		if (!(c.wnn > 0) || groupable(c) != packed.ends[contact].groupable)
 			return false;
