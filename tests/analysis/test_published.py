@@ -225,6 +225,5 @@ def test_no_study_is_older_than_the_bits_of_its_scenes(root):
                 assert stored_at(root, commit)[f"{scene} {method}"] == today[f"{scene} {method}"], f"{name}: {scene} {method} of {commit}"
 
 
-@pytest.mark.xfail(strict=True, reason="studies are being made anew, one after the other")
 def test_all_studies_come_from_one_commit():
     assert len({commit for name in PUBLISHED for commit in said(name)["commits"]}) == 1
