@@ -225,5 +225,6 @@ def test_no_study_is_older_than_the_bits_of_its_scenes(root):
                 assert stored_at(root, commit)[f"{scene} {method}"] == today[f"{scene} {method}"], f"{name}: {scene} {method} of {commit}"
 
 
-def test_all_studies_come_from_one_commit():
-    assert len({commit for name in PUBLISHED for commit in said(name)["commits"]}) == 1
+def test_studies_charts_and_maps_come_from_one_commit():
+    drawn = [json.loads((FOLDER / charts.FOLDER / f"{name}.json").read_text()) for name in charts.ORDER]
+    assert len({commit for found in [said(name) for name in PUBLISHED] + drawn for commit in found["commits"]}) == 1
