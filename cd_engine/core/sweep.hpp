@@ -74,7 +74,7 @@ class Sweep {
 	struct Loose {
 		ContactRow row; // a, b: packed bodies; arms divided by k
 		double wa[3], wb[3]; // inverse masses of x, y and spin
-		int32_t sum; // for the error, that of its Ends
+		int32_t sum; // as in Ends
 	};
 	struct BodyKind {
 		double w[3]; // inverse masses that the members below are made from

@@ -200,7 +200,7 @@ void Sweep::missInBlock(const Part& block)
 void Sweep::addBodies(const Part& block)
 {
 	ResidualSum sum;
-	int32_t at = -1; // its place
+	int32_t at = -1; // place of that sum in partSums
 	for (const std::size_t i : block.bodies)
 		if (const int32_t own = packed.sumOfBody[i]; own >= 0) {
 			if (own != at) {
