@@ -173,6 +173,16 @@ def test_every_number_of_the_cost_of_the_engine_is_that_of_the_benchmark(root):
                                     rows.seconds_around_a_run.iloc[-1]]) == []
 
 
+def test_every_number_of_threads_is_that_of_the_benchmark(root):
+    section = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## Threads")[1].split("\n## ")[0]
+    text = re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(r"With 40 000.*?A\s`BodyProblem", section, re.S)[0])
+    step, threads = (publish.read_table(FOLDER / "benchmark" / f"{name}.csv") for name in ("step", "threads"))
+    here = step[(step.disks == 40000) & (step.order == "built") & (step.tolerance == 1e-4)].iloc[0]
+    many, few = (threads[threads.disks == disks].set_index("threads").step_speedup for disks in (40000, 4000))
+    assert numbers.misplaced(text, [40000, here.two_threads_solver, here.two_threads_step, threads.cores.max(), 2, 4, 8, 16, 40000, *many[[2, 4, 8, 16]],
+                                    4000, few[2], 2, few.max()]) == []
+
+
 def test_a_wrong_number_would_be_found():
     known = {"5": [5, 5], "4.3e-4": 4.34e-4}
     assert numbers.wrong("On 5 packings 4.3e-4 at 1e-8 (Fig. 4).", known, ("1e-8",)) == []

@@ -19,6 +19,7 @@ MEASURE = {
     "solutions": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
     "sweeps": sweeps.measure,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
+    "threads": lambda folder, **settings: problems.in_yade("threads", settings),
 }
 
 
@@ -76,7 +77,8 @@ def quick(files):
     peer = siconos.available() is None
     return (_solve(_packings(400, 1, BOTH), product(kind="crystal", rows=10, mu=0.8), _of_files(files), targets=(1e-2, 1e-4, 1e-6), most_seconds=2.0)
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
-            + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built")))
+            + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built"))
+            + _pieces("threads", product(rows=20, columns=20, tolerance=1e-4, steps=100)))
 
 
 def full(files):
@@ -95,4 +97,5 @@ def full(files):
                                 for columns, steps in ((20, 2000), (200, 500), (2000, 500), (12500, 500))),
                       product(**step | {"order": "shuffled"}, columns=2000, steps=500, tolerance=1e-4),
                       product(**step, columns=50000, steps=150, tolerance=1e-4))
+            + _pieces("threads", *(product(rows=20, columns=columns, tolerance=1e-4, steps=steps) for columns, steps in ((200, 2000), (2000, 300))))
             + _solve(_packings(40000, 1, BOTH), targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer))

@@ -84,12 +84,21 @@ def seconds(steps):
     return time.process_time() - begin
 
 
-def costs(engine, steps):
+def settle(tolerance):
+    """Let the packing settle to a smaller tolerance and run on to `tolerance`. Return the engine."""
+    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * tolerance), reduce=False, threads=1)
+    engine, O.dt = O.engines[-1], STEP
+    O.run(SETTLING, True)
+    engine.tolerance = tolerance
+    O.run(WARMING, True)
+    return engine
+
+
+def costs(engine, steps, counts):
     """Return the median cost of a step of long runs, by the number of threads: {threads: [processor time, wall-clock time of all engines, wall-clock
-    time in the solver, sweeps, processor time of a run beside its steps]}, times in [s]. Both numbers of threads in turn; one where there is but one
-    core.
+    time in the solver, sweeps, processor time of a run beside its steps]}, times in [s]. counts: numbers of threads, which take turns.
     """
-    made = {threads: [] for threads in ((1, 2) if os.cpu_count() > 1 else (1,))}
+    made = {threads: [] for threads in counts}
 
     def clocks():  # YADE looks every 40 ms whether a run has ended, so the clock on the wall cannot be read here
         return np.array([time.process_time(), 1e-9 * sum(e.execTime for e in O.engines), engine.solveTime, engine.totalIterations])
@@ -132,14 +141,10 @@ def main(rows, columns, tolerance, steps, order):
     O.engines, O.dt = springs(1 + 1e-6), 1e-12  # nothing moves, but YADE makes the interactions of all contacts
     O.run(1, True)
     with_interactions = resident()
-    O.engines = cd_engine.engines(gravity=(0, -GRAVITY, 0), tolerance=min(SETTLED, 0.1 * tolerance), reduce=False, threads=1)
-    engine, O.dt = O.engines[-1], STEP
-    O.run(SETTLING, True)
-    engine.tolerance = tolerance
-    O.run(WARMING, True)
+    engine = settle(tolerance)
     memory = resident() - with_interactions
     missed, each = engine.unconvergedSteps, max(2, steps // RUNS)
-    cost = costs(engine, each)
+    cost = costs(engine, each, (1, 2) if os.cpu_count() > 1 else (1,))
     whole, wall, solver, sweeps, around = cost[1]
     faster, solved_faster = (wall, solver) / cost[2][1:3] if 2 in cost else (math.nan, math.nan)
     contacts, missed = engine.contacts, engine.unconvergedSteps - missed
