@@ -84,7 +84,7 @@ def draw(runs, rows, path):
                 for method, line in LINES.items() if any(run.method == method for run in dense)]
     style.legend(axes[-1], entries, fontsize=6.5, loc="upper left")
     style.finish(fig, path, "Dense packings, a line each; a cross is a collapse. CD's strain at rest is the error of its solver, and MD's rates "
-                 "below 1e-8 are noise.", dense)
+                 "below about 1e-7 are noise.", dense)
     _draw_stands(pandas.DataFrame(rows), runs, path.with_name(f"{path.stem}-loads.png"))
 
 
@@ -108,7 +108,7 @@ def _draw_stands(table, runs, path):
     fig, (starts, ends) = plt.subplots(1, 2, figsize=(10, 4))
     table = table.assign(strain=table["first cycle"].abs() if "first cycle" in table else np.nan)
     for (method, friction), own in table.groupby(["method", "preparation friction"]):
-        size, shift = (5 if friction == 0 else 2.5), (0.99 if method == "MD" else 1.01)
+        size, shift = (5 if friction == 0 else 2.5), (0.994 if method == "MD" else 1.006)
         own = own.assign(**{"largest ratio": shift * own["largest ratio"]})
         falls, words = own["collapses after"].notna(), f"{method}, {'dense' if friction == 0 else 'loose'}"
         style.points(starts, own, "load over limit", "strain", method, ms=size, label=words)
@@ -118,7 +118,7 @@ def _draw_stands(table, runs, path):
     starts.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over the static limit", ylabel=r"strain $|\Delta\gamma|$ of the first cycle")
     ends.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$", ylabel="cycles")
     starts.legend(fontsize=6.5)
-    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until collapse, drawn 1 % beside the load; open: none within so "
+    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until collapse, drawn 0.6 % beside the load; open: none within so "
                  "many cycles.", runs)
 
 
@@ -142,14 +142,19 @@ MD stands 0.85 to 2.37 times as many cycles as at 1.8 with sigma1 held, more on 
 Above the limit both methods collapse in 49 of 101 pairs, neither in 46 and only springs in 6. Where MD collapses within 20 cycles, CD stands 1.49
 times as many cycles (median of 52 pairs from 10 packings; longer in 47, shorter in 1, to the end of the run in 4). Most of these packings collapse
 soon: where MD stands more than 3 cycles CD stands 2.52 times as many (17 pairs), else 1.43 times. (This choice by the life of MD alone favours CD; if
-the geometric mean of both lives exceeds 3, the median is 2.18.) These numbers hold for a period of 0.5 s only: see the study of collapse.
+the geometric mean of both lives exceeds 3, the median is 2.18.) The factor depends on the load: the medians of its groups lie between 1.14 and 3.01.
+These numbers hold for a period of 0.5 s and steps of 2.5 ms only: with shorter steps rigid grains collapse earlier, and in slow cycles both methods
+collapse at once (study of collapse).
+
+The loads are those asked for. While a packing collapses, the stress of the walls cannot follow: it is off by 0.33 P0 (median of these runs; 0.78 at
+most). In runs above the limit that stand it is off by 0.12 P0 (median; 0.43 at most).
 
 Below the limit CD has strained by 2.7e-8 after 20 cycles and MD by 6.8e-4 (medians of 39 pairs). MD's rate falls in most runs: in 17 of 39 runs it is
 below 1e-6 a cycle in the second half of the cycles; in the 22 others the rate of the last quarter of the cycles is 0.74 times that of the quarter
 before (median; quartiles 0.61 and 0.99; 1 would be a constant rate; 16 fall). 40 or 80 cycles do not show whether it reaches zero. Cycles of 0.5 s
 are short for springs of k_n: in a late cycle of 2 s they strain a third as far (study of ratcheting).
 """
-GIVEN = ("0.1", "0.2", "0.3", "0.4", "0.5", "1.1", "1.3", "1.5", "1.6", "1.7", "1.8", "1.86", "1", "1e-6", "2", "3", "20", "40", "80")
+GIVEN = ("2.5", "0.1", "0.2", "0.3", "0.4", "0.5", "1.1", "1.3", "1.5", "1.6", "1.7", "1.8", "1.86", "1", "1e-6", "2", "3", "20", "40", "80")
 POINTS = (
     (0, "If the loadings are low enough, the excitations shakedown in the material. [...] there will be practically no accumulation of permanent "
      "strain.",
@@ -166,8 +171,9 @@ POINTS = (
      "This behavior is associated to a quasi-periodic response of the sliding contacts [...].", "section 3, Fig. 3", "agrees in part",
      "Between shakedown and collapse most rates fall. With the mean stress held and dSigma = 0.2 the rate of the last quarter of the cycles is 1.02, "
      "0.33, -0.03, 1.52 and 0.26 times that of the quarter before: constant on one packing, higher on another. With sigma1 held and dSigma = 0.4 it "
-     "is 0.71 times (median of 5; 0.12 to 0.78); there the rate of the second half of the cycles is 5.2e-5 a cycle (median) in cycles of 0.5 s, "
-     "about three times that of slow cycles (study of ratcheting)."),
+     "is 0.71 times (median of 5; 0.12 to 0.78); there the rate of the second half of the cycles is 5.2e-5 a cycle (median). That is for cycles of "
+     "0.5 s, which triple the late rates (study of ratcheting). In cycles of 2 s one of three packings strains at a constant rate for 40 cycles, and "
+     "then faster (study thousand)."),
     (13, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
      "The sign agrees, \"much\" does not. In cycles of 0.5 s CD stands 1.49 times as many cycles as MD (median of 52 pairs from 10 packings); in 1 "
      "pair it collapses earlier. In slow cycles both collapse in the first or second cycle (study of collapse)."),
@@ -194,6 +200,9 @@ def numbers(table):
     falls = [above[f"{after} {method}"].notna() for method in LINES]
     breaks = pairs[pairs[f"{after} MD"] <= COMPARED]
     times, long = (breaks[f"{after} CD"] / breaks[f"{after} MD"]).fillna(np.inf), breaks[f"{after} MD"] > 3  # infinite where CD stands
+    by_load = times.groupby([breaks["stress path"], breaks.dSigma]).median()[lambda rows: np.isfinite(rows)]
+    errors, falling = table["stress error/P0"], table[after].notna()
+    standing = ~falling & (table["load over limit"] > 1)
     quiet = md[md[after].isna() & (md["load over limit"] < 1)]
     slows = quiet[quiet["late rate"].abs() > 1e-6][quarter]
     detour = at[0.3][after] / constant[constant.dSigma == 0.8][after]
@@ -220,6 +229,8 @@ def numbers(table):
             "1.49": times.median(), "52": len(breaks), "47": (times.between(1, np.inf, "neither")).sum(), "2.52": times[long].median(),
             "17": [long.sum(), len(quiet) - len(slows)], "1.43": times[~long].median(),
             "2.18": times[np.sqrt(times.clip(upper=1e9)) * breaks[f"{after} MD"] > 3].median(),
+            "1.14": by_load.min(), "3.01": by_load.max(), "0.33": errors[falling].median(), "0.78": errors[falling].max(),
+            "0.12": errors[standing].median(), "0.43": errors[standing].max(),
             "2.7e-8": below[f"{gamma} CD"].abs().median(), "6.8e-4": below[f"{gamma} MD"].abs().median(), "39": [len(below), len(quiet)],
             "22": len(slows), "0.74": slows.median(), "0.61": slows.quantile(0.25), "0.99": slows.quantile(0.75), "16": (slows < 1).sum(),
             "4.8e-8": at[0.1]["late rate"].abs().max(),

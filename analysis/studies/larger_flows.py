@@ -26,8 +26,8 @@ are drawn again with these errors, as with 500 disks, the medians of the factors
 least 2.1, 4.0 and 13.3. They have no upper limit: in 32, 10 and 4 % of the draws no springs count. So it is only in the filling that rigid contacts
 surely gain more than with 500 disks, where the median is 9.0.
 
-In the collapse no springs count: those of 5e6 to 2e7 N/m are off by 4.5 to 4.9 % and cost 4.0 to 4.6 times as much as rigid contacts in steps of 1
-ms, the cheapest that count.
+In the collapse no springs count: those of 5e6 to 2e7 N/m are off by 4.5 to 4.9 %, whatever their stiffness (see the study of flows), and cost 4.0 to
+4.6 times as much as rigid contacts in steps of 1 ms, the cheapest that count.
 
 Which settings suffice? With a tolerance of 1e-3 steps of 1 ms give errors of 0.1 to 1.8 % and steps of 2 ms 0.6 to 3.3 %, largest in the collapse,
 with 27 to 278 sweeps a step. A tolerance of 1e-2 is too large: disks overlap by 0.15 to 0.36 radii, and the filling is 5.7 % too low. Springs of 5e6

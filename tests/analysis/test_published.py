@@ -121,13 +121,13 @@ def test_every_number_about_a_map_stands_in_its_table(name):
 # The numbers of README's short answer and of its advice, one by one: values behind words that stand so in the answers of studies, or settings there.
 SHORT_ANSWER = (
     ("fig4", "0.2 4.3e-4 3.8e-8 10"), ("stiffness", "-0.94 -1.01"), ("tolerance", "7.8e-4 1e-2 9.2e-11 1e-10"), ("fig5", "1e-4 0.986 1.025"),
-    ("critical_load", "11 4e-4"), ("ratcheting", "0.96 -0.95 0.02 10 -0.67 0.10 0.98 19 19"),
-    ("thousand", "1000 0.5 3 2 100 8.3e-6 1.5e-4 50"), ("fig3", "0.5 1.8 40 49 44 50 1.5"),
-    ("collapse", "2.44 1.38 0.3 0.4 10 1.65 1.22 0.90 1.28 1.10 6 10 1.09 1.10 8 10 1.08 6 6"), ("laws", "0.88 1.02 6 0.4"),
+    ("critical_load", "11 4e-4"), ("ratcheting", "0.3 -0.95 0.02 10 -0.67 0.10 0.98 19 19"),
+    ("thousand", "1000 0.5 3 2 100 50 8.3e-6 1.5e-4"), ("fig3", "0.5 1.8 40 49 44 50 1.5"),
+    ("collapse", "2.44 0.3 10 1.97 97.5 1.38 0.4 1.15 1.49 2.04 1.22 0.90 1.28 1.10 6 10 1.23 1.30 1.04 10 2"), ("laws", "0.88 1.02 6 0.4"),
     ("thousand", "1000 0.98 1.00 3"))
 ADVICE = (
-    ("flows", "2 500 5.8 5.3 9.0 2 4 1e-3 95 1.0 7.2 0.6 7.3 9.0 14.0 60 0.5 1e-4 1e-6 0.89 1.93 2 1e-6 6.0 14.5 1e-4"),
-    ("speed", "3.8 28 100 2.9e-5 0.017 0.012"),
+    ("flows", "500 2 5.8 5.3 9.0 2 4 1e-3 4.4 3.3 9.0 97.5 1.0 0.6 9.0 0.5 1e-4 1e-6 0.89 1.93 2 1e-6 6.0 14.5 1e-4"),
+    ("speed", "3.8 28 100 2.9e-5 0.017 100 0.012"),
     ("ratcheting", "0.5 2 17 68 2e6 3.1 10 0.4 5.6 100 1.03 1.21 3"))
 ELSEWHERE = {"2e6", "17", "68"}  # k_n itself, in N/m, and the periods in d sqrt(rho/P0)
 
@@ -180,7 +180,7 @@ def test_every_number_of_threads_is_that_of_the_benchmark(root):
     here = step[(step.disks == 40000) & (step.order == "built") & (step.tolerance == 1e-4)].iloc[0]
     many, few = (threads[threads.disks == disks].set_index("threads").step_speedup for disks in (40000, 4000))
     counts = [2, 4, 8, 16]
-    assert numbers.misplaced(text, [40000, here.two_threads_solver, here.two_threads_step, threads.cores.max(), *counts, 40000, *many[counts], 4000,
+    assert numbers.misplaced(text, [40000, here.two_threads_solver, here.two_threads_step, threads.cores.max(), 40000, *many[counts], *counts, 4000,
                                     few[2], 2, few.max()]) == []
 
 
