@@ -49,9 +49,12 @@ def finish(fig, path, note, origin):
 
 
 def source(runs):
-    """Return where a figure comes from, in words: number of runs and packings, commit, YADE, CD's tolerance and the share of steps that missed it."""
+    """Return where a figure comes from, in words: number of runs, of packings and of their seeds, commit, YADE, CD's tolerance and the share of steps
+    that missed it."""
     commits, states = ({run.attributes[name] for run in runs} - {""} for name in ("git_commit", "state_sha256"))
+    seeds = len({run.parameters["seed"] for run in runs})
     return (f"{len(runs)} run{'s' * (len(runs) > 1)}" + f" from {len(states)} packing{'s' * (len(states) > 1)}" * bool(states)
+            + f" of {seeds} seed{'s' * (seeds > 1)}" * (seeds < len(states))
             + f", {provenance.words(sorted(commits))}, YADE {runs[0].attributes['yade_version']}" + _solved(runs))
 
 

@@ -177,9 +177,9 @@ POINTS = (
      "went."),
     (13, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
      "agrees in part",
-     "Not under a ramp: there both methods yield at the same load, as well as can be told. CD reaches |gamma| = 1e-2 at 1.05 times the ratio of MD on "
-     "dense packings and 1.02 times on loose ones; counted from the strain at the static limit, 1.03 and 0.97 times. What differs is the strain on "
-     "the way."),
+     "Not under a ramp: there both methods yield at the same load, as well as can be told. CD reaches |gamma| = 1e-2 at 1.05 times the ratio of MD "
+     "on dense packings and 1.02 times on loose ones; counted from the strain at the static limit, 1.03 and 0.97 times. What differs is the strain "
+     "on the way."),
 )
 
 
@@ -216,7 +216,8 @@ def numbers(table):
             "10": [len(dense), len(loose), len(md.groupby(level=["preparation friction", "seed"])), *stiffer["k_n over the usual"].unique()],
             **summary.stated("0.989 1.025", hard_cd[first]),
             "1.05": dense.median(), "1.02": [dense.min(), loose.median(), slowest.min()], "1.06": [dense.max(), further.max(), slowest.max()],
-            "0.97": loose.min(), "1.08": loose.max(), "3": [higher[1].sum(), firmly[0], (hard > 1).sum()], **summary.stated("3.2e-3 1.8e-2", strained.loc[0.0]),
+            "0.97": loose.min(), "1.08": loose.max(), "3": [higher[1].sum(), firmly[0], (hard > 1).sum()],
+            **summary.stated("3.2e-3 1.8e-2", strained.loc[0.0]),
             **summary.stated("3.6e-3 7.5e-3", strained.loc[0.1]), "1.4e-3": cd["|gamma| at the limit"].xs(0.1, level="ramp rate").max(),
             "1.03": [beyond.loc[0.0].median(), soft.median()], "0.94": [paths[last].min(), beyond.loc[0.0].min()], "0.82": beyond.loc[0.1].min(),
             "1.07": [beyond.loc[0.1].max(), usual["load at |gamma| = 0.0001"].median()], "1": firmly[1],

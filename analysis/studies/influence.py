@@ -124,7 +124,8 @@ def numbers(table):
             "1.6": [high[soft], high[heavy]], "0.024": late_low[soft], "3.9": late_high[soft], "0.42": late_low[tangential.index].min(),
             "1.7": late_high[tangential.index].max(), "1.3": middle[heavy], "1.1": low[heavy], "1.4": [late_low[heavy], low[quick]],
             "2.9": [late_high[heavy], high[quick]], "0.82": middle[servo], "0.62": low[servo],
-            "0.91": high[servo], "0.38": late_low[servo], "0.87": late_high[servo], "3": [rows.packings[slow], 100 * (rows["largest rate ratio"][third] - 1)],
+            "0.91": high[servo], "0.38": late_low[servo], "0.87": late_high[servo],
+            "3": [rows.packings[slow], 100 * (rows["largest rate ratio"][third] - 1)],
             "0.56": low[slow],
             "0.88": [high[slow], late_high[slow]],
             "0.34": late_low[slow], "2.7": late_low[quick], "6.8": late_high[quick], "0.9": 100 * max(high[third] - 1, 1 - low[third])}
