@@ -118,8 +118,8 @@ def _draw_stands(table, runs, path):
     starts.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over the static limit", ylabel=r"strain $|\Delta\gamma|$ of the first cycle")
     ends.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$", ylabel="cycles")
     starts.legend(fontsize=6.5)
-    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until collapse, drawn 0.6 % beside the load; open: none within so "
-                 "many cycles.", runs)
+    style.finish(fig, path, "Left: motion begins at the static limit. Right: cycles until collapse, drawn 0.6 % beside the load; open: none within "
+                 "that many cycles.", runs)
 
 
 ANSWER = """
