@@ -22,8 +22,8 @@ ROWS = {"quick": [row for method in METHODS for row in product(ramp_rate=QUICK, 
             dict(ramp_rate=USUAL, cycles=9, preparation_friction=(0.0, 0.1), stress_path="mean"),
             dict(ramp_rate=2 * USUAL, cycles=8), dict(ramp_rate=USUAL / 2, cycles=30), dict(ramp_rate=USUAL, cycles=15, stiffening=10.0))
                  for row in product(**more, **RAMP, **method, seed=range(1, 6))]}
-# |gamma| that defines a critical load. Springs deform before they yield, by about 1e-2. So the methods are also compared at YIELD beyond the strain that
-# each has at the static limit.
+# |gamma| that defines a critical load. Springs deform before they yield, by about 1e-2. So the methods are also compared at YIELD beyond the strain
+# that each has at the static limit.
 THRESHOLDS, YIELD = (1e-4, 1e-3, 1e-2, 3e-2, 1e-1), 1e-2
 MORE = f"over the limit at {YIELD:g} more"
 
@@ -163,8 +163,8 @@ POINTS = (
      "Not compared: the paper names N = 2700 and cycles here, but refers to the ramp of its eq. 1, which has none."),
     (9, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5", "disagrees",
      "The range, by the sentences before, goes up to the collapse of MD. There CD does not remain unaltered: when MD reaches 0.2, CD has passed 1e-2 "
-     "in 29 and 0.1 in 21 of 30 pairs, and reaches 0.2 at 1.01 times the load of MD (median; 0.96 to 1.11). At small strains it agrees: when MD passes "
-     "1e-3, CD is below 1e-4 in 30 of 30 pairs."),
+     "in 29 and 0.1 in 21 of 30 pairs, and reaches 0.2 at 1.01 times the load of MD (median; 0.96 to 1.11). At small strains it agrees: when MD "
+     "passes 1e-3, CD is below 1e-4 in 30 of 30 pairs."),
     (9.5, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "not decided",
      "Up to the static limit CD rests; beyond it its curves have steps as those of MD have (see the figure). How smooth they are was not measured."),
     (10, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
