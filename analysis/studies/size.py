@@ -86,9 +86,8 @@ differs by a factor of ten and more: below 0.9 of the limit a late cycle strains
 7.6e-5 and 2 of 1600 by 6.1e-6 to 6.6e-6. That is too much to show whether the number of disks matters. The cycles last 1, 2 and 4 s, since the
 slowest motion of a larger sample takes longer.
 
-6400 disks were not run from this commit, since the preparation of one packing alone takes about two hours. In an earlier table, made by an engine
-that gives the same results to the last bit, the one packing of 6400 disks had a static limit of 1.51 P0, and rigid contacts passed |gamma| = 1e-3 at
-1.02 times this limit.
+6400 disks were not run from this commit. In an earlier table, made by an engine that gives the same results to the last bit, the one packing of 6400
+disks had a static limit of 1.51 P0, and rigid contacts passed |gamma| = 1e-3 at 1.02 times this limit.
 """
 GIVEN = ("100", "400", "1600", "6400", "1e-2", "0.9", "1", "2", "4", "1.51", "1e-3", "1.02")
 
