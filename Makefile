@@ -1,7 +1,7 @@
 # `make` lists what there is. Everything runs on Debian's own Python, as YADE does.
 PYTHON  ?= /usr/bin/python3
 YADE    ?= yade
-# Without the number of threads below, which nproc would take for that of the processors where make (since 4.4) hands it on.
+# Without OMP_NUM_THREADS: since 4.4 make passes the value exported below to nproc, which would then print 1, not the number of processors.
 JOBS    ?= $(shell env -u OMP_NUM_THREADS nproc)
 # FULL=1: the full tables, hours; stop and start again at will. STUDY=name: one study only.
 FULL    ?=
@@ -48,7 +48,7 @@ charts: build ## measure and draw speed against accuracy, and where each method 
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
 	$(PYTHON) -m analysis charts $(extent)
 
-test: build ## all tests and the quick regression run: about 8 minutes on two slow cores
+test: build ## all tests and the quick regression run: 4 to 8 minutes on two cores
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/measuring/regression.py --quick
 	$(PYTHON) -m pytest tests -n 2 --dist loadfile -rs
@@ -60,7 +60,7 @@ soak: build ## what takes too long for `make test` or starts daemons: Slurm, kil
 console: build ## YADE's console with the engine and the prepared packing
 	$(YADE) yade_scripts/console.py
 
-regression: build ## every scene, headless, against stored numbers
+regression: build ## run 24 cases of 18 scenes without a window and compare their results with stored numbers
 	$(PYTHON) yade_scripts/measuring/regression.py --full
 
 bench: build ## measure the contact solvers beside Siconos's, a minute; FULL=1; AGAIN=1 repeats all, FILES="..." adds problems

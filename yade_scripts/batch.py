@@ -60,8 +60,8 @@ def jobs_of(rows, folder):
 
 
 def counted(jobs, finished):
-    """Return how many runs there are and how many of them have finished before, in words."""
-    return f"{len(jobs)} run{'s' * (len(jobs) != 1)}, {len(finished)} finished before"
+    """Return how many runs there are and how many of them are already finished, in words."""
+    return f"{len(jobs)} run{'s' * (len(jobs) != 1)}, {len(finished)} already finished"
 
 
 def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):

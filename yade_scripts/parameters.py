@@ -113,7 +113,8 @@ REGISTRY = {p.name: p for p in (
     Parameter("md_walls", "servo", "1", "servo: TriaxialStressController moves the walls; force: free walls pushed by forces, as in CD",
               choices=("servo", "force"), method="MD"),
     Parameter("tangential_law", "standard", "1", "tangential law of the springs: standard (Cundall-Strack, eq. 6), avoid_ratcheting (YADE's "
-              "avoidGranularRatcheting), path_independent (McNamara et al. 2008: the same with its forces and arms)",
+              "avoidGranularRatcheting), path_independent (McNamara et al. 2008: slip as in avoid_ratcheting; the force (R1 + R2)/d T, d the "
+              "distance of the centres, acts at the arms R1 and R2, so that a closed path leaves no force and costs no energy)",
               choices=("standard", "avoid_ratcheting", "path_independent"), method="MD"),
     # Time stepping.
     Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", above=0, high=1, method="MD"),
@@ -217,8 +218,8 @@ def _check_together(full):
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
                              "otherwise the spheres touch the front and back walls")
     if full["gravity"] and not scene.DEFAULTS.get("gravity"):
-        raise ParameterError(f"gravity = {full['gravity']}: the scene {full['scene']} is without gravity, so take 0; a scene with gravity declares "
-                             "it in DEFAULTS")
+        raise ParameterError(f"gravity = {full['gravity']}: the scene {full['scene']} has no gravity: set gravity = 0; a scene with gravity "
+                             "declares it in DEFAULTS")
     highest = highest_load(full)
     if full["stress_path"] == "mean" and highest >= 2:
         raise ParameterError(f"stress_path = mean: sigma2 would rise to {highest:g} P0, where sigma1 = 2 P0 - sigma2 would be zero or negative; "

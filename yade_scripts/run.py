@@ -39,7 +39,7 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     with locks.held(path, lambda: print(f"{path.stem}: another process runs this row: waiting for it", flush=True)):
         status, commit = results.ending(path)
         if status == results.STATUS_FINISHED:
-            print(f"{path}: this run has finished before.")
+            print(f"{path}: this run is already finished.")
             if doubt := provenance.doubt([commit]):
                 print(f"run: it {doubt}", file=sys.stderr)
             return 0
@@ -80,7 +80,7 @@ def _run(path, full, folder, checkpoint_samples):
         try:
             if found:
                 checkpoints.resume(found, recorder)
-                print(f"{path.stem}: goes on from its checkpoint at sample {recorder.count}", flush=True)
+                print(f"{path.stem}: continues from its checkpoint at sample {recorder.count}", flush=True)
             try:
                 scenes.method(full).run(scene, lambda steps: checkpoints.simulate(steps, recorder))
             except wall_check.Collapse as event:

@@ -37,7 +37,7 @@ def of_scene(scene, accuracy, measured):
                           f"the best is {row.error:.2g}, by {row.arguments} in {row.seconds:.2g} s")
     first, *_ = reached = sorted(reached, key=lambda row: row.seconds)
     script = "accuracy.py" if f"{store.ACCURACY}=" in first.arguments else "run.py"
-    return [f"{scene}, accuracy {accuracy:g}: {first.method}", *(_line(row, own) for row in reached), *lines,
+    return [f"{scene}: {first.method} is recommended for an accuracy of {accuracy:g}", *(_line(row, own) for row in reached), *lines,
             f"Run it: yade -n -x yade_scripts/{script} {first.arguments}"]
 
 
@@ -52,8 +52,8 @@ def of_flow(scene, accuracy):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
         cheapest = [flows.cheapest(own, scene, disks, method, accuracy) for method in ("CD", "MD")]
         best = sorted((row for row in cheapest if row and abs(row["error"]) <= accuracy), key=lambda row: row["seconds"])
-        first = best[0]["method"] if best else "no setting that was tried reaches it"
-        lines.append(f"{scene}, {flows.QUANTITY[scene]} of {disks:.0f} disks to {accuracy:g}: {first}")
+        first = f"{best[0]['method']} is recommended" if best else "no setting that was tried suffices"
+        lines.append(f"{scene}, {disks:.0f} disks: {first} for an accuracy of {accuracy:g} of the {flows.QUANTITY[scene]}")
         for row in best:
             flow = "" if row["at_rest"] == row["setting"] else f" flow_tolerance={row['setting']:g}"
             set_by = f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
@@ -72,8 +72,10 @@ def _line(row, rows_of_scene):
     confirmed = choice.finer(row, rows_of_scene)
     sure = f"confirmed by {'one' if confirmed == 1 else confirmed} finer setting{'s' * (confirmed > 1)}" if confirmed \
         else "not confirmed: no finer setting was tried"
-    return (f"  {row.method}: {row.series}, {row.setting}: expected error {row.error:.2g}, {row.seconds:.2g} s for {row.steps:.0f} steps "
-            f"of {row.disks:.0f} disk{'' if row.disks == 1 else 's'} ({sure})")
+    # Disks whose motion is prescribed are not counted.
+    size = f" of {row.disks:.0f} disk{'' if row.disks == 1 else 's'}" if row.disks > 0 else ""
+    return (f"  {row.method}: {row.series}, {row.setting}: expected error {row.error:.2g}, {row.seconds:.2g} s for {row.steps:.0f} steps{size} "
+            f"({sure})")
 
 
 def by_kind(accuracy, measured):
@@ -81,12 +83,15 @@ def by_kind(accuracy, measured):
     lines = []
     for kind, own in table.one_size(table.from_csv(measured)).groupby("kind", sort=False):
         if kind == "flow":
-            lines.append(f"flow: one run a setting says little. Name a scene: --scene {', '.join(sorted(flows.QUANTITY))}")
+            lines.append("flow: a single run of a flow does not determine its error. Ask for one scene: --scene "
+                         + " or ".join(sorted(flows.QUANTITY)))
             continue
         chosen, count = choice.of_kind(own, accuracy), own.scene.nunique()
-        first = min(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()), default="no setting reaches it")
-        lines.append(f"{kind} ({count} scene{'s' * (count > 1)}), accuracy {accuracy:g}: {first}")
-        for method, (series, solved, left) in chosen.items():
+        best_first = sorted(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()))
+        first = f"{best_first[0]} is recommended" if best_first else "no setting that was tried suffices"
+        lines.append(f"{kind} ({count} scene{'s' * (count > 1)}): {first} for an accuracy of {accuracy:g}")
+        for method in best_first:
+            series, solved, left = chosen[method]
             times = dict.fromkeys(f"{seconds:.2g}" for seconds in (solved.seconds.min(), solved.seconds.max()))
             lines.append(f"  {method}: {series}, {' or '.join(solved.setting.unique())}: error up to {solved.error.max():.2g}, "
                          f"{' to '.join(times)} s" + (f"; not reached in {', '.join(left)}" if left else ""))

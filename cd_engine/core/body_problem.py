@@ -6,7 +6,8 @@ from scipy import sparse
 
 from .problem import Problem, array, place, refuse_negative
 
-HELD = 1e-29  # as in contact_system.hpp: mobility along the normal over the whole one; less is round-off of the normal, such as cos(pi/2)
+# As in contact_system.hpp: inverse effective mass along the normal over that of both directions; less is round-off of the normal, such as cos(pi/2).
+HELD = 1e-29
 UNIT = 1e-9  # largest error of the length of a normal: far above round-off, far below what changes a problem
 
 
@@ -14,7 +15,7 @@ UNIT = 1e-9  # largest error of the length of a normal: far above round-off, far
 class BodyProblem:
     """n contacts of one time step between N plane bodies. Impulses and velocities have two numbers a contact, normal then tangential.
 
-    inverse_masses   (N, 3): 1/m along x and along y [1/kg], 1/I [1/(kg m^2)]; 0 where that freedom is blocked
+    inverse_masses   (N, 3): 1/m along x and along y [1/kg], 1/I [1/(kg m^2)]; 0 where that degree of freedom is blocked
     free_velocities  (N, 3): v_x, v_y [m/s] and omega [rad/s] after the step's external forces and before any contact impulse
     pairs            (n, 2): the bodies a and b of each contact; the normal points from a to b, the impulse acts on b, its opposite on a
     normals          (n, 2): unit vectors n; t is n turned by +90 degrees

@@ -16,7 +16,8 @@ struct Grouping {
 };
 
 // Fills groups. At most places - 1 are open at a time, in a ring. A contact goes to the oldest open group that has room, if neither this group nor
-// the groups next to it in the sweep influence it. So no group waits for numbers that the last one has just written (a third of the time).
+// the groups next to it in the sweep influence it. So no group has to wait for results that the group before it has just written; such waits would
+// take a third of the time.
 //
 // Marks says who influences whom. It keeps a word for whatever contacts share, with a bit for every place in the ring: influences(item) has the bits
 // of the groups that may not take an item, set() and clear() those of a group that has taken it.

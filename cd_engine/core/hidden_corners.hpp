@@ -1,7 +1,7 @@
 // Corners of boxes that a disk cannot reach, because they lie on or behind the face of another boundary that the disk is over: those at the joints of
 // a floor of several boxes, or inside a wall. A contact is the plane through the nearest point, so such a corner would act as an obstacle before the
-// disk is above it: a disk would hop and lose speed at every joint. The face keeps the disk in front of all points behind it. Only among boundaries
-// that no force moves: where others are at the end of a step is known only when it is solved.
+// disk is above it: a disk would hop and lose speed at every joint. The face keeps the disk in front of all points behind it. Only corners of
+// boundaries that no force moves are hidden, because where other boundaries are at the end of a step is known only when it is solved.
 #pragma once
 
 #include "world.hpp"

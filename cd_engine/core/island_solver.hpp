@@ -5,9 +5,10 @@
 // floor are two islands, while a movable wall joins all that touch it. The error e is a ratio of two 2-norms. If |difference_k| <= tolerance |p_k| in
 // every island, then
 //   sum |difference_k|^2 <= tolerance^2 sum |p_k|^2,
-// and the whole is within the tolerance, too. The reverse is not true: solved together with rocks, sand may keep any error that is small beside the
-// impulses of the rocks. Islands are therefore swept together, which fills the groups of eight, but those that miss their own tolerance then continue
-// without the others. A step counts as solved if its whole error is within the tolerance, even if some island missed its own.
+// and the whole is within the tolerance, too. The reverse is not true: if an island of sand and an island of rocks are solved as one system,
+// errors may remain that are large for the sand, because e is relative to all impulses. Islands are therefore swept together, which fills the groups
+// of eight, but those that miss their own tolerance then continue without the others. A step counts as solved if its whole error is within the
+// tolerance, even if some island missed its own.
 //
 // Islands that are proven to be at rest sleep until something changes (island_sleep.cpp).
 #pragma once

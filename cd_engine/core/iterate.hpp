@@ -52,7 +52,7 @@ template <class S> class Iteration {
 			keep();
 	}
 
-	// Sweeps until the method ends or the first look at the error after `until` sweeps, but at most to `most`. Returns whether it ended.
+	// Sweeps until the method ends or the first evaluation of the error after `until` sweeps, but at most to `most`. Returns whether it ended.
 	template <class Improve> bool advance(Improve& improve, int until, int most)
 	{
 		while (error > settings.tolerance) {
@@ -110,16 +110,16 @@ template <class S> class Iteration {
 
     private:
 	// Momentum may keep errors alive that change from contact to contact, as contacts open, close and slide: in a silo of 2000 disks the error
-	// stays at three tolerances for hundreds of sweeps. Plain sweeps damp these errors first. Once the error has not fallen for a share of all
-	// sweeps, some are plain, therefore, before each look at it: 3 instead of none take 1160 sweeps to 1e-3 for ten steps of that silo, not
-	// 13400. From the beginning they would cost half as many sweeps again in dense packings at rest, where momentum never stands still. Only
-	// after 100 sweeps, they would come too late in flows: 1.1 to 1.8 times as many sweeps.
+	// stays at three tolerances for hundreds of sweeps. Plain sweeps damp these errors first. If the error has not fallen during the last 30 %
+	// (patience) of all sweeps, three (smoothing) plain sweeps are therefore made before each evaluation of the error. Ten steps of that silo
+	// then need 1160 sweeps to reach 1e-3 instead of 13400. From the beginning they would cost half as many sweeps again in dense packings at
+	// rest, where momentum never stands still. Only after 100 sweeps, they would come too late in flows: 1.1 to 1.8 times as many sweeps.
 	static constexpr int smoothing = 3;
 	static constexpr double patience = 0.3;
 
-	// Returns how many sweeps to make before the error is computed again: as many as the recent convergence needs to reach the tolerance, at
-	// least 4, at most a quarter of those made, and at most sqrt(2 x 5 x made). This last bound minimises the cost of the errors, taken as 5
-	// sweeps each, plus the mean number of superfluous sweeps. It is needed because with momentum the error rises and falls on its way.
+	// Returns how many sweeps to make before the error is computed again: 4, plus the smallest of three numbers: the sweeps that the recent
+	// convergence needs to reach the tolerance, a quarter of those made, and sqrt(2 x 5 x made). The last one minimises the cost of the errors,
+	// taken as 5 sweeps each, plus the mean number of superfluous sweeps. It is needed because with momentum the error rises and falls.
 	int untilNext()
 	{
 		const double fall = std::log(lastError / error) / std::max(1, report.iterations - lastIterations);
@@ -178,7 +178,7 @@ template <class S> class Iteration {
 	double reached = 0; // smallest error so far, to within 1 %
 	int reachedAt = 0; // sweeps made when it was reached
 	bool smooths = false;
-	double lastError = 0; // at the last look, after lastIterations sweeps
+	double lastError = 0; // at the last evaluation, after lastIterations sweeps
 	int lastIterations = 0;
 	struct {
 		double error, distance, impulse;
@@ -188,8 +188,8 @@ template <class S> class Iteration {
 
 // `Improve { sweep }` makes one sweep by operator(); after each call the sweep's impulses are the iterate. Stops when the errors of
 // residual.hpp are at most settings.tolerance, after settings.maxIterations sweeps, or when nothing is gained any more. If the problem is not solved,
-// the best iterate is the result. With settings.fixedIterations it makes exactly so many plain sweeps, whatever the method, and computes the error at
-// the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain Gauss-Seidel.
+// the best iterate is the result. With settings.fixedIterations it makes exactly that many plain sweeps, whatever the method, and computes the error
+// at the end: what is known of under-converged contact dynamics (Unger & Kertesz 2003) holds for plain Gauss-Seidel.
 template <class S, class Improve = PlainSweeps<S>> SolverReport iterate(typename S::System& system, const SolverSettings& settings)
 {
 	S sweep(system, settings.seed, settings.threads);

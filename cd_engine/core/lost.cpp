@@ -27,7 +27,7 @@ namespace {
 			}
 		}
 
-		// Whether a body is further away than the extent is wide, moves away, and no force brings it back.
+		// Whether a body is further away than the diagonal of the extent, moves away, and no force brings it back.
 		bool leaves(const Body& b) const
 		{
 			constexpr double far = 50; // of its radii; what is less far may be part of a small scene

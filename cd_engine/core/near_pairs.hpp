@@ -29,7 +29,7 @@ class NearPairs {
 		double low[2], high[2];
 		bool large = false; // not in the grid
 
-		// One branch, since nobody can predict the single ones.
+		// All four comparisons in one branch, because the processor cannot predict the single ones.
 		bool meets(const Box& o) const
 		{
 			return (low[0] <= o.high[0]) & (o.low[0] <= high[0]) & (low[1] <= o.high[1]) & (o.low[1] <= high[1]);

@@ -41,9 +41,10 @@ class PairSearch {
 	NearPairs nearPairs;
 };
 
-// The first of the bodies `some` that has left the scene: it is further from it than it is wide, moves away, and neither a force nor a Wall brings it
-// back. -1: none. The scene is the boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all
-// bodies but `some`. So a whole group that leaves is noticed. Looks at all bodies if `some` is not empty.
+// The first of the bodies `some` that has left the scene, -1: none. A body has left if it is further from the smallest rectangle around the scene
+// than the diagonal of this rectangle and than 50 of its own radii, if it moves away, and if no force or Wall brings it back. The scene is the
+// boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all bodies but `some`. So a whole
+// group that leaves is noticed. Looks at all bodies if `some` is not empty.
 int leftBehind(const World&, const std::vector<std::size_t>& some);
 
 } // namespace cd

@@ -68,8 +68,8 @@ def _matrix(W):
         raise ValueError(f"W[{row}, {rows.indices[wrong[0]]}] is {rows.data[wrong[0]]:g}, not a finite number")
     own = rows.diagonal()
     if (wrong := np.flatnonzero(own <= 0)).size:
-        raise ValueError(f"W[{wrong[0]}, {wrong[0]}] = {own[wrong[0]]:g}, the {'tangential' if wrong[0] % 2 else 'normal'} compliance of contact "
-                         f"{wrong[0] // 2}, must be positive")
+        raise ValueError(f"W[{wrong[0]}, {wrong[0]}] = {own[wrong[0]]:g}, the {'tangential' if wrong[0] % 2 else 'normal'} inverse effective "
+                         f"mass of contact {wrong[0] // 2}, must be positive")
     return rows
 
 

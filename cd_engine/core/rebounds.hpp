@@ -7,8 +7,9 @@
 // by -(1 - e)/(1 + e) p.W p/2 <= 0, however the contacts are coupled. A law that demands u_n' >= 0 of separating contacts creates energy.
 //
 // With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
-// islands of contacts that would create energy, until they do not. A wedged disk may have no velocities that separate from both sides as fast as
-// demanded. There e = 0 at once, as in islands that add energy in a step that is not solved.
+// islands of contacts that would create energy, until they do not. A disk wedged between two faces may be unable to leave both as fast as
+// the law demands, so that the step has no solution. Then e is set to 0 at once in its island, as in islands that create energy in a step that is
+// not solved.
 #pragma once
 
 #include "partition.hpp"

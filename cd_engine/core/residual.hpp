@@ -15,15 +15,15 @@
 // island's bodies is estimated as
 //   min( sqrt(N) ||g||_2 / min s,  max(rms g / S', max g / (10 S'), max g' / (10 s')) ),
 //   S = (sum m sqrt(s) / sum m)^2,   S' = S min(1, l/200),   l = contacts - bodies.
+// s' is the s of a body ten times heavier than one that it touches, g' the g of the contacts of this lighter body.
 // The first number holds for every body of a column: the misses of its N contacts add up to at most sqrt(N) ||g||_2 (Cauchy and Schwarz), and the
 // body with the smallest s may feel all of it. If contacts at small angles to each other hold a body, its error is larger by one over the sine of the
-// angle, which is not counted. A packing always has disks that carry next to nothing, and its impulses are not determined: the first number would
-// need a hundred times the sweeps (400 disks, mu = 0.1, tolerance 1e-6: 9800 instead of 60). There, where the contacts make many loops (l), the
-// second number serves: relative to the mean over the mass, so that a heavy body counts by its mass. A body with s far below S may be wrong by S/s
-// times as much, but not one ten times heavier than a body that carries it: s' belongs to such heavy bodies and g' to the contacts of their carriers.
-// They only enter if the smallest s' is below 0.1 S. s counts as at least a millionth of S. Where nothing acts on any body of an island, but a
-// contact misses its law, the error is infinite: all of the velocity change is missing. Impulses are known to their round-off, which is an error of
-// the bodies, too: at least 2e-16 r under a disk r times as heavy.
+// angle, which is not counted. A packing always has disks that carry next to nothing, and its impulses are not determined: to make the first number
+// small would take a hundred times as many sweeps (400 disks, mu = 0.1, tolerance 1e-6: 9800 instead of 60). There, where the contacts make many
+// loops (l), the second number serves: relative to the mean over the mass, so that a heavy body counts by its mass. A body with s far below S may be
+// wrong by S/s times as much. The term with g' and s' prevents this for the heavier bodies; it is used if the smallest s' is below 0.1 S. s counts as
+// at least a millionth of S. Where nothing acts on any body of an island, but a contact misses its law, the error is infinite: all of the velocity
+// change is missing. Impulses are known to their round-off, which is an error of the bodies, too: at least 2e-16 r under a disk r times as heavy.
 #pragma once
 
 #include "contact_system.hpp"

@@ -3,8 +3,8 @@
 // If a step finds an island asleep (island_sleep.cpp) and writes none of its forces anew, it leaves everything in the island as it was, and
 // so would every later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error
 // and the forces. This ends when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body
-// comes to touch it. Then the island is looked at again. Motion, forces and counts do not depend on this: sums whose round-off depends on
-// their order are made over the islands in the order of their names, whether a step looked at them or not.
+// comes to touch it. Then the island is looked at again. Leaving islands out does not change motion, forces or counts: sums whose
+// round-off depends on their order are made over the islands in the order of their names, whether a step looked at them or not.
 //
 // A contact along whose normal neither body can move carries nothing. Whatever happens at it concerns no island, so it belongs to none:
 // it wakes nothing, and every step looks at it.

@@ -130,10 +130,10 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
 def residual(problem, impulses):
     """Return the error e of impulses p, computed anew from the impulses; tests compare it with its definition.
 
-    e = ||p - P_K(p - (u + mu |u_t| n)/W_nn)|| / ||p||, 2-norms over all contacts: u = W p + q, W_nn each contact's own normal compliance,
-    K Coulomb's cone, P_K the Euclidean projection on it. The term mu |u_t| n of De Saxce makes e = 0 the exact, non-associated law (Acary,
-    Bremond & Huber 2018, hal-01630836, section 2). Differences below the round-off of u count as zero. If all impulses are zero, e is 0 if no
-    contact is violated, else infinite.
+    e = ||p - P_K(p - (u + mu |u_t| n)/W_nn)|| / ||p||, 2-norms over all contacts: u = W p + q, W_nn each contact's inverse effective mass in
+    the normal direction [1/kg], K Coulomb's cone, P_K the Euclidean projection on it. The term mu |u_t| n of De Saxce makes e = 0 the exact,
+    non-associated law (Acary, Bremond & Huber 2018, hal-01630836, section 2). Differences below the round-off of u count as zero. If all impulses are
+    zero, e is 0 if no contact is violated, else infinite.
     """
     return _residuals(problem, impulses)[0]
 

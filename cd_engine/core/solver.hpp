@@ -15,7 +15,7 @@ namespace cd {
 class Start;
 class Threads;
 
-// The looks at the error while a problem is solved, in their order, by whatever methods and from whatever starts.
+// The evaluations of the error while a problem is solved, in their order, by whatever methods and from whatever starts.
 struct Trace {
 	struct Look {
 		int iterations; // made until then, of all methods
@@ -31,12 +31,13 @@ struct Trace {
 struct SolverSettings {
 	double tolerance = 1e-6; // on the errors of residual.hpp
 	int maxIterations = 10000; // sweeps and factorizations
-	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, without a look at the error in between
+	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, without an evaluation of the error in between
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
-	bool guessSolved = true; // whether the first guess is from a solved step; if not, its size does not excuse growth (verdict.hpp)
-	bool guessPressed = false; // whether the guess is from an unsolvable or doubtful step. It is not used where nothing presses any more; else
-				   // its result is confirmed from zero impulses
+	bool guessSolved = true; // whether the first guess is from a solved step; if not, large impulses in it are no reason to accept large ones
+	// Whether the guess is from an unsolvable or doubtful step. If no boundary can press any more, it is replaced by zero. Otherwise, if a
+	// solution is found from it, the problem is solved again from zero impulses to confirm that.
+	bool guessPressed = false;
 	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
 	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
 	Trace* trace = nullptr; // records the error on the way, if somebody asks for it

@@ -78,17 +78,21 @@ inline double reachOf(const Body& b, double way)
 class TimeStep : RowSource {
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4). Only the
-	// pairs in world.awake may touch. Contact is required at the mid-configurations, which are a step apart. So u_n + max(gap, 0)/h >= 0 keeps
-	// the next one from overlapping, to first order: the gap may close within the step, but not become negative. If the face of a box turns, the
-	// change of the gap by this is added, so that it meets disks like one that only translates. An overlap is kept from growing. With
-	// gapCorrection b > 0 it must shrink, u_n + b (gap + a)/h >= 0 (b = 1: to the allowed overlap a within the step), by a velocity that stays
-	// and is not dissipated. In a packing at rest such velocities contradict each other; a keeps them from stirring it for ever. Only velocities
-	// just set from outside, or left by an unsolved step, can move the centre of a disk into or through a boundary in a step's first half, before
-	// contact is looked at. Such a disk stops at the face. Restitution e > 0: a contact that is closed, or that the velocities before the step
-	// would close within it, takes u_n' >= -e u_n instead, or what its overlap demands if that is more (rebounds.hpp). A contact that only other
-	// contacts' impulses close is left to the next step and overlaps by up to its closing velocity times h. No body is moved in two cases: the
-	// solver met a number that is not finite, or, without restitution, impulses made a body so fast that it may reach others that are not in
-	// the list of pairs (World::listed). In the second case report.outran is not empty, and the step must be repeated with a longer list.
+	// pairs in world.awake may touch.
+	// - Gaps: contact is required at the mid-configurations, which are a step apart. So u_n + max(gap, 0)/h >= 0 keeps the next one from
+	//   overlapping, to first order: the gap may close within the step, but not become negative. If the face of a box turns, the change of the
+	//   gap by this is added, so that it meets disks like one that only translates.
+	// - Overlaps are kept from growing. With gapCorrection b > 0 they must shrink, u_n + b (gap + a)/h >= 0 (b = 1: to the allowed overlap a
+	//   within the step), by a velocity that stays and is not dissipated. In a packing at rest such velocities contradict each other; the
+	//   allowed overlap prevents them from moving the packing for ever.
+	// - Only velocities just set from outside, or left by an unsolved step, can move the centre of a disk into or through a boundary in a step's
+	//   first half, before contact is looked at. Such a disk stops at the face.
+	// - Restitution e > 0: a contact that is closed, or that the velocities before the step would close within it, takes u_n' >= -e u_n instead,
+	//   or what its overlap demands if that is more (rebounds.hpp). A contact that only other contacts' impulses close is left to the next step
+	//   and overlaps by up to its closing velocity times h.
+	// - No body is moved in two cases: the solver met a number that is not finite, or, without restitution, impulses made a body so fast that it
+	//   may reach others that are not in the list of pairs (World::listed). In the second case report.outran is not empty, and the step must be
+	//   repeated with a longer list.
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem that such a step would give to its solver, with the free velocities. The world is not moved. A pair is a contact if its bodies

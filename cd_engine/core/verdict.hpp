@@ -1,18 +1,18 @@
 // Decides whether impulses within the tolerance can be a solution, and of an unsolved problem, whether a solution can exist.
 //
 // The error e is relative to the impulses. Two walls that close in on a body press it with impulses that grow without end while its contacts close as
-// before: e falls below every tolerance, and nothing is solved. This is called a press. A power reveals it. At a solution, loaded contacts do not
-// close, and sticking ones do not slide, so p . u is only what friction dissipates; the errors of sweeps have either sign and mostly cancel. In a
-// press all loaded contacts give way together, with the power that the prescribed motion puts in, however exactly the problem is solved. The
-// prescribed motion is that of blocked freedoms and the biases, without gravity, which has no power on impulses that balance each other. Boundaries
-// that move together, as those of a drum, are judged as an observer sees them who moves along (rigid_motion.hpp).
+// before: e falls below every tolerance, although nothing is solved. We call this a press. Its sign is the power p . u of the contact impulses. At a
+// solution, loaded contacts do not close, and sticking ones do not slide, so p . u is only what friction dissipates; the errors of sweeps have either
+// sign and mostly cancel. In a press all loaded contacts give way together, with the power that the prescribed motion puts in, however exactly the
+// problem is solved. The prescribed motion is that of blocked degrees of freedom and the biases, without gravity, which has no power on impulses that
+// balance each other. Boundaries that move together, as those of a drum, are judged as an observer sees them who moves along (rigid_motion.hpp).
 // A loosely solved pile may look the same. A problem with doubtful impulses is therefore solved ten times more exactly, and again, until the doubt is
 // gone or the bound on the work is reached. Impulses far larger than those that must stop something, as in a nearly straight column, hide velocities
 // of many tolerances, so after a doubt the velocities of closing contacts count, too.
-// The proof that no impulses solve a problem is a self-stress: impulses d within friction whose velocities W d vanish, with d . q < 0. For every p
-// then d . (W p + q) = d . q is negative, which no contact law allows as long as nothing slides. (With friction, a motion in which contacts of d
-// slide could be a solution. So only the part of d . q without sliding counts, and these contacts must give way to it.) Conjugate gradients find d:
-// from impulses that have grown along it they remove the part that causes velocities.
+// The proof that no impulses solve a problem is a self-stress: impulses d inside the friction cones with W d = 0. If d . q < 0, then every p has
+// d . u = d . (W p + q) = d . q < 0, which no contact law allows as long as nothing slides. (With friction, a motion in which contacts of d slide
+// could be a solution. So the tangential power of contacts that slide in d does not count, and the contacts of d must together give way.)
+// Conjugate gradients find d: from impulses that have grown along it they remove the part that causes velocities.
 // Impulses may also be large because friction wedges bodies, and may hide the press of a slow boundary. If bodies and contacts are known, a second
 // proof does without the impulses: it tests whether any velocities keep all contacts open (closing_in.cpp).
 #pragma once

@@ -5,12 +5,13 @@ CD_ATTRIBUTE(double, tolerance, 1e-6, Access { Access::set, 0, 1, true },
     "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
     "*flowTolerance* to 0.")
 CD_ATTRIBUTE(double, flowTolerance, 0, within(0, 1),
-    "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided; if they moved slowly, a tenth of it or less, but at "
-    "least *tolerance* [1]. 0: *tolerance* holds in every step. What is at rest is judged by *tolerance* in any case. "
+    "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided [1]; after slow motion the engine takes a tenth of it, a "
+    "hundredth and so on, but at least *tolerance*. 0: *tolerance* holds in every step. Whether an island is at rest is always tested with "
+    "*tolerance*. "
     ":py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance. Assign it after *tolerance*.")
 CD_ATTRIBUTE(int, maxIterations, 20000, within(1, most),
-    "Sweeps and factorizations after which a step is left unconverged [1]; a tenth more where contacts are found only after the others are "
-    "solved.")
+    "Sweeps and factorizations after which a step is left unconverged [1]; up to a tenth more if the step has to be solved again, because further "
+    "pairs have closed or, with *restitution*, because rebounds would create energy or leave no solution.")
 CD_ATTRIBUTE(int, fixedIterations, 0, within(0, most),
     "If positive: make exactly this many plain Gauss-Seidel sweeps in every step, whatever *method*, and test nothing, for studies of "
     "under-converged contact dynamics [1].")
@@ -24,8 +25,8 @@ CD_ATTRIBUTE(double, restitution, 0, within(0, 1),
     "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.")
 CD_ATTRIBUTE(double, gapCorrection, 0, within(0, 1),
     "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step pushes out [1]; 0: overlaps are only kept from growing. "
-    "The velocity of pushing out stays with the bodies, and its energy counts as dissipated with a minus sign. With few *fixedIterations* it "
-    "needs *warmStart* False: impulses that add up from step to step overshoot.")
+    "The bodies keep the velocity by which the overlap is removed; the energy that this adds is subtracted from *dissipatedEnergy*. With few "
+    "*fixedIterations* it needs *warmStart* False: impulses that add up from step to step overshoot.")
 CD_ATTRIBUTE(double, allowedOverlap, 1e-3, within(0, 1),
     "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing never comes to rest: the "
     "corrections of its contacts contradict each other and keep it moving.")
@@ -33,9 +34,8 @@ CD_ATTRIBUTE(int, seed, 0, within(0, most),
     "If positive: visit the contacts in a new random order in every sweep, drawn from this seed; 0: one fixed order, the fastest.")
 CD_ATTRIBUTE(bool, reduce, true, setting,
     "Solve islands of contacts without a common movable body separately, each to the tolerance by itself, which is at least as strict as the "
-    "tolerance for the whole; bodies that touch nothing take no part. If there is one island only and the step needs sweeps, it has the same "
-    "bits as without. "
-    "Without effect under *fixedIterations* or *seed*, which mean the sweeps over all contacts.")
+    "tolerance for the whole; bodies that touch nothing take no part. With a single island the result is the same to the last bit as with False, "
+    "if the step needs sweeps. It has no effect if *fixedIterations* or *seed* is set, because these apply to sweeps over all contacts.")
 CD_ATTRIBUTE(bool, handover, true, setting,
     "At the next step take the overlaps present as reference, from which gaps are counted, so that what springs left behind is not expelled. "
     "Reset to False by that step. If it was True at first, it is set again when springs have run.")
@@ -44,7 +44,8 @@ CD_ATTRIBUTE(double, searchMargin, 0.1, within(0, 10),
     "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, never its result.")
 CD_ATTRIBUTE(std::string, publish, "due", setting,
     "When positions, velocities, interactions and O.forces are written to the scene. due: in a run that somebody waits for (O.run(n, True), "
-    "O.wait()) before any other engine that is due looks at them, and when the run ends; in every other step at once. always: in every step. "
+    "O.wait()) before any other engine that is due looks at them, and when the run ends; in a run that nobody waits for, after every step. "
+    "always: after every step. "
     "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.")
 CD_ATTRIBUTE(bool, stopUnsolved, false, setting,
     "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the engine warns of "
@@ -56,7 +57,7 @@ CD_ATTRIBUTE(int, iterations, 0, result,
     "Sweeps, and factorizations of Newton's method, made in the last step: the largest number on one of its *islands* [1].")
 CD_ATTRIBUTE(double, residual, 0, result,
     "Error of the last step [1]: ||p - P_K(p - (u + mu |u_t| n)/W_nn)||/||p||, 2-norms over all contacts; p impulses, u relative velocities "
-    "after the step plus gap/dt, W_nn each contact's own normal compliance, P_K the projection on Coulomb's cone.")
+    "after the step plus gap/dt, W_nn each contact's inverse effective mass in the normal direction [1/kg], P_K the projection on Coulomb's cone.")
 CD_ATTRIBUTE(double, residualMax, 0, result, "The same for the worst contact, over the root mean square of p [1].")
 CD_ATTRIBUTE(double, bodyError, 0, result,
     "Estimated largest error of a body's velocity change in the last step, relative to what acts on the body: the impulses of its contacts "
@@ -78,27 +79,27 @@ CD_ATTRIBUTE(std::string, status, "no step yet", result,
 CD_ATTRIBUTE(std::string, solvedBy, "none", result, "The method that brought the last step to its tolerance, or none.")
 CD_ATTRIBUTE(int, contacts, 0, result, "Contacts the solver was given in the last step [1].")
 CD_ATTRIBUTE(int, unknowns, 0, result,
-    "Velocities it had to find: three for a free disk, none for a fixed body, nor with *reduce* for a body without contacts [1].")
+    "Unknown velocities in the last step: three for a free disk, none for a fixed body, nor with *reduce* for a body without contacts [1].")
 CD_ATTRIBUTE(int, islands, 0, result, "Islands of contacts solved apart; 1 for all contacts if they were not parted [1].")
 CD_ATTRIBUTE(int, resting, 0, result,
     "Islands whose first guess, the forces of the step before, was within the tolerance already, so that no sweep was made [1].")
 CD_ATTRIBUTE(int, sleeping, 0, result,
-    "Of these, islands that are proven to be at rest, to a thousandth of *tolerance*, and in which nothing changes: their velocities are "
-    "zero, and the engine only checks whether their bodies have changed [1].")
+    "Of the islands counted in *resting*: those that were proven to be at rest, to a thousandth of *tolerance*, and have not changed since. Their "
+    "velocities are zero, and the engine only checks whether their bodies have changed [1].")
 CD_ATTRIBUTE(std::string, woken, {}, result, "Why islands were woken last: the step, what had changed, and the body.")
 CD_ATTRIBUTE(std::vector<int>, loadsBeforeTrial, {}, internal,
     "In the step before a trial of rest: fingerprints of the loads of all bodies. What has another load then is not tried [1].")
 CD_ATTRIBUTE(long, restTrialAt, 0, internal,
-    "Number of steps from which on slow islands have to prove their rest again: those that come to rest of themselves where a step is solved "
-    "to a thousandth of *tolerance* are stopped and sleep [1].")
+    "Value of *steps* from which the next trial of rest is due: the engine then solves slow islands to a thousandth of *tolerance*, and those that "
+    "this shows to be at rest are stopped and sleep [1].")
 CD_ATTRIBUTE(bool, pressed, false, internal,
     "Whether the last step had no solution, or was left unsolved after such a one: its impulses may have grown without end.")
 CD_ATTRIBUTE(bool, rested, false, internal,
     "Whether the last step solved its one large island without a sweep; this decides in which order impulses are added, and so last digits.")
 CD_ATTRIBUTE(double, unrest, 0, internal,
-    "Energy dissipated in a step over the sum of W_nn |p|^2 of its contacts, the largest of the last steps: decides between *tolerance* and "
-    "*flowTolerance* [1].")
-CD_ATTRIBUTE(int, restTrialPause, 16, internal, "Steps to the trial after that, 16 to 2048: more after each that fails [1].")
+    "Energy dissipated in the last step over the sum of W_nn |p|^2 of its contacts, or 0.9 times the value of the step before if that is larger: "
+    "decides between *tolerance* and *flowTolerance* [1].")
+CD_ATTRIBUTE(int, restTrialPause, 16, internal, "Steps from one trial of rest to the next, 16 to 2048: twice as many after each that fails [1].")
 CD_ATTRIBUTE(int, loadedContacts, 0, result, "Contacts that carry a force [1].")
 CD_ATTRIBUTE(int, slidingContacts, 0, result, "Loaded contacts with friction whose tangential force is at the Coulomb limit [1].")
 CD_ATTRIBUTE(double, maxPenetration, 0, result, "Largest overlap beyond the reference one met in the last step [m].")

@@ -248,7 +248,7 @@ void ContactDynamics::advance()
 		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
 		    "Set one of them to 0. A smaller O.dt reduces overlaps.");
 	if (const std::string& late = others.lateDriver(); !late.empty())
-		link.tell(late + " stands after it in O.engines, so the motion that it sets comes a step late.",
+		link.tell(late + " stands after ContactDynamics in O.engines, so the motion that it sets comes a step late.",
 		    "Put it between ForceResetter and ContactDynamics.");
 	if (others.deadIntegrator())
 		link.tell("a NewtonIntegrator stands dead in O.engines: utils.unbalancedForce() adds its gravity to forces that contain the weights.",

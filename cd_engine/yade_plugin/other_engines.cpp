@@ -34,11 +34,12 @@ namespace {
 		for (const char* const pushing : { "ForceEngine", "HarmonicForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier",
 			 "DragEngine", "LinearDragEngine", "HydroForceEngine" })
 			if ((!before || !reset) && isA(name, pushing))
-				return name + " stands " + (before ? "before ForceResetter" : "after it")
-				    + ", so its forces are cleared before they can act. Put it between ForceResetter and ContactDynamics in "
-				      "O.engines";
+				return name + " stands " + (before ? "before ForceResetter" : "after ContactDynamics")
+				    + " in O.engines, so ForceResetter clears its forces before they act. "
+				    + (name == "GravityEngine" && weighs ? "Remove it, because the attribute `gravity` acts in its place"
+									 : "Put it between ForceResetter and ContactDynamics");
 		if (name == "GravityEngine" && weighs)
-			return "GravityEngine adds to the attribute `gravity`, so that bodies would weigh twice." + remove
+			return "both GravityEngine and the attribute `gravity` would act on the bodies, so that each would weigh twice." + remove
 			    + ", or set gravity=(0, 0, 0)";
 		return "";
 	}

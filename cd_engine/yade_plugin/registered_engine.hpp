@@ -104,7 +104,8 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		using boost::serialization::make_nvp;
 		if (version == 0)
 			throw SceneError(std::string(E::name)
-			    + ": the scene was saved by a version of this engine that did not yet name its attributes. Build it anew.");
+			    + ": the scene was saved by a version of this engine that did not store the names of its attributes. Create the scene "
+			      "again with your script.");
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		// Of E itself: Boost.Serialization learns here how to cast between E and its registered base.
 		archive& make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self()));
@@ -114,8 +115,9 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		std::string saved = names;
 		archive& make_nvp("attributes", saved);
 		if (saved != names)
-			throw SceneError(std::string(E::name) + ": the scene was saved by another version of this engine, whose attributes were: "
-			    + saved + "\nLoad it with that version, set O.engines = [] and save it again; or build the scene anew.");
+			throw SceneError(std::string(E::name)
+			    + ": the scene was saved by another version of this engine, whose attributes were: " + saved
+			    + "\nLoad it with that version, set O.engines = [] and save it again; or create the scene again with your script.");
 		E::attributes([&](const char* name, auto member, const Access&, const char*) { archive& make_nvp(name, self().*member); });
 		if (!Archive::is_loading::value)
 			return;

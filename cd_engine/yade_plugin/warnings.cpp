@@ -33,7 +33,8 @@ std::string ContactDynamics::unsolved() const
 								unsolvableContact[0], " and #", unsolvableContact[1], ".");
 	if (residual <= stepTolerance && bodyError <= stepTolerance)
 		return text(begin, "the error of the contact law, relative to all impulses, and that of the bodies are within the tolerance of ",
-		    stepTolerance, ", but ", doubt.empty() ? "the error weighted by W_nn is not." : "contacts close that should not.", doubt,
+		    stepTolerance, ", but ",
+		    doubt.empty() ? "the error of the contact law weighted by W_nn is larger." : "contacts that carry load still close.", doubt,
 		    " Take a smaller O.dt.");
 	return text(begin, "the error of the contact law is ", residual, ", relative to all impulses",
 	    worstBody < 0 ? ""

@@ -91,14 +91,21 @@ def published(tmp_path, monkeypatch):
 def test_recommend_names_the_cheapest_setting_and_what_the_other_method_can(published, capsys):
     assert main([*published, "--scene", "stack", "--accuracy", "1e-4"]) == 0
     said = capsys.readouterr().out
-    assert "accuracy 0.0001: CD" in said and "expected error 1e-06, 0.2 s" in said and "MD: not reached; its best is 0.01 in 0.2 s" in said
+    assert "stack: CD is recommended for an accuracy of 0.0001" in said
+    assert "expected error 1e-06, 0.2 s for 10 steps of 4 disks" in said and "MD: not reached; its best is 0.01 in 0.2 s" in said
     assert "run.py scene=stack tolerance=0.1" in said
+
+
+def test_recommend_counts_no_disks_where_all_motion_is_prescribed(capsys):
+    assert main(["recommend", "--scene", "two_grain_path", "--accuracy", "1e-2"]) == 0
+    said = capsys.readouterr().out
+    assert " steps (" in said and "disks" not in said
 
 
 def test_recommend_by_own_measurements(tmp_path, capsys):
     publish.write_table(tmp_path / "own.csv", rows(("MD step", [1e-5]), ("CD step", [1e-3])))
     assert main(["recommend", "--scene", "stack", "--accuracy", "1e-4", "--measured", str(tmp_path / "own.csv")]) == 0
-    assert "accuracy 0.0001: MD" in capsys.readouterr().out
+    assert "stack: MD is recommended for an accuracy of 0.0001" in capsys.readouterr().out
 
 
 def test_recommend_says_what_is_missing(published, capsys):
@@ -116,7 +123,7 @@ def test_recommend_for_a_flow(published, capsys):
     """By the published study, whose errors have a spread."""
     assert main([*published, "--scene", "filling", "--accuracy", "0.02"]) == 0
     said = capsys.readouterr().out
-    assert "filling, height of 500 disks to 0.02: CD" in said and "standard error" in said and "MD, kn=" in said
+    assert "filling, 500 disks: CD is recommended for an accuracy of 0.02 of the height" in said and "standard error" in said and "MD, kn=" in said
     assert "Run it: yade -n -x yade_scripts/run.py scene=filling method=CD disks=500 seed=1 cd_dt=" in said
     assert main([*published, "--scene", "drum", "--accuracy", "1e-3"]) == 0
     assert "whether it is within the accuracy is not certain" in capsys.readouterr().out
@@ -128,7 +135,7 @@ def test_recommend_for_a_flow(published, capsys):
 
 def test_recommend_for_each_kind_of_scene(published, capsys):
     assert main([*published, "--accuracy", "1e-3"]) == 0
-    assert "piles at rest (1 scene), accuracy 0.001: CD" in capsys.readouterr().out
+    assert "piles at rest (1 scene): CD is recommended for an accuracy of 0.001" in capsys.readouterr().out
 
 
 def measurement(setting, error):

@@ -115,7 +115,8 @@ def test_a_result_of_a_removed_scene_is_listed_with_the_reason(md, cd, capsys):
     harm(md, lambda file: file.attrs.__setitem__("parameters", '{"scene": "spin_drop"}'))
     assert main(["check", str(md), str(cd)]) == 1
     said = capsys.readouterr().out.splitlines()
-    assert said[0].startswith(f"{md}: this program cannot run its parameters: scene = 'spin_drop': must be one of") and f"{cd}: finished" in said[1]
+    assert said[0].startswith(f"{md}: the present program refuses the parameters stored in this file: scene = 'spin_drop': must be one of")
+    assert f"{cd}: finished" in said[1]
     path = md.rename(results.path_of(parameters.complete({}), md.parent))
     refused(path, "spin_drop", read=lambda _: reader.load_row(parameters.complete({}), path.parent))
 

@@ -94,7 +94,7 @@ def test_the_number_of_runs_stands_behind_the_name_of_the_study(fig4_results, tm
     with contextlib.redirect_stderr(sys.stdout):
         assert main(["study", "fig4", "--run", "--results", str(fig4_results), "-o", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out.splitlines()
-    assert said[0] == "fig4: 2 runs, 2 finished before" and said[1].startswith("batch: some results may come from other code")
+    assert said[0] == "fig4: 2 runs, 2 already finished" and said[1].startswith("batch: some results may come from other code")
 
 
 def test_rows_without_a_result_keep_their_reason(fig4_results):

@@ -9,10 +9,10 @@ from . import plane
 
 
 @pytest.mark.parametrize("engine, said", [
-    (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after it.*Put it between"),
-    (lambda: wrapper.HarmonicForceEngine(ids=[1], A=(1, 0, 0), f=(1, 0, 0)), r"HarmonicForceEngine stands after it"),
-    (lambda: wrapper.RadialForceEngine(ids=[1]), r"RadialForceEngine stands after it"),
-    (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after it"),
+    (lambda: wrapper.ForceEngine(ids=[1], force=(1, 0, 0)), r"ForceEngine stands after ContactDynamics.*Put it between"),
+    (lambda: wrapper.HarmonicForceEngine(ids=[1], A=(1, 0, 0), f=(1, 0, 0)), r"HarmonicForceEngine stands after ContactDynamics"),
+    (lambda: wrapper.RadialForceEngine(ids=[1]), r"RadialForceEngine stands after ContactDynamics"),
+    (lambda: wrapper.GravityEngine(gravity=(0, -9.81, 0)), r"GravityEngine stands after ContactDynamics.*Remove it"),
     (lambda: wrapper.GlobalStiffnessTimeStepper(), r"GlobalStiffnessTimeStepper sets O\.dt by the stiffness.*dead=True"),
     (lambda: wrapper.TriaxialStressController(), r"TriaxialStressController moves walls.*O\.forces\.setPermF"),
     (lambda: wrapper.ServoPIDController(ids=[1]), r"ServoPIDController moves walls.*O\.forces\.setPermF"),
@@ -61,7 +61,7 @@ def test_gravity_of_two_engines(O):
     reset, collider, cd = plane.disk_on_a_floor()
     O.engines = [reset, collider, wrapper.GravityEngine(gravity=(1, 0, 0)), cd]
     O.dt = 1e-3
-    with pytest.raises(RuntimeError, match=r"GravityEngine adds to the attribute `gravity`.*gravity=\(0, 0, 0\)"):
+    with pytest.raises(RuntimeError, match=r"both GravityEngine and the attribute `gravity`.*gravity=\(0, 0, 0\)"):
         O.run(1, True)
     cd.gravity = (0, 0, 0)
     O.run(10, True)
@@ -189,7 +189,7 @@ def test_an_engine_that_moves_bodies_after_it_is_told(O, capfd):
         O.dt = 1e-3
         O.run(5, True)
         said = capfd.readouterr().err
-        assert said.count("HarmonicMotionEngine stands after it in O.engines, so the motion that it sets comes a step late. Put it") == after
+        assert said.count("HarmonicMotionEngine stands after ContactDynamics in O.engines, so the motion that it sets comes a step late.") == after
 
 
 def test_lists_that_are_none(O):

@@ -64,7 +64,7 @@ def test_a_run_goes_on_from_its_checkpoint(whole, tmp_path):
     assert len(found) == 1
     again = killing.start(tmp_path, ROWS["CD"], f"--checkpoints={EVERY}")
     said, _ = again.communicate(timeout=1200)
-    assert "goes on from its checkpoint at sample" in said, said
+    assert "continues from its checkpoint at sample" in said, said
     path = killing.only_result(tmp_path)
     with h5py.File(path) as file:
         assert file.attrs["resumed"] == 1 and file.attrs["checkpoint_samples"] == EVERY

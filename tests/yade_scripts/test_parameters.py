@@ -184,7 +184,7 @@ def test_values_that_do_not_go_together(row, word):
 @pytest.mark.parametrize("scene", [scene for scene in scenes.names() if not scenes.module(scene).DEFAULTS.get("gravity")])
 def test_gravity_is_refused_where_a_scene_does_not_declare_it(scene):
     """Packings are prepared without gravity and stored under a name that does not know it."""
-    with pytest.raises(ParameterError, match=f"gravity = 1e-07: the scene {scene} is without gravity, so take 0; .* declares it in DEFAULTS"):
+    with pytest.raises(ParameterError, match=f"gravity = 1e-07: the scene {scene} has no gravity: set gravity = 0; .* declares it in DEFAULTS"):
         complete({"scene": scene, "gravity": 1e-7})
 
 

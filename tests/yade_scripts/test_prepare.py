@@ -54,7 +54,7 @@ def test_a_packing_of_other_inputs_is_not_taken(tmp_path, capsys):
 
 def test_a_packing_with_gravity_is_refused(yade60):
     done = yade60.script("preparing/prepare.py", "scene=stack")
-    assert done.returncode == 2 and "prepare: gravity = 9.81: packings are prepared without gravity, so take 0" in done.stderr
+    assert done.returncode == 2 and "prepare: gravity = 9.81: packings are prepared without gravity: set gravity = 0" in done.stderr
 
 
 def test_a_packing_that_finds_no_rest_says_so(yade_elsewhere):

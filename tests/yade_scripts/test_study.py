@@ -30,7 +30,7 @@ def test_study_runs_reports_failures_and_skips_what_is_finished(yade60, table, c
     rows = [parameters.complete(row) for row in tables.read(path).values()]
     assert [results.finished(results.path_of(row, folder)) for row in rows] == [True, True, False]
     assert batch.main([path, "--jobs", "1", "--results", folder]) == 1
-    assert "3 runs, 2 finished before" in capsys.readouterr().out
+    assert "3 runs, 2 already finished" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("made, now, words", [
@@ -43,11 +43,11 @@ def test_results_of_other_code_are_named(tmp_path, monkeypatch, capsys, made, no
     monkeypatch.setattr(results, "ending", lambda path: (results.STATUS_FINISHED, made))
     assert batch.work_off(batch.jobs_of([{}], tmp_path), 1) == []
     said = capsys.readouterr()
-    assert said.out == "1 run, 1 finished before\n"
+    assert said.out == "1 run, 1 already finished\n"
     assert said.err == (f"batch: some results may come from other code {words}. Delete a file to run it again.\n" if words else "")
     assert run.execute({}, tmp_path) == 0
     said = capsys.readouterr()
-    assert "has finished before" in said.out
+    assert "is already finished" in said.out
     assert said.err == (f"run: it may come from other code {words}. Delete a file to run it again.\n" if words else "")
 
 

@@ -51,7 +51,7 @@ def ensure(full, folder):
     Raise ParameterError for a row with gravity, under which a packing would lie otherwise than its hash says.
     """
     if full["gravity"]:
-        raise parameters.ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity, so take 0 or a scene without gravity")
+        raise parameters.ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity: set gravity = 0")
     path = pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at the same time prepare it once

@@ -69,7 +69,7 @@ class Run:
         try:
             return parameters.result_name(parameters.complete(self.parameters))
         except parameters.ParameterError as error:
-            raise ResultError(self.path, f"this program cannot run its parameters: {error}",
+            raise ResultError(self.path, f"the present program refuses the parameters stored in this file: {error}",
                               f"it was made by commit {self.attributes['git_commit']}") from None
 
     @property

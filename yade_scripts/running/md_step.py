@@ -25,7 +25,7 @@ def check(full):
     largest = spring_limits.largest_eigenvalue(mass, O.dt**2 * stiffness + 2 * O.dt * damping)
     if largest >= 4:
         most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
-        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the time integration of the springs is unstable from {most:.3g} on "
+        raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the time integration of the springs is unstable if this is {most:.3g} or more "
                         f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n'] * full['damping_factor']:g}); take at most half of that")
 
 

@@ -22,7 +22,8 @@ LEFT_OUT = "a gradual start of the load: the disks touch without force at time 0
 DEFAULTS = dict(method="CD", disks=3, radius_spread=0.0, friction=0.3, beta_n=0.5, gravity=9.81, period=0.1, records_per_cycle=10, tolerance=1e-12,
                 max_iterations=10**6)
 POSITIVE = ("gravity",)
-PARAMETERS = (Parameter("arch_margin", 0.05, "1", "by how much one arch needs less than mu and the other more", low=1e-6, high=0.5),)
+PARAMETERS = (Parameter("arch_margin", 0.05, "1", "one arch needs the friction mu (1 - arch_margin), the other one mu (1 + arch_margin)", low=1e-6,
+                        high=0.5),)
 CHART = Chart(rolling=True)
 
 

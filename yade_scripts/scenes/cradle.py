@@ -18,7 +18,7 @@ HORIZON = "From the last collision on, for any time; MD only while a collision, 
 LEFT_OUT = "the strings; and disks that touch, whose speeds Newton's law does not determine, while springs would give a wave"
 DEFAULTS = dict(method="CD", disks=5, radius_spread=0.0, friction=0.0, restitution=1.0, beta_n=0.0, speed=0.1, period=0.1, records_per_cycle=10,
                 tolerance=1e-13)
-PARAMETERS = (Parameter("gap", 0.05, "1", "between neighbours, over the mean radius", low=1e-6, high=100),)
+PARAMETERS = (Parameter("gap", 0.05, "1", "distance between neighbouring disks, over the mean radius", low=1e-6, high=100),)
 CHART = Chart(physics=("beta_n",))
 
 MOMENTUM = "conservation of momentum"

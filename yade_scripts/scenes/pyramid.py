@@ -16,7 +16,7 @@ LEFT_OUT = "the single forces, which are not unique for rigid contacts: any admi
 DEFAULTS = dict(method="CD", radius_spread=0.0, friction=0.5, beta_n=0.5, gravity=9.81, period=0.2, records_per_cycle=10, tolerance=1e-12,
                 max_iterations=10**6)
 POSITIVE = ("gravity",)
-PARAMETERS = (Parameter("rows", 5, "1", "of the pyramid that are free, and disks in the lowest of them", low=1, high=100),)
+PARAMETERS = (Parameter("rows", 5, "1", "number of rows that can move; the lowest of them has as many disks", low=1, high=100),)
 CHART = Chart(rolling=True)
 
 

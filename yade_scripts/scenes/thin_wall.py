@@ -11,7 +11,7 @@ HORIZON = "Any time after the impact: nothing acts on the disk any more."
 LEFT_OUT = "gravity and rotation: the impact is central"
 DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), speed=10.0, period=0.03, cd_dt=1e-4,
                 records_per_cycle=10, tolerance=1e-13)
-PARAMETERS = (Parameter("wall_thickness", 0.1, "1", "of the wall, over the mean radius", low=1e-6, high=100),)
+PARAMETERS = (Parameter("wall_thickness", 0.1, "1", "thickness of the wall, over the mean radius", low=1e-6, high=100),)
 CHART = Chart(physics=("beta_n",))
 
 

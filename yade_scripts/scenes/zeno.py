@@ -15,7 +15,7 @@ LEFT_OUT = "rotation: the impacts are central. Bounces below 1e-6 of the first i
 # This beta_n gives springs the restitution 0.5.
 DEFAULTS = dict(method="CD", restitution=0.5, beta_n=math.log(2) / math.hypot(math.pi, math.log(2)), gravity=9.81, period=0.4, cd_dt=1e-4,
                 records_per_cycle=10, tolerance=1e-13)
-PARAMETERS = (Parameter("drop", 0.05, "m", "height from which the disk falls, under its lowest point", low=1e-4, high=100),)
+PARAMETERS = (Parameter("drop", 0.05, "m", "initial distance from the floor to the lowest point of the disk", low=1e-4, high=100),)
 CHART = Chart(physics=("beta_n",))
 
 REST = 1e-6  # of the first impact's speed

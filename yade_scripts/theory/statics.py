@@ -113,6 +113,7 @@ def _extremes(snapshot, goal, load, rising):
     for sign in (1, -1):
         result = optimize.linprog(sign * goal, cone, np.zeros(2 * count), balance, -load / unit, bounds, "highs-ipm")
         if not result.success:
-            raise ResultError("a snapshot", f"its contacts do not bound the load ({result.message})", "check that its disks touch the walls")
+            raise ResultError("a snapshot", f"there is no limit, as its contacts carry any load or none ({result.message})",
+                              "check that its disks touch the walls")
         found.append(sign * float(result.fun))
     return tuple(found)
