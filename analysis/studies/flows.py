@@ -134,7 +134,7 @@ def gains(rows, disks):
 def drawn_gains(rows, disks, draws=2000):
     """Return a table of gains, a column a scene, if the means are drawn again: from Student's t distribution with the standard error and the number
     of seeds of each. Where no other rigid contacts are within 2 % then, the rigid answer gives their cost; where no springs are, the gain is
-    infinite: stiffer ones would cost more.
+    infinite: stiffer ones, if any suffice, would cost more.
     """
     dice, found = np.random.default_rng(1), []
     known = [row for row in rows if row["disks"] == disks and _is_judged(row)]
