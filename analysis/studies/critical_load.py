@@ -132,11 +132,11 @@ R in CD and 4e-3 R in MD (medians). Up to 0.95 of the limit every step of CD met
 """
 GIVEN = ("1e-4", "0.95", "1e-5", "1e-3", "0.03")
 POINTS = (
-    (14, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "agrees in part",
+    (15, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "agrees in part",
      "Which network a packing starts from hardly matters: CD yields at 1.599 P0 from 11 of them, within 4e-4 P0. Nor do rigid grains need "
      "undetermined forces to rest: where the forces are nearly unique they still rest below the limit, and beyond it they strain about as far as "
      "very stiff springs. But this limit then lies only slightly above P0, so that CD yields early, too (study isostatic)."),
-    (15, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
+    (16, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part",
      "13 networks that differ by 18 % of the mean force (median, rms) from the springs' own carry the same packings, while the grain that moves most "
      "moves by 5.0e-7 to 1.0e-6 R from snapshot to snapshot. But no jump was seen: under load the networks approach each other, to 5 % just "
      "before yield."),

@@ -174,10 +174,10 @@ POINTS = (
      "is 0.71 times (median of 5; 0.12 to 0.78); there the rate of the second half of the cycles is 5.2e-5 a cycle (median). That is for cycles of "
      "0.5 s, which triple the late rates (study of ratcheting). In cycles of 2 s one of three packings strains at a constant rate for 40 cycles, and "
      "then faster (study thousand)."),
-    (13, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
+    (14, "[...] while CD is much more resistant to collapse.", "section 4", "agrees in part",
      "The sign agrees, \"much\" does not. In cycles of 0.5 s CD stands 1.49 times as many cycles as MD (median of 52 pairs from 10 packings); in 1 "
      "pair it collapses earlier. In slow cycles both collapse in the first or second cycle (study of collapse)."),
-    (12, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
+    (13, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.", "section 4",
      "agrees", "Well below the static limit MD strains and CD rests; above it both give way, CD more slowly."),
 )
 

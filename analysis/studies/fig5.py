@@ -165,17 +165,17 @@ POINTS = (
      "The range, by the sentences before, goes up to the collapse of MD. There CD does not remain unaltered: when MD reaches 0.2, CD has passed 1e-2 "
      "in 29 and 0.1 in 21 of 30 pairs, and reaches 0.2 at 1.01 times the load of MD (median; 0.96 to 1.11). At small strains it agrees: when MD "
      "passes 1e-3, CD is below 1e-4 in 30 of 30 pairs."),
-    (9.5, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "not decided",
+    (10, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "not decided",
      "Up to the static limit CD rests; beyond it its curves have steps as those of MD have (see the figure). How smooth they are was not measured."),
-    (10, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
+    (11, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
      "expands.", "section 3, Fig. 5", "agrees",
      "CD stays below |gamma| = 1e-4 up to 0.986 to 1.022 of the static limit (30 ramps). Beyond it strains; if expanding means the area, it has "
      "grown in the end in 30 of 30 runs."),
-    (11, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
+    (12, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
      "agrees in part",
      "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 30 of 30 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp "
      "went."),
-    (13, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
+    (14, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
      "agrees in part",
      "Not under a ramp: there both methods yield at the same load, as well as can be told. CD reaches |gamma| = 1e-2 at 1.05 times the ratio of MD "
      "on dense packings and 1.02 times on loose ones; counted from the strain at the static limit, 1.03 and 0.97 times. What differs is the strain "
