@@ -38,20 +38,11 @@ TEST_CASE("both forms of a problem have one error and, solved, one solution")
 		}
 }
 
-TEST_CASE("fixed iterations, order and status of the matrix form")
+TEST_CASE("a matrix problem with a number that is not finite diverges")
 {
-	SolverSettings settings;
-	settings.fixedIterations = 7;
-	settings.seed = 3;
-	DelassusSystem a = tests::matrixOf(tests::column(7, 8, 20, 0.3, true)), b = a, c = a;
-	CHECK(nsgs(a, settings).status == Status::fixed_iterations);
-	CHECK(accelerated(b, settings).iterations == 7);
-	CHECK(a.p == b.p); // plain sweeps whatever the method, the same order for the same seed
-	settings.seed = 4;
-	nsgs(c, settings);
-	CHECK(a.p != c.p);
-	c.q[3] = std::nan("");
-	CHECK(nsgs(c, settings).status == Status::diverged);
+	DelassusSystem a = tests::matrixOf(tests::column(7, 8, 20, 0.3, true));
+	a.q[3] = std::nan("");
+	CHECK(nsgs(a, {}).status == Status::diverged);
 }
 
 TEST_CASE("a matrix without contacts is solved")

@@ -171,10 +171,3 @@ def test_fixed_iterations_that_only_press_are_not_converged():
     W = np.kron([[1, -1], [-1, 1 + 1e-8]], np.eye(2))
     report = core.solve(core.Problem(W, [-1, 0, 0, 0], [0, 0]), tolerance=1e-3, fixed_iterations=20000)
     assert report.residual < 1e-4 and report.status == "fixed_iterations" and not report.converged
-
-
-@pytest.mark.parametrize("method", core.methods())
-def test_no_more_than_max_iterations(method):
-    for most in (1, 2, 3, 5, 17, 50, 101, 600):
-        for problem in (packed(60, 5), core.Problem(HOPELESS, [-1, 0, -1, 0], [0, 0])):
-            assert core.solve(problem, method=method, tolerance=1e-15, max_iterations=most).iterations <= most

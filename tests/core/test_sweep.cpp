@@ -122,22 +122,6 @@ TEST_CASE("a step after another with its memory gives the bits it gives without"
 		}
 }
 
-TEST_CASE("both methods and both forms of order solve a heap to the tolerance, by the independent error")
-{
-	for (const auto method : { "nsgs", "accelerated" })
-		for (const unsigned seed : { 0u, 3u })
-			for (const bool general : { false, true }) {
-				ContactSystem s = heap(4, 200, 0.3, general);
-				const std::vector<double> free = tests::velocitiesOf(s);
-				SolverSettings settings = tests::to(1e-9, 100000);
-				settings.seed = seed;
-				CAPTURE(method);
-				CAPTURE(general);
-				CHECK(findSolver(method)(s, settings).status == Status::converged);
-				CHECK(residual(s, free).norm <= 1e-9);
-			}
-}
-
 TEST_CASE("a solver asks for no memory where it has solved a problem of that size with the same Workspace, be it judged or surely solvable")
 {
 	const SolverSettings limits[]

@@ -76,14 +76,6 @@ def test_emptied_lists_make_the_overlaps_present_count_as_such(O, tmp_path):
     assert O.engines[-1].maxPenetration == pytest.approx(1e-3)
 
 
-@pytest.mark.parametrize("ranks", [[10**9, -10**9, 5], [3, 3, 3, 3]])
-def test_an_order_that_is_none_changes_nothing(O, tmp_path, ranks):
-    """In a scene of few bodies it is dropped; tests/core/test_space_order.cpp has many."""
-    load(O, tmp_path, with_list(saved(O, tmp_path), "bodyOrder", ranks))
-    O.run(130, True)
-    assert not O.engines[-1]._bodyOrder and O.engines[-1].converged
-
-
 def test_fingerprints_of_other_bodies_change_nothing(O, tmp_path):
     load(O, tmp_path, with_list(saved(O, tmp_path), "loadsBeforeTrial", [1] * 99))
     O.run(130, True)

@@ -11,34 +11,6 @@ from . import plane
 G = 9.81
 
 
-def incline(O, degrees, mu=0.5, steps=500, dt=1e-3):
-    """Disk with blocked rotation (a block) on a turned Box; its velocity along the slope, off it, and the time."""
-    t = math.radians(degrees)
-    mat = plane.material(mu)
-    plane.box((0, 0), (10, 0.1), angle=-t, mat=mat)
-    n, d = (math.sin(t), math.cos(t)), (math.cos(t), -math.sin(t))
-    block = plane.disk((0.15 * n[0], 0.15 * n[1]), 0.05, blocked="zXYZ", mat=mat)
-    plane.run(steps, dt, gravity=(0, -G, 0), tolerance=1e-13)
-    v = O.bodies[block].state.vel
-    return v[0] * d[0] + v[1] * d[1], v[0] * n[0] + v[1] * n[1], steps * dt
-
-
-@pytest.mark.parametrize("degrees", [27, 35, 60, 85])
-def test_block_slides_with_the_friction_law_s_acceleration(O, degrees):
-    """a = g (sin t - mu cos t); the scheme is exact for a constant acceleration, so only round-off is left."""
-    along, off, time = incline(O, degrees)
-    t = math.radians(degrees)
-    assert along / time == pytest.approx(G * (math.sin(t) - 0.5 * math.cos(t)), rel=1e-12)
-    assert abs(off) < 1e-12
-
-
-@pytest.mark.parametrize("degrees", [0, 10, 26.5])
-def test_block_rests_below_the_friction_angle(O, degrees):
-    """atan 0.5 = 26.565 degrees. Rest means round-off of one step's velocity g dt."""
-    along, off, _ = incline(O, degrees)
-    assert abs(along) < 1e-14 and abs(off) < 1e-14
-
-
 @pytest.mark.parametrize("settings", [
     *(dict(method=method, reduce=reduce) for method in ("nsgs", "accelerated", "newton", "auto") for reduce in (True, False)),
     dict(fixedIterations=1), dict(seed=3)], ids=str)
@@ -118,30 +90,6 @@ def test_bounce_returns_the_coefficient_of_restitution(O, e, height):
     ball = plane.disk((0, height), 0.1, velocity=(0, -1), mat=mat)
     plane.run(60, 1e-3, tolerance=1e-13, restitution=e)
     assert O.bodies[ball].state.vel[1] == pytest.approx(e, abs=1e-12)
-
-
-def test_bouncing_comes_to_rest_at_the_zeno_time(O):
-    """Infinitely many bounces end at T = sqrt(2h/g) (1 + 2e/(1 - e)); just before, it still moves."""
-    mat = plane.ground(0.2)
-    ball = plane.disk((0, 1.1), 0.1, mat=mat)
-    end = math.sqrt(2 / G) * (1 + 2 * 0.5 / 0.5)
-    plane.run(round(0.99 * end / 1e-4), 1e-4, gravity=(0, -G, 0), tolerance=1e-13, restitution=0.5)
-    assert abs(O.bodies[ball].state.vel[1]) > 1e-3
-    O.run(round(0.02 * end / 1e-4), True)
-    assert abs(O.bodies[ball].state.vel[1]) < 1e-10
-    assert O.bodies[ball].state.pos[1] == pytest.approx(0.1, abs=2e-6)  # g T dt / 2 of gap is closed early by a bounce
-
-
-def test_stack_carries_the_weight_above(O):
-    """Fifty disks: every contact force equals the weight above it."""
-    mat = plane.ground()
-    for i in range(50):
-        plane.disk((0, (2 * i + 1) * 0.01), 0.01, mat=mat)
-    cd = plane.run(10, 1e-3, gravity=(0, -G, 0), tolerance=1e-11, maxIterations=100000)
-    assert cd.converged
-    for i in range(1, 51):
-        below = i - 1
-        assert O.interactions[below, i].phys.normalForce.norm() == pytest.approx(G * (51 - i), rel=1e-8)
 
 
 @pytest.mark.parametrize("ratio", [1e-6, 1, 1e6])
@@ -234,29 +182,6 @@ def test_roller_at_prescribed_spin_turns_what_lies_on_it(O):
     assert O.bodies[ball].state.angVel[2] == pytest.approx(-w * big / small, rel=1e-9)
 
 
-def groove(O, degrees, mu, radius=0.1):
-    """A disk of 1 kg in a symmetric groove, its walls at `degrees` to the horizontal; its id."""
-    t, half = math.radians(degrees), 0.05
-    mat = plane.material(mu)
-    for side in (-1, 1):
-        plane.box((side * (radius + half) * math.sin(t), -(radius + half) * math.cos(t)), (1, half), angle=side * t, mat=mat)
-    return plane.disk((0, 0), radius, mat=mat)
-
-
-@pytest.mark.parametrize("degrees, mu", [(45, 0.3), (30, 0.2), (20, 0.6), (30, 0.8)])
-def test_disk_in_a_groove_turns_at_the_critical_torque(O, degrees, mu):
-    """Symmetric groove, walls at t to the horizontal (PRE 72, 021304): m g R mu/((1 + mu^2) cos t) where mu <= tan t, both contacts
-    sliding; m g R sin t where mu >= tan t and mu tan t < 1, the disk rolling out over one wall."""
-    t, radius = math.radians(degrees), 0.1
-    critical = G * radius * (mu / ((1 + mu**2) * math.cos(t)) if mu <= math.tan(t) else math.sin(t))
-    for factor, turns in ((0.999, False), (1.001, True)):
-        O.reset()
-        ball = groove(O, degrees, mu, radius)
-        O.forces.setPermT(ball, (0, 0, factor * critical))
-        plane.run(200, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=100000)
-        assert (abs(O.bodies[ball].state.angVel[2]) > 1e-6) == turns, (factor, O.bodies[ball].state.angVel[2])
-
-
 def test_a_light_body_beside_a_heavy_one_is_carried(O):
     """Its force is 1e-9 of the other's, below the tolerance of the whole problem; still it must not fall through the floor."""
     mat = plane.ground()
@@ -264,14 +189,6 @@ def test_a_light_body_beside_a_heavy_one_is_carried(O):
     light = plane.disk((0.1, 0.03), 0.01, mass=1e-3, mat=mat)
     cd = plane.run(3000, 1e-4, gravity=(0, -G, 0))
     assert O.bodies[light].state.pos[1] == pytest.approx(0.01, abs=1e-9) and cd.unconvergedSteps == 0
-
-
-def test_a_cradle_hands_its_velocity_on(O):
-    """e = 1, five equal disks half a millimetre apart, one step being a millimetre: the last one leaves with the whole velocity."""
-    for i in range(5):
-        plane.disk((0.0205 * i, 0), 0.01, velocity=(1 if i == 0 else 0, 0))
-    plane.run(200, 1e-3, restitution=1, tolerance=1e-12)
-    assert [b.state.vel[0] for b in O.bodies] == pytest.approx([0, 0, 0, 0, 1], abs=1e-12)
 
 
 @pytest.mark.parametrize("ahead, energy", [(0.5, 1), (0, math.exp(400 * 1e-3 * 10 / 2))])

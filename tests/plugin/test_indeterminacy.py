@@ -8,9 +8,18 @@ import cd_engine
 from yade_scripts.preparing import force_network
 from yade_scripts.running import hooks
 
-from .test_exact_solutions import groove
+from . import plane
 
 G = 9.81
+
+
+def groove(O, degrees, mu, radius=0.1):
+    """A disk of 1 kg in a symmetric groove, its walls at `degrees` to the horizontal; its id."""
+    t, half = math.radians(degrees), 0.05
+    mat = plane.material(mu)
+    for side in (-1, 1):
+        plane.box((side * (radius + half) * math.sin(t), -(radius + half) * math.cos(t)), (1, half), angle=side * t, mat=mat)
+    return plane.disk((0, 0), radius, mat=mat)
 
 
 @pytest.mark.parametrize("degrees, mu", [(45, 0.3), (30, 0.5), (60, 0.1)])

@@ -26,29 +26,6 @@ def test_a_lost_body_is_named_once_and_widens_nothing(O, capfd):
     assert O.engines[2].converged
 
 
-def test_a_group_that_leaves_is_noticed(O, capfd):
-    """All fall side by side, so none is left behind by the others, and none jumps over another, however fast they are."""
-    first, O.engines = bed(60, {}, position=(0.7, 0))
-    for k in range(1, 20):
-        plane.disk((0.7 + 0.03 * (k % 5), 0.03 * (k // 5)), 0.01)
-    O.dt = 1e-3
-    O.run(5000, True)
-    line, = [line for line in capfd.readouterr().err.splitlines() if line.startswith("ContactDynamics: ")]
-    assert int(line.split("body #")[1].split()[0]) >= first and "has left the scene" in line and O.bodies[first].state.vel[1] * O.dt < -4 * 0.01
-
-
-def test_what_a_wall_will_catch_is_not_lost(O, capfd):
-    """The discharge of a small funnel falls far onto a floor that is a Wall."""
-    mat = plane.ground()
-    for side in (-1, 1):
-        plane.box((0.03 * side, 2), (0.01, 0.02), mat=mat)
-    for k in range(10):
-        plane.disk((0, 2 + 0.021 * k), 0.01, mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
-    O.run(600, True)
-    assert "ContactDynamics: " not in capfd.readouterr().err and O.bodies[3].state.pos[1] < 1
-
-
 @pytest.mark.parametrize("settings", [{}, dict(restitution=0.5)], ids=["plain", "bouncing"])
 def test_it_hits_what_it_comes_to(O, capfd, settings):
     """A fast disk hits a bed: the motion has the same bits as with bounds that are always wide."""

@@ -40,12 +40,6 @@ def test_contact_dynamics_hardly_strains_below_yield(yade60):
     assert np.abs(fine["sigma2"][:] - fine["sigma2_goal"][:]).max() < 1e-3 * 1200
 
 
-def test_nothing_moves_in_cd_while_nothing_changes(yade60):
-    """Hand-over from MD at constant P0: 1000 steps drift by less than 1e-9 in gamma."""
-    history = yade60.run(method="CD", loading="ramp", ramp_rate=1e-12, period=1.0, records_per_cycle=2, tolerance=1e-8)["history"]
-    assert np.abs(history["gamma"][:]).max() < 1e-9
-
-
 def test_a_collapse_is_a_result(yade60):
     """Without friction the sample cannot carry sigma2 = 2 P0: it gives way until the strain passes collapse_strain."""
     row = dict(method="MD", friction=0, delta_sigma=1, period=2)
@@ -100,14 +94,6 @@ def test_slip_times_the_force_is_what_friction_dissipates(yade60):
         work += sum(limit[ids] * abs(value) for ids, value in slip.between(first, second, stiffness).items())
     # 40 snapshots: the limit changes by a fortieth between them, and a slip to and fro within one interval does not show.
     assert work == pytest.approx(observables.change(run, "friction_dissipation"), rel=0.1)
-
-
-def test_strain_above_the_limit_ends_the_run(yade60):
-    """Stress held or not: the limit alone ends this elastic load step."""
-    file = yade60.run(method="MD", period=1, delta_sigma=0.2, collapse_strain=1e-4)
-    assert file.attrs["finished"] and "above collapse_strain" in file.attrs["outcome"]
-    gamma = np.abs(file["history/gamma"][:])
-    assert gamma[-1] > 1e-4 and (gamma[:-1] <= 1e-4).all()
 
 
 def test_a_load_the_walls_cannot_follow_is_a_failure(yade60):
@@ -167,16 +153,6 @@ print(json.dumps(said))
     assert sound == "finished"
 
 
-@pytest.mark.parametrize("arguments, message", [
-    (["frction=0.2"], "did you mean friction"), (["friction=-1"], "must be a number in [0, 2]"),
-    (["method=CD", "disks=60", "method_cd=magic"], "nsgs")])
-def test_user_s_mistake_is_one_line_and_status_2(yade60, arguments, message):
-    done = yade60.script("run.py", *arguments)
-    assert done.returncode == 2
-    lines = [line for line in done.stderr.splitlines() if line.startswith("run: ")]
-    assert len(lines) == 1 and message in lines[0] and "Traceback" not in done.stderr
-
-
 def test_row_of_a_yade_batch_table(yade60):
     table = yade60.folder / "table.txt"
     table.write_text("description disks method period records_per_cycle wrong\na 60 MD 0.02 2 1\n")
@@ -187,11 +163,3 @@ def test_row_of_a_yade_batch_table(yade60):
     assert done.returncode == 0, done.stderr
     with yade60.run(method="MD", period=0.03, records_per_cycle=2) as file:
         assert file.attrs["finished"]
-
-
-def test_same_row_same_numbers_in_another_process(yade60, yade_elsewhere):
-    """All that is recorded, energies and works too."""
-    row = dict(method="MD", period=0.1, records_per_cycle=10)
-    one, other = yade60.run(**row), yade_elsewhere.run(**row)
-    for name in set(one["history"]) - {"wall_clock", "processor_time"}:
-        assert one[f"history/{name}"][:].tobytes() == other[f"history/{name}"][:].tobytes(), name

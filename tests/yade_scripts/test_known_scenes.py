@@ -21,6 +21,8 @@ def omega(kn, share=1.0):
 # (scene, row, largest error, its reason). Springs err by their stiffness (displacements of m g/k_n, times of 1/omega) and by the step.
 ROWS = [
     ("incline", dict(slope=-35.0), 1.7e-12, "round-off of 1000 steps"),
+    ("incline", dict(slope=-85.0), 1.7e-12, "the same"),
+    ("incline", dict(slope=10.0), 1.7e-12, "the same; it rests"),
     ("incline", dict(method="MD"), 4e-4, "the block starts with its tangential spring at rest and swings once"),
     ("incline", dict(method="MD", slope=16.0), 7e-4, "the same"),
     ("bounce", dict(method="MD", md_dt_factor=0.01, speed=0.01), 1e-3, "7e-4 from the step, first order, 1e-2 at the default 0.2; at 1 m/s the "
