@@ -3,8 +3,8 @@
 PROCESSES = ("One cycle", "Strain a cycle (ratcheting)", "Collapse")
 NOTE = ("The rows on tolerance, tangential law and stress path compare one method with itself. They show whether such a change can explain the "
         "difference between the methods. Powers are of k_n, with the standard error in brackets. Cycles take 0.5 s unless another period is named. "
-        "The numbers of cycles until collapse are compared on the same packing, and their ratio is a median over the packings. A packing counts as "
-        "longer only if that is certain.")
+        "The numbers of cycles until collapse are compared on the same packing, and their ratio is a median over the packings. A packing is counted "
+        "as standing longer only if that is certain.")
 # Written by hand for the published run; a test compares its numbers one by one with the published tables.
 TABLE = {
     "Stiffness of the springs": (
@@ -22,7 +22,7 @@ TABLE = {
         "With a tolerance of 1e-6, compared with 1e-8, rigid grains stand 0.93 times as many cycles under dSigma = 0.3 (longer on 3 of 6 packings) "
         "and 0.98 times under 0.4 (2 of 6)."),
     "Indeterminacy: contact forces at the start": (
-        "CD yields at loads that differ by at most 0.05 % between 17 force networks of 4 packings.",
+        "On one packing CD yields at loads that differ by at most 0.05 % from network to network (17 networks of 4 packings).",
         "Not varied.",
         "From other contact forces at the start rigid grains stand 0.84 to 1.03 times as many cycles under dSigma = 0.3 (longer on 2 of 6 "
         "packings) and 1.00 times under 0.4 (2 of 6)."),

@@ -18,7 +18,7 @@ COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
 MARKER = {"MD": "o", "CD": "s"}
 WORDS = {"MD": "springs (MD)", "CD": "rigid contacts (CD)"}
 STRESS_PATH = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}
-# Through more hues than viridis, so that nine lines can be told apart: neighbours differ twice as much, also without red or green.
+# It goes through more hues than viridis, so that nine lines can be told apart: neighbours differ twice as much, also without red or green.
 SHADES = LinearSegmentedColormap.from_list("shades", ("#540000", "#6B00CE", "#005CB6", "#00868D", "#819C45", "#FFAE2C"))
 SLIDING, CHAIN, GRAIN, RATTLER = "#D55E00", "#1A1A1A", "#B8B8B8", "#E6E6E6"
 

@@ -19,8 +19,8 @@ def timeStep(gravity=None, speed=None, share=None):
     a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give `speed`
                where a force moves a body over a long way, and for longer steps where a light lid presses on disks already
     share      largest distance that a disk moves in one step at that speed, over its radius [1]; by default 0.25, or 0.05 if ContactDynamics has a
-               restitution, since disks that bounce in a cluster overlap by up to their way in a step, and stay so. An example of its effect: the
-               disks that left a hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
+               restitution, since disks that bounce in a cluster overlap by up to their displacement in a step, and stay overlapped. An example:
+               the disks that left a hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
 
     Rigid contacts have no stiffness that would limit the time step, but geometry limits it: a step uses the normals at its middle, so a disk
     must move by less than its radius in a step. sqrt(R / g) is the time in which a disk falls from rest by half its radius.

@@ -4,8 +4,9 @@
 
 The first level runs the row at its own cd_dt with a tolerance of a hundredth of the accuracy and at most 1e-8. Each further level halves both.
 The estimated error of a level is the larger of two numbers:
-    the change of the measured quantities since the level before, over their scales (of the final strains themselves, for loaded walls without such
-    quantities, so accuracy=1e-5 means strains to 1e-5); the scheme is of first order, so the remaining error is about as large as the last change;
+    the change of the measured quantities since the level before, over their scales; for loaded walls without such quantities the change of the
+    final strains, so that accuracy=1e-5 means strains to 1e-5. The scheme is of first order, so the remaining error is about as large as the last
+    change;
     the largest overlap, over the mean radius, since rigid disks should not overlap.
 A level does not count if steps miss their tolerance, or if disks move by more than a radius in a step: then two coarse levels can agree although
 both have missed an event. The first level within the accuracy is accepted if the level before it was within four times the accuracy, since a single

@@ -45,7 +45,7 @@ def finer(row, rows):
 
 
 def best(rows):
-    """Return the row with the smallest error among those that reach their own error by this rule; None if there are none."""
+    """Return the row with the smallest error among those whose finer settings have no larger error; None if there are none."""
     found = [row for _, own in table.by_series(rows) for index, row in own.iterrows() if reaches(own, row.error * (1 + 1e-12))[index]]
     return min(found, key=lambda row: row.error, default=None)
 

@@ -36,7 +36,7 @@ def draw(rows, folder, line):
 
 def _draw(rows, scene, path, line):
     """Draw a panel for each method, in which the settings of the other one are grey."""
-    found, chance = rows[(rows.status == "") & rows.error.notna()], scene.KIND == "flow"  # means of chaotic flows err by chance: a line would lie
+    found, chance = rows[(rows.status == "") & rows.error.notna()], scene.KIND == "flow"  # means of chaotic flows err by chance: a line would mislead
     methods = [method for method in style.WORDS if method in set(rows.method)]
     fig, panels = plt.subplots(1, len(methods), figsize=(5 + 2.2 * len(methods), 4.6), sharex=True, sharey=True, squeeze=False)
     for axes, method in zip(panels[0], methods):

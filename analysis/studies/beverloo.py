@@ -58,14 +58,14 @@ def draw(runs, rows, path):
 
 ANSWER = """
 Yes, within the errors. Through slots of 6 to 20 diameters a straight line through the rates of 2000 disks, to the power of two thirds, misses no rate
-of rigid contacts by more than 1.6 %, and none of springs by more than 2.9 %; weighted by the standard errors chi^2 is 1.1 and 1.6 a degree of
+of rigid contacts by more than 1.6 %, and none of springs by more than 2.9 %; weighted by the standard errors chi^2 is 1.1 and 1.6 per degree of
 freedom. An exponent of 1.6 in place of three halves does as well, with misses of 1.4 and 0.9 % at most, so these widths do not test the exponent. k
 depends on it: with three halves it is 1.98 for rigid contacts and 2.08 for springs of 2e7 N/m (standard errors 0.06 and 0.07), with 1.6 it is 1.36
 and 1.48. At either exponent both methods have the same k, within its errors. With the rate in disks per sqrt(d/g) and three halves, C is 1.11 and
-1.16. Disks with springs flow out faster, by 2.0 % (mean over the widths; standard error 0.7 %, from the scatter of the widths). There are 4 runs a
-width and method, so the standard errors of single rates are rough, and a chi^2 of 3 would be no surprise. The silo is 36 diameters wide: its walls
-and the falling surface may affect the flow through the widest slot. Rigid contacts took steps of 1 ms with a tolerance of 1e-3, which at most 0.014 %
-of the steps at a width missed.
+1.16. Disks with springs flow out faster, by 2.0 % (mean over the widths; standard error 0.7 %, from the scatter of the widths). There are 4 runs for
+each width and method, so the standard errors of single rates are rough, and a chi^2 of 3 would be no surprise. The silo is 36 diameters wide: its
+walls and the falling surface may affect the flow through the widest slot. Rigid contacts took steps of 1 ms with a tolerance of 1e-3, which at most
+0.014 % of the steps at a width missed.
 """
 GIVEN = ("6", "20", "2000", "2", "2e7", "36", "1", "1e-3", "3")
 

@@ -23,7 +23,7 @@ FINE = dict(method="CD", cd_dt=1e-3, tolerance=1e-3)
 COARSER = dict(method="CD", cd_dt=2e-3, tolerance=1e-3)
 COARSEST = dict(method="CD", cd_dt=4e-3, tolerance=1e-3)
 COARSE = dict(method="CD", cd_dt=2e-3, tolerance=1e-2)
-PROPOSED = dict(method="CD", cd_dt=5e-4, tolerance=1e-4)  # about what cd_engine.timeStep() gives here, and the tolerance of README's example
+PROPOSED = dict(method="CD", cd_dt=5e-4, tolerance=1e-4)  # about what cd_engine.timeStep() gives here, and the tolerance of engines() in flow
 STRICT = PROPOSED | {"tolerance": 1e-6, "max_iterations": 20000}
 DEFAULT = STRICT | {"flow_tolerance": 1e-4}  # of cd_engine.engines()
 SPRINGS = dict(method="MD", md_dt_factor=0.3, md_energies=False)

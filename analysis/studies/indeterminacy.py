@@ -136,10 +136,10 @@ def draw(runs, rows, path):
 
 ANSWER = """
 Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10 and of 9
-packings). At one mu these packings differ by a factor of 1.6 to 12, so that the maximum of the published curve near 0.1 is neither confirmed nor
-excluded. Without friction the forces scatter by 7.5e-7, which is the error of the solver. Between mu = 0.001 and 0.1 the ambiguity grows 4.5-fold;
-the published one is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the forces are
-undetermined in 14 to 26 directions.
+packings). At one mu these packings differ by a factor of 1.6 to 12, so that the maximum near 0.1 in the curve of Unger et al. is neither confirmed
+nor excluded. Without friction the forces scatter by 7.5e-7, which is the error of the solver. Between mu = 0.001 and 0.1 the ambiguity grows
+4.5-fold; that of Unger et al. is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the
+forces are undetermined in 14 to 26 directions.
 
 The forces of the springs lie further from the mean of the admissible ones than the samples do (rms): 1.46 times as far near the rigid limit, for mu
 of 0.01 to 1 (median; further than the samples in 58 of 64 packings), unlike what Unger et al. found; in dense packings at mu of 0.1 and more they lie

@@ -89,13 +89,13 @@ at 1e-6. After the unloading one packing keeps 4.5e-4 to 4.7e-4 with both method
 1.5e-6.
 
 Rigid grains do not need undetermined forces to rest. A load of 1.005 P0 at 1e-6 is below all limits, and CD rests on 5 of 5 packings, although the
-set of their admissible forces has at most one dimension. But they can rest under little more than the load of their preparation. Nor does the number
-of dimensions alone determine the limit: what matters is how far the forces can vary, which depends on friction, pressure and geometry. With friction
-0.81 to 0.98 dimensions a disk are left at all pressures, the limit stays at 1.40 to 1.60 P0, far above this load, CD rests in 20 of 20 cases (1.3e-9
-at most), and MD's strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). Packings with friction were not loaded beyond their limit here: see the
-studies of the ramp and of ratcheting. No step of CD missed its tolerance of 1e-9. All packings have 400 disks. Combe and Roux (2000) found that rigid
-disks without friction strain in steps, each under a load that is the smaller the more disks there are; so a limit of 1.01 to 1.04 P0 belongs to this
-size.
+set of their admissible forces has at most one dimension. But the largest load under which they rest is only a little above that of their preparation.
+Nor does the number of dimensions alone determine the limit: what matters is how far the forces can vary, which depends on friction, pressure and
+geometry. With friction 0.81 to 0.98 dimensions a disk are left at all pressures, the limit stays at 1.40 to 1.60 P0, far above this load, CD rests in
+20 of 20 cases (1.3e-9 at most), and MD's strain goes as P0/k_n to the power 0.99 (0.97 to 1.01). Packings with friction were not loaded beyond their
+limit here: see the studies of the ramp and of ratcheting. No step of CD missed its tolerance of 1e-9. All packings have 400 disks. Combe and Roux
+(2000) found that rigid disks without friction strain in steps, each under a load that is the smaller the more disks there are; so a limit of 1.01 to
+1.04 P0 belongs to this size.
 """
 GIVEN = ("1.02", "1.005", "6e-4", "6e-6", "1e-6", "1e-9", "400")
 

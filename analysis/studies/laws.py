@@ -13,7 +13,7 @@ QUESTION = ("Does the strain per cycle vanish if the tangential spring does no w
 ORDER = 9  # in the report
 LAWS = ("standard", "avoid_ratcheting", "path_independent")
 # The dense packings of fig3; some at ten times the pressure, where the work that the standard spring makes along closed paths, of the order of
-# (dSigma P0/k_n)^2 a cycle, is a hundred times larger.
+# (dSigma P0/k_n)^2 a cycle, is some fifty times larger.
 SLOW = 2.0  # s: cycles of 0.5 s are short for springs of k_n (study of ratcheting)
 ROWS = {"quick": product(tangential_law=LAWS, cycles=10, delta_sigma=0.4, **SPRINGS),
         "full": product(tangential_law=LAWS, cycles=40, delta_sigma=(0.4, 0.5), seed=range(1, 7), **SPRINGS)
@@ -78,8 +78,8 @@ packings and -0.91 times on the sixth, whose strain decreases, by 6.5e-5 a cycle
 
 At ten times the pressure and dSigma = 0.3 (4 packings), where the standard spring does more work along closed paths, packings strain 0.98 to 1.00
 times as far with the path-independent law in the first cycle and after 30 cycles; the remaining rates, 2.0e-6 a cycle at most, differ between the
-laws by 5e-8 a cycle (mean; standard error 1.8e-7), so the law contributes less than 4.1e-7 a cycle (two standard errors). A strain that remains with
-the path-independent law is no artefact of the spring.
+laws by 5e-8 a cycle (mean; standard error 1.8e-7), so the law contributes less than 4.1e-7 a cycle (mean plus two standard errors). A strain that
+remains with the path-independent law is no artefact of the spring.
 
 avoidGranularRatcheting creates energy, as two disks on a closed path show: the error of its energy balance is 4e-4 to 1.7e-3 of the work, that of the
 standard law at most 2.7e-4, that of the path-independent one 1.5e-4.

@@ -90,14 +90,14 @@ ANSWER = """
 Below the limit packings with springs strain from cycle to cycle mainly because the springs are soft. Under dSigma = 0.3, which loads 29 packings from
 10 seeds to 0.75 to 0.95 of their limits, the strain of a late cycle (the mean of the last 10 of 20) goes nearly as 1/k_n if packings at the same
 ratio of load to limit are compared: as k_n to the power -0.95 (standard error 0.02), and that in the first cycle to the power -0.96 (0.02). Closer to
-the limit the strain of a late cycle depends less on k_n, and no load separates the two. All 42 runs up to 0.96 of the limit, with a factor for each
-seed and load, give -0.89 (0.03), those up to 0.9 of it -0.99 (0.05) and all 56 up to the limit -0.71 (0.06). Under dSigma = 0.4 alone, up to 0.96 of
-the limit, it is -0.76 (0.09), a rough value from the 10 runs of 4 seeds that can be compared. The strain of the first cycle of these 42 runs goes as
-k_n to the power -0.98 (0.02). So the strain of the first cycle is deformation of the contacts, type I, and that of a late cycle is so for the most
-part. Stiffened packings have other contacts and are nearer to their limits. Under the same dSigma of 0.3 stiffness therefore helps less: the powers
-are -0.67 (standard error 0.10; -1.00 to -0.17 on single packings) and -0.87 (0.03), means over the seeds. Between 0.96 and the limit 14 runs from 8
-seeds scatter too much to tell: the strain of a late cycle goes as k_n to the power -0.50 (0.16) over all of them and -0.44 (0.33) within the seeds.
-Most rates still fall: over the last five cycles they are 0.63 times those of the five before (median; quartiles 0.56 and 0.76).
+the limit the strain of a late cycle depends less on k_n, without a sharp boundary. All 42 runs up to 0.96 of the limit, with a factor for each seed
+and load, give -0.89 (0.03), those up to 0.9 of it -0.99 (0.05) and all 56 up to the limit -0.71 (0.06). Under dSigma = 0.4 alone, up to 0.96 of the
+limit, it is -0.76 (0.09), a rough value from the 10 runs of 4 seeds that can be compared. The strain of the first cycle of these 42 runs goes as k_n
+to the power -0.98 (0.02). So the strain of the first cycle is deformation of the contacts, type I, and that of a late cycle is so for the most part.
+Stiffened packings have other contacts and are nearer to their limits. Under the same dSigma of 0.3 stiffness therefore helps less: the powers are
+-0.67 (standard error 0.10; -1.00 to -0.17 on single packings) and -0.87 (0.03), means over the seeds. Between 0.96 and the limit 14 runs from 8 seeds
+scatter too much to tell: the strain of a late cycle goes as k_n to the power -0.50 (0.16) over all of them and -0.44 (0.33) within the seeds. Most
+rates still fall: over the last five cycles they are 0.63 times those of the five before (median; quartiles 0.56 and 0.76).
 
 Cycles have to be slow. With 0.5 s instead of 2 s springs of k_n lag behind the load, and a late cycle strains them 3.1 times as far (median of 10
 packings; 0.4 to 5.6), the first one 1.15 times. For springs of 10 k_n 0.63 s are slow enough: with 2 s a late cycle strains them 0.94 times as far

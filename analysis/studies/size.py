@@ -25,7 +25,7 @@ ROWS = {"quick": [row for disks in (100, 400) for row in product(disks=disks, **
                  for row in product(disks=disks, seed=range(1, count + 1), **base)]
         + [row for disks, period in PERIODS.items()
            for row in product(disks=disks, seed=range(1, PACKINGS[disks] + 1), **CYCLES | SHORTER.get(disks, {}) | dict(period=period))]}
-THRESHOLD = 1e-2  # |gamma| at which a packing counts as yielding; elastic strain of springs reaches 1e-3 below yield
+THRESHOLD = 1e-2  # |gamma| at which a packing counts as yielding; at the static limit springs have strained by 3e-3 to 2e-2 (study fig5)
 
 
 def summarize(runs):
@@ -86,10 +86,9 @@ differs by a factor of ten and more: below 0.9 of the limit a late cycle strains
 7.6e-5 and 2 of 1600 by 6.1e-6 to 6.6e-6. That is too much to show whether the number of disks matters. The cycles last 1, 2 and 4 s, since the
 slowest motion of a larger sample takes longer.
 
-6400 disks were not run from this commit. In an earlier table, made by an engine that gives the same results to the last bit, the one packing of 6400
-disks had a static limit of 1.51 P0, and rigid contacts passed |gamma| = 1e-3 at 1.02 times this limit.
+6400 disks were not run from this commit.
 """
-GIVEN = ("100", "400", "1600", "6400", "1e-2", "0.9", "1", "2", "4", "1.51", "1e-3", "1.02")
+GIVEN = ("100", "400", "1600", "6400", "1e-2", "0.9", "1", "2", "4")
 
 
 def numbers(table):

@@ -1,9 +1,7 @@
 // Solves only what needs to be solved in a step: nothing for bodies without contacts, a lone contact in closed form, an island at rest not at all,
 // and every other island of contacts until it has reached the tolerance by itself.
 //
-// An island is a set of contacts that are connected through movable bodies. No impulse passes through an immobile body, so two heaps on one fixed
-// floor are two islands, while a movable wall joins all that touch it. The error e is a ratio of two 2-norms. If |difference_k| <= tolerance |p_k| in
-// every island, then
+// partition.hpp defines the islands. The error e is a ratio of two 2-norms. If |difference_k| <= tolerance |p_k| in every island, then
 //   sum |difference_k|^2 <= tolerance^2 sum |p_k|^2,
 // and the whole is within the tolerance, too. The reverse is not true: if an island of sand and an island of rocks are solved as one system,
 // errors may remain that are large for the sand, because e is relative to all impulses. Islands are therefore swept together, which fills the groups

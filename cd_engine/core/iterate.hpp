@@ -105,7 +105,7 @@ template <class S> class Iteration {
 
 	int iterations() const { return report.iterations; }
 	bool solved() const { return error <= settings.tolerance; }
-	double least() const { return reached; } // error so far, to within 1 %
+	double least() const { return reached; } // smallest error so far, to within 1 %
 	int idle() const { return report.iterations - reachedAt; } // sweeps since this error fell
 
     private:

@@ -53,8 +53,8 @@ void TimeStep::effectsOf(const World& world, double rate, std::size_t from, std:
 	groupKernel().effects(places.data(), means.data(), system.contacts.solution() + 2 * from, count, rate, pairs, effects, groups);
 }
 
-// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether they push nothing and can be solved, as
-// all others can.
+// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether none of them has a negative bias and all
+// can be solved, as is so of all others.
 bool TimeStep::findSpecial(const World& world, const StepSettings& settings)
 {
 	if (specialFor != system.contactSet) {

@@ -1,5 +1,4 @@
-// The list of solvers. Each solves a problem by a method and judges the result (verdict.hpp). However small the error, impulses that verdict.hpp does
-// not accept as a solution do not count as converged, and a problem without a solution is reported as such.
+// The list of solvers. Each solves a problem by a method and judges the result (verdict.hpp).
 #include "solver.hpp"
 #include "start.hpp"
 

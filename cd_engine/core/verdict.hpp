@@ -27,7 +27,7 @@ enum class Finding {
 	nothing, // nothing speaks against the impulses
 	doubtful, // loaded contacts give way with the power of the prescribed motion: unsolved, or the tolerance is too large to tell
 	beyond, // so large that double precision cannot resolve the velocities: the method diverges, or no solution is within every bound
-	no_solution, // proven by a self-stress
+	no_solution, // proven by a self-stress, or by velocities (closing_in.cpp)
 	indefinite, // as one of the three before, but W gives the impulses, or some along them, a negative energy
 	not_finite,
 };

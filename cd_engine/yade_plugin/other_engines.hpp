@@ -11,8 +11,8 @@ namespace cd_engine {
 // The other engines of the scene. An engine with a period, such as PyRunner, looks at the scene when its period is over, any other in every step.
 //
 // YADE's collider is switched off during a run, since ContactDynamics finds its pairs itself (core/pair_search.hpp): it is dead to YADE's loop during
-// O.run(n). It is switched on again at the last step or after a refusal, so that the next user, perhaps with springs, finds it awake. (Exception:
-// after O.pause() in mid-run, as long as the engine exists.)
+// O.run(n). It is switched on again at the last step or after a refusal, so that the next user, perhaps with springs, finds it awake. (Not after an
+// O.pause() by another engine of the run: then it stays off until the next run ends.)
 class OtherEngines {
     public:
 	~OtherEngines() { wake(); }

@@ -92,7 +92,7 @@ class SceneLink {
 	void catchUp(yade::Scene*, cd::TimeStep&);
 	// Writes positions and velocities only, if the scene is out of date; needs no memory.
 	void saveMotion();
-	// Tells how fast bodies are.
+	// Its longestWay() tells how fast bodies are.
 	const cd::PairSearch& pairSearch() const { return search; }
 	int lost() { return search.lost(world); }
 	// Whether the scene is out of date: steps have been made that are not published.

@@ -111,7 +111,7 @@ ROOT_ATTRIBUTES = _table(
     Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
 )
 
-# How a run was interrupted and resumed; older files lack these.
+# How a run was interrupted and resumed; a file may lack these.
 CHECKPOINT_ATTRIBUTES = _table(
     Field("checkpoint_samples", "1", "samples between two checkpoints; 0: none"),
     Field("resumed", "1", "how often the run was interrupted and resumed from a checkpoint"),

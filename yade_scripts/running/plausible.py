@@ -16,7 +16,7 @@ USUAL = {
     "kn": (1e1, 1e12, "is it in MPa? The unit is N/m, the paper's 2 MPa at a depth of 1 m being 2e6"),
 }
 RADIANS = 1.6  # a slope below this value, but not 0, may be in radians
-BLOW = 3.0  # smallest period, in units of the time in which P0 moves a grain by its size; below it inertia carries the load. Studies use 17 and more
+BLOW = 3.0  # smallest period, in units of the time in which P0 moves a grain by its size; below it inertia carries the load. Studies use 3.4 and more
 
 
 def doubts(full):

@@ -46,7 +46,7 @@ class Recorder:
         self.partial = self.path.with_suffix(reader.PARTIAL_SUFFIX)
         self.names = [name for name, field in schema.HISTORY.items() if full["method"] in field.methods]
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
-        self.bounds = Bounds(dict(full), scene.load is not None)  # its reading of a value is no effect
+        self.bounds = Bounds(dict(full), scene.load is not None)  # of a copy: reading a value here does not count as its effect
         self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
         self.reference, self.first_sides = None, None
         self.memory = io.BytesIO(record or b"")
@@ -59,7 +59,7 @@ class Recorder:
         sealed.write(self.partial, self.image())
 
     def _new_file(self, checkpoint_samples):
-        full = dict(self.full)  # noting a value is no effect of it
+        full = dict(self.full)  # a copy: storing a value does not count as its effect
         self.file.attrs.update({
             "schema_version": schema.SCHEMA_VERSION, "scene": full["scene"], "method": full["method"],
             "parameters": json.dumps(full), "state_sha256": self.scene.state_sha256, "git_commit": git_commit(),

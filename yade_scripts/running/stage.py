@@ -23,7 +23,7 @@ class Ground:
         bodies.append_material("disk", full["friction"], full)
 
     @functools.cached_property
-    def draw(self):  # made when it is used, so that a seed without effect can be told
+    def draw(self):  # made when it is used, so that a seed without effect can be noticed
         return random.Random(self.full["seed"])
 
     def disk(self, place, velocity=(0, 0), blocked="zXY", radius=None, mass=None):

@@ -12,7 +12,7 @@ COLLAPSE_STEP = 2e-3
 # a packing that has yielded so far swings back, stops and yields again.
 GIVEN_WAY = 0.1
 # Largest accepted stress above its goal, in P0. A yielding packing carries less than its goal (the excess stayed below 1 in collapses of 100 disks
-# with both methods); walls that bounce to and fro exceed it by 20 and more if a flight is longer than COLLAPSE_STEP.
+# with both methods); walls that bounce to and fro exceed it by 20 and more if a flight changes gamma by more than COLLAPSE_STEP.
 EXCESS = 5
 
 

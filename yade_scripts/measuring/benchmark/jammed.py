@@ -1,4 +1,4 @@
-"""Makes jammed packings of tens of thousands of disks within seconds: it quenches soft disks at random places to a minimum of their enthalpy.
+"""Makes jammed packings of tens of thousands of disks within half a minute: it quenches soft disks at random places to a minimum of their enthalpy.
 
 The disks repel by springs without friction, E = sum k d^2/2 over all overlaps d, and the walls hold the pressure P (O'Hern, Silbert, Liu & Nagel
 2003, Phys. Rev. E 68, 011306, with the sides of the box as two more unknowns). Damped motion leads close to equilibrium; Contact Dynamics
