@@ -48,5 +48,6 @@ if first is None or start(**first) is None:
 print("""
 The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.summary() shows how they went.
 scene = start(friction=0.3) starts again from another packing, start(method="MD") with springs; earlier settings are kept.
-run.execute(dict(method="CD", seed=2)) makes a whole run and its result file; all parameters: print(parameters.listing()).
+run.execute(dict(method="CD", seed=2)) makes a whole run and its result file; start() then loads the packing again.
+All parameters: print(parameters.listing()).
 cd_engine and plot are imported: help(cd_engine.ContactDynamics) shows every setting and result.""")

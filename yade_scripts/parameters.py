@@ -19,6 +19,9 @@ from dataclasses import dataclass
 from yade_scripts import declared, scenes
 
 
+MOST_STEPS = 1e12  # from one sample to the next: the steps of some weeks
+
+
 class ParameterError(ValueError):
     """A row cannot be run; the message names the parameter, its value, and the allowed values."""
 
@@ -229,6 +232,8 @@ def _check_together(full):
     for name in scene.POSITIVE:
         if not full[name] > 0:
             raise ParameterError(f"{name} = {full[name]}: must be above 0 in the scene {full['scene']}")
+    if full["method"] == "CD":
+        steps(full, full["cd_dt"])
     scene.check(full)
 
 
@@ -311,9 +316,16 @@ def width(full, aspect):
 
 
 def steps(full, largest):
-    """Return (number of steps between two samples, step [s]): the longest step up to `largest` [s] with samples on whole steps."""
+    """Return (number of steps between two samples, step [s]): the longest step up to `largest` [s] with samples on whole steps.
+
+    Raise ParameterError if these are more than MOST_STEPS steps.
+    """
     interval = full["period"] / full["records_per_cycle"]
-    every = math.ceil(interval / largest * (1 - 1e-12))
+    if (needed := interval / largest) > MOST_STEPS:
+        name = "cd_dt" if full["method"] == "CD" else "md_dt_factor"
+        raise ParameterError(f"{name} = {full[name]:g} means {needed:.2g} steps from one sample to the next; raise it, so that there are at most "
+                             f"{MOST_STEPS:g}")
+    every = math.ceil(needed * (1 - 1e-12))
     return every, interval / every
 
 

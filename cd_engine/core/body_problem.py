@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import sparse
 
-from .problem import Problem, array, place, refuse_negative
+from .problem import Problem, array, place, refuse_negative, refuse_sizes
 
 # As in contact_system.hpp: inverse effective mass along the normal over that of both directions; less is round-off of the normal, such as cos(pi/2).
 HELD = 1e-29
@@ -54,6 +54,7 @@ class BodyProblem:
         if (wrong := np.flatnonzero(along <= HELD * (along + across))).size:
             a, b = self.pairs[wrong[0]]
             raise ValueError(f"contact {wrong[0]}: neither of its bodies {a} and {b} can move along its normal, as inverse_masses has it")
+        refuse_sizes(self.velocities(np.zeros(2 * n)), np.repeat(along, 2))
 
     @property
     def contacts(self):

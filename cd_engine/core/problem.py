@@ -6,7 +6,7 @@ from numbers import Real
 import numpy as np
 from scipy import sparse
 
-LARGEST = 1e140  # the squares of numbers up to this have finite sums
+LARGEST = 1e140  # the squares of numbers up to this have finite sums, and those of numbers down to one over this are not rounded to 0
 
 
 class Problem:
@@ -25,9 +25,7 @@ class Problem:
         self.q = vector("q", q, self.W.shape[0])
         self.mu = vector("mu", mu, self.W.shape[0] // 2)
         refuse_negative("mu", self.mu)
-        if (wrong := np.flatnonzero(np.abs(self.q) > LARGEST)).size:
-            raise ValueError(f"q[{wrong[0]}] is {self.q[wrong[0]]:g}: the squares of numbers above {LARGEST:g} are no longer finite; take other "
-                             "units")
+        refuse_sizes(self.q, self.W.diagonal())
 
     @property
     def contacts(self):
@@ -128,6 +126,17 @@ def refuse_negative(name, numbers):
     """Raise ValueError with the first number below 0, if there is one."""
     if (wrong := np.argwhere(numbers < 0)).size:
         raise ValueError(f"{place(name, wrong[0])} = {numbers[tuple(wrong[0])]:g} is negative")
+
+
+def refuse_sizes(q, own):
+    """Raise ValueError if the squares of velocities q [m/s], or of the impulses q/own that they need, overflow or round to 0. own: the diagonal of
+    W [1/kg]."""
+    with np.errstate(over="ignore", under="ignore"):
+        sizes = {"velocities q": np.abs(q), "impulses q/W": np.abs(q) / own}
+    for what, size in sizes.items():
+        if q.any() and not 1 / LARGEST <= size.max() <= LARGEST:
+            raise ValueError(f"its {what} are up to {size.max():g}, while squares can be computed of numbers from {1 / LARGEST:g} to {LARGEST:g}: "
+                             "take other units")
 
 
 def place(name, index):

@@ -175,7 +175,8 @@ def test_wrong_value_is_refused_with_name_value_and_range(name, value):
     assert "\n" not in message and "[1]" not in message and (REGISTRY[name].unit == "1" or f" [{REGISTRY[name].unit}] (" in message)
 
 
-@pytest.mark.parametrize("row, word", [({"records_per_cycle": 7}, "even"), ({"depth": 0.01}, "diameter")])
+@pytest.mark.parametrize("row, word", [({"records_per_cycle": 7}, "even"), ({"depth": 0.01}, "diameter"),
+                                       ({"method": "CD", "cd_dt": 1e-300}, "at most 1e\\+12")])
 def test_values_that_do_not_go_together(row, word):
     with pytest.raises(ParameterError, match=word):
         complete(row)

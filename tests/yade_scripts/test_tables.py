@@ -15,7 +15,7 @@ def write(tmp_path, text):
 def test_same_rows_as_yade_batch_reads(tmp_path):
     from yade import utils
     path = write(tmp_path, "# comment\n\ndescription seed friction !OMP_NUM_THREADS method\n"
-                           " a 1 0.1 1 'MD'  # here\n\n b = 0.2 = 'CD'\n c 3 = 1 =\n")
+                           " a 1 0.1 1 'MD'  # here\f\n\n b = 0.2 = 'CD'\n c 3 = 1 =\n")
     theirs = utils.TableParamReader(str(path)).paramDict()
     ours = tables.read(path)
     assert ours.keys() == theirs.keys() == {4, 6, 7}
@@ -37,6 +37,13 @@ def test_broken_table_says_where(tmp_path, text, message):
     path = tmp_path / "none.txt" if text is None else write(tmp_path, text)
     with pytest.raises(TableError, match=message):
         tables.read(path)
+
+
+def test_lines_are_counted_as_yade_counts_them_and_a_byte_order_mark_is_none(tmp_path):
+    """A form feed ends no line. Editors on Windows begin a file with the mark."""
+    path = tmp_path / "table.txt"
+    path.write_bytes("\ufeffseed # page\f\r\n1 \x0b\x85 # \u2028 \r\n2\n".encode())
+    assert tables.read(path) == {2: {"seed": 1}, 3: {"seed": 2}} and tables.batch_row(f"{path}:3") == {"seed": 2}
 
 
 def test_a_product_has_all_combinations_the_last_name_fastest():

@@ -35,7 +35,7 @@ def read(path):
     """Return the rows of a table, {line number: row}. Raise TableError if one of them cannot be run."""
     path = pathlib.Path(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = path.read_text(encoding="utf-8-sig").split("\n")  # counted as YADE does, which knows no other ends of lines
     except OSError as error:
         raise TableError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
