@@ -111,17 +111,21 @@ def _report(options):
     folder = Path(options.published or _folder(options))
     if options.published and (options.quick or options.full or options.results != results.FOLDER):
         raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
+    broken, faults = [], {}
     if not options.published:
-        broken = []
         left = publish.publish_all(studies.names(broken), folder, options.results, options.full)
+        faults = {name: message for name, message in left.items() if message.startswith(f"{name}: its figure")}
         left |= charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
-        for message in (*left.values(), *broken):
+        if waiting := [name for name, message in left.items() if publish.NONE_FINISHED in message]:
+            print(f"analysis report: no run has finished of {', '.join(waiting)}: make study", file=sys.stderr)
+        for message in (*(message for name, message in left.items() if name not in waiting), *broken):
             print(f"analysis report: {message}", file=sys.stderr)
     page = options.output or FIGURES / "report.html"
     try:
-        print(report.build(folder, page, bool(options.published)).resolve())
+        print(report.build(folder, page, bool(options.published), faults).resolve())
     except OSError as error:
         raise parameters.ParameterError(f"{page} cannot be written: {error}") from None
+    return commands.MISTAKE if broken or faults else 0
 
 
 def _benchmark(options):
@@ -138,18 +142,34 @@ def _recommend(options):
 
 def _summary(options):
     """Print a table, then why runs failed and what is known exactly of each; a failed or unfinished run stays in the table."""
-    rows, notes = [], []
+    rows, notes, unread = [], [], []
     for name in options.files:
         try:
             run = reader.load_named(name)
-        except reader.NoRunError:
-            store.load(name)
-            raise reader.ResultError(name, "is a measurement, not a run", "`python3 -m analysis check` reads it") from None
+        except reader.NoRunError as error:
+            unread.append(_why_no_run(name, error))
+            continue
+        except reader.ResultError as error:
+            unread.append(error)
+            continue
         status, _, reason = str(run.attributes["status"]).partition(": ")
         rows.append({"file": run.path.name, "method": run.method, "status": status} | (_numbers(run) if run.finished else {}))
         notes += [f"{run.path.name}: {status}: {reason}"] * bool(reason)
         notes += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
-    print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *notes, sep="\n")
+    if rows:
+        print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *notes, sep="\n")
+    for error in unread:
+        print(f"analysis: {error}", file=sys.stderr)
+    return commands.MISTAKE if unread else 0
+
+
+def _why_no_run(name, error):
+    """Return why a file that is no run is left out of the table: `error`, unless it is a measurement."""
+    try:
+        store.load(name)
+    except reader.ResultError:
+        return error
+    return reader.ResultError(name, "is a measurement, not a run", "`python3 -m analysis check` reads it")
 
 
 def _numbers(run):

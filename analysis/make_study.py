@@ -3,7 +3,7 @@ import sys
 from pathlib import Path
 
 from analysis import publish, studies
-from yade_scripts import batch, commands, results
+from yade_scripts import batch, commands, declared, results
 from yade_scripts.running import locks
 
 
@@ -21,7 +21,13 @@ def draw(name, figures, folder, full):
 
 
 def run(names, full, folder, figures, jobs, hours):
-    """Run and draw the studies. Return 0, or 1 if a row failed or a figure could not be drawn."""
+    """Run and draw the studies. Return 0, 1 if a row failed or a figure could not be drawn, MISTAKE if rows of a study cannot be run."""
+    broken = []
+    names = declared.readable(names, lambda name: studies.rows(name, full), broken)
+    for message in broken:
+        print(f"analysis study: {message}", file=sys.stderr)
+    if not names:
+        return commands.MISTAKE
     rows = {name: [results.path_of(row, folder) for row in studies.rows(name, full)] for name in names}
     left, drawn = {name: set(paths) for name, paths in rows.items()}, {}
 
@@ -43,4 +49,4 @@ def run(names, full, folder, figures, jobs, hours):
     if pictures := [str((Path(figures) / f"{name}.png").resolve()) for name, there in drawn.items() if there]:
         print("Figures:", *pictures, sep="\n  ")
         print("One page of all: make report" + " FULL=1" * full)
-    return 1 if failed or not all(drawn.values()) else 0
+    return 1 if failed or not all(drawn.values()) else commands.MISTAKE if broken else 0

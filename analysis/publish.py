@@ -19,16 +19,19 @@ from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
 STATUS = "status"
+NONE_FINISHED = "no run has finished"
 
 
 def publish(collection, folder):
     """Write the three files of a study into `folder`. Return their common stem. Raise ResultError if no run has finished."""
     if not collection.runs:
         reason = collection.missing[0][2] if collection.missing else "it has no rows"
-        raise ResultError(collection.name, f"no run has finished (the first: {reason})", f"make them: {command(collection)}")
+        raise ResultError(collection.name, f"{NONE_FINISHED} (the first: {reason})", f"make them: {command(collection)}")
     study, stem = studies.module(collection.name), Path(folder) / collection.name
     stem.parent.mkdir(parents=True, exist_ok=True)
     rows = study.summarize(collection.runs)
+    if not (isinstance(rows, list) and all(isinstance(row, dict) for row in rows)):
+        raise TypeError("summarize() must return a list of dictionaries, one for each row of the table")
     picture = stem.with_suffix(".png")
     written = lambda: picture.stat().st_mtime_ns if picture.exists() else None
     before = written()
@@ -111,7 +114,7 @@ def of_other_rows(name, facts, table):
     failed = set(table.file.dropna()) if "file" in table else set()
     try:
         rows = [row for row in studies.rows(name, facts["extent"] == "full") if f"{parameters.result_name(row)}.h5" not in failed]
-    except parameters.ParameterError:  # rows that cannot be run are not those that were
+    except ImportError:  # rows that cannot be run are not those that were
         return True
     constant, varied = _split([parameters.read_by_method(row) for row in rows])
     return not (facts["parameters"] | facts["varied"]).items() <= (constant | varied).items()
@@ -155,6 +158,8 @@ def publish_all(names, folder, results, full):
             publish(studies.collect(name, results, full), folder)
         except ResultError as error:
             left[name] = str(error)
+        except ImportError as error:  # names the file, and says what to do
+            left[name] = f"{name}: its figure and table could not be made: {error}"
         except OSError:
             raise
         except Exception as error:  # a fault in one study must not cost the others their figures

@@ -23,15 +23,15 @@ CHART = {"figures": dict, "commits": list, "extent": str, "measured": int, "proc
 MOST_PIXELS, COLOURS = 1100, 96  # of an inlined picture, so that the page stays below 2 MB
 
 
-def build(folder, path, published=False):
+def build(folder, path, published=False, faults=None):
     """Write the page of the studies and charts in `folder` to `path`. Raise ResultError if there are none.
 
-    published: these are the results of which the texts speak.
+    published: these are the results of which the texts speak. faults: {study: why its figure could not be made now}.
     """
     folder, path = Path(folder), Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
-    broken = []
+    broken, faults = [], faults or {}
     names = studies.names(broken)
     found = [_study(name, folder, link) for name in names if (folder / f"{name}.json").is_file()]
     if not found:
@@ -42,7 +42,7 @@ def build(folder, path, published=False):
     there = {study["name"] for study in found}
     short_answer, words = findings()
     page = environment.get_template("report.html").render(
-        paper=PAPER, findings=short_answer, words=words, there=there, studies=found,
+        paper=PAPER, findings=short_answer, words=words, there=there, studies=found, faults=faults,
         absent=[studies.module(name).TITLE for name in names if name not in there], broken=broken,
         charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
         points=sorted((*point, name) for name in names for point in studies.module(name).POINTS),

@@ -49,5 +49,6 @@ print("""
 The packing is loaded and the engines are set: O.run(100, True) makes 100 steps; contact_dynamics.summary() shows how they went.
 scene = start(friction=0.3) starts again from another packing, start(method="MD") with springs; earlier settings are kept.
 run.execute(dict(method="CD", seed=2)) makes a whole run and its result file; start() then loads the packing again.
-All parameters: print(parameters.listing()).
+O.run(scene.every * scene.samples, True) runs a scene to its end, and [(k.name, k.measure(), k.exact) for k in scene.known] then compares it with
+what is known. All parameters: print(parameters.listing()).
 cd_engine and plot are imported: help(cd_engine.ContactDynamics) shows every setting and result.""")

@@ -30,7 +30,7 @@ class ParameterError(ValueError):
 class Parameter:
     """One parameter: its name, default, unit and meaning (doc). The type of the default is the type of its values.
 
-    low, high: allowed range, both included. above: lower end, if that is excluded.
+    low, high: allowed range, both included. above: lower end, if that is excluded. choices: the allowed values, if these are words.
     prepare: whether the prepared packing depends on it.
     method: the only method that reads it, or None.
     """
@@ -168,6 +168,8 @@ def registry(scene):
     if twice := REGISTRY.keys() & own:
         raise ParameterError(f"{file.__file__}: PARAMETERS repeats {', '.join(sorted(twice))}, which every scene has: take another name, or set its "
                              "default in DEFAULTS")
+    if unknown := [name for name in file.POSITIVE if name not in REGISTRY | own]:
+        raise ParameterError(f"{file.__file__}: POSITIVE names {', '.join(unknown)}, which are no parameters of the scene")
     return REGISTRY | own
 
 

@@ -111,6 +111,8 @@ def rows(several):
                    "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory, "told": told if boundary.reason else ""}
                   for search, boundary, told, theory in found.lines]
         table += [{publish.STATUS: "not run yet", "map": found.name, "at": words(case)} for case in found.missing]
+        if not found.lines and not found.missing:
+            table.append({publish.STATUS: "no boundary is searched", "map": found.name})
     return table
 
 

@@ -22,7 +22,8 @@ def of_scene(scene, accuracy, measured):
     own = found[found.scene == scene]
     if own.empty:
         there = f"no measurement of this scene in {measured}" if scene in scenes.names() else "there is no such scene"
-        raise ResultError(scene, there, f"measured are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}")
+        raise ResultError(scene, there, f"measured are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}; for measurements of your own: "
+                          "--measured figures/quick/charts/work_precision.csv")
     lines, reached = [], []
     for method, rows in own.groupby("method", sort=False):
         if (row := choice.cheapest(rows, accuracy)) is not None:

@@ -48,16 +48,18 @@ def module(name):
     found = declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
                           {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
     with declared.located(found.__file__):
-        declared.demand(__name__, found, found.ROWS, ("quick", "full"))
+        extents = {f"ROWS[{extent!r}]": rows or None for extent, rows in found.ROWS.items()}
+        declared.demand(__name__, found, extents, ("ROWS['quick']", "ROWS['full']"))
     return found
 
 
 def rows(name, full):
-    """Return the rows of a study, full rows, each once."""
-    found = {}
-    for row in module(name).ROWS["full" if full else "quick"]:
-        row = parameters.complete(row)
-        found.setdefault(parameters.result_name(row), row)
+    """Return the rows of a study, full rows, each once. Raise ImportError, with the file, if one cannot be run."""
+    found, file = {}, module(name)
+    with declared.located(file.__file__, parameters.ParameterError):
+        for row in file.ROWS["full" if full else "quick"]:
+            row = parameters.complete(row)
+            found.setdefault(parameters.result_name(row), row)
     return list(found.values())
 
 

@@ -104,6 +104,13 @@ def test_check_and_summary_refuse_a_renamed_run(md, tmp_path, capsys):
     assert capsys.readouterr().err == f"analysis: {said}"
 
 
+def test_a_file_that_cannot_be_read_costs_the_others_nothing_in_a_summary(md, tmp_path, capsys):
+    (wrong := tmp_path / "wrong.h5").write_text("no result")
+    assert main(["summary", str(wrong), str(md)]) == 2
+    said = capsys.readouterr()
+    assert md.name in said.out and str(wrong) in said.err
+
+
 def test_check_of_measurements(tmp_path, capsys):
     """They are finished, whatever was found, damaged or misnamed."""
     for case, facts in enumerate(({"verdict": "stable"}, {"verdict": "not solved"})):

@@ -34,6 +34,15 @@ def harm(path, change):
     return path
 
 
+def test_a_wrong_name_of_a_quantity_is_told_with_the_right_ones(md):
+    run = reader.load(md)
+    refused(md, "runs have no quantity 'gama'; did you mean gamma?", read=lambda path: run.values("gama"))
+    with pytest.raises(KeyError, match="radii; there are .*radius"):
+        run.snapshots[0]["radii"]
+    with pytest.raises(KeyError, match="height; there are none"):
+        run.known["height"]
+
+
 def test_a_finished_run_is_read_back(md):
     run = reader.load(md)
     assert (run.method, run.pressure, run.parameters["disks"]) == ("MD", 1200.0, 400)

@@ -60,11 +60,12 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     assert "Left out: " in text and "fig5.py lacks ROWS, draw; " in text and studies.module("fig4").TITLE in text
 
 
-@pytest.mark.parametrize("text", ["TITLE = (", "TITLE = titel", "TITLE = QUESTION = 'q'; ROWS = []; summarize = draw = print"])
+@pytest.mark.parametrize("text", ["TITLE = (", "TITLE = titel", "TITLE = QUESTION = 'q'; ROWS = []; summarize = draw = print",
+                                  "TITLE = QUESTION = 'q'; ROWS = {'quick': [], 'full': [{}]}; summarize = draw = print"])
 def test_a_fault_in_one_study_is_named_and_stops_no_other(monkeypatch, tmp_path, text):
     folder = tmp_path / "studies"
     folder.mkdir()
-    for name, content in (("mine", text), ("other", "TITLE = QUESTION = 'q'; ROWS = {'quick': [], 'full': []}; summarize = draw = print")):
+    for name, content in (("mine", text), ("other", "TITLE = QUESTION = 'q'; ROWS = {'quick': [{}], 'full': [{}]}; summarize = draw = print")):
         (folder / f"{name}.py").write_text(content)
         monkeypatch.delitem(sys.modules, f"analysis.studies.{name}", raising=False)
     monkeypatch.setattr(studies, "__path__", [str(folder)])
@@ -72,6 +73,27 @@ def test_a_fault_in_one_study_is_named_and_stops_no_other(monkeypatch, tmp_path,
     broken = []
     assert studies.names(broken) == ["other"] and len(broken) == 1 and str(folder / "mine.py") in broken[0]
     studies.module.cache_clear()
+
+
+@pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 2), (["report"], 2)])
+def test_a_row_that_cannot_be_run_is_named_with_its_study_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, command, status):
+    """The page then says that the figure from before is older."""
+    monkeypatch.setitem(studies.module("force_networks").ROWS, "quick", [{"sede": 1}])
+    monkeypatch.setattr("analysis.studies.names", lambda broken=None: ["fig4", "force_networks"])
+    words = "force_networks.py: ParameterError: unknown parameter 'sede' (value 1); did you mean seed"
+    if command == ["report"]:
+        folder, page = tmp_path / "quick", tmp_path / "page.html"
+        monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path)
+        publish.publish(studies.collect("fig4", fig4_results), folder)
+        for end in ("png", "csv", "json"):
+            (folder / f"force_networks.{end}").write_bytes((folder / f"fig4.{end}").read_bytes())
+        assert main([*command, "--results", str(fig4_results), "-o", str(page)]) == status
+        assert "Figure and table are older. Now: force_networks: its figure" in page.read_text()
+    else:
+        assert main([*command, "fig4", "force_networks", "--results", str(fig4_results), "-o", str(tmp_path)]) == status
+        assert (tmp_path / "fig4.png").exists()
+    said = capsys.readouterr().err
+    assert words in said and "Traceback" not in said
 
 
 @pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])

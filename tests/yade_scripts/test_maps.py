@@ -1,4 +1,5 @@
 """Stability maps: the search, the files, and the boundaries that were found."""
+import dataclasses
 import json
 import math
 import pathlib
@@ -84,6 +85,24 @@ def test_a_map_that_lacks_something_is_refused(monkeypatch):
         maps.names()
     with pytest.raises(TypeError, match="'group', 'criterion', 'remedy', 'y', 'grid', and 'searches'"):
         maps.Map(title="Too little", question="What else?", x=maps.Axis("x", "x"))
+
+
+@pytest.mark.parametrize("changes, words", [
+    ({"x": maps.Axis("gian", "gain")}, "servo.py: MAP has axes or panels gian, but its cases have .*gain"),
+    ({"grid": lambda full: []}, "servo.py.*IndexError")])
+def test_a_map_whose_axes_are_not_in_its_cases_is_refused(monkeypatch, changes, words):
+    file = maps.module("servo")
+    maps.module.cache_clear()
+    monkeypatch.setattr(file, "MAP", dataclasses.replace(file.MAP, **changes))
+    with pytest.raises((ParameterError, ImportError), match=words):
+        maps.names()
+
+
+def test_a_map_with_the_name_of_a_scene_is_refused(monkeypatch):
+    maps.module.cache_clear()
+    monkeypatch.setattr("yade_scripts.scenes.names", lambda: ("servo",))
+    with pytest.raises(ParameterError, match="servo.py: there is a scene of this name, whose chart it would replace"):
+        maps.names()
 
 
 def test_limits_of_the_scheme_agree_with_its_recurrence():

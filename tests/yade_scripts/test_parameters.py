@@ -61,13 +61,17 @@ def test_a_scene_s_own_parameter_counts_in_its_rows_alone(own):
 @pytest.mark.parametrize("changes, words", [
     ({"DEFAULTS": {"frictoin": 0.3}}, "stack.py: DEFAULTS: unknown parameter 'frictoin' .value 0.3.; did you mean friction"),
     ({"DEFAULTS": {"friction": 3}}, "stack.py: DEFAULTS: friction = 3: must be a number in"),
-    ({"PARAMETERS": (parameters.Parameter("friction", 0.5, "1", "made up"),)}, "stack.py: PARAMETERS repeats friction, which every scene has")])
+    ({"PARAMETERS": (parameters.Parameter("friction", 0.5, "1", "made up"),)}, "stack.py: PARAMETERS repeats friction, which every scene has"),
+    ({"PARAMETERS": parameters.Parameter("push", 0.5, "1", "made up")}, r"stack.py: PARAMETERS must be a tuple; .* a comma: \(element,\)"),
+    ({"METHODS": "CD"}, "stack.py: METHODS must be a tuple"),
+    ({"POSITIVE": ("sped",)}, "stack.py: POSITIVE names sped, which are no parameters of the scene")])
 def test_a_wrong_parameter_of_a_scene_is_refused_with_its_file(monkeypatch, changes, words):
     for name, value in changes.items():
         monkeypatch.setattr(scenes.module("stack"), name, value)
     with pytest.raises(ParameterError, match=words) as caught:
         complete({"scene": "stack"})
     assert str(caught.value).count("stack.py") == 1
+    complete({"scene": "cradle", "gap": 0.1})  # another scene costs it nothing
 
 
 def test_a_default_out_of_its_own_range_is_refused():

@@ -1,4 +1,5 @@
 """Reads result files and checks that they are undamaged, made by this project, finished, and without NaN or infinity."""
+import difflib
 import json
 import os
 from dataclasses import dataclass, field, replace
@@ -26,6 +27,13 @@ class ResultError(Exception):
 
 class NoRunError(ResultError):
     """The file does not say that it is the result of a run."""
+
+
+class Named(dict):
+    """A dictionary whose KeyError tells which names there are."""
+
+    def __missing__(self, name):
+        raise KeyError(f"{name}; there are {', '.join(self) or 'none'}")
 
 
 @dataclass(frozen=True)
@@ -104,6 +112,10 @@ class Run:
 
     def values(self, name):
         """Return a history field. Raise ResultError if it is missing or holds a NaN or an infinity."""
+        if name not in self.history and name not in schema.HISTORY:
+            near = difflib.get_close_matches(name, schema.HISTORY, n=1)
+            raise ResultError(self.path, f"runs have no quantity {name!r}", f"did you mean {near[0]}?" if near else
+                              f"they have {', '.join(schema.HISTORY)}")
         if name not in self.history:
             raise ResultError(self.path, f"/history/{name} is missing", AGAIN)
         values = self.history[name]
@@ -157,12 +169,12 @@ def _read(path, file):
     attributes = {name: file.attrs[name] for name in schema.ROOT_ATTRIBUTES}
     history = {name: data[()] for name, data in file["history"].items()}
     groups = [file["snapshots"][number] for number in sorted(file.get("snapshots", ()), key=int)]
-    snapshots = [{name: group[name][()] for name in schema.SNAPSHOT}
-                 | {name: float(group.attrs[name]) for name in schema.SNAPSHOT_ATTRIBUTES} for group in groups]
-    extra = {name: data[()] for name, data in file.get("extra", {}).items()}
+    snapshots = [Named({name: group[name][()] for name in schema.SNAPSHOT}
+                       | {name: float(group.attrs[name]) for name in schema.SNAPSHOT_ATTRIBUTES}) for group in groups]
+    extra = Named({name: data[()] for name, data in file.get("extra", {}).items()})
     return Run(path, attributes, json.loads(attributes["parameters"]), history, snapshots, extra, known(file))
 
 
 def known(file):
     """Return {name: Known} of an open file."""
-    return {name: Known(float(data[()]), **{key: data.attrs[key] for key in schema.KNOWN}) for name, data in file.get("known", {}).items()}
+    return Named({name: Known(float(data[()]), **{key: data.attrs[key] for key in schema.KNOWN}) for name, data in file.get("known", {}).items()})

@@ -3,8 +3,8 @@
 A scene's file declares
     TITLE       what is simulated
     KIND        kind of scene, in words that several scenes share: charts compare scenes of one kind
-    HORIZON     one sentence: up to which time the errors of its known quantities mean something
-    LEFT_OUT    what the model leaves out, and why that is acceptable
+    HORIZON     one sentence: up to which time the errors of its known quantities mean something; with a full stop
+    LEFT_OUT    what the model leaves out, and why that is acceptable; without a full stop
     DEFAULTS    {name: value} for the general parameters whose defaults it changes
     build(full, folder)     -> Scene; puts bodies, engines and time step into YADE's O. full: {name: value} of all parameters. folder: of the
                             results; its subfolder states/ has the prepared packings
@@ -112,9 +112,13 @@ def names():
 
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
-    return declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
+    from yade_scripts.parameters import ParameterError
+    file = declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
                          {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "POSITIVE": (), "CHART": None,
                           "check": lambda full: None})
+    if wrong := [one for one in ("METHODS", "PARAMETERS", "POSITIVE") if not isinstance(vars(file)[one], (tuple, list))]:
+        raise ParameterError(f"{file.__file__}: {' and '.join(wrong)} must be a tuple; one with a single element ends with a comma: (element,)")
+    return file
 
 
 def method(full):

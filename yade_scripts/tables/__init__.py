@@ -1,7 +1,7 @@
 """Tables of runs, as products of values or from files in the format of yade-batch: a line of names, then one line for each run. Needs no YADE.
 
-Words are separated by blanks. `#` starts a comment. `=` repeats the value above. `-` means that the row's scene has no such parameter. The columns
-`description` and `!NAME` (environment variables) are for yade-batch only.
+Words are separated by blanks. `#` starts a comment. `=` repeats the value above. `-` stands for the default, also where
+the row's scene has no such parameter. The columns `description` and `!NAME` (environment variables) are for yade-batch only.
 """
 import itertools
 import pathlib

@@ -62,7 +62,14 @@ def chart_of(scene):
 
 def names(broken=None):
     """Return the names of the scenes that have a Chart. broken: as of declared.readable."""
-    return [name for name in declared.readable(scenes.names(), chart_of, broken) if chart_of(name)]
+    return [name for name in declared.readable(scenes.names(), _check, broken) if chart_of(name)]
+
+
+def _check(scene):
+    """Raise ImportError, with the file, if the Chart of a scene sets what its rows cannot have."""
+    file = scenes.module(scene)
+    with declared.located(file.__file__):
+        parameters.complete({"scene": scene, "method": file.METHODS[-1]} | (file.CHART.base if file.CHART else {}))
 
 
 def series(scene):

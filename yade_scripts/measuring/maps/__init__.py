@@ -16,7 +16,7 @@ from typing import Callable
 
 import numpy as np
 
-from yade_scripts import declared
+from yade_scripts import declared, parameters, scenes
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
 
@@ -62,7 +62,8 @@ class Outcome:
 
     def __post_init__(self):
         if self.verdict not in VERDICTS or (self.verdict == STABLE) != (self.reason == "") or self.reason not in ("", *REASONS):
-            raise ValueError(f"no outcome: {self.verdict!r} because of {self.reason!r}")
+            raise ValueError(f"no outcome: {self.verdict!r} because of {self.reason!r}. Verdicts are {', '.join(VERDICTS)}; reasons, of all but the "
+                             f"first, {', '.join(REASONS)}")
 
 
 def judged(measures, told, *failures):
@@ -134,8 +135,16 @@ def names(broken=None):
 
 @functools.cache
 def module(name):
-    """Return the file of a map. Raise ParameterError if it lacks what it has to have, ImportError for any other fault of the file."""
-    return declared.load(__name__, name, ("MAP", "probe"), {})
+    """Return the file of a map. Raise ParameterError if it lacks what it has to have, has the name of a scene, or axes that are not in its cases;
+    ImportError for any other fault of the file."""
+    file = declared.load(__name__, name, ("MAP", "probe"), {})
+    if name in scenes.names():
+        raise parameters.ParameterError(f"{file.__file__}: there is a scene of this name, whose chart it would replace: rename the file")
+    with declared.located(file.__file__):
+        case = file.MAP.grid(False)[0]
+    if wrong := [axis for axis in (file.MAP.x.name, file.MAP.y.name, file.MAP.panels) if axis and axis not in case]:
+        raise parameters.ParameterError(f"{file.__file__}: MAP has axes or panels {', '.join(wrong)}, but its cases have {', '.join(case)}")
+    return file
 
 
 def get(name):
@@ -220,6 +229,8 @@ class Work:
             O.reset()
             try:
                 found = module(self.name).probe(case)
+                if not isinstance(found, Outcome):
+                    raise TypeError(f"probe() of the map {self.name} must return an Outcome, not {found!r}")
             except RuntimeError as error:  # engines and checks raise it; any other exception is a mistake in the probe
                 found = Outcome(NOT_SOLVED, "refused", " ".join(str(error).split()))
             self.enter(case, found, round(time.perf_counter() - started, 3))
