@@ -10,7 +10,7 @@ namespace cd_engine {
 namespace {
 
 	// Share of the smallest radius from which an overlap is no longer just an error of a time step.
-	constexpr double deep = 0.01;
+	constexpr double deep = 0.01, veryDeep = 0.25;
 	constexpr double loose = 1e-3; // tolerance above which pushing out the overlaps that it leaves would stir a packing
 	constexpr double far = 4; // motion of two disks relative to each other in a step, in mean radii: from there on the user is warned
 	constexpr double shortStep = 1e-3; // over the time in which a disk moves or falls by its radius: below it O.dt is one for springs
@@ -123,12 +123,14 @@ void ContactDynamics::tellOfShortStep(double dt)
 		    "O.dt.");
 }
 
-// Prints one line a run if disks sink into each other. Reasons: e, relative to all impulses, is small long before a heavy body on a light one is
-// carried; fixedIterations demand no error; small errors add up; and a step may be too long for the speed or rotation of the bodies.
+// Prints a line where disks have sunk into each other by a hundredth of a radius, and again by a quarter. Reasons: e, relative to all impulses, is
+// small long before a heavy body on a light one is carried; fixedIterations demand no error; small errors add up; and a step may be too long for the
+// speed or rotation of the bodies.
 void ContactDynamics::watchPenetration(double before, bool takesOver) const
 {
 	const double smallest = cd::smallestRadius(link.world);
-	if (deepestPenetration <= deep * smallest || before > deep * smallest || toldOfUnsolvable || link.boundariesPlaced())
+	const auto passes = [&](double share) { return before <= share * smallest && deepestPenetration > share * smallest; };
+	if (!(passes(deep) || passes(veryDeep)) || toldOfUnsolvable || link.boundariesPlaced())
 		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
 	const cd::Pair& deepest = link.deepest(step);
 	std::string remedy;

@@ -104,3 +104,22 @@ def test_five_touching_disks_at_a_wall_hit_by_a_sixth_make_no_energy(O):
             assert now <= last * (1 + 1e-9), (e, O.iter)
             last = now
         assert e < 1 or last == pytest.approx(0.5, rel=1e-7)
+
+
+def test_a_disk_on_a_plate_that_is_carried_round_sinks_in_and_the_engine_says_so_twice(O, capfd):
+    """By w^2 R dt t/2 (manual, driven boundaries): 0.31 of its radius in 0.25 s. A hundredth and a quarter of a radius have a line each."""
+    w, distance, radius, dt, steps = 10.0, 0.5, 0.02, 1e-3, 250
+    mat = plane.material(0.5)
+    for centre, half in (((0, distance + radius + 0.01), (0.1, 0.01)), ((-radius - 0.01, distance), (0.01, 0.02)),
+                         ((radius + 0.01, distance), (0.01, 0.02))):
+        plane.box(centre, half, mat=mat)
+    disk = plane.disk((0, distance), radius, velocity=(-w * distance, 0), spin=w, mat=mat)
+    reset, collider, engine = cd_engine.engines()
+    O.engines = [reset, collider, yade.wrapper.RotationEngine(ids=[0, 1, 2], rotationAxis=(0, 0, 1), rotateAroundZero=True, zeroPoint=(0, 0, 0),
+                                                              angularVelocity=w), engine]
+    O.dt = dt
+    O.run(steps, True)
+    # 7 %: the disk drifts outwards with the overlap, and its first step is at rest relative to the plate.
+    assert O.bodies[disk].state.pos.norm() - distance == pytest.approx(w**2 * distance * dt * steps * dt / 2, rel=0.07)
+    said = [line for line in capfd.readouterr().err.splitlines() if "overlap by" in line]
+    assert len(said) == 2 and engine.unconvergedSteps == 0
