@@ -113,12 +113,11 @@ def _report(options):
         raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
     broken, faults = [], {}
     if not options.published:
-        left = publish.publish_all(studies.names(broken), folder, options.results, options.full)
-        faults = {name: message for name, message in left.items() if message.startswith(f"{name}: its figure")}
-        left |= charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
-        if waiting := [name for name, message in left.items() if publish.NONE_FINISHED in message]:
+        waiting, faults = publish.publish_all(studies.names(broken), folder, options.results, options.full)
+        left = charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
+        if waiting:
             print(f"analysis report: no run has finished of {', '.join(waiting)}: make study", file=sys.stderr)
-        for message in (*(message for name, message in left.items() if name not in waiting), *broken):
+        for message in (*faults.values(), *left.values(), *broken):
             print(f"analysis report: {message}", file=sys.stderr)
     page = options.output or FIGURES / "report.html"
     try:

@@ -9,7 +9,8 @@ from yade_scripts.running import locks
 
 def draw(name, figures, folder, full):
     """Write the files of a study. Print its figure and how many runs are not in it, or why there is none. Return whether there is one."""
-    if fault := publish.publish_all([name], figures, folder, full).get(name):
+    waiting, faults = publish.publish_all([name], figures, folder, full)
+    if fault := (waiting | faults).get(name):
         print(f"analysis study: {fault}", file=sys.stderr)
         return False
     print((Path(figures) / f"{name}.png").resolve(), flush=True)

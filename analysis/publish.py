@@ -19,14 +19,17 @@ from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
 
 STATUS = "status"
-NONE_FINISHED = "no run has finished"
+
+
+class NotRun(ResultError):
+    """No run of a study has finished."""
 
 
 def publish(collection, folder):
-    """Write the three files of a study into `folder`. Return their common stem. Raise ResultError if no run has finished."""
+    """Write the three files of a study into `folder`. Return their common stem. Raise NotRun if no run has finished."""
     if not collection.runs:
         reason = collection.missing[0][2] if collection.missing else "it has no rows"
-        raise ResultError(collection.name, f"{NONE_FINISHED} (the first: {reason})", f"make them: {command(collection)}")
+        raise NotRun(collection.name, f"no run has finished (the first: {reason})", f"make them: {command(collection)}")
     study, stem = studies.module(collection.name), Path(folder) / collection.name
     stem.parent.mkdir(parents=True, exist_ok=True)
     rows = study.summarize(collection.runs)
@@ -151,18 +154,19 @@ def _split(rows):
 
 
 def publish_all(names, folder, results, full):
-    """Publish studies. Return {name: message} of those that have no finished run, or whose file fails."""
-    left = {}
+    """Publish studies. Return {name: message} of those that have no finished run, and of those whose file fails."""
+    waiting, faults = {}, {}
     for name in names:
         try:
             publish(studies.collect(name, results, full), folder)
-        except ResultError as error:
-            left[name] = str(error)
-        except ImportError as error:  # names the file, and says what to do
-            left[name] = f"{name}: its figure and table could not be made: {error}"
+        except NotRun as error:
+            waiting[name] = str(error)
+        except (ResultError, ImportError) as error:  # names the file, and says what to do
+            faults[name] = f"{name}: its figure and table could not be made: {error}"
         except OSError:
             raise
         except Exception as error:  # a fault in one study must not cost the others their figures
             traceback.print_exc()
-            left[name] = f"{name}: its figure and table could not be made ({type(error).__name__}: {error}); correct {studies.module(name).__file__}"
-    return left
+            faults[name] = (f"{name}: its figure and table could not be made ({type(error).__name__}: {error}); correct "
+                            f"{studies.module(name).__file__}")
+    return waiting, faults

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from yade_scripts import declared, scenes
 
 
-MOST_STEPS = 1e12  # from one sample to the next: the steps of some weeks
+MOST_STEPS = 1e12  # from one sample to the next: twelve days, if a step takes a microsecond
 
 
 class ParameterError(ValueError):

@@ -1,4 +1,4 @@
-// What the engine tells the user of a step, once a run.
+// What the engine tells the user of a step, once a run, and twice of overlaps.
 #include "contact_dynamics.hpp"
 #include "waiting.hpp"
 

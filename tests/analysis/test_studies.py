@@ -96,6 +96,16 @@ def test_a_row_that_cannot_be_run_is_named_with_its_study_and_stops_no_other(mon
     assert words in said and "Traceback" not in said
 
 
+def test_the_page_says_that_a_figure_is_older_than_a_fault_of_its_study(monkeypatch, fig4_results, tmp_path):
+    """Here a draw() that writes none."""
+    monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path)
+    monkeypatch.setattr("analysis.studies.names", lambda broken=None: ["fig4"])
+    command, page = ["report", "--results", str(fig4_results), "-o", str(tmp_path / "page.html")], tmp_path / "page.html"
+    assert main(command) == 0 and "Figure and table are older" not in page.read_text()
+    monkeypatch.setattr(studies.module("fig4"), "draw", lambda *_: None)
+    assert main(command) == 2 and "Figure and table are older. Now: fig4: its figure" in page.read_text()
+
+
 @pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])
 @pytest.mark.parametrize("part, fault, said", [
     ("draw", lambda *_: None, "its draw() wrote no figure; end it with style.finish"), ("draw", lambda *_: 1 / 0, "ZeroDivisionError"),
