@@ -45,7 +45,8 @@ def rows(measured):
 def draw(rows, folder, line):
     """Draw a panel for each kind; hollow where some of its scenes are not solved."""
     kinds = rows.groupby("kind", sort=False)
-    fig, panels = plt.subplots(2, math.ceil(len(kinds) / 2), figsize=(8.4, 5.6), sharex=True, sharey=True, squeeze=False)
+    lines = min(2, len(kinds))
+    fig, panels = plt.subplots(lines, math.ceil(len(kinds) / lines), figsize=(8.4, 2.8 * lines), sharex=True, sharey=True, squeeze=False)
     for axes, (kind, of_kind) in zip(panels.flat, kinds):
         for method, colour in style.COLOUR.items():
             own = of_kind[(of_kind.method == method) & of_kind.seconds.notna()]
