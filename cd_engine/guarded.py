@@ -14,19 +14,26 @@ SECONDS, PER_MEGABYTE = 2, 1  # s of processor time; an undamaged file takes 1 m
 def call(function, path):
     """Return function(path), computed in a process of its own. Raise its ValueError here, and one if the process crashes or takes too long."""
     allowed = SECONDS + PER_MEGABYTE * (os.path.getsize(path) >> 20)
-    fork = multiprocessing.get_context("fork")  # the other ways to start a process import the user's script again
-    here, there = fork.Pipe(duplex=False)
-    child = fork.Process(target=_answer, args=(function, path, there, allowed))
-    child.start()
+    here, there = multiprocessing.Pipe(duplex=False)
+    child = os.fork()  # multiprocessing.Process cannot be started in a worker of a multiprocessing.Pool
+    if child == 0:
+        try:
+            _answer(function, path, there, allowed)
+        finally:
+            os._exit(1)
     there.close()
+    answer = None
     try:
         with here:
-            value, error = here.recv()
+            answer = here.recv()
     except (EOFError, OSError):  # the process has ended without a whole answer
-        child.join()
-        what = "did not finish reading it" if child.exitcode == -signal.SIGXCPU else f"fails on it (status {child.exitcode})"
-        raise ValueError(f"{path}: damaged, libhdf5 {what}") from None
-    child.join()
+        pass
+    finally:
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if answer is None:
+        what = "did not finish reading it" if status == -signal.SIGXCPU else f"fails on it (status {status})"
+        raise ValueError(f"{path}: damaged, libhdf5 {what}")
+    value, error = answer
     if error is not None:
         raise ValueError(error)
     return value

@@ -80,14 +80,23 @@ double processorTime()
 	return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// Ctrl-C ends a solution.
+void endOnSignal()
+{
+	const WithInterpreterLock locked;
+	if (PyErr_CheckSignals() != 0)
+		throw py::error_already_set();
+}
+
 // (iterations, factorizations, residual, residual_max, status, doubtful, contact, solved_by, seconds, looks) of a solution. looks: of a
 // trace, two numbers each.
 template <class System, class Solver>
 py::tuple solved(System& system, Solver* solver, const std::string& method, cd::SolverSettings settings, bool traced)
 {
 	cd::Trace trace;
-	if (traced)
-		settings.trace = &trace;
+	trace.records = traced;
+	trace.atLook = endOnSignal;
+	settings.trace = &trace;
 	cd::SolverReport report;
 	double seconds = 0;
 	{

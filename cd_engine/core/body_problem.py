@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import sparse
 
-from .problem import Problem, array, place, refuse_negative, refuse_sizes
+from .problem import Problem, array, place, refuse_friction, refuse_negative, refuse_sizes, whole_pairs
 
 # As in contact_system.hpp: inverse effective mass along the normal over that of both directions; less is round-off of the normal, such as cos(pi/2).
 HELD = 1e-29
@@ -21,7 +21,7 @@ class BodyProblem:
     normals          (n, 2): unit vectors n; t is n turned by +90 degrees
     arms             (n, 4): lever arms [m] of n and t about the centre of a, then of b: cross(r, n), cross(r, t) with r from there to the contact
     bias             (n,): added to the normal relative velocity [m/s]: gap/h, or Newton's restitution
-    mu               (n,): Coulomb's friction coefficient, at least 0
+    mu               (n,): Coulomb's friction coefficient, from 0 to 1e6
     impulses         (2n,): a first guess [N s], such as the solution of the step before; default: zero. `solve` starts from it only if told to
 
     Sweeps visit the contacts in the order given, so contacts near in space should be near in the list. ValueError, with the place, is raised for
@@ -47,7 +47,7 @@ class BodyProblem:
         self.mu = array("mu", self.mu, (n,))
         self.impulses = np.zeros(2 * n) if self.impulses is None else array("impulses", self.impulses, (2 * n,))
         refuse_negative("inverse_masses", self.inverse_masses)
-        refuse_negative("mu", self.mu)
+        refuse_friction(self.mu)
         if (wrong := np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)).size:
             raise ValueError(f"normals[{wrong[0]}] has the length {np.hypot(*self.normals[wrong[0]]):.12g}, not 1")
         along, across = (H.power(2).T @ self.inverse_masses.ravel() for H in (self._normals(), self._tangents()))
@@ -107,17 +107,9 @@ def _length(name, values):
 
 def _pairs(values, n, bodies):
     """Return the pairs as 32-bit integers. Raise ValueError unless each has two different bodies of the problem."""
-    if np.ma.is_masked(values):
-        raise ValueError("pairs is not an array of whole numbers: some of them are masked")
-    pairs = np.asarray(values)
-    if pairs.shape == (0,):
-        pairs = pairs.reshape(0, 2).astype(int)
-    if pairs.dtype.kind not in "iu":
-        raise ValueError("pairs is not an array of whole numbers")
-    if pairs.shape != (n, 2):
-        raise ValueError(f"pairs has the shape {pairs.shape}; {(n, 2)} is expected")
+    pairs = whole_pairs("pairs", values, n)
     if (wrong := np.argwhere((pairs < 0) | (pairs >= bodies))).size:
         raise ValueError(f"{place('pairs', wrong[0])} = {pairs[tuple(wrong[0])]}; the bodies are 0 to {bodies - 1}")
     if (wrong := np.flatnonzero(pairs[:, 0] == pairs[:, 1])).size:
         raise ValueError(f"pairs[{wrong[0]}]: body {pairs[wrong[0], 0]} touches itself")
-    return np.ascontiguousarray(pairs, dtype=np.int32)
+    return pairs

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from .. import guarded
-from .problem import Problem, made, replaced
+from .problem import Problem, made, replaced, whole_pairs
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # start of an HDF5 file
 COLUMNS, ROWS = -1, -2            # FCLIB's `nz` of a matrix compressed by columns, by rows; >= 0: so many triplets
@@ -23,6 +23,10 @@ def write_problem(path, problem, title="", description="", contact_ids=None):
     W = problem.W.tocsc()
     if W.nnz >= 2**31:
         raise ValueError(f"W has {W.nnz} numbers; FCLIB counts them in 31 bits")
+    for name, text in (("title", title), ("description", description)):
+        if not isinstance(text, str):
+            raise ValueError(f"{name}={text!r} is not a text")
+    ids = None if contact_ids is None else whole_pairs("contact_ids", contact_ids, problem.contacts)
     integers = {"spacedim": [2], "W/nzmax": [W.nnz], "W/m": [W.shape[0]], "W/n": [W.shape[1]], "W/nz": [COLUMNS], "W/p": W.indptr,
                 "W/i": W.indices}
     with replaced(path) as aside, h5py.File(aside, "w") as file:
@@ -33,8 +37,8 @@ def write_problem(path, problem, title="", description="", contact_ids=None):
         for name, value in (("title", title.encode()), ("description", description.encode())):
             # libfclib reads strings of fixed length and needs the zero at the end.
             file.create_dataset(f"fclib_local/info/{name}", data=np.bytes_(value), dtype=f"S{len(value) + 1}")
-        if contact_ids is not None:
-            file["contact_ids"] = np.asarray(contact_ids, dtype=np.int32).reshape(problem.contacts, 2)
+        if ids is not None:
+            file["contact_ids"] = ids
 
 
 def read(path):

@@ -3,6 +3,7 @@ import os
 
 from . import body_file, fclib, siconos_text
 from .body_problem import BodyProblem
+from .problem import Problem
 
 
 def read_problem(path):
@@ -24,6 +25,8 @@ def write_problem(path, problem, title="", description="", contact_ids=None):
 
     title, description and contact_ids (the two bodies of each contact) are for FCLIB alone: ValueError if they come with a `BodyProblem`.
     """
+    if not isinstance(problem, (Problem, BodyProblem)):
+        raise ValueError(f"{path}: {str(problem)[:40]!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
     if not isinstance(problem, BodyProblem):
         fclib.write_problem(path, problem, title, description, contact_ids)
     elif title or description or contact_ids is not None:

@@ -6,6 +6,7 @@ from numbers import Real
 import numpy as np
 from scipy import sparse
 
+MOST_FRICTION = 1e6  # with far larger coefficients rounding hides that a contact closes: in u_n + mu |u_t| nothing of u_n is left
 LARGEST = 1e140  # the squares of numbers up to this have finite sums, and those of numbers down to one over this are not rounded to 0
 
 
@@ -15,7 +16,7 @@ class Problem:
     W   Delassus matrix [1/kg], a SciPy sparse matrix of 2n x 2n with a positive diagonal. It is symmetric and positive semidefinite in
         mechanics; neither is checked, since files with few digits satisfy both only approximately
     q   relative velocities without contact impulses [m/s], 2n; the gap or the restitution of a contact is part of its normal component
-    mu  Coulomb's friction coefficient of each contact, n, at least 0
+    mu  Coulomb's friction coefficient of each contact, n, from 0 to 1e6
 
     Any other input raises ValueError with the place of the error.
     """
@@ -24,7 +25,7 @@ class Problem:
         self.W = _matrix(W)
         self.q = vector("q", q, self.W.shape[0])
         self.mu = vector("mu", mu, self.W.shape[0] // 2)
-        refuse_negative("mu", self.mu)
+        refuse_friction(self.mu)
         refuse_sizes(self.q, self.W.diagonal())
 
     @property
@@ -108,7 +109,7 @@ def made(path, kind, *arrays, **fields):
 @contextlib.contextmanager
 def replaced(path):
     """Give the name of a file to be written beside `path`, which it replaces once it is complete."""
-    aside = f"{os.fspath(path)}.{os.getpid()}.part"
+    aside = f"{os.fsdecode(path)}.{os.getpid()}.part"
     try:
         yield aside
         os.replace(aside, path)
@@ -122,10 +123,33 @@ def vector(name, values, length):
     return array(name, values, (length,), f"a W of this size asks for {length} numbers in one row")
 
 
+def whole_pairs(name, values, n):
+    """Return n pairs of whole numbers, two for each contact, as 32-bit integers, or raise ValueError."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} is not an array of whole numbers: some of them are masked")
+    pairs = np.asarray(values)
+    if pairs.shape == (0,):
+        pairs = pairs.reshape(0, 2).astype(int)
+    if pairs.dtype.kind not in "iu":
+        raise ValueError(f"{name} is not an array of whole numbers")
+    if pairs.shape != (n, 2):
+        raise ValueError(f"{name} has the shape {pairs.shape}; {(n, 2)} is expected")
+    if (wrong := np.argwhere((pairs < -2**31) | (pairs >= 2**31))).size:
+        raise ValueError(f"{place(name, wrong[0])} = {pairs[tuple(wrong[0])]} does not fit into 32 bits")
+    return np.ascontiguousarray(pairs, dtype=np.int32)
+
+
 def refuse_negative(name, numbers):
     """Raise ValueError with the first number below 0, if there is one."""
     if (wrong := np.argwhere(numbers < 0)).size:
         raise ValueError(f"{place(name, wrong[0])} = {numbers[tuple(wrong[0])]:g} is negative")
+
+
+def refuse_friction(mu):
+    """Raise ValueError with the first coefficient that is negative or larger than MOST_FRICTION, if there is one."""
+    refuse_negative("mu", mu)
+    if (wrong := np.flatnonzero(mu > MOST_FRICTION)).size:
+        raise ValueError(f"mu[{wrong[0]}] = {mu[wrong[0]]:g} is larger than {MOST_FRICTION:g}; mu = 100 already keeps most contacts from sliding")
 
 
 def refuse_sizes(q, own):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .body_problem import BodyProblem
-from .problem import Problem, vector
+from .problem import LARGEST, Problem, vector
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     self-stress against which the free velocities do work), or a solution would need impulses 1e12 times larger than what would stop each closing
     contact alone. Without friction this proves that there is no solution; with friction another motion may exist. `indefinite`: p^T W p is negative
     for some impulses, which is impossible in mechanics. In a dense packing of disks a sweep reads about 7 n blocks of W, but for a `BodyProblem` only
-    the n contacts. The arrays are copied once.
+    the n contacts. The arrays are copied once. Ctrl-C ends the search, except with `fixed_iterations`.
     """
     core = _core()
     if not isinstance(method, str) or method not in core.methods():
@@ -146,4 +146,6 @@ def residual_max(problem, impulses):
 def _residuals(problem, impulses):
     arrays = _arrays(problem)
     p = vector("impulses", impulses, 2 * len(arrays[-1]))
+    if (largest := np.abs(p).max(initial=0)) > LARGEST:
+        raise ValueError(f"impulses are up to {largest:g}; squares can be computed of numbers up to {LARGEST:g}")
     return _core().residual(arrays, p)

@@ -23,9 +23,17 @@ struct Trace {
 	};
 	std::vector<Look> looks;
 	int made = 0; // iterations so far
+	bool records = true;
+	void (*atLook)() = nullptr; // called at each; what it throws ends the solution
 
 	void add(int iterations) { made += iterations; }
-	void look(double error) { looks.push_back({ made, error }); }
+	void look(double error)
+	{
+		if (records)
+			looks.push_back({ made, error });
+		if (atLook)
+			atLook();
+	}
 };
 
 struct SolverSettings {
@@ -40,7 +48,7 @@ struct SolverSettings {
 	bool guessPressed = false;
 	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
 	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
-	Trace* trace = nullptr; // records the error on the way, if somebody asks for it
+	Trace* trace = nullptr; // records the error on the way, or ends the solution, if somebody asks for it
 };
 
 // no_solution: there is none, or only one with impulses above all bounds (verdict.hpp); indefinite: the same, and p . W p < 0 for some impulses p.

@@ -246,10 +246,12 @@ void SceneLink::readFriction(int id, void* mat)
 	const double angle = frictMat_frictionAngle(mat);
 	if (angle == known.frictionAngle)
 		return;
-	if (!(angle >= 0 && angle < 1.5707963267948966))
-		refuseBody(id, text("has the friction angle ", angle, " rad"), "Set O.bodies[#].mat.frictionAngle within [0, pi/2)");
+	const double mu = std::tan(angle);
+	if (!(angle >= 0 && angle < 1.5707963267948966 && mu <= 1e6)) // with far larger mu rounding hides that a contact closes
+		refuseBody(id, text("has the friction angle ", angle, " rad, mu = ", mu),
+		    "Set O.bodies[#].mat.frictionAngle = math.atan(mu) with a mu from 0 to 1e6");
 	known.frictionAngle = angle;
-	world.bodies[id].friction = std::tan(angle);
+	world.bodies[id].friction = mu;
 }
 
 // Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.

@@ -214,17 +214,32 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		const auto engine = boost::make_shared<E>();
 		if (py::len(arguments) > 1)
 			raise(PyExc_TypeError, std::string(E::name) + " takes keyword arguments only, for instance " + E::name + "(label='name')");
-		if (py::len(keywords) > 0) {
-			py::dict ordered; // as the engine names its attributes: one may set another
-			E::attributes([&](const char* name, auto, const Access&, const char*) {
-				if (keywords.has_key(name))
-					ordered[name] = keywords[name];
-			});
-			ordered.update(keywords);
-			engine->pyUpdateAttrs(ordered);
-			engine->callPostLoad();
-		}
+		if (py::len(keywords) > 0)
+			engine->update(keywords);
 		return py::object(arguments[0]).attr("__init__")(engine);
+	}
+
+	// What copy and pickle call on a new engine. It takes over the settings, and has not made any step.
+	static void setState(E& engine, py::dict state)
+	{
+		py::dict settings = state.copy();
+		E::attributes([&](const char* name, auto, const Access& access, const char*) {
+			if (access.kind == Access::read && settings.has_key(name))
+				settings[name].del();
+		});
+		engine.update(settings);
+	}
+
+	void update(const py::dict& attributes)
+	{
+		py::dict ordered; // as the engine names its attributes: one may set another
+		E::attributes([&](const char* name, auto, const Access&, const char*) {
+			if (attributes.has_key(name))
+				ordered[name] = attributes[name];
+		});
+		ordered.update(attributes);
+		this->pyUpdateAttrs(ordered);
+		this->callPostLoad();
 	}
 
 	// Refuses a misspelt name with the right one. YADE would say only that there is no such attribute.
@@ -296,6 +311,7 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	cls.def("__init__", py::raw_function(construct, 1));
 	cls.def("__init__", py::make_constructor(+[](const Shared<E>& e) { return e; }));
 	cls.def("__setattr__", setAttribute);
+	cls.def("__setstate__", setState);
 	E::attributes([&](const char* name, auto member, const Access& access, const char* text) {
 		using T = std::decay_t<decltype(self().*member)>;
 		const py::object getter = py::make_function(

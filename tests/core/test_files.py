@@ -1,5 +1,8 @@
 """Problems are read and written: each kind of file, how other codes read ours, and what happens with damaged ones."""
 import ctypes
+import multiprocessing
+import os
+import signal
 
 import h5py
 import numpy as np
@@ -200,11 +203,16 @@ def test_cut_short_and_strange(tmp_path, written):
         core.read_problem(tmp_path / "none.hdf5")
 
 
+def test_files_are_read_in_a_pool_of_processes_too(tmp_path):
+    """Its processes may not have any of multiprocessing's own. The name is one of bytes."""
+    path = os.fsencode(tmp_path / "problem.hdf5")
+    core.write_problem(path, core.Problem(np.eye(2), [-1, 0], [0.5]))
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert pool.map(core.read_problem, [path])[0].contacts == 1
+
+
 def test_a_crash_or_a_loop_below_is_a_refusal(tmp_path, monkeypatch):
     """Some damaged files send libhdf5 into an endless loop or a segmentation fault."""
-    import os
-    import signal
-
     from cd_engine import guarded
     monkeypatch.setattr(guarded, "SECONDS", 1)
     path = tmp_path / "file"

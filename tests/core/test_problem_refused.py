@@ -1,9 +1,14 @@
 """What is no problem, and settings that make no sense, are refused in one sentence each."""
+import contextlib
+import signal
+import time
+
 import numpy as np
 import pytest
 from scipy import sparse
 
 from cd_engine import core
+from cd_engine.core.solve import _arrays, _core
 
 from .test_problem import packed
 
@@ -28,6 +33,7 @@ GOOD = np.diag([2.0, 3.0, 2.0, 3.0])
     (GOOD, np.zeros(4), [0, 0, 0], "mu has the shape"),
     (GOOD, np.zeros(4), [0.5, -0.1], r"mu\[1\] = -0.1 is negative"),
     (GOOD, np.zeros(4), [np.inf, 0], r"mu\[0\]"),
+    (GOOD, np.zeros(4), [0, 1e7], r"mu\[1\] = 1e\+07 is larger than 1e\+06"),
     (GOOD * 1j, np.zeros(4), [0, 0], "complex"),
     (GOOD, ["a"] * 4, [0, 0], "q is not an array of numbers"),
     ("W", np.zeros(4), [0, 0], "W is not a matrix"),
@@ -53,6 +59,21 @@ def test_only_problems_are_solved(wrong):
             call(wrong)
 
 
+def test_only_problems_are_written(tmp_path):
+    with pytest.raises(ValueError, match="no contact problem"):
+        core.write_problem(tmp_path / "none.h5", {"W": GOOD})
+    for wrong, words in (({"title": 3}, "title=3 is not a text"), ({"contact_ids": [[1.9, 1]] * 2}, "contact_ids is not .* whole numbers"),
+                         ({"contact_ids": [[2**32, 1]] * 2}, "32 bits"), ({"contact_ids": [1, 2]}, "shape")):
+        with pytest.raises(ValueError, match=words):
+            core.write_problem(tmp_path / "none.h5", core.Problem(GOOD, np.zeros(4), [0, 0]), **wrong)
+    assert not list(tmp_path.iterdir())
+
+
+def test_no_error_is_told_of_impulses_whose_squares_overflow():
+    with pytest.raises(ValueError, match=r"impulses are up to 1e\+200"):
+        core.residual(core.Problem(GOOD, -np.ones(4), [0, 0]), [1e200, 0, 0, 0])
+
+
 def test_a_mask_that_hides_nothing_is_none():
     assert core.solve(core.Problem(np.ma.array(GOOD), np.ma.array(-np.ones(4)), np.ma.array([0.0, 0.0]))).converged
 
@@ -67,6 +88,33 @@ def test_a_mask_that_hides_nothing_is_none():
 def test_refused_by_solve(wrong, words):
     with pytest.raises(ValueError, match=words):
         core.solve(core.Problem(GOOD, np.zeros(4), [0, 0]), **wrong)
+
+
+@pytest.mark.parametrize("method", core.methods())
+def test_a_signal_ends_a_solution(method):
+    """Such as Ctrl-C: it comes after a tenth of the processor time that the solution takes, which then ends before half of that."""
+    class Stop(Exception):
+        pass
+
+    def stop(*_):
+        raise Stop
+    draw = np.random.default_rng(1)
+    half = draw.normal(size=(800, 800))
+    arrays = _arrays(core.Problem(half @ half.T / 400, draw.normal(size=800) - 1, np.full(400, 0.5)))
+
+    def solve():
+        begin = time.process_time()
+        with contextlib.suppress(Stop):
+            _core().solve(arrays, np.zeros(800), method, 1e-300, 10**6, 0, 0, False, 1)
+        return time.process_time() - begin
+    whole = solve()
+    before = signal.signal(signal.SIGPROF, stop)
+    try:
+        signal.setitimer(signal.ITIMER_PROF, whole / 10)
+        assert solve() < whole / 2
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def test_a_problem_spoilt_later_is_refused_too():

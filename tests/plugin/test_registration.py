@@ -1,4 +1,6 @@
 """ContactDynamics is an engine of YADE's like any other."""
+import copy
+import pickle
 import pydoc
 import re
 import subprocess
@@ -52,6 +54,17 @@ def test_help_and_dict_show_settings_and_results_only(O, cd):
         cd(_referenceOverlaps=[1.0])
     with pytest.raises(AttributeError):
         engine._referenceOverlaps = []
+
+
+def test_a_copy_has_the_settings_and_made_no_step(O, cd):
+    plane.floor()
+    plane.disk((0, 0.0099), 0.01)
+    engine = plane.run(3, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-5, flowTolerance=1e-3, label="one")
+    results = {name for name in engine.dict() if not getattr(cd, name).fset}
+    for twin in (copy.deepcopy(engine), pickle.loads(pickle.dumps(engine))):
+        assert {name: value for name, value in twin.dict().items() if name not in results} == \
+            {name: value for name, value in engine.dict().items() if name not in results}
+        assert twin.steps == 0 and twin.status == cd().status != engine.status
 
 
 def test_keyword_constructor_sets_attributes(cd):

@@ -97,7 +97,7 @@ class Run:
 
     @property
     def outcome(self):
-        """'completed', or 'collapsed: ' and what was observed."""
+        """'completed', 'collapsed: ' and what was observed, or 'failed'."""
         return str(self.attributes["outcome"])
 
     @property

@@ -16,7 +16,7 @@ SCHEMA_VERSION = 4
 METHODS = ("MD", "CD")
 STATUS_FINISHED = "finished"
 STATUS_FAILED = "failed: "  # followed by the reason
-OUTCOME_COMPLETED = "completed"
+OUTCOME_COMPLETED, OUTCOME_FAILED = "completed", "failed"
 OUTCOME_COLLAPSED = "collapsed: "  # followed by what was seen; the sample gave way, which is a result
 
 
@@ -106,7 +106,7 @@ ROOT_ATTRIBUTES = _table(
     Field("seed", "1", "seed of the packing"),
     Field("finished", "", "True if the run reached its end"),
     Field("status", "", "'finished' or 'failed: ' and the reason"),
-    Field("outcome", "", "'completed', or 'collapsed: ' and what was seen; of no meaning in a failed run"),
+    Field("outcome", "", "'completed', 'collapsed: ' and what was seen, or 'failed'"),
     Field("pressure", "Pa", "P0, the pressure before the loading"),
     Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
 )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from scipy import sparse
 from yade import O
+from yade.wrapper import Sphere
 
 from yade_scripts.theory import spring_limits
 from yade_scripts.parameters import ParameterError
@@ -22,11 +23,20 @@ def check(full):
     mass, damping, stiffness = _matrices()
     if stiffness.nnz == 0:
         return
-    largest = spring_limits.largest_eigenvalue(mass, O.dt**2 * stiffness + 2 * O.dt * damping)
-    if largest >= 4:
+    matrix = O.dt**2 * stiffness + 2 * O.dt * damping
+    if spring_limits.largest_eigenvalue(mass, matrix) >= 4:
         most = full["md_dt_factor"] * spring_limits.matrix_limit(mass, damping, stiffness) / O.dt
+        stiffest = _free()[spring_limits.most_moved(mass, matrix) // 3]
         raise StepError(f"md_dt_factor = {full['md_dt_factor']}: the time integration of the springs is unstable if this is {most:.3g} or more "
-                        f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n'] * full['damping_factor']:g}); take at most half of that")
+                        f"(k_t/k_n = {full['kt_over_kn']}, beta_n = {full['beta_n'] * full['damping_factor']:g}); take at most half of that. "
+                        f"The stiffest body is {_described(stiffest)}")
+
+
+def _described(body):
+    contacts = sum(body.id in (contact.id1, contact.id2) for contact in bodies.contacts())
+    kind = "a disk" if isinstance(body.shape, Sphere) else "a wall"
+    heavier = "" if isinstance(body.shape, Sphere) else ". With a larger wall_mass_ratio the limit rises"
+    return f"{kind} with {contacts} contacts and a mass of {body.state.mass:.3g} kg{heavier}"
 
 
 def limit():
@@ -46,9 +56,14 @@ def safe_bound():
                for block in blocks if stiffness[block, block].nnz and np.isfinite(mass[block]).any())
 
 
+def _free():
+    """Return the bodies that can move."""
+    return [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)]
+
+
 def _matrices():
     """Return the diagonal of M (infinite for a blocked coordinate), then C and K (sparse), for (x, y, spin) of every body that can move."""
-    free, contacts = [body for body in O.bodies if set("xyZ") - set(body.state.blockedDOFs)], bodies.contacts()
+    free, contacts = _free(), bodies.contacts()
     mass = np.array([math.inf if letter in body.state.blockedDOFs else value for body in free
                      for letter, value in zip("xyZ", (body.state.mass, body.state.mass, body.state.inertia[2]))])
     column = {body.id: 3 * k for k, body in enumerate(free)}

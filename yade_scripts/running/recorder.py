@@ -172,7 +172,8 @@ class Recorder:
 
     def close(self, failure=None, collapse=None):
         """End the file with its status; failure, collapse: the exception that ended the run. Return its known numbers, {name: reader.Known}."""
-        self.file.attrs["outcome"] = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
+        ended = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
+        self.file.attrs["outcome"] = ended if failure is None else schema.OUTCOME_FAILED
         self.file.attrs["finished"] = failure is None
         self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
         known = reader.known(self.file)

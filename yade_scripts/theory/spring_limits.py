@@ -34,12 +34,23 @@ def contact_limit(damping, kt_over_kn):
 
 def largest_eigenvalue(mass, matrix):
     """Return the largest eigenvalue of `matrix` (symmetric, SciPy sparse) with respect to the diagonal `mass`."""
-    scale = sparse.diags(1 / np.sqrt(mass))
-    scaled = (scale @ matrix @ scale).tocsr()
+    scaled = _scaled(mass, matrix)
     if scaled.shape[0] < 20:
         return float(np.linalg.eigvalsh(scaled.toarray())[-1])
     # A fixed start vector, since a random one would give other last bits in every run.
     return float(eigsh(scaled, k=1, which="LA", v0=np.ones(len(mass)), tol=1e-8, return_eigenvectors=False)[0])
+
+
+def most_moved(mass, matrix):
+    """Return the coordinate that has most of the kinetic energy of the mode of the largest eigenvalue."""
+    scaled = _scaled(mass, matrix)
+    mode = np.linalg.eigh(scaled.toarray())[1] if scaled.shape[0] < 20 else eigsh(scaled, k=1, which="LA", v0=np.ones(len(mass)), tol=1e-8)[1]
+    return int(np.argmax(np.abs(mode[:, -1])))
+
+
+def _scaled(mass, matrix):
+    scale = sparse.diags(1 / np.sqrt(mass))
+    return (scale @ matrix @ scale).tocsr()
 
 
 def matrix_limit(mass, damping, stiffness):
