@@ -63,7 +63,7 @@ def _first(reached, values):
 def _share_of_bound(run):
     """Return the sliding contacts over the most that can slide at rest, at each sample; rattlers and walls' contacts as at the start.
 
-    A snapshot counts unknowns and equations; between snapshots each contact more adds two unknowns. 1 where the bound is not positive.
+    A snapshot counts unknowns and equations; between snapshots each contact more, of two disks, adds two unknowns. 1 where the bound is not positive.
     """
     first = run.snapshots[0]
     loaded = first["force_normal"] > 0

@@ -1,7 +1,8 @@
 """Loose rows of disks fall into a box: how high do they stand in it at rest?
 
-The rows are placed above the floor with gaps of a fifth of a diameter and random shifts; all start to fall at time 0. The height is twice that
-of the centre of mass, over the height at which the disks would fill the box without pores. So it is the inverse of the solid fraction.
+The rows are placed above the floor, with gaps of a tenth of a diameter between the largest disks and with random shifts; all start to fall at time
+0. The height is twice that of the centre of mass, over the height at which the disks would fill the box without pores. So it is the inverse of the
+solid fraction.
 """
 import math
 

@@ -10,8 +10,8 @@ The forces on the disk are N (n + mu t') at each sliding contact, n = (+-sin t, 
                stay at rest. The sliding state is a solution, too. Runs of springs that begin with the weight's forces reach it;
                whether springs wedge depends on their history, so nothing is known of them here.
 Springs: while both contacts slide, a displacement u of the centre changes N by -k_n n.u and with it mu N t', an unsymmetric stiffness whose
-modes are complex. The disk flutters unless the dashpots suppress this (at 45 degrees: beta_n > mu/2); then it loses contact again and again
-and spins too slowly, by 16 % at mu = 0.3 and beta_n = 0.1, however stiff the springs.
+modes are complex. At 45 degrees the disk flutters if beta_n < mu/(2 sqrt(1 + mu^2)). Then it loses contact again and again and spins too slowly,
+with mu = 0.3 and beta_n = 0.1 by 16 % once the flutter has grown; in 0.2 s by 2 % with k_n = 2e6 N/m and by 15 % with 2e8.
 """
 import math
 

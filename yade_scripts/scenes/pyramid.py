@@ -2,8 +2,8 @@
 
 `rows` disks lie at the bottom and one at the top, each in the gap between two; neighbours in a row touch. With friction there are more unknown
 forces than equations. Every admissible set of forces carries, across each row, the weight above it without horizontal resultant, and its
-resultant on the fixed row acts under the centre. The pyramid stands at any friction, even without, since each disk is held by two below. (On a
-flat floor the corner disks would roll away: from five rows on at mu = 0.5.)
+resultant on the fixed row acts under the centre. The pyramid stands at any friction, even without, since each disk is held by two below. On a
+flat floor forces that hold it exist only from mu = 0.27 on with two rows and 0.51 with six, and even then it may roll apart.
 """
 from yade_scripts.parameters import Parameter
 from yade_scripts.scenes import Chart, Known

@@ -3,7 +3,8 @@ from yade_scripts.scenes import Chart, Known
 
 TITLE = "Stack of disks"
 KIND = "piles at rest"
-HORIZON = "Any time: nothing moves. The stack is unstable, so a lateral error of any origin grows about as exp(t sqrt(g/R)), tenfold in 0.07 s."
+HORIZON = ("Any time: nothing moves. The stack is unstable, so a lateral error of any origin grows. In a stack of many disks, n, that roll on each "
+           "other it grows about as exp(0.8 t sqrt(n g/R)): tenfold in 0.014 s for 50 disks of 1 cm.")
 LEFT_OUT = "the building of the stack: MD starts with springs compressed by the weights, CD without forces"
 DEFAULTS = dict(method="CD", disks=50, radius_spread=0.0, gravity=9.81, period=0.1, records_per_cycle=10, tolerance=1e-12, max_iterations=10**6)
 POSITIVE = ("gravity",)

@@ -1,9 +1,9 @@
 """A ramp of sigma2 on a packing until it yields, compared with the largest load that its contacts can carry.
 
 The static theorem of limit analysis, a linear programme over the contact forces (theory/statics.py) without any dynamics, gives the
-largest sigma2/P0 at which the contacts of the initial geometry admit forces within Coulomb's cones. Rigid contacts yield there, except
-for the effect of contacts that close in the first motion. Springs strain before that: |gamma| passes yield_strain earlier, unless
-they are so stiff that P0/k_n is far below it.
+largest sigma2/P0 at which the contacts of the initial geometry admit forces within Coulomb's cones. For sliding with friction, which is not
+associated, this is an upper bound: rigid contacts may yield somewhat below it. Contacts that close in the first motion let them carry more.
+Springs strain before: |gamma| passes yield_strain earlier, unless they are so stiff that P0/k_n is far below it.
 """
 from yade_scripts import parameters
 from yade_scripts.parameters import Parameter, ParameterError

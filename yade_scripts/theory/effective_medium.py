@@ -8,7 +8,7 @@ Unger and Kertesz, cond-mat/0211696). With two kinds of settings this acts as a 
   overlap  cold start, gap_correction 1: the impulse of each step, -q m N_I (u_n + gap/dt), depends on the overlap itself
 
 Cold start without the correction is a dashpot without spring: it creeps. Warm start with the correction also adds up gap/dt, a force from the time
-integral of the overlap; by Routh's criterion it is unstable where (omega dt)^2 < gap_correction.
+integral of the overlap; by Routh's criterion it is unstable where (omega dt)^2 < g/(1 + g), g = gap_correction.
 """
 import math
 
