@@ -29,7 +29,7 @@ BOTH = dict(reference_overlaps=(False, True))
 SLOW = dict(period=2.0, records_per_cycle=400)
 ROWS = {"quick": product(stiffening=(1, 10), **SPRINGS) + _rigid({1: PAIRS[1][1:2], 10: PAIRS[10][:1]}, **BOTH),
         "full": product(stiffening=tuple(PAIRS), seed=range(1, 6), **SPRINGS) + _rigid(PAIRS, range(1, 6), **BOTH)
-        # Checks: tangential springs as stiff as the sweeps' (k_t = k_n/3), and twice the period.
+        # Checks: k_t = k_n/3, the ratio of a contact that a sweep solves by itself, and twice the period.
         + product(stiffening=(1, 10), kt_over_kn=0.3333, **SPRINGS) + product(stiffening=(1, 10), **SPRINGS | SLOW)
         + _rigid({1: PAIRS[1][1:2], 10: PAIRS[10][:1]}, reference_overlaps=False, **SLOW)}
 
@@ -122,8 +122,8 @@ The stiffness of the springs determines the size of MD's loop. On each of 5 pack
 to -1.01 over two decades, from 4.5e-4 to 5.1e-6 (means). The remaining strain goes as k_n to the power -0.87 to -0.98. CD with so few sweeps that its
 contacts are as stiff strains 0.96 to 1.13 times as far as MD on the same packing (median 1.05) and keeps 0.89 to 1.05 times the remanent strain
 (median 0.97), if its contacts open where the springs would. If they open at once, as rigid contacts do, it strains 0.65 to 0.88 times as far (median
-0.79) and keeps only 0.01 to 0.43 times the remanent strain (median 0.12). With tangential springs as stiff as those of CD with few sweeps, k_t =
-k_n/3 instead of k_n/2, MD strains 1.05 to 1.07 times as far. This was measured under one load, over one cycle.
+0.79) and keeps only 0.01 to 0.43 times the remanent strain (median 0.12). With k_t = k_n/3 instead of k_n/2 MD strains 1.05 to 1.07 times as far; 1/3
+is the ratio of the stiffnesses of two disks' contact that a sweep solves by itself (W_nn/W_tt). This was measured under one load, over one cycle.
 """
 GIVEN = ("1", "2", "3")
 
