@@ -68,6 +68,12 @@ def _folder(options):
     return FIGURES / ("full" if options.full else "quick")
 
 
+def _there(folder):
+    """Raise ParameterError if there is no folder of results of this name."""
+    if not Path(folder).is_dir():
+        raise parameters.ParameterError(f"there is no folder {folder} with results: make them by `make study`, or name another folder")
+
+
 def _study(options):
     from analysis import make_study, studies
     broken = []
@@ -76,8 +82,8 @@ def _study(options):
         studies.module(name)
     for message in broken:
         print(f"analysis study: {message}", file=sys.stderr)
-    if not options.rows and not Path(options.results).is_dir():
-        raise parameters.ParameterError(f"there is no folder {options.results} with results: make them by `make study`, or name another folder")
+    if not options.rows:
+        _there(options.results)
     results.make(figures, "figures")
     if options.rows:
         return make_study.run(names, options.full, options.results, figures, options.jobs, options.hours) or (commands.MISTAKE if broken else 0)
@@ -111,20 +117,22 @@ def _report(options):
     folder = Path(options.published or _folder(options))
     if options.published and (options.quick or options.full or options.results != results.FOLDER):
         raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
-    broken, faults = [], {}
+    broken, faults, failed = [], {}, {}
     if not options.published:
-        waiting, faults = publish.publish_all(studies.names(broken), folder, options.results, options.full)
+        _there(options.results)
+        waiting, failed = publish.publish_all(studies.names(broken), folder, options.results, options.full)
         left = charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
         if waiting:
             print(f"analysis report: no run has finished of {', '.join(waiting)}: make study", file=sys.stderr)
-        for message in (*faults.values(), *left.values(), *broken):
+        for message in (*failed.values(), *left.values(), *broken):
             print(f"analysis report: {message}", file=sys.stderr)
+        faults = failed | waiting | {f"{charts.FOLDER}/{name}": message for name, message in left.items()}
     page = options.output or FIGURES / "report.html"
     try:
         print(report.build(folder, page, bool(options.published), faults).resolve())
     except OSError as error:
         raise parameters.ParameterError(f"{page} cannot be written: {error}") from None
-    return commands.MISTAKE if broken or faults else 0
+    return commands.MISTAKE if broken or failed else 0
 
 
 def _benchmark(options):
@@ -153,7 +161,7 @@ def _summary(options):
             continue
         status, _, reason = str(run.attributes["status"]).partition(": ")
         rows.append({"file": run.path.name, "method": run.method, "status": status} | (_numbers(run) if run.finished else {}))
-        notes += [f"{run.path.name}: {status}: {reason}"] * bool(reason)
+        notes += [f"{run.path.name}: {status}: {reason}"] * bool(reason) + [f"{run.path.name}: {run.outcome}"] * run.collapsed
         notes += [f"{run.path.name}: {name}: {known}" for name, known in run.known.items()]
     if rows:
         print(pandas.DataFrame(rows).to_string(index=False, float_format="{:.4g}".format, na_rep="n/a"), *notes, sep="\n")
@@ -173,16 +181,16 @@ def _why_no_run(name, error):
 
 def _numbers(run):
     """Return the numbers of a run; NaN for those that its scene does not have."""
-    from analysis import observables
+    from analysis import loops, observables
     columns = {
         "cycles": lambda: run.values("cycle")[-1],
         "gamma end": lambda: observables.change(run, "gamma"),
-        "loop width": lambda: observables.loop_width(run.values("gamma"), run.values("sigma2")),
-        "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), run.values("sigma2")) if run.method == "MD" else None,
+        "loop width": lambda: loops.of(run)["width"],
+        "stiffness Pa": lambda: observables.stiffness(run.values("gamma"), run.values("sigma2")) if run.method == "MD" else float("nan"),
         "dissipated J": lambda: observables.change(run, "dissipated_energy"),
         "wall work J": lambda: observables.wall_work(run),
         "stress error/P0": lambda: observables.stress_error(run),
-        "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else None,
+        "unconverged": lambda: observables.unconverged_steps(run) if run.method == "CD" else float("nan"),
         "commit": lambda: provenance.short(run.attributes["git_commit"])}
     found = dict.fromkeys(columns, float("nan"))
     for name, value in columns.items():
@@ -215,7 +223,9 @@ def _content(name):
     except reader.NoRunError:
         facts = store.load(name)
         return f"a measurement ({facts.get('status') or facts.get('verdict') or facts['piece']})", facts["git_commit"]
-    return f"{run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots", run.attributes["git_commit"]
+    what = f"{run.attributes['scene']} {run.method}, {len(run.values('time'))} samples, {len(run.snapshots)} snapshots"
+    without = "".join(f", no {name}" for name in run.not_shown)
+    return what + f", {run.outcome}" * run.collapsed + without, run.attributes["git_commit"]
 
 
 if __name__ == "__main__":

@@ -9,20 +9,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis import observables
+from yade_scripts.results import reader
 
 
 @dataclass(frozen=True)
 class Cycles:
     """One array each, over the completed cycles; all are empty if the sample collapsed in the first.
 
-    number: 1, 2, ... gamma: at the beginning of the first cycle and at the end of each [1]. dissipated: energy over P0 V0 [1]. sliding_max: largest
-    share of the contacts at the Coulomb limit. contacts: 2M/N at the end of the cycle, walls' contacts included.
+    number: 1, 2, ... gamma: at the beginning of the first cycle and at the end of each [1]. sliding_max: largest share of the contacts at the Coulomb
+    limit. contacts: 2M/N at the end of the cycle, walls' contacts included. ends: the samples at the beginning of the first cycle and at the end of
+    each.
     """
+    run: reader.Run
+    ends: np.ndarray
     number: np.ndarray
     gamma: np.ndarray
-    dissipated: np.ndarray
     sliding_max: np.ndarray
     contacts: np.ndarray
+
+    @property
+    def dissipated(self):
+        """Energy dissipated in each cycle over P0 V0 [1]."""
+        return np.diff(self.run.values("dissipated_energy")[self.ends]) / observables.work_scale(self.run)
 
     @property
     def permanent(self):
@@ -86,8 +94,7 @@ def of(run):
     """Return the Cycles of a run."""
     at, sliding = ends(run), sliding_share(run)
     return Cycles(
-        number=np.arange(1, len(at)), gamma=run.values("gamma")[at],
-        dissipated=np.diff(run.values("dissipated_energy")[at]) / observables.work_scale(run),
+        run=run, ends=at, number=np.arange(1, len(at)), gamma=run.values("gamma")[at],
         sliding_max=np.array([sliding[first:last + 1].max() for first, last in zip(at[:-1], at[1:])]),
         contacts=2 * run.values("contacts")[at[1:]] / run.parameters["disks"])
 

@@ -15,7 +15,7 @@ import pandas
 
 from analysis import observables, studies
 from yade_scripts import parameters
-from yade_scripts.results import provenance
+from yade_scripts.results import provenance, sealed
 from yade_scripts.results.reader import ResultError
 
 STATUS = "status"
@@ -35,12 +35,16 @@ def publish(collection, folder):
     rows = study.summarize(collection.runs)
     if not (isinstance(rows, list) and all(isinstance(row, dict) for row in rows)):
         raise TypeError("summarize() must return a list of dictionaries, one for each row of the table")
+    rest = f"make the others: {command(collection)}"
+    if not any(rows):
+        raise ResultError(study.__file__, f"its summarize() makes no row of the {len(collection.runs)} runs that there are", rest)
     picture = stem.with_suffix(".png")
     written = lambda: picture.stat().st_mtime_ns if picture.exists() else None
     before = written()
     study.draw(collection.runs, rows, picture)
     if written() == before:  # an older figure beside a new table would look like success
-        raise ResultError(study.__file__, "its draw() wrote no figure", "end it with style.finish(fig, path, caption, runs)")
+        raise ResultError(study.__file__, f"its draw() wrote no figure of the {len(collection.runs)} runs that there are",
+                          f"{rest}; if none is missing, end draw() with style.finish(fig, path, caption, runs)")
     write_table(stem.with_suffix(".csv"), rows + missing_rows(collection))
     write_json(stem.with_suffix(".json"), {"study": collection.name} | origin(collection))
     return stem
@@ -57,7 +61,7 @@ def write_table(path, rows):
     table = pandas.DataFrame(rows)
     if STATUS in table:
         table.insert(0, STATUS, table.pop(STATUS).fillna(""))
-    table.to_csv(path, index=False)
+    sealed.replace(path, table.to_csv(index=False).encode())
 
 
 def read_table(path, texts=(), numbers=()):
@@ -79,7 +83,7 @@ def finished(table):
 
 
 def write_json(path, facts):
-    Path(path).write_text(json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    sealed.replace(path, (json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode())
 
 
 def read_json(path, kinds):

@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from analysis import causes, charts, publish, studies
-from yade_scripts.results import provenance, schema
+from yade_scripts.results import provenance, schema, sealed
 from yade_scripts.results.reader import ResultError
 
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
@@ -26,30 +26,43 @@ MOST_PIXELS, COLOURS = 1100, 96  # of an inlined picture, so that the page stays
 def build(folder, path, published=False, faults=None):
     """Write the page of the studies and charts in `folder` to `path`. Raise ResultError if there are none.
 
-    published: these are the results of which the texts speak. faults: {study: why its figure could not be made now}.
+    published: these are the results of which the texts speak. faults: {study, or charts/chart: why its figure could not be made now}.
     """
     folder, path = Path(folder), Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
-    broken, faults = [], faults or {}
+    broken, unread, faults = [], [], faults or {}
     names = studies.names(broken)
-    found = [_study(name, folder, link) for name in names if (folder / f"{name}.json").is_file()]
-    if not found:
-        raise ResultError(folder, "holds no study", "make them with `make study`")
+    studied = _readable(names, folder, unread, lambda name: _study(name, folder, link))
+    if not studied:
+        raise ResultError(folder, "holds no study", "; ".join(["make them with `make study`", *unread]))
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined,
                                      trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "duration": _duration, "symbols": symbols}
-    there = {study["name"] for study in found}
+    there = {study["name"] for study in studied}
     short_answer, words = findings()
     page = environment.get_template("report.html").render(
-        paper=PAPER, findings=short_answer, words=words, there=there, studies=found, faults=faults,
-        absent=[studies.module(name).TITLE for name in names if name not in there], broken=broken,
-        charts=[_chart(name, folder / charts.FOLDER, link) for name in charts.ORDER if (folder / charts.FOLDER / f"{name}.json").is_file()],
+        paper=PAPER, findings=short_answer, words=words, there=there, studies=studied, faults=faults,
+        absent=[studies.module(name).TITLE for name in names if not (folder / f"{name}.json").is_file()],
+        charts=_readable(charts.ORDER, folder / charts.FOLDER, unread, lambda name: _chart(name, folder / charts.FOLDER, link)),
+        broken=broken + unread,
         points=sorted((*point, name) for name in names for point in studies.module(name).POINTS),
         sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
-        commits=sorted({commit for study in found for commit in study["commits"]}), published=published)
-    path.write_text(page, encoding="utf-8")
+        commits=sorted({commit for study in studied for commit in study["commits"]}), published=published)
+    sealed.replace(path, page.encode())
     return path
+
+
+def _readable(names, folder, unread, shown):
+    """Return shown(name) of all names that have a file in the folder. Of one whose files cannot be read `unread` gets the message."""
+    found = []
+    for name in names:
+        if (folder / f"{name}.json").is_file():
+            try:
+                found.append(shown(name))
+            except ResultError as error:
+                unread.append(str(error))
+    return found
 
 
 def findings():

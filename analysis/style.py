@@ -1,4 +1,5 @@
 """The common style of all figures; colours and markers can be told apart without colour vision."""
+import io
 import math
 import textwrap
 
@@ -10,7 +11,7 @@ import matplotlib.pyplot as plt  # after the backend is chosen
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-from yade_scripts.results import provenance
+from yade_scripts.results import provenance, sealed
 from yade_scripts.theory import effective_medium
 
 # Okabe and Ito's palette, distinct under the common colour-vision deficiencies.
@@ -44,8 +45,10 @@ def finish(fig, path, note, origin):
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.04 / fig.get_figheight(), caption, ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
     # At most 1600 pixels wide, as wide as a screen shows.
-    fig.savefig(path, dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line})
+    picture = io.BytesIO()
+    fig.savefig(picture, format="png", dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line})
     plt.close(fig)
+    sealed.replace(path, picture.getvalue())
 
 
 def source(runs):

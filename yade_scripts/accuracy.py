@@ -112,7 +112,8 @@ def run_in_yade(folder):
         scene = scenes.build(full, folder)
         sides = walls.sides() if scene.load else None
         if not scene.known and not scene.load:
-            raise parameters.ParameterError(f"scene = {full['scene']}: measures no quantity, so no accuracy can be asked for")
+            raise parameters.ParameterError(f"scene = {full['scene']}: with these parameters no quantity of it has a known value, so no "
+                                            "accuracy can be asked for")
         disks = bodies.disks()
 
         def look():

@@ -46,7 +46,7 @@ class Row(queue.Job):
 
     def outcome(self):
         """Return how the run ended according to its result file; without a result file, a message with the end of the log."""
-        return results.status(self.path) or f"failed: it left no result file; the end of its log:\n{self.said()}"
+        return results.in_words(self.path) or f"failed: it left no result file; the end of its log:\n{self.said()}"
 
 
 def jobs_of(rows, folder):

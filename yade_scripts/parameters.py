@@ -13,6 +13,7 @@ import difflib
 import hashlib
 import json
 import math
+import numbers
 import sys
 from dataclasses import dataclass
 
@@ -62,13 +63,13 @@ class Parameter:
         kind, legal = type(self.default), False
         if kind in (bool, str):
             legal = isinstance(value, kind) and (not self.choices or value in self.choices)
-        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        elif isinstance(value, numbers.Real) and not isinstance(value, bool):
             finite = abs(value) <= sys.float_info.max
             legal = finite and self.above < value <= self.high and value >= self.low and (kind is float or value == int(value))
         if not legal:
             unit = f" [{self.unit}]" * (self.unit != "1")
             raise ParameterError(f"{self.name} = {value!r}: must be {self.allowed()}{unit} ({self.doc})")
-        return kind(value)
+        return kind(value) + 0.0 if kind is float else kind(value)  # -0.0 is 0, so that both name one run
 
 
 # Version of what the defaults mean, here and in the scenes: part of the name of every run.

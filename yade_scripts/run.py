@@ -95,6 +95,8 @@ def _run(path, full, folder, checkpoint_samples):
         raise failure
     for name, known in recorder.close(failure, collapse).items():
         print(f"{name}: {known}")
+    if collapse:
+        print(f"{path.stem}: collapsed: {collapse}")
     if failure is None or isinstance(failure, RuntimeError):  # a RuntimeError would come again; after anything else a new attempt can resume
         checkpoints.remove()
     return failure

@@ -16,12 +16,17 @@ FLOWS = ("flows", "larger_flows")  # studies with a table of flows
 
 def of_scene(scene, accuracy, measured):
     """Return the lines of an answer for one scene. Raise ResultError for a scene without measurements, or if no setting reaches the accuracy."""
-    if scene in flows.QUANTITY and measured == table.PUBLISHED:  # means over seeds; a chart has one run a setting
+    if scene in flows.QUANTITY:  # means over seeds; a chart has one run a setting, which does not determine its error
+        if Path(measured).resolve() != table.PUBLISHED.resolve():
+            raise ResultError(scene, "a single run of a flow does not determine its error", "ask without --measured: the studies of flows have means")
         return of_flow(scene, accuracy)
     found = table.one_size(table.from_csv(measured))
     own = found[found.scene == scene]
     if own.empty:
-        there = f"no measurement of this scene in {measured}" if scene in scenes.names() else "there is no such scene"
+        if scene not in scenes.names():
+            there = "there is no such scene"
+        else:
+            there = f"no measurement of this scene in {measured}" if scenes.module(scene).CHART else "this scene has no known value to compare with"
         raise ResultError(scene, there, f"measured are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}; for measurements of your own: "
                           "--measured figures/quick/charts/work_precision.csv")
     lines, reached = [], []

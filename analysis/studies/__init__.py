@@ -50,6 +50,9 @@ def module(name):
     with declared.located(found.__file__):
         extents = {f"ROWS[{extent!r}]": rows or None for extent, rows in found.ROWS.items()}
         declared.demand(__name__, found, extents, ("ROWS['quick']", "ROWS['full']"))
+        for name, own in extents.items():
+            if not isinstance(own, list):
+                raise TypeError(f"{name} is a {type(own).__name__}; it must be a list of rows, which are dictionaries")
     return found
 
 

@@ -22,9 +22,9 @@ def summarize(runs):
 
     rate: disks that leave in a time sqrt(d/g), mean over the seeds; deviation: its standard error. width: of the slot, in diameters. law: the rate
     by Beverloo's law C (D/d - k)^(3/2), where C and k come from a straight line fitted to rate^(2/3) at all widths of the method. unsolved: share
-    of the steps of rigid contacts that missed the tolerance.
+    of the steps of rigid contacts that missed the tolerance. Runs that end before half of the disks have left show no rate.
     """
-    rows = []
+    rows, runs = [], [run for run in runs if not run.not_shown]
     for (method, slot), group in summary.groups(runs, lambda run: (run.method, run.parameters["slot"])).items():
         rates = np.array([float(run.extra["rate"]) for run in group]) / np.sqrt(slot)  # the scene counts in sqrt(D/g)
         rows.append({"method": method, "width": slot, "rate": float(rates.mean()), "seeds": len(rates),

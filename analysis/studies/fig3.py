@@ -66,7 +66,8 @@ def draw(runs, rows, path):
     """Draw the strain rate against the strain of dense packings, a panel a stress path, both methods on the same axes. Which loads packings stand is
     a figure of its own."""
     look = style.shades(run.parameters["delta_sigma"] for run in runs)
-    dense = [run for run in runs if run.parameters["preparation_friction"] == 0]
+    if not (dense := [run for run in runs if run.parameters["preparation_friction"] == 0]):
+        return
     paths = dict(reversed(summary.by(dense, "stress path").items()))
     fig, axes = plt.subplots(1, len(paths), figsize=(2 + 4.5 * len(paths), 4), squeeze=False)
     axes = axes[0]

@@ -48,8 +48,8 @@ def summarize(run):
             **summary.columns(run, "dSigma", "seed", "static limit", "load over limit"),
             "first cycle": abs(found.first), "rate": -found.late_rate, "rate error": cycles.error_of_mean(found.rate[-(len(found.rate) // 2):]),
             **summary.columns(run, "gamma at the end", "last quarter's rate over the one before"),
-            "contacts changed": changed(*run.snapshots[FIRST_PEAK:LAST_PEAK + 1]),
-            "limit at the last load": limits.static_limit(run, LAST_PEAK) if rigid else np.nan,
+            "contacts changed": changed(*run.snapshots[FIRST_PEAK:LAST_PEAK + 1]) if len(run.snapshots) > LAST_PEAK else np.nan,
+            "limit at the last load": limits.static_limit(run, LAST_PEAK) if rigid and len(run.snapshots) > LAST_PEAK else np.nan,
             **summary.columns(run, "unsolved steps", "balance error", "outcome")}
 
 

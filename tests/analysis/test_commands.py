@@ -1,8 +1,11 @@
 """The command line of the analysis: figures with ink where it should be, tables, and exit statuses."""
+import io
+import math
 import os
 import subprocess
 import sys
 
+import h5py
 import matplotlib.image
 import numpy as np
 import pytest
@@ -10,9 +13,9 @@ import pytest
 from analysis import __main__ as command
 from analysis import studies
 from tests.analysis.conftest import history, lattice, write, write_row
-from yade_scripts import parameters, tables
+from yade_scripts import parameters, results, tables
 from yade_scripts.measuring import store
-from yade_scripts.results import reader, schema
+from yade_scripts.results import reader, schema, sealed
 
 
 def main(arguments):
@@ -86,6 +89,21 @@ def test_summary_of_a_scene_without_walls(tmp_path, capsys):
         columns[name][:] = np.nan
     assert main(["summary", write_row(tmp_path, {"method": "CD"}, columns=columns)]) == 0
     assert "n/a" in capsys.readouterr().out
+
+
+def test_a_collapse_and_what_a_run_did_not_show_are_told(tmp_path, capsys):
+    fell = write_row(tmp_path, {"method": "MD", "seed": 3}, outcome="collapsed: |gamma| above 0.2", columns={
+        name: values[:40] for name, values in history("MD").items()})  # before the load falls: no loop
+    content = io.BytesIO(fell.read_bytes())
+    with h5py.File(content, "r+") as file:
+        file["extra/rate"], file["extra/slope"] = math.nan, 1.0
+    sealed.write(fell, content.getvalue())
+    assert main(["summary", fell]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[1].split()[5] == "n/a" and said[2] == f"{fell.name}: collapsed: |gamma| above 0.2"
+    assert main(["check", fell]) == 0
+    assert capsys.readouterr().out.strip().endswith("collapsed: |gamma| above 0.2, no rate")
+    assert results.in_words(fell) == "finished, collapsed: |gamma| above 0.2"
 
 
 @pytest.mark.parametrize("change, status, word", [

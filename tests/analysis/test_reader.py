@@ -37,6 +37,9 @@ def harm(path, change):
 def test_a_wrong_name_of_a_quantity_is_told_with_the_right_ones(md):
     run = reader.load(md)
     refused(md, "runs have no quantity 'gama'; did you mean gamma?", read=lambda path: run.values("gama"))
+    refused(md, "a run of MD has no iterations; runs of CD have it", read=lambda path: run.values("iterations"))
+    run.history["gamma"][:] = np.nan
+    refused(md, "/history/gamma has no value; its scene, or its settings, do not measure this", read=lambda path: run.values("gamma"))
     with pytest.raises(KeyError, match="radii; there are .*radius"):
         run.snapshots[0]["radii"]
     with pytest.raises(KeyError, match="height; there are none"):

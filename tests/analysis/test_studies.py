@@ -2,7 +2,9 @@
 
 import contextlib
 import json
+import re
 import shutil
+import subprocess
 import sys
 
 import numpy as np
@@ -51,7 +53,7 @@ def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, c
     studies.module.cache_clear()
     assert main(["study", "fig4", "--results", str(fig4_results), "-o", str(tmp_path)]) == 0
     monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path / "none")  # not what `make study` has left here
-    assert main(["study", "fig5"]) == 2 and main(["report", "--results", str(tmp_path / "none")]) == 2
+    assert main(["study", "fig5"]) == 2 and main(["report", "--results", str(tmp_path)]) == 2
     said = [line for line in capsys.readouterr().err.splitlines() if "fig5" in line]
     assert len(said) == 2 and all("fig5.py lacks ROWS, draw; " in line and line.endswith("studies/__init__.py explains what the file has to declare")
                                   for line in said)
@@ -108,7 +110,8 @@ def test_the_page_says_that_a_figure_is_older_than_a_fault_of_its_study(monkeypa
 
 @pytest.mark.parametrize("command, status", [(["study"], 0), (["study", "--run"], 1)])
 @pytest.mark.parametrize("part, fault, said", [
-    ("draw", lambda *_: None, "its draw() wrote no figure; end it with style.finish"), ("draw", lambda *_: 1 / 0, "ZeroDivisionError"),
+    ("draw", lambda *_: None, "its draw() wrote no figure of the 2 runs that there are; make the others: make study STUDY=force_networks; if"),
+    ("draw", lambda *_: 1 / 0, "ZeroDivisionError"), ("summarize", lambda runs: [], "its summarize() makes no row of the 2 runs that there are"),
     ("summarize", summary.each(lambda run: summary.columns(run, "seed", "static limt")),  # a traceback shows this line, not the next
      "'static limt': no parameter of the scene biaxial and no column; columns")])
 def test_a_study_that_draws_nothing_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path, part, fault, said, command, status):
@@ -224,6 +227,39 @@ def test_report_names_different_commits_and_failures(fig4_results, tmp_path):
     publish.publish(studies.collect("fig4", fig4_results), tmp_path / "out")
     text = report.build(tmp_path / "out", tmp_path / "report.html").read_text()
     assert "1 &times; failed: &lt;walls&gt; locked" in text
+
+
+@pytest.mark.parametrize("spoilt", ["fig4.csv", "fig4.png"])
+def test_files_of_a_study_that_cannot_be_read_cost_the_page_no_other(fig4_results, tmp_path, spoilt):
+    for name in ("fig4", "force_networks"):
+        publish.publish(studies.collect(name, fig4_results), tmp_path)
+    (tmp_path / spoilt).write_bytes(b"\n")
+    text = report.build(tmp_path, tmp_path / "report.html").read_text()
+    assert f"Left out: {tmp_path / spoilt}" in text and f"<h2>{studies.module('force_networks').TITLE}</h2>" in text
+    assert f"<h2>{studies.module('fig4').TITLE}</h2>" not in text and not re.search(f"Not run yet: [^<]*{studies.module('fig4').TITLE}", text)
+
+
+def test_the_page_says_of_which_results_it_is(fig4_results, tmp_path, monkeypatch, capsys):
+    """Figures of other results that lie in its folder are older; a folder that is not there is refused."""
+    monkeypatch.setattr("analysis.__main__.FIGURES", tmp_path)
+    publish.publish(studies.collect("fig4", fig4_results), tmp_path / "quick")
+    (other := tmp_path / "other").mkdir()
+    assert main(["report", "--results", str(other), "-o", str(tmp_path / "page.html")]) == 0
+    assert "Figure and table are older. Now: fig4: no run has finished" in (tmp_path / "page.html").read_text()
+    assert main(["report", "--results", str(tmp_path / "none")]) == 2
+    assert f"there is no folder {tmp_path / 'none'} with results" in capsys.readouterr().err
+
+
+def test_what_cannot_be_written_leaves_the_older_file(tmp_path):
+    """A file larger than what is allowed. The error names it."""
+    (old := tmp_path / "table.csv").write_text("old")
+    text = f"""
+import resource
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+from analysis import publish
+publish.write_table({str(old)!r}, [{{"a": 1.0 / n}} for n in range(1, 1000)])"""
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
+    assert f"File too large: '{old}'" in done.stderr and old.read_text() == "old" and list(tmp_path.iterdir()) == [old]
 
 
 def test_a_report_of_nothing_is_a_mistake(tmp_path, capsys):

@@ -84,6 +84,6 @@ def test_the_stack_to_an_accuracy_by_one_command(yade60):
 
 def test_a_mistake_is_said_in_a_sentence(yade60):
     for arguments, words in ((["scene=stack"], "accuracy=..."), (["accuracy=1e-3", "scene=stack", "method=MD"], "only for method = CD"),
-                             (["accuracy=1e-3", "scene=chain", "fixed_iterations=0"], "measures no quantity")):
+                             (["accuracy=1e-3", "scene=chain", "fixed_iterations=0"], "no quantity of it has a known value")):
         done = yade60.script("accuracy.py", *arguments)
         assert done.returncode == 2 and words in done.stderr and "Traceback" not in done.stderr

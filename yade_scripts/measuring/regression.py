@@ -56,6 +56,8 @@ def compare(cases, folder):
 
 def record(stored, path):
     """Write the stored numbers to a new file, measured ones with their new values and exact ones unchanged. An existing file is not overwritten."""
+    if old := [case["name"] for case in stored["cases"] if not any("now" in number for number in case["numbers"])]:
+        print(f"Not run, or failed, so that the stored numbers stay: {', '.join(old)}")
     for number in (number for case in stored["cases"] for number in case["numbers"]):
         now = number.pop("now", number["value"])
         number["value"] = number["value"] if number["exact"] else now
@@ -72,6 +74,8 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     if options.record and pathlib.Path(options.record).exists():
         raise parameters.ParameterError(f"{options.record} exists; name a new file")
+    if options.record and not pathlib.Path(options.record).absolute().parent.is_dir():
+        raise parameters.ParameterError(f"{options.record}: there is no such folder; make it first")
     stored = json.loads(STORED.read_text())
     cases = [case for case in stored["cases"] if case["quick"] or options.full]
     with tempfile.TemporaryDirectory() as folder:

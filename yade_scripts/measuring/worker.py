@@ -5,7 +5,9 @@ SIGPROF ends the process; if it only waits, SIGALRM ends it after twenty times a
 """
 import pathlib
 import signal
+import sys
 
+from yade_scripts import commands
 from yade_scripts.measuring import __main__ as runner
 
 
@@ -23,6 +25,10 @@ def main(kind, name, full, folder):
         under_way.write_text(name, encoding="utf-8")
         limit(seconds)
 
-    work.measure(begun)
+    try:
+        work.measure(begun)
+    except OSError as error:
+        limit(0)
+        sys.exit(f"{error}; {commands.cure(error)} and start it again")
     limit(0)
     under_way.unlink(missing_ok=True)

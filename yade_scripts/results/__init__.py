@@ -48,5 +48,14 @@ def status(path):
     return ending(path)[0]
 
 
+def in_words(path):
+    """Return `status`, and of a sample that collapsed its outcome, too."""
+    from yade_scripts.results import reader
+    found = status(path)
+    if found == STATUS_FINISHED and (run := reader.load(path)).collapsed:
+        return f"{found}, {run.outcome}"
+    return found
+
+
 def finished(path):
     return status(path) == STATUS_FINISHED

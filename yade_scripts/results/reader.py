@@ -106,6 +106,11 @@ class Run:
         return self.outcome.startswith(schema.OUTCOME_COLLAPSED)
 
     @property
+    def not_shown(self):
+        """The names of the quantities in `extra` that the run did not show: single numbers that are NaN."""
+        return [name for name, value in self.extra.items() if np.ndim(value) == 0 and np.isnan(value)]
+
+    @property
     def error(self):
         """The largest error of the run's known quantities; NaN if there are none."""
         return max((known.error for known in self.known.values()), default=np.nan)
@@ -117,8 +122,13 @@ class Run:
             raise ResultError(self.path, f"runs have no quantity {name!r}", f"did you mean {near[0]}?" if near else
                               f"they have {', '.join(schema.HISTORY)}")
         if name not in self.history:
+            known = schema.HISTORY.get(name)
+            if known and self.method not in known.methods:
+                raise ResultError(self.path, f"a run of {self.method} has no {name}", f"runs of {' and '.join(known.methods)} have it")
             raise ResultError(self.path, f"/history/{name} is missing", AGAIN)
         values = self.history[name]
+        if len(values) and not np.isfinite(values).any():
+            raise ResultError(self.path, f"/history/{name} has no value", "its scene, or its settings, do not measure this")
         if len(wrong := np.flatnonzero(~np.isfinite(values))):
             raise ResultError(self.path, f"/history/{name} is {values[wrong[0]]} at sample {wrong[0]} ({len(wrong)} such of {len(values)})",
                               "the run went wrong: look at its log")

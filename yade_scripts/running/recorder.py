@@ -7,6 +7,7 @@ import io
 import json
 import math
 import pathlib
+import sys
 import time
 
 import h5py
@@ -168,6 +169,8 @@ class Recorder:
             value.attrs.update({name: getattr(known, name) for name in schema.KNOWN})
         for name, (unit, doc, array) in self.scene.extra.items():
             values = self.file.create_dataset(f"extra/{name}", data=_called(f"extra {name!r}", array) if callable(array) else array)
+            if values.ndim == 0 and math.isnan(values[()]):
+                print(f"run: the run does not show {name} ({doc}); take a longer one, or more disks.", file=sys.stderr)
             values.attrs.update({"unit": unit, "doc": doc})
 
     def close(self, failure=None, collapse=None):

@@ -51,7 +51,7 @@ def build(full, folder):
     places = [(pitch * i, pitch * j) for j in range(-most, most) for i in range(-most, most) if math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
         raise parameters.ParameterError(f"disks = {full['disks']}: so few do not fit, in loose rows, into a drum that they fill by half; take more "
-                                        "disks, or radius_spread below 0.3")
+                                        f"disks, or a radius_spread below {full['radius_spread']:g}")
     ids = [ground.disk(place, radius=ground.draw_radius()).id for place in places[:full["disks"]]]  # from the lowest row upwards
     half_time, omega = full["period"] * full["cycles"] / 2, math.sqrt(full["froude"] * full["gravity"] / inner)
     depths = (np.arange(-ABOVE, math.ceil(inner / (2 * radius))) + 0.5) * 2 * radius / inner
