@@ -17,7 +17,9 @@ export OMP_NUM_THREADS = 1
 # YADE does not start without a home.
 export HOME := $(or $(HOME),/tmp)
 
-extent   = $(if $(FULL),--full,--quick)
+# Whether a setting is on: FULL=0 and FULL=no are not.
+on       = $(filter-out 0 no,$(1))
+extent   = $(if $(call on,$(FULL)),--full,--quick)
 site     = $(shell $(PYTHON) -m site --user-site)
 cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/core/*.inl tests/core/*.cpp)
 packages = cd_engine yade_scripts analysis tests
@@ -42,7 +44,7 @@ study: build ## prepare packings, run MD and CD, draw the figures: a first versi
 	$(PYTHON) -m analysis study --run $(extent) $(if $(HOURS),--hours $(HOURS)) $(STUDY) --jobs $(JOBS)
 
 report: deps ## one HTML page of the studies run so far; FULL=1, PUBLISHED=1
-	@$(PYTHON) -m analysis report $(if $(PUBLISHED),--published analysis/published,$(extent)) -o $(REPORT)
+	@$(PYTHON) -m analysis report $(if $(call on,$(PUBLISHED)),--published analysis/published,$(extent)) -o "$(REPORT)"
 
 charts: build ## measure and draw speed against accuracy, and where each method fails: about 20 minutes; FULL=1
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
@@ -65,8 +67,8 @@ regression: build ## run 24 cases of 18 scenes without a window and compare thei
 
 bench: build ## measure the contact solvers beside Siconos's, a minute; FULL=1; AGAIN=1 repeats all, FILES="..." adds problems
 	@.ci/install-packages test
-	$(PYTHON) -m yade_scripts.measuring.benchmark $(extent) $(if $(AGAIN),--again) $(FILES)
-	$(PYTHON) -m analysis benchmark results/benchmark$(if $(FULL),,/quick)
+	$(PYTHON) -m yade_scripts.measuring.benchmark $(extent) $(if $(call on,$(AGAIN)),--again) $(FILES)
+	$(PYTHON) -m analysis benchmark results/benchmark$(if $(call on,$(FULL)),,/quick)
 
 sweep: build ## the rows of tables, or of STUDY="fig3", on a Slurm cluster: TABLE="a.txt b.txt" MINUTES=60 SBATCH="--partition=long"
 	@mkdir -p results
@@ -81,12 +83,13 @@ lint: ## style and static checks
 	clang-format --dry-run --Werror $(cpp)
 
 install: build ## let every YADE console of this user import cd_engine
-	install -d $(site)/cd_engine/core
-	install -m 644 cd_engine/*.py cd_engine/*.so $(site)/cd_engine
-	install -m 644 cd_engine/core/*.py cd_engine/core/*.so $(site)/cd_engine/core
+	install -d "$(site)/cd_engine/core"
+	install -m 644 cd_engine/*.py cd_engine/*.so "$(site)/cd_engine"
+	install -m 644 cd_engine/core/*.py cd_engine/core/*.so "$(site)/cd_engine/core"
 
 uninstall: ## undo `make install`
-	rm -rf $(site)/cd_engine
+	@test -n "$(site)" || { echo '$(PYTHON) does not tell where its packages of this user lie'; exit 1; }
+	rm -rf "$(site)/cd_engine"
 
 clean: ## remove what was compiled; results stay
 	$(MAKE) --no-print-directory -C cd_engine clean

@@ -39,9 +39,12 @@ def fields(row, *names):
     return {name: None if row is None else row[name] for name in names}
 
 
-def finer(row, rows):
-    """Return how many finer settings of its series have finished."""
-    return ((rows.series == row.series) & (rows["rank"] > row["rank"]) & (rows.status == "")).sum()
+def confirming(row, rows):
+    """Return how many settings of its series that have finished confirm a setting, and what they are: the finer ones; of damping its neighbours."""
+    own = rows[(rows.series == row.series) & (rows.status == "")]
+    if row.series in NO_LADDER:
+        return int((np.abs(own["rank"] - row["rank"]) == 1).sum()), "neighbouring"
+    return int((own["rank"] > row["rank"]).sum()), "finer"
 
 
 def best(rows):

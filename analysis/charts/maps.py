@@ -20,12 +20,14 @@ Springs are stable as theory says: one contact below the smaller of two limits, 
 k_t/k_n) across it, within 0.1 %; a packing as long as dt^2 K + 2 dt C < 4 M, within 0.2 %. The walls' servo locks above a gain of 1.50; runs use a
 gain of 1 at most.
 
-Rigid contacts without restitution neither overlap nor gain energy at any step tried, though the motion gets inaccurate. With restitution disks
-overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g) on, and the engine warns. Accelerated sweeps alone do not solve a heavy
-disk on a light one beyond a ratio of their masses of 5.3e4 at a tolerance of 1e-8 and of 9.5e5 at 1e-6, and the engine says so; the default method
-goes on with Newton's method. It does not warn where the error that the tolerance allows is as large as the quantity of interest. One case is a slope
-for which tan(slope)/mu differs from 1 by less than 0.18 tolerances. The other is a packing under a small load: with steps of 1 ms its strain is wrong
-from a tolerance of 6.7e-5 on, with steps of 10 ms from 9.6e-7 on. The table lists every boundary that was searched.
+Rigid contacts without restitution do not gain energy or overlap by a hundredth of a radius at any step tried; their motion, which gets inaccurate, is
+not judged in this map. With restitution disks overlap by a hundredth of a radius from a step of 0.0043 to 0.0084 sqrt(R/g) on, and the engine warns.
+Accelerated sweeps alone do not solve a heavy disk on a light one beyond a ratio of their masses of 5.3e4 at a tolerance of 1e-8 and of 9.5e5 at 1e-6,
+and the engine says so. (The default method, which goes on with Newton's method, is not in this map.) The engine does not warn where the error that
+the tolerance allows is as large as the quantity of interest. One case is a slope for which tan(slope)/mu differs from 1 by a part of the tolerance:
+on the lines searched cases fail up to 0.18 tolerances from 1, but beyond the end of a search a few more may fail. The other is a packing under a
+small load: with steps of 1 ms its strain is wrong from a tolerance of 6.7e-5 on, with steps of 10 ms from 9.6e-7 on. The table lists every boundary
+that was searched. Where failing and good cases alternate, it gives the first failure and says so.
 """
 GIVEN = ("1", "2", "4", "10", "1e-6", "1e-8")
 
@@ -62,8 +64,9 @@ def descriptions():
 
 # A map with its results: table of the cells, cases that were not run, the Lines searched, facts of all.
 Found = namedtuple("Found", "name map rows missing lines facts")
-# A maps.Search, the maps.Boundary found, what the program said beyond it, and the boundary by theory, NaN where there is none.
-Line = namedtuple("Line", "search boundary told theory")
+# A maps.Search, the maps.Boundary found, whether a case beyond it is good again, what the program said beyond it, and the boundary by theory, NaN
+# where there is none.
+Line = namedtuple("Line", "search boundary beyond told theory")
 
 
 def measured(results, full, broken=None):
@@ -78,27 +81,46 @@ def collect(name, results, full):
     chart, work = maps.get(name), maps.Work(name, full, results)
     stored = [(case, work.find(case)) for case in chart.grid(full)]
     missing = [case for case, kept in stored if kept is None]
-    facts = [kept for _, kept in stored if kept is not None]
+    facts = {maps.store.name_of(kept): kept for _, kept in stored if kept is not None}
     cells = [case | {name: kept[name] for name in ("verdict", "reason", "told")}
              | {name: kept["measures"].get(name, math.nan) for name in chart.measures} for case, kept in stored if kept is not None]
 
     def outcome(case):
         if (kept := work.find(case)) is None:
             raise LookupError(case)
-        facts.append(kept)
+        facts[maps.store.name_of(kept)] = kept
         return maps.outcome(kept)
 
-    lines = []
+    searched, lines = [], []
     for search in chart.searches(full):
         try:
-            boundary = maps.bisect(search, outcome)
-            bad = outcome(search.case(boundary.bad))
+            maps.bisect(search, outcome)
+            searched.append(search)
         except LookupError:
             missing.append(search.at | {search.along: "searched"})
-            continue
+    for search in searched:
+        boundary, beyond = first_failure(search, {maps.on_line(search, kept["case"]): maps.outcome(kept) for kept in facts.values()})
+        bad = maps.outcome(work.find(search.case(boundary.bad)))
         theory = chart.theory(search.at) if chart.theory else bad.measures.get("theory", math.nan)
-        lines.append(Line(search, boundary, bad.told, theory if chart.theory_along == search.along else math.nan))
-    return Found(name, chart, pandas.DataFrame(cells), missing, lines, facts)
+        lines.append(Line(search, boundary, beyond, bad.told, theory if chart.theory_along == search.along else math.nan))
+    return Found(name, chart, pandas.DataFrame(cells), missing, lines, list(facts.values()))
+
+
+def first_failure(search, outcomes):
+    """Return (the Boundary along a Search where cases first fail, whether a case beyond it is good again). outcomes: {value along it: outcome}.
+
+    A bisection finds some crossing; where failures and good cases alternate, a cell of the grid may fail before it.
+    """
+    outcomes.pop(None, None)  # cases on other lines
+    inside = [value for value in outcomes if min(search.good, search.bad) <= value <= max(search.good, search.bad)]
+    inside.sort(reverse=search.good > search.bad)
+    fails = [outcomes[value].verdict not in search.accepted for value in inside]
+    if not any(fails):
+        return maps.Boundary(search.good, search.bad, "", f"none up to {search.bad:g}"), False
+    first = fails.index(True)
+    reason = outcomes[inside[first]].reason
+    note = "" if first else f"{reason} already at {search.good:g}"
+    return maps.Boundary(inside[max(0, first - 1)], inside[first], reason, note), not all(fails[first:])
 
 
 def rows(several):
@@ -108,8 +130,8 @@ def rows(several):
     for found in several:
         table += [{publish.STATUS: "", "map": found.name, "at": words(search.at), "along": search.along,
                    "from": "instability" if len(search.accepted) > 1 else "first failure", "boundary": boundary.note or boundary.value,
-                   "good": boundary.good, "bad": boundary.bad, "reason": boundary.reason, "theory": theory, "told": told if boundary.reason else ""}
-                  for search, boundary, told, theory in found.lines]
+                   "good": boundary.good, "bad": boundary.bad, "good again beyond": "yes" if beyond else "", "reason": boundary.reason,
+                   "theory": theory, "told": told if boundary.reason else ""} for search, boundary, beyond, told, theory in found.lines]
         table += [{publish.STATUS: "not run yet", "map": found.name, "at": words(case)} for case in found.missing]
         if not found.lines and not found.missing:
             table.append({publish.STATUS: "no boundary is searched", "map": found.name})

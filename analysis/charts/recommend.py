@@ -75,9 +75,9 @@ def of_flow(scene, accuracy):
 
 
 def _line(row, rows_of_scene):
-    confirmed = choice.finer(row, rows_of_scene)
-    sure = f"confirmed by {'one' if confirmed == 1 else confirmed} finer setting{'s' * (confirmed > 1)}" if confirmed \
-        else "not confirmed: no finer setting was tried"
+    confirmed, which = choice.confirming(row, rows_of_scene)
+    sure = f"confirmed by {'one' if confirmed == 1 else confirmed} {which} setting{'s' * (confirmed > 1)}" if confirmed \
+        else f"not confirmed: no {which} setting has finished"
     # Disks whose motion is prescribed are not counted.
     size = f" of {row.disks:.0f} disk{'' if row.disks == 1 else 's'}" if row.disks > 0 else ""
     return (f"  {row.method}: {row.series}, {row.setting}: expected error {row.error:.2g}, {row.seconds:.2g} s for {row.steps:.0f} steps{size} "

@@ -11,10 +11,12 @@ import re
 import subprocess
 
 import numpy as np
+import pandas
 import pytest
 from PIL import Image
 
 from analysis import charts, publish, report, studies, style
+from analysis.charts import table
 from yade_scripts.results import reader
 from tests import numbers
 from yade_scripts import parameters, results
@@ -116,6 +118,14 @@ def test_every_number_about_a_map_stands_in_its_table(name):
     given, measured = REMEDIES.get(name, ("", {}))
     cells = publish.read_table(FOLDER / charts.FOLDER / f"map_{name}.csv")
     assert numbers.wrong(maps.get(name).remedy, {number: of(cells) for number, of in measured.items()}, given.split()) == []
+
+
+@pytest.mark.parametrize("name", ("by_kind", "profile", "cost_against_size"))
+def test_charts_follow_from_the_measured_settings(name, tmp_path):
+    """Up to the round-off of sums and logarithms."""
+    publish.write_table(tmp_path / "anew.csv", charts.module(name).rows(table.from_csv(table.PUBLISHED)))
+    anew, old = (publish.read_table(path) for path in (tmp_path / "anew.csv", table.PUBLISHED.with_name(f"{name}.csv")))
+    pandas.testing.assert_frame_equal(anew, old, check_dtype=False, rtol=1e-12)
 
 
 # The numbers of README's short answer and of its advice, one by one: values behind words that stand so in the answers of studies, or settings there.

@@ -100,6 +100,7 @@ print(json.dumps(found))
 
 @pytest.mark.parametrize("row", ROWS, ids=number)
 def test_known_answer(measured, row):
+    assert measured[number(row)]
     for name, (found, exact, error) in measured[number(row)].items():
         assert error <= row[2], f"{name} = {found}, exact {exact}; expected within {row[2]:.1g}: {row[3]}"
 

@@ -161,6 +161,11 @@ def whole(values):
     return list(dict.fromkeys(round(value) for value in values))
 
 
+def on_line(search, case):
+    """Return the value along a Search of a case that lies on it; None for one that does not."""
+    return case[search.along] if search.at | {search.along: case.get(search.along)} == case else None
+
+
 @dataclass(frozen=True)
 class Boundary:
     """The result of a search: the last good and the first bad value, the reason of the bad side; note: why there is no boundary, else ''."""
@@ -178,7 +183,7 @@ class Boundary:
 def bisect(search, probe):
     """Return the Boundary along a Search. probe(case) -> an object with verdict and reason.
 
-    The search assumes one crossing. If a map has several, its cells show them, and the search ends at one of them.
+    If there are several crossings, the search ends at one of them.
     """
     good, bad = search.good, search.bad
     first, last = probe(search.case(good)), probe(search.case(bad))
