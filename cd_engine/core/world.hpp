@@ -176,7 +176,7 @@ inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
 	Foot foot;
 	if (a.radius > 0) {
 		const double centres = std::sqrt(dot(d, d)), inverse = 1 / centres;
-		foot = { d.x * inverse, d.y * inverse, centres - a.radius };
+		foot = centres > 0 ? Foot { d.x * inverse, d.y * inverse, centres - a.radius } : Foot { 1, 0, -a.radius }; // any direction parts them
 	} else
 		foot = footOnBoundary(shape, a.turned, d);
 	return touchAt(foot.nx, foot.ny, foot.distance - b.radius, b);

@@ -41,7 +41,8 @@ CD_ATTRIBUTE(bool, handover, true, setting,
     "Reset to False by that step. If it was True at first, it is set again when springs have run.")
 CD_ATTRIBUTE(double, searchMargin, 0.1, within(0, 10),
     "How far around slow bodies near pairs are listed, at least, as a fraction of the smallest radius [1]; around fast ones as far as a step "
-    "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, never its result.")
+    "needs. Pairs are searched anew when bodies have moved through their margins. Changes the cost of a run, not the "
+    "motion of bodies that move by less than a radius in a step.")
 CD_ATTRIBUTE(std::string, publish, "due", setting,
     "When positions, velocities, interactions and O.forces are written to the scene. due: in a run that somebody waits for (O.run(n, True), "
     "O.wait()) before any other engine that is due looks at them, and when the run ends; in a run that nobody waits for, after every step. "

@@ -45,7 +45,7 @@ py::tuple ContactDynamics::nextProblem()
 	std::vector<double> overlaps = referenceOverlaps;
 	double length = bodyOrderLength;
 	SceneLink look;
-	look.world.apart = others.maskApart();
+	look.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	look.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
 	if (handover)
 		look.takeOverlaps();

@@ -75,6 +75,13 @@ bool OtherEngines::changed(const std::vector<Shared<yade::Engine>>& engines) con
 	return !std::equal(engines.begin(), engines.end(), others.begin(), others.end(), same);
 }
 
+Shared<yade::Engine> OtherEngines::colliderOf(yade::Scene* scene)
+{
+	const auto& engines = scene_engines(scene);
+	const auto found = std::find_if(engines.begin(), engines.end(), [](const auto& engine) { return isA(engine->getClassName(), "Collider"); });
+	return found == engines.end() ? nullptr : *found;
+}
+
 void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weighs)
 {
 	const auto& engines = scene_engines(scene);
@@ -88,16 +95,15 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	bool resets = false, before = true;
 	late.clear();
 	integrator = false;
-	Shared<yade::Engine> found;
+	const Shared<yade::Engine> found = colliderOf(scene);
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
 		Other other { engine.get(), engine->dead, engine.get() == self, before, onlyDrives(name) };
 		if (other.ours) {
 			if (!std::exchange(before, false))
 				problem = "it stands twice in O.engines and would move the bodies a second time. Remove one of the two";
-		} else if (isA(name, "Collider") && !found) {
+		} else if (engine == found) {
 			other.ours = true;
-			found = engine;
 		} else if (!engine->dead) {
 			resets = resets || (before && name == "ForceResetter");
 			other.ours = name == "ForceResetter";
@@ -139,7 +145,9 @@ void OtherEngines::wakeUnsorted()
 		collider_doSort(collider) = true;
 }
 
-int32_t OtherEngines::maskApart() const { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
+int32_t OtherEngines::maskApart() const { return maskOf(collider); }
+
+int32_t OtherEngines::maskOf(const Shared<yade::Engine>& collider) { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
 
 bool OtherEngines::looks(yade::Scene* scene) const
 {

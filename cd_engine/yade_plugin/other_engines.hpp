@@ -38,8 +38,11 @@ class OtherEngines {
 	// The same after a refusal. The refused scene may have given the collider NaN bounds. They spoil the order of its sorted lists, so that it
 	// misses pairs for ever; therefore it sorts them anew.
 	void wakeUnsorted();
-	// The collider's avoidSelfInteractionMask (cd::World::apart).
+	// The avoidSelfInteractionMask (cd::World::apart) of the collider at the last check, and of any; 0 without one.
 	int32_t maskApart() const;
+	static int32_t maskOf(const Shared<yade::Engine>& collider);
+	// The first collider in the scene's list of engines; null: there is none.
+	static Shared<yade::Engine> colliderOf(yade::Scene*);
 
     private:
 	struct Other {

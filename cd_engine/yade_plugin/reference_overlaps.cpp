@@ -29,17 +29,19 @@ std::string SceneLink::behindWall(const cd::Pair& pair) const
 double SceneLink::takeOverlaps()
 {
 	double largest = 0;
+	std::vector<double> overlaps; // a refusal leaves the pairs as they are
+	overlaps.reserve(world.pairs.size());
 	struct Worst {
 		const cd::Pair* pair = nullptr;
 		double share = 0; // its overlap over the radius
 	} worst, unpressed;
-	for (cd::Pair& pair : world.pairs) {
+	for (const cd::Pair& pair : world.pairs) {
 		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
-		pair.reference = std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap);
+		const double overlap = overlaps.emplace_back(std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap));
 		if (isGuided(world, pair))
 			continue;
-		largest = std::max(largest, pair.reference);
-		const double share = pair.reference / world.bodies[pair.b].radius;
+		largest = std::max(largest, overlap);
+		const double share = overlap / world.bodies[pair.b].radius;
 		if (!(share <= worst.share))
 			worst = { &pair, share };
 		if (!(share <= unpressed.share) && !world.carried[&pair - world.pairs.data()].any())
@@ -55,6 +57,8 @@ double SceneLink::takeOverlaps()
 		throw SceneError(
 		    "ContactDynamics: " + (reason.empty() ? what(worst) + ", more than springs leave behind. Move them apart" + remedy : reason));
 	}
+	for (std::size_t k = 0; k < overlaps.size(); k++)
+		world.pairs[k].reference = overlaps[k];
 	if (unpressed.share > visible && told.insert("overlap").second)
 		tell(what(unpressed) + ", and no spring force acts between them. The engine keeps this overlap and counts it as touching.",
 		    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which removes overlaps.");

@@ -5,6 +5,8 @@ import re
 import pytest
 from yade import Quaternion, utils
 
+import cd_engine
+
 from . import plane
 
 G = 9.81
@@ -196,3 +198,28 @@ def test_fixed_disks_may_be_driven_into_what_is_fixed(O, capfd):
     plane.disk((0, 0.02), 0.01, blocked="xyzXYZ", velocity=(0, -0.1), mat=mat)
     engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0))
     assert engine.deepestPenetration == 0 and capfd.readouterr().err == ""
+
+
+def test_a_refused_hand_over_leaves_nothing_behind(O, capfd):
+    """With handover=False the engine then pushes the overlap out, as if it had never been asked to take it over."""
+    for refused in (False, True):
+        O.reset()
+        for x in (0, 1.7):
+            plane.disk((x, 0), 1)
+        O.engines, O.dt = cd_engine.engines(handover=refused, gapCorrection=0.1), 1e-3
+        engine = O.engines[-1]
+        if refused:
+            with pytest.raises(RuntimeError, match="overlap by 0.3 of a radius"):
+                O.step()
+            engine.handover = False
+        O.step()
+        assert engine.maxPenetration == pytest.approx(0.3) and O.bodies[1].state.vel[0] > 1
+
+
+def test_disks_with_one_centre_are_pushed_apart(O, capfd):
+    """Along x, since no direction is better than another."""
+    for radius in (0.3, 0.2):
+        plane.disk((0, 0), radius)
+    engine = plane.run(200, 1e-3, handover=False, gapCorrection=0.1)
+    first, second = (body.state.pos for body in O.bodies)
+    assert engine.converged and engine.maxPenetration < 1e-3 and first[1] == second[1] == 0 and second[0] - first[0] > 0.499

@@ -107,6 +107,18 @@ def test_before_the_first_step(O, tmp_path):
     assert core.read_problem(tmp_path / "a").q == pytest.approx([-1e-3 * 9.81, 0]) and len(O.interactions.all(False)) == 0
 
 
+def test_the_mask_of_the_collider_counts_before_the_step_too(O, tmp_path):
+    for x in (0, 0.2):
+        plane.disk((x, 0), 0.1)
+    O.engines, O.dt = cd_engine.engines(), 1e-3
+    for mask, contacts in ((1, 0), (0, 1), (1, 0)):
+        O.engines[1].avoidSelfInteractionMask = mask
+        O.engines[-1].exportProblem(str(tmp_path / "a"))
+        assert core.read_problem(tmp_path / "a").contacts == contacts
+        O.step()
+        assert O.engines[-1].contacts == contacts
+
+
 @pytest.mark.parametrize("name, bodies", [("a.npz", False), ("a.hdf5", True), ("A.H5", True)])
 def test_a_name_of_the_other_format_is_refused(O, tmp_path, name, bodies):
     cd = heap(O)
