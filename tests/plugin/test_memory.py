@@ -156,10 +156,13 @@ def digest(number, at):
     except RuntimeError as error:
         told = str(error)
     refused = number > 0 and refuse(0) <= 0
-    assert refused == ("no memory is left" in told), (number, told)
+    # Where the memory of a finished step cannot be kept for the next one (workspace.hpp), nothing is told.
+    assert not told or refused and "no memory is left" in told, (number, told)
+    heard.append(told)
     O.run(at + 20 - O.iter, True)
     return refused, plane.digest()
 
+heard = []
 for at in (0, 60):
     known, number, refused = digest(0, at)[1], 1, True
     while refused:
@@ -168,6 +171,7 @@ for at in (0, 60):
         number += 1 + number // 10
     print("refused up to request", number, flush=True)
     assert at or number > 20
+assert sum(map(bool, heard)) > 15, heard
 
 # In a long run, after steps of which the scene knows nothing yet, and with an engine that pushes.
 from yade import wrapper
