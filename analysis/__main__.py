@@ -68,7 +68,7 @@ def _folder(options):
     return FIGURES / ("full" if options.full else "quick")
 
 
-def _there(folder):
+def _demand_results(folder):
     """Raise ParameterError if there is no folder of results of this name."""
     if not Path(folder).is_dir():
         raise parameters.ParameterError(f"there is no folder {folder} with results: make them by `make study`, or name another folder")
@@ -83,7 +83,7 @@ def _study(options):
     for message in broken:
         print(f"analysis study: {message}", file=sys.stderr)
     if not options.rows:
-        _there(options.results)
+        _demand_results(options.results)
     results.make(figures, "figures")
     if options.rows:
         return make_study.run(names, options.full, options.results, figures, options.jobs, options.hours) or (commands.MISTAKE if broken else 0)
@@ -119,7 +119,7 @@ def _report(options):
         raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
     broken, faults, failed = [], {}, {}
     if not options.published:
-        _there(options.results)
+        _demand_results(options.results)
         waiting, failed = publish.publish_all(studies.names(broken), folder, options.results, options.full)
         left = charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
         if waiting:

@@ -56,6 +56,8 @@ def test_one_setting_for_all_scenes_of_a_kind_solves_most_of_them():
     _, solved, left = choice.of_kind(own, 1e-3)["CD"]
     assert list(solved["rank"]) == [1, 1] and left == []
     assert choice.of_kind(own, 1e-7) == {}
+    _, fastest, _ = choice.of_kind(rows(("CD step", [1e-5, 1e-6], [3.0, 1.0])), 1e-3)["CD"]
+    assert list(fastest["rank"]) == [1]
 
 
 def test_profile_counts_the_scenes_solved_within_a_factor():
@@ -72,7 +74,8 @@ def test_profile_counts_the_scenes_solved_within_a_factor():
 
 
 def test_exponent_of_the_cost():
-    own = [("CD nsgs", [1e-5], [2e-6 * size**1.5], "stack", size) for size in (10, 100, 1000)]
+    """Of the larger half of the sizes; the smallest ones may cost what does not grow."""
+    own = [("CD nsgs", [1e-5], [2e-6 * size**1.5 if size > 4 else 1.0], "stack", size) for size in (1, 2, 10, 100, 1000, 10000)]
     found = cost_against_size.rows(rows(*own, ("MD step", [1e-1], [1.0], "stack", 10)))
     # Exact but for the rounding of logarithms.
     assert cost_against_size.power(found[found.series == "CD nsgs"]) == pytest.approx(1.5, abs=1e-9)
@@ -89,6 +92,9 @@ def published(tmp_path, monkeypatch):
 
 
 def test_recommend_names_the_cheapest_setting_and_what_the_other_method_can(published, capsys):
+    assert main([*published, "--scene", "stack", "--accuracy", "1e-2"]) == 0
+    said = capsys.readouterr().out
+    assert "(confirmed by one finer setting)" in said and "(not confirmed: no finer setting has finished)" in said
     assert main([*published, "--scene", "stack", "--accuracy", "1e-4"]) == 0
     said = capsys.readouterr().out
     assert "stack: CD is recommended for an accuracy of 0.0001" in said

@@ -54,7 +54,7 @@ def test_the_first_failure_is_told_where_good_cases_and_failures_alternate(good,
     """Of 1, 2, 4, ... 64 the values 1, 2, 8, 16 and 64 are good: a bisection ends at one of several crossings. What is outside does not count."""
     search = Search({"y": 3}, "x", good, bad, 1.01)
     outcomes = {value: Outcome(STABLE) if value in (1, 2, 8, 16, 64) else Outcome(UNSTABLE, "penetration") for value in (64, 4, 1, 8, 32, 16, 2, 128)}
-    found, again = drawn.first_failure(search, outcomes | {None: Outcome(UNSTABLE, "penetration")})
+    found, again = drawn.first_failure(search, outcomes)
     assert (found.good, found.bad, found.reason, found.note) == (*at, "penetration", "") and again
     assert maps.on_line(search, {"y": 3, "x": 4.0}) == 4.0 and maps.on_line(search, {"y": 2, "x": 4.0}) is None
     single, again = drawn.first_failure(search, {value: outcomes[value] for value in ((1, 2, 4) if good < bad else (64, 32, 4))})

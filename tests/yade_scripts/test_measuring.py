@@ -149,6 +149,22 @@ print(json.dumps([good, known, bad]))
     assert bad["status"] == "failed: the scene has no quantity with a known value with these parameters"
 
 
+def test_the_time_is_that_of_the_steps_and_springs_trace_no_energies_meanwhile(yade60):
+    """Nearly all processor time of a long run is that of its steps."""
+    for method in ("MD", "CD"):
+        counted, spent, traced = yade60.code(f"""
+import time
+from yade_scripts import parameters, scenes
+from yade_scripts.running import md, timing
+full = parameters.complete({{"scene": "stack", "method": {method!r}, "period": 10.0}})
+scene, begun = scenes.build(full, "results"), time.process_time()
+counted = timing.run(scene, full)
+spent = time.process_time() - begun
+print(json.dumps([counted, spent, {method!r} == "MD" and md.law().traceEnergy]))
+""")
+        assert 0.5 * spent < counted <= spent and not traced
+
+
 def test_what_is_too_slow_ends_its_worker_which_says_where(tmp_path):
     """With a limit of a fiftieth of a second SIGPROF ends the worker, which has written the name of its measurement."""
     path = tmp_path / "slow.py"

@@ -11,7 +11,7 @@ The forces on the disk are N (n + mu t') at each sliding contact, n = (+-sin t, 
                whether springs wedge depends on their history, so nothing is known of them here.
 Springs: while both contacts slide, a displacement u of the centre changes N by -k_n n.u and with it mu N t', an unsymmetric stiffness whose
 modes are complex. At 45 degrees the disk flutters if beta_n < mu/(2 sqrt(1 + mu^2)). Then it loses contact again and again and spins too slowly,
-with mu = 0.3 and beta_n = 0.1 by 16 % once the flutter has grown; in 0.2 s by 2 % with k_n = 2e6 N/m and by 15 % with 2e8.
+with mu = 0.3 and beta_n = 0.1 by about 15 % once the flutter has grown; in 0.2 s by 2 % with k_n = 2e6 N/m and by 15 % with 2e8.
 """
 import math
 
