@@ -116,8 +116,8 @@ springs go on straining: after 20 cycles those of 100 k_n have strained 1.07 to 
 come to rest, with 3.0e-8 a cycle at most: by then they have formed contacts that carry 1.42 to 1.44 P0, more than the load.
 
 With springs, the share of contacts that change from the first to the last peak of the load grows with the strain of a late cycle under dSigma = 0.4:
-among the packings of one stiffness the rank correlation is 0.82 to 0.88 (7 to 10 packings, p of 0.014 at most). Under 0.3 it is 0.22 to 0.75, which
-only one of the three stiffnesses makes sure (p from 0.01 to 0.54). With rigid contacts this share means nothing, because contacts may lose their
+among the packings of one stiffness the rank correlation is 0.82 to 0.88 (7 to 10 packings, p of 0.014 at most). Under 0.3 it is 0.22 to 0.75 (p from
+0.01 to 0.54), so for two of the three stiffnesses this may be chance. With rigid contacts this share means nothing, because contacts may lose their
 force and stay closed.
 """
 GIVEN = ("0.3", "0.5", "0.9", "0.63", "1e-6", "1e-7", "1e-9", "20", "100", "2", "1", "0.98", "4000")
