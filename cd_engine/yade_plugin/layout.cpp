@@ -180,26 +180,35 @@ namespace {
 		}
 	}
 
-	// State: written through Python's accessors, read at the declared offsets.
+	// State: written through Python's accessors, read at the declared offsets, with two values, since memory may hold one of them by chance.
 	void surveyState(Survey& s)
 	{
+		using Vector = std::array<double, 3>;
+		using Quaternion = std::array<double, 4>; // x, y, z, w
 		const py::object minieigen = py::import("yade.minieigenHP");
 		py::object state = py::import("yade.wrapper").attr("State")();
-		const double position[3] = { 1.25, -2.5, 3.75 };
-		const double turned[4] = { 0.36, 0.48, 0, 0.8 }; // x, y, z, w: a unit quaternion
-		const unsigned dofs = 2 | 4 | 8;
-		state.attr("pos") = minieigen.attr("Vector3")(position[0], position[1], position[2]);
-		state.attr("ori") = minieigen.attr("Quaternion")(turned[3], turned[0], turned[1], turned[2]);
-		state.attr("blockedDOFs") = "yzX";
-		const auto holds = [&](const AnyMember& member, const auto& expected) {
-			s.declared(member, "the value just set from Python", [&](long offset) {
-				char found[sizeof expected];
-				return readMemory(address(state) + offset, found) && std::memcmp(found, &expected, sizeof expected) == 0;
+		const auto holds = [&](const AnyMember& member, const auto& asPython, const auto& first, const auto& second) {
+			s.declared(member, "the values just set from Python", [&](long offset) {
+				const auto arrives = [&](const auto& value) {
+					auto found = value;
+					state.attr(member.name) = asPython(value);
+					return readMemory(address(state) + offset, found) && found == value;
+				};
+				return arrives(first) && arrives(second);
 			});
 		};
-		holds(state_pos, position);
-		holds(state_ori, turned);
-		holds(state_blockedDOFs, dofs);
+		const auto vector = [&](const Vector& v) { return minieigen.attr("Vector3")(v[0], v[1], v[2]); };
+		const auto quaternion = [&](const Quaternion& q) { return minieigen.attr("Quaternion")(q[3], q[0], q[1], q[2]); };
+		const auto letters = [](unsigned dofs) {
+			std::string of;
+			for (int k = 0; k < 6; k++)
+				if (dofs >> k & 1)
+					of += "xyzXYZ"[k];
+			return of;
+		};
+		holds(state_pos, vector, Vector { 1.25, -2.5, 3.75 }, Vector { -0.5, 6.25, 1.5 });
+		holds(state_ori, quaternion, Quaternion { 0.36, 0.48, 0, 0.8 }, Quaternion { 0, 0.6, 0.48, 0.64 });
+		holds(state_blockedDOFs, letters, 2u | 4 | 8, 1u | 32);
 	}
 
 	// A force container at `place` must be built like a fresh one, word by word, with pointers where pointers are.
