@@ -4,7 +4,7 @@ import pandas
 import pytest
 
 from analysis import causes, publish
-from analysis.studies import collapse, fig3, ratcheting
+from analysis.studies import collapse, critical_load, fig3, ratcheting
 from tests import numbers
 from tests.analysis.test_published import FOLDER, values
 
@@ -37,10 +37,20 @@ def tolerance_of_a_rate():
     return [loose.abs().median(), ratcheting.LOOSER, own.abs().median(), tight, [len(loose), len(own)], tight, (own > 1e-7).sum()]
 
 
+def networks():
+    """The runs of each packing that was loaded from several networks."""
+    packings = published("critical_load").query("method == 'CD'").groupby(["preparation mu", "seed"])
+    return [own for _, own in packings if len(own) > 1]
+
+
 def networks_of_a_cycle():
-    packings = published("critical_load").query("method == 'CD'").groupby(["preparation mu", "seed"])["load at 0.0001"]
-    several = [own for _, own in packings if len(own) > 1]
-    return [max(100 * (own.max() / own.min() - 1) for own in several), sum(map(len, several)), len(several)]
+    loads = [own["load at 0.0001"] for own in networks()]
+    return [max(100 * (own.max() / own.min() - 1) for own in loads), sum(map(len, loads)), len(loads)]
+
+
+def networks_of_a_rate():
+    creep = pandas.concat(networks())[f"gamma at {critical_load.NEARLY} limit"]
+    return [len(creep), len(networks()), critical_load.NEARLY, creep.min(), creep.max()]
 
 
 def limit_of_a_rate():
@@ -81,7 +91,8 @@ def path_of_collapse():
         values("ratcheting", "2 0.3 -0.95 0.02 29 10 -0.67 0.10 -0.89 0.03 42 0.96 -0.50 0.16 14 8 0.96"), stiffness_of_collapse())),
     ("Tolerance of the solver", lambda: (
         values("tolerance", "7.8e-4 1e-2 9.2e-11 1e-10"), tolerance_of_a_rate(), [1e-6, 1e-8, *quotients("rigid, tolerance 1e-6", "rigid")])),
-    ("Indeterminacy: contact forces at the start", lambda: (networks_of_a_cycle(), [], quotients("rigid, other forces", "rigid"))),
+    ("Indeterminacy: contact forces at the start", lambda: (
+        networks_of_a_cycle(), networks_of_a_rate(), quotients("rigid, other forces", "rigid"))),
     ("Static limit: the load that contact forces can balance", lambda: (
         values("fig4", "1.5 4 4 1.6e-6 5.0e-4 4.6e-3 6 6 4.4 13.5"), limit_of_a_rate(), limit_of_collapse())),
     ("Tangential law", lambda: (
