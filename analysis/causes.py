@@ -23,9 +23,9 @@ TABLE = {
         "and 0.98 times under 0.4 (2 of 6)."),
     "Indeterminacy: contact forces at the start": (
         "On one packing CD yields at loads that differ by at most 0.05 % from network to network (17 networks of 4 packings).",
-        "Under a load that grows, rigid grains rest from each of 17 networks of 4 packings: at 0.95 times the static limit they have strained by 2.0e-9 "
-        "to 4.9e-8, the error of the solver. So below the limit there is no strain for the forces to change. With springs it was not varied, since "
-        "their normal forces follow from the overlaps.",
+        "Under a load that grows, rigid grains rest from each of 17 networks of 4 packings: at 0.95 times the static limit they have strained by "
+        "2.0e-9 to 4.9e-8, the error of the solver. So below the limit there is no strain for the forces to change. With springs it was not "
+        "varied, since their normal forces follow from the overlaps.",
         "From other contact forces at the start rigid grains stand 0.84 to 1.03 times as many cycles under dSigma = 0.3 (longer on 2 of 6 "
         "packings) and 1.00 times under 0.4 (2 of 6)."),
     "Static limit: the load that contact forces can balance": (

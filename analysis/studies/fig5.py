@@ -72,26 +72,31 @@ def _share_of_bound(run):
 
 
 def draw(runs, rows, path):
-    """Draw a row of panels for each preparation: gamma over the load, a panel a stress path with CD enlarged in the inset, and the critical loads.
+    """Draw dense packings: gamma over the load, a panel a stress path with CD enlarged in the inset, and the critical loads. Loose ones have a figure
+    of their own.
 
     Ramps at another rate and of stiffer packings stand in the table only.
     """
     table, usual = pandas.DataFrame(rows), [run for run in runs if run.parameters["ramp_rate"] in (USUAL, QUICK)
                                             and run.parameters["stiffening"] == 1]
-    panels = summary.by(usual, "preparation friction", "stress path")
-    frictions, paths = (list(dict.fromkeys(values)) for values in (table["preparation friction"].sort_values(), table["stress path"].sort_values()))
-    fig, axes = plt.subplots(len(frictions), len(paths) + 1, figsize=(1 + 3.6 * (len(paths) + 1), 0.6 + 3.3 * len(frictions)), squeeze=False)
-    for line, friction in zip(axes, frictions):
-        for axis, stress_path in zip(line, paths):
-            _strain(axis, panels.get((friction, stress_path), []))
-            axis.set_title(style.STRESS_PATH[stress_path] + rf", prepared with $\mu$ = {friction:g}", fontsize=9)
-        _loads(line[-1], table[table["preparation friction"] == friction])
+    for friction, own in summary.by(usual, "preparation friction").items():
+        _draw_ramps(own, table[table["preparation friction"] == friction], path if friction == 0 else path.with_name(f"{path.stem}-loose.png"),
+                    "Dense" if friction == 0 else "Loose")
+
+
+def _draw_ramps(runs, table, path, words):
+    paths = dict(sorted(summary.by(runs, "stress path").items()))
+    fig, axes = plt.subplots(1, len(paths) + 1, figsize=(1 + 3.6 * (len(paths) + 1), 4))
+    for axis, (stress_path, own) in zip(axes, paths.items()):
+        _strain(axis, own)
+        axis.set_title(style.STRESS_PATH[stress_path])
+    _loads(axes[-1], table)
     entries = [dict(color=colour, marker=style.MARKER[method], label=method)
-               for method, colour in style.COLOUR.items() if any(run.method == method for run in usual)]
-    entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in usual)
-    style.legend(axes[0, -1], entries, loc="lower right", fontsize=7)
-    style.finish(fig, path, "A line a packing; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
-                 "open: the mean stress held. Not drawn: other rates and 10 $k_n$.", usual or runs)
+               for method, colour in style.COLOUR.items() if any(run.method == method for run in runs)]
+    entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
+    style.legend(axes[-1], entries, loc="lower right", fontsize=7)
+    style.finish(fig, path, f"{words} packings, a line each; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
+                 "open: the mean stress held. Not drawn: other rates and 10 $k_n$.", runs)
 
 
 def _strain(axis, runs):

@@ -76,6 +76,10 @@ limit of most of these packings, the packings rearrange. The strains after 40 cy
 late rates scatter, because they come from single rearrangements: with the path-independent law they are 0.39 to 1.27 times the standard ones on 5
 packings and -0.91 times on the sixth, whose strain decreases, by 6.5e-5 a cycle.
 
+McNamara, Garcia-Rojo and Herrmann (2008) conclude the opposite: that the energy stored on closed paths is the reason for ratcheting, and that the
+path-independent law removes it. In these packings it does not, although it does remove the energy (study of two grains on a closed path). Their
+abstract gives no load and no rate, so we cannot tell whether they mean the much smaller rates far below the limit, where closed paths may matter.
+
 At ten times the pressure and dSigma = 0.3 (4 packings), where the standard spring does more work along closed paths, packings strain 0.98 to 1.00
 times as far with the path-independent law in the first cycle and after 30 cycles. The remaining rates, 2.0e-6 a cycle at most, are too small to
 compare: with the path-independent law they are 0.36 to 1.60 times the standard ones. A strain that remains with the path-independent law is no

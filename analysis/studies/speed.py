@@ -94,7 +94,7 @@ def draw(runs, rows, path):
               (CYCLE_SCENE, "elastic error", r"one cycle; reference: springs of $k_n$", strain),
               (FILLING_SCENE, "rigid error", "filling; reference: rigid grains", "error of the height")]
     panels = [panel for panel in panels if any(row["scene"] == panel[0] for row in rows)]
-    fig, axes = plt.subplots(1, len(panels), figsize=(3.7 * len(panels) + 1.5, 4.2), squeeze=False)
+    fig, axes = plt.subplots(1, len(panels), figsize=(3.8 * len(panels) + 1.8, 4.2), squeeze=False)
     looks, drawn = _looks(rows), {}
     for axis, (scene, name, title, label) in zip(axes[0], panels):
         own = [row for row in rows if row["scene"] == scene and abs(row[name]) > 0]
@@ -110,8 +110,8 @@ def draw(runs, rows, path):
     shown = [series for series in looks if series in drawn]
     axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left",
                        bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "Each point: one setting of stiffness, step and tolerance. Small: cycles of 0.1 s (springs of 10 $k_n$: 0.316 s), "
-                 "else of 1 s. Grey: least error of springs that cost no more. Bars: standard errors over fillings.", runs)
+    style.finish(fig, path, "A point: one setting of stiffness, step and tolerance. Small: cycles of 0.1 s (springs of 10 $k_n$: 0.316 s), else "
+                 "of 1 s. Grey: least error of springs at that cost. Bars: standard errors.", runs)
 
 
 def _series(row):
