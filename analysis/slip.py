@@ -33,14 +33,19 @@ def between(first, second, tangential_stiffness):
 
 
 def of(run):
-    """Return (slip of a contact during the run, in mean radii; number of contacts that share the slip).
+    """Return what `over` does, from snapshot to snapshot of the whole run."""
+    return over(run, zip(run.snapshots[:-1], run.snapshots[1:]))
+
+
+def over(run, pairs):
+    """Return (slip of a contact over pairs of snapshots of a run, in mean radii; number of contacts that share the slip).
 
     The absolute slips between snapshots are added up for each contact, then averaged over the contacts. The number of contacts that share the slip is
     (sum of s)^2 over the sum of s^2: 1 if one contact slips alone, and the number of contacts if all slip equally.
     """
     full, total = run.parameters, {}
     stiffness = np.inf if run.method == "CD" else full["kt_over_kn"] * parameters.stiffness(full)
-    for first, second in zip(run.snapshots[:-1], run.snapshots[1:]):
+    for first, second in pairs:
         for ids, slip in between(first, second, stiffness).items():
             total[ids] = total.get(ids, 0.0) + abs(slip)
     values = np.array(list(total.values()))
