@@ -17,7 +17,7 @@ PACKINGS = {100: 10, 400: 10, 1600: 3, 6400: 1}  # how many of each number of di
 # The slowest motion of a sample takes a time that grows with its width, so ramps and cycles of more disks are slower. All ramps rise to 2.5 P0 at
 # most.
 RAMPS = {100: dict(ramp_rate=0.2, cycles=8), 400: dict(ramp_rate=0.1, cycles=15), 1600: dict(ramp_rate=0.05, cycles=30),
-         6400: dict(ramp_rate=0.025, cycles=60, collapse_strain=0.03)}  # beyond it rigid contacts would take hours
+         6400: dict(ramp_rate=0.025, cycles=60, collapse_strain=0.03)}  # beyond it rigid contacts get slow
 PERIODS = {100: 1.0, 400: 2.0, 1600: 4.0, 6400: 2.0}  # s; cycles of 8 s of 6400 disks would take 3.5 hours
 # Some packings of 1600 disks need a shorter step (a small disk with many contacts). A wall that is as light as one disk but touches the 80 disks of a
 # side would set the step of springs; with the mass of four disks it does not.

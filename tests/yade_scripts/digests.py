@@ -28,7 +28,7 @@ def rows(methods, solvers):
              if method in methods}
     if "CD" in methods:
         found |= {name: row | dict(method="CD") for name, row in VARIANTS.items()}
-        # Hard enough that every solver goes its own way: sweeps do not suffice.
+        # So many sweeps are needed here that every solver goes its own way.
         found |= {f"stack by {solver}": dict(scene="stack", method_cd=solver, method="CD") for solver in solvers}
     return {name: {"disks": scenes.module(row["scene"]).DEFAULTS.get("disks", 60)} | SMALL.get(row["scene"], {}) | row for name, row in found.items()}
 
