@@ -48,12 +48,12 @@ def summarize(run):
 
 
 def draw(runs, rows, path):
-    """Draw the rate of all cycles against that of half of them, and the contacts that slip in the last unloading against those in the first
+    """Draw the rate after all cycles against that after half of them, and the slip of a contact in the last unloading against that in the first
     loading."""
     fig, axes = plt.subplots(1, 2, figsize=(8.5, 4.2))
     table = pandas.DataFrame(rows)
-    panels = (("rate of half", "rate of all", r"$|\Delta\gamma|$ a cycle, second half of ", ("half of the cycles", "all cycles")),
-              ("contacts that slip, first loading", "contacts that slip, last unloading", "contacts that share the slip, ",
+    panels = (("rate of half", "rate of all", r"$|\Delta\gamma|$ a cycle, ", ("after half of the cycles", "after all cycles")),
+              ("slip of a contact/R, first loading", "slip of a contact/R, last unloading", "slip of a contact / R, ",
                ("first loading", "last unloading")))
     for axis, (before, after, words, ends) in zip(axes, panels):
         for (method, friction), own in table.groupby(["method", "preparation friction"]):
@@ -66,4 +66,5 @@ def draw(runs, rows, path):
         axis.set(xscale="log", yscale="log", xlabel=words + ends[0], ylabel=words + ends[1])
     axes[0].axhline(REST, color="0.7", lw=0.8)
     axes[0].legend(fontsize=7)
-    style.finish(fig, path, "A point a run that does not collapse; dotted: no change. Below the grey line a packing counts as at rest.", runs)
+    style.finish(fig, path, "A point a run that does not collapse; dotted: no change. Left: means over the second half of the cycles counted; "
+                 "below the grey line a packing counts as at rest.", runs)

@@ -142,7 +142,8 @@ def test_damaged_checkpoints_are_turned_down(checkpoints):
 
 
 def test_published_runs_are_too_short_for_checkpoints():
-    """No published number depends on a checkpoint: disks times steps of every row of every study, with MD's steps from its smallest possible disk."""
+    """No published number depends on a checkpoint, but for those of the flows named below and of 6400 disks: disks times steps of every row of every
+    study, with MD's steps from its smallest possible disk."""
     import math
 
     from analysis import studies
@@ -151,6 +152,8 @@ def test_published_runs_are_too_short_for_checkpoints():
         if name in ("larger_flows", "many_disks"):
             continue  # means over chaotic motion, whose single bits have no meaning
         for full in studies.rows(name, False) + studies.rows(name, True):
+            if name == "size" and full["disks"] == 6400:
+                continue  # one packing, too large for anything else; its checkpoints come at fixed samples, so that it can be run again
             mass = full["density"] * math.pi * (full["radius_mean"] * (1 - full["radius_spread"]))**2 * full["depth"]
             dt = full["cd_dt"] if full["method"] == "CD" else full["md_dt_factor"] * math.sqrt(mass / parameters.stiffness(full))
             steps = math.ceil(full["period"] / full["records_per_cycle"] / dt) * full["records_per_cycle"] * full["cycles"]
