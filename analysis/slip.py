@@ -32,6 +32,18 @@ def between(first, second, tangential_stiffness):
     return dict(zip(found, surfaces - stretch))
 
 
+def work(run, first, second):
+    """Return the work against friction between two snapshots [J]: the sum of mu times the mean normal force times the slip."""
+    before, after = ({tuple(ids): k for k, ids in enumerate(snapshot["contact_ids"].tolist())} for snapshot in (first, second))
+    return sum(first["contact_friction"][before[ids]] * (first["force_normal"][before[ids]] + second["force_normal"][after[ids]]) / 2 * abs(slip)
+               for ids, slip in between(first, second, stiffness_of(run)).items())
+
+
+def stiffness_of(run):
+    """Return the tangential stiffness of the contacts of a run [N/m]; infinite for rigid ones."""
+    return np.inf if run.method == "CD" else run.parameters["kt_over_kn"] * parameters.stiffness(run.parameters)
+
+
 def of(run):
     """Return what `over` does, from snapshot to snapshot of the whole run."""
     return over(run, zip(run.snapshots[:-1], run.snapshots[1:]))
@@ -43,12 +55,11 @@ def over(run, pairs):
     The absolute slips between snapshots are added up for each contact, then averaged over the contacts. The number of contacts that share the slip is
     (sum of s)^2 over the sum of s^2: 1 if one contact slips alone, and the number of contacts if all slip equally.
     """
-    full, total = run.parameters, {}
-    stiffness = np.inf if run.method == "CD" else full["kt_over_kn"] * parameters.stiffness(full)
+    total = {}
     for first, second in pairs:
-        for ids, slip in between(first, second, stiffness).items():
+        for ids, slip in between(first, second, stiffness_of(run)).items():
             total[ids] = total.get(ids, 0.0) + abs(slip)
     values = np.array(list(total.values()))
     if not values.any():
         return 0.0, 0.0
-    return float(values.mean() / full["radius_mean"]), float(values.sum()**2 / (values**2).sum())
+    return float(values.mean() / run.parameters["radius_mean"]), float(values.sum()**2 / (values**2).sum())
