@@ -1,6 +1,6 @@
 """Computes how far contacts slip: from the relative motion of the surfaces, not from how near the forces are to Coulomb's limit.
 
-A contact at the limit need not slip: in a packing at rest up to a third of the contacts are at the limit and do not slip.
+A contact at the limit need not slip: in a packing at rest a quarter of the contacts may be at the limit and not slip (study `continued`).
 """
 import numpy as np
 
