@@ -64,7 +64,7 @@ With a tolerance of 1e-7 hardly a step is missed: none in 12 of 13 runs and 0.02
 miss 1e-8. What Fig. 3 shows stays: 12 of the 13 stand 40 cycles with both tolerances, and 1 collapses with both (after 7.60 cycles with 1e-8, 9.85
 with 1e-7). After 20 cycles 10 of these 12 have strained 0.96 to 1.08 times as far with 1e-7 as with 1e-8. The two others are close to the static
 limit, at 1.01 and 1.04 times it, and have strained 1.92 and 1.30 times as far. So in these runs the tolerance and the missed steps change the strain
-by some percent, and close to the limit by up to a factor of two; this cannot tell one from the other.
+by some percent, and close to the limit by up to a factor of two. These runs cannot tell which of the two does it.
 """
 GIVEN = ("1e-7", "1e-8", "20", "40")
 
