@@ -162,11 +162,15 @@ def test_every_number_of_the_advice_is_that_of_the_published_tables():
 
 
 def test_every_number_of_the_cost_of_the_engine_is_that_of_the_benchmark(root):
-    """Of the list of the solvers and of a whole step; a space in a number is none, and the million stands there as a word."""
+    """Of the solvers, of problems that are hard for them and of a whole step; a space in a number is none, and the million stands there as a word."""
     text = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## What it costs")[1].split("\n## ")[0]
     solver, step = (re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(rf"{first}.*?\n\n", text, re.S)[0]) for first in ("A plain sweep", "A whole step"))
     sweeps, solved, steps = (publish.read_table(FOLDER / "benchmark" / f"{name}.csv") for name in ("sweeps", "solutions", "step"))
     sweep = sweeps.set_index("problem").loc["packing of 4000"]
+    own = solved[(solved.method == "auto") & (solved.target == 1e-4) & (solved.start == "cold") & solved.disks.isin((400, 4000))]
+    masses, packings = (own[own.kind == kind].sweeps for kind in ("masses", "packing"))
+    hard = re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(r"Three problems.*?because", text, re.S)[0])
+    assert numbers.misplaced(hard, [1e6, masses.min(), masses.max(), 1e-4, packings.min(), packings.max()]) == [] and len(masses) == 3
     cold = solved[(solved.kind == "packing") & (solved.disks == 4000) & (solved.start == "cold") & (solved.target == 1e-4)]
     cold = cold.pivot(index="problem", columns="method", values="seconds")
     faster = cold["siconos nsgs"] / cold["auto"]
