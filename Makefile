@@ -21,7 +21,7 @@ export HOME := $(or $(HOME),/tmp)
 on       = $(filter-out 0 no,$(1))
 extent   = $(if $(call on,$(FULL)),--full,--quick)
 site     = $(shell $(PYTHON) -m site --user-site)
-cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/core/*.inl tests/core/*.cpp)
+cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/*/*/*.[ch]pp cd_engine/core/*/*.inl tests/core/*.cpp)
 packages = cd_engine yade_scripts analysis tests
 # What plain YADE scripts find defined.
 yade     = O,box,sphere,readParamsFromTable,runningInBatch,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
@@ -83,9 +83,10 @@ lint: ## style and static checks
 	clang-format --dry-run --Werror $(cpp)
 
 install: build ## let every YADE console of this user import cd_engine
-	install -d "$(site)/cd_engine/core"
+	install -d "$(site)/cd_engine/core/files"
 	install -m 644 cd_engine/*.py cd_engine/*.so "$(site)/cd_engine"
 	install -m 644 cd_engine/core/*.py cd_engine/core/*.so "$(site)/cd_engine/core"
+	install -m 644 cd_engine/core/files/*.py "$(site)/cd_engine/core/files"
 
 uninstall: ## undo `make install`
 	@test -n "$(site)" || { echo '$(PYTHON) does not tell where its packages of this user lie'; exit 1; }

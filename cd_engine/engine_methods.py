@@ -25,7 +25,7 @@ def exportProblem(self, path, bodies=False):
         raise RuntimeError("ContactDynamics.exportProblem: a run goes on and changes the scene meanwhile. Call O.pause() first, or export from an "
                            "engine of the run (PyRunner)")
     from ._yade_plugin import next_problem
-    from .core import export
+    from .core.files import export
     export.write_step(path, bodies, *next_problem(self))
 
 

@@ -2,10 +2,9 @@
 // cd_engine/core/solve.py calls it, which has checked all that is in the arrays.
 #include "python.hpp"
 
-#include "../core/residual.hpp"
-#include "../core/threads.hpp"
-#include "../core/verdict.hpp"
-#include "../core/workspace.hpp"
+#include "error/error.hpp"
+#include "base/base.hpp"
+#include "solvability/solvability.hpp"
 
 #include <algorithm>
 #include <time.h>

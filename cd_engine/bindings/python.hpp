@@ -1,8 +1,8 @@
 // What both Python modules use: arrays, the interpreter's lock, and the names of the solvers and of the instruction sets for their sweeps.
 #pragma once
 
-#include "../core/group_kernel.hpp"
-#include "../core/solver.hpp"
+#include "kernels/kernels.hpp"
+#include "solvers/solvers.hpp"
 
 #include <boost/python.hpp>
 

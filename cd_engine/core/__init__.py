@@ -10,9 +10,9 @@ The problem is Signorini's contact with Coulomb's friction in the plane, for the
 
     u = W p + q,    0 <= u_n _|_ p_n >= 0,    |p_t| <= mu p_n,    p_t = -mu p_n u_t/|u_t| where a contact slides.
 """
-from .body_problem import BodyProblem
 from .files import read_problem, write_problem
-from .problem import Problem
+from .files.body_problem import BodyProblem
+from .files.problem import Problem
 from .solve import Report, bytes_of_a_sweep, instruction_sets, methods, residual, residual_max, solve, use_instruction_set
 
 __all__ = ["BodyProblem", "Problem", "Report", "bytes_of_a_sweep", "instruction_sets", "methods", "read_problem", "residual", "residual_max",

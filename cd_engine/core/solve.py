@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .body_problem import BodyProblem
-from .problem import LARGEST, Problem, vector
+from .files.body_problem import BodyProblem
+from .files.problem import LARGEST, Problem, vector
 
 
 @dataclass(frozen=True)

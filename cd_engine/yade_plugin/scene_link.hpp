@@ -1,10 +1,8 @@
 // Connects YADE's scene graph with the core's world: reads bodies, forces and near pairs, and writes motion and contact forces back.
 #pragma once
 
-#include "../core/pair_order.hpp"
-#include "../core/pair_search.hpp"
-#include "../core/space_order.hpp"
-#include "../core/time_step.hpp"
+#include "search/search.hpp"
+#include "step/step.hpp"
 #include "layout.hpp"
 #include "scene_error.hpp"
 

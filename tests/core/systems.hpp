@@ -1,8 +1,8 @@
 // Contact problems that several tests solve, and what such problems are made of.
 #pragma once
 
-#include "delassus_system.hpp"
-#include "solver.hpp"
+#include "problem/delassus_system.hpp"
+#include "solvers/solver.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // A problem given by its matrix and the same one in the bodies' velocities are one problem.
-#include "residual.hpp"
+#include "error/residual.hpp"
 #include "systems.hpp"
 
 #include <cmath>

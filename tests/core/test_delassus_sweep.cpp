@@ -1,9 +1,9 @@
 // The packed sweep over W: which rows may be solved at once, and that neither the packing nor the processor shows in the result.
-#include "delassus_sweep.hpp"
-#include "group_kernel.hpp"
-#include "local_problem.hpp"
-#include "solver.hpp"
-#include "workspace.hpp"
+#include "matrix/delassus_sweep.hpp"
+#include "kernels/group_kernel.hpp"
+#include "problem/local_problem.hpp"
+#include "solvers/solver.hpp"
+#include "base/workspace.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Islands solved apart: what is parted, that nothing is lost by it, and what is gained.
-#include "island_solver.hpp"
+#include "islands/island_solver.hpp"
 #include "systems.hpp"
 
 #include <algorithm>

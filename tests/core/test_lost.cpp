@@ -1,5 +1,5 @@
 // Which disks have left the scene.
-#include "pair_search.hpp"
+#include "search/pair_search.hpp"
 
 #include <doctest/doctest.h>
 

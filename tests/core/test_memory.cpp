@@ -1,6 +1,6 @@
 // A step asks for no memory once it has had what its contacts need.
 #include "allocations.hpp"
-#include "time_step.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <algorithm>

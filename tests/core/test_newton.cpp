@@ -1,5 +1,5 @@
 // Newton's method and the automatic choice: exact solutions, plain sweeps as the second way, and problems at which sweeps stagnate.
-#include "residual.hpp"
+#include "error/residual.hpp"
 #include "systems.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Near pairs: against a look at all of them, while bodies move.
-#include "pair_order.hpp"
-#include "pair_search.hpp"
-#include "time_step.hpp"
+#include "search/pair_order.hpp"
+#include "search/pair_search.hpp"
+#include "step/time_step.hpp"
 
 #include <doctest/doctest.h>
 

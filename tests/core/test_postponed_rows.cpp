@@ -1,8 +1,8 @@
 // Steps that take their contacts without making rows give the same bits as those that make them.
-#include "near_pairs.hpp"
-#include "pair_order.hpp"
-#include "pair_search.hpp"
-#include "time_step.hpp"
+#include "search/near_pairs.hpp"
+#include "search/pair_order.hpp"
+#include "search/pair_search.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <cmath>

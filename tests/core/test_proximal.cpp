@@ -1,6 +1,6 @@
 // What Newton's method is made of: the factorization of block matrices, and one problem of the proximal-point method.
-#include "block_matrix.hpp"
-#include "proximal_problem.hpp"
+#include "newton/block_matrix.hpp"
+#include "newton/proximal_problem.hpp"
 #include "systems.hpp"
 
 #include <algorithm>

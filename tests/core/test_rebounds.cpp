@@ -1,5 +1,5 @@
 // Restitution in impacts of many contacts: it never adds energy, and where e = 1 and nothing rubs it loses none.
-#include "time_step.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <cmath>

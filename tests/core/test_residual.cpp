@@ -1,5 +1,5 @@
 // The error e of one contact, worked out by hand for every state a contact can be in.
-#include "residual.hpp"
+#include "error/residual.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 // What sleeps on is not looked at, and nothing of it shows: steps that look at everything are the same to the last bit.
-#include "time_step.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The order of the bodies along a curve through space.
-#include "space_order.hpp"
+#include "search/space_order.hpp"
 
 #include <algorithm>
 #include <cmath>

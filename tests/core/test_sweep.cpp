@@ -1,10 +1,10 @@
 // The packed sweep: what may be in a group, and that neither the processor nor the packing shows in the result.
 #include "allocations.hpp"
-#include "grouping.hpp"
-#include "residual.hpp"
-#include "sweep.hpp"
+#include "graph/grouping.hpp"
+#include "error/residual.hpp"
+#include "sweeps/sweep.hpp"
 #include "systems.hpp"
-#include "workspace.hpp"
+#include "base/workspace.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // The error computed from packed contacts, against the independent code.
-#include "residual.hpp"
-#include "sweep.hpp"
+#include "error/residual.hpp"
+#include "sweeps/sweep.hpp"
 #include "systems.hpp"
 
 #include <doctest/doctest.h>

@@ -1,10 +1,10 @@
 // Threads and the blocks they sweep: every part of the work is done once, and nothing of a result shows by how many.
-#include "blocks.hpp"
-#include "space_order.hpp"
-#include "sweep.hpp"
+#include "graph/blocks.hpp"
+#include "search/space_order.hpp"
+#include "sweeps/sweep.hpp"
 #include "systems.hpp"
-#include "threads.hpp"
-#include "time_step.hpp"
+#include "base/threads.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // One step of the scheme on two disks: what it asks of gaps and overlaps.
-#include "time_step.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Boxes that turn: a paddle that meets, pushes and throws disks, against the motion on a turning face in closed form.
-#include "time_step.hpp"
+#include "step/time_step.hpp"
 #include "worlds.hpp"
 
 #include <cmath>

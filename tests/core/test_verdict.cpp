@@ -1,8 +1,8 @@
 // What counts as solved, and what is named as having no solution, of every method and in both forms of a problem.
-#include "residual.hpp"
-#include "rigid_motion.hpp"
+#include "error/residual.hpp"
+#include "problem/rigid_motion.hpp"
 #include "systems.hpp"
-#include "verdict.hpp"
+#include "solvability/verdict.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>

@@ -17,7 +17,7 @@ from . import fuzz_geometry
 from .fuzz_geometry import BOX, DISK, Picture
 
 EPS = np.finfo(float).eps
-SINGLE = 10        # error of one contact of an island with loops, over the typical one (cd_engine/core/residual.hpp)
+SINGLE = 10        # error of one contact of an island with loops, over the typical one (cd_engine/core/error/residual.hpp)
 SLACK = 10         # error of a contact, over what the tolerance allows its two bodies: the cone couples normal and tangential errors
 # A body's error against the exact solution, in what acts on the most loaded body of its island: the errors of all contacts, of which there are up
 # to 60, passed on through wedges, rows that roll together and such (270 has been met in a packing of equal masses). Free fall that counts as
@@ -244,7 +244,7 @@ class Watch:
         return (row[:, 0] * v[self.a]).sum(axis=1) + (row[:, 1] * v[self.b]).sum(axis=1)
 
     def _typical(self):
-        """By pair: of an island whose contacts make loops, the velocity S' to which its contacts are relative (cd_engine/core/residual.hpp); else
+        """By pair: of an island whose contacts make loops, the velocity S' to which its contacts are relative (core/error/residual.hpp); else
         0."""
         p, k = self.picture, np.flatnonzero(self.near)
         n, free = len(p.kind), p.w.any(axis=1)

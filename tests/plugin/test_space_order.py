@@ -67,7 +67,7 @@ def test_the_order_is_renewed_at_a_step_that_looks_at_it(O, moved, renewed):
 
 
 def pairs_of_one_key(most):
-    """Two pairs of ids below `most` to which core/pair_order.cpp gives one key where their disks are among the first 32 of the order."""
+    """Two pairs of ids below `most` to which core/search/pair_order.cpp gives one key where their disks are among the first 32 of the order."""
     low, high = np.triu_indices(most, 1)
     h = (low.astype(np.uint64) << np.uint64(32) | high.astype(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
     h ^= h >> np.uint64(32)

@@ -57,11 +57,11 @@ def test_a_scene_that_git_does_not_know_is_another_code(tree):
 
 def test_an_engine_that_was_built_of_other_sources_is_another_code(tree, root):
     """Never built, or not since the last commit."""
-    tree.write("cd_engine/core/nsgs.cpp", "one\n")
+    tree.write("cd_engine/core/solvers/nsgs.cpp", "one\n")
     shutil.copy(root / "cd_engine" / "Makefile", tree.folder / "cd_engine")
     up_to_date = [word for library in ("_yade_plugin.so", "core/_core.so") for word in ("-o", library)]  # so that nothing is compiled
     for source in ("one\n", "two\n"):
-        tree.write("cd_engine/core/nsgs.cpp", source)
+        tree.write("cd_engine/core/solvers/nsgs.cpp", source)
         tree.commit()
         assert tree.named()[40:] == "-dirty"
         subprocess.run(["make", "-C", tree.folder / "cd_engine", *up_to_date], check=True, capture_output=True)

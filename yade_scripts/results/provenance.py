@@ -30,7 +30,7 @@ def git_commit():
 def _engine_is_of_these_sources():
     """Tell whether the engine was built of the sources that are here, by the checksums that cd_engine/Makefile has written."""
     folder = pathlib.Path(__file__).parents[2] / "cd_engine"
-    sources = sorted(name for pattern in ("Makefile", "*/*.[ch]pp", "*/*.inl") for name in glob.glob(pattern, root_dir=folder))
+    sources = sorted(name for pattern in ("Makefile", "**/*.[ch]pp", "**/*.inl") for name in glob.glob(pattern, root_dir=folder, recursive=True))
     built = folder / "build" / "sources.sha256"
     now = "".join(f"{hashlib.sha256((folder / name).read_bytes()).hexdigest()}  {name}\n" for name in sources)
     return now == (built.read_text(encoding="utf-8") if built.exists() else "")

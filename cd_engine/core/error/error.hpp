@@ -1,0 +1,4 @@
+// How far impulses are from the contact law.
+#pragma once
+
+#include "error/residual.hpp"

@@ -1,0 +1,5 @@
+// Solves each island of contacts for itself, and leaves islands at rest asleep.
+#pragma once
+
+#include "islands/island_solver.hpp"
+#include "islands/sleepers.hpp"

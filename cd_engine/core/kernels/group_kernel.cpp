@@ -1,0 +1,63 @@
+#include "kernels/group_kernel.hpp"
+
+namespace cd {
+
+// Inlining is forced: the vectors of a target must stay in registers, also where the optimizer would make a call.
+#define INLINE static inline __attribute__((always_inline))
+
+// The functions of a target.
+#define KERNEL(name)                                                                                                                                 \
+	constexpr GroupKernel kernel                                                                                                                 \
+	    = { name, sweep, sweepAhead, extrapolate, press, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
+
+#define LANES 2
+namespace any_processor {
+#include "kernels/group_kernel.inl"
+	KERNEL("any");
+}
+#undef LANES
+
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+#define LANES 4
+namespace avx2 {
+#include "kernels/group_kernel.inl"
+	KERNEL("avx2");
+}
+#undef LANES
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4")
+#define LANES 8
+namespace avx512 {
+#include "kernels/group_kernel.inl"
+	KERNEL("avx512");
+}
+#undef LANES
+#pragma GCC pop_options
+
+namespace {
+
+	const GroupKernel all[] = {
+		avx512::kernel,
+		avx2::kernel,
+		any_processor::kernel,
+	};
+	constexpr std::size_t known = sizeof all / sizeof *all;
+
+	std::size_t firstSupported()
+	{
+		__builtin_cpu_init();
+		return __builtin_cpu_supports("x86-64-v4") ? 0 : __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
+	}
+
+	const GroupKernel* chosen = all + firstSupported();
+
+} // namespace
+
+GroupKernels groupKernels() { return { all + firstSupported(), known - firstSupported() }; }
+const GroupKernel& groupKernel() { return *chosen; }
+void useGroupKernel(const GroupKernel& kernel) { chosen = &kernel; }
+
+} // namespace cd

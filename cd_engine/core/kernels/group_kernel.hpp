@@ -1,0 +1,95 @@
+// The inner loops of a sweep, compiled once for each kind of processor. All versions give the same bits.
+#pragma once
+
+#include "problem/problem.hpp"
+#include "kernels/group.hpp"
+#include "scene/scene.hpp"
+
+#include <cstddef>
+
+namespace cd {
+
+// The members of AheadReport, summed lane by lane.
+struct alignas(64) LaneSums {
+	double change[Group::lanes], against[Group::lanes];
+};
+
+// How far the contacts miss the contact law, summed lane by lane: members of ResidualSum with the same names; `velocity` is its `missed`.
+struct alignas(64) LaneMisses {
+	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
+	double velocity[Group::lanes];
+	double worst[Group::lanes], mostVelocity[Group::lanes];
+};
+
+// Eight pairs.
+struct alignas(64) PairLanes {
+	static constexpr int lanes = 8;
+	struct Ends {
+		int32_t a, b;
+	};
+	double mu[lanes], reference[lanes];
+	double scaleA[lanes], scaleB[lanes]; // 1/k of the bodies, for groups
+	double overlap[lanes], gap[lanes]; // as in Touch, and beyond the reference overlap [m]
+	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
+	Ends ends[lanes];
+	int32_t a[lanes], b[lanes]; // the same
+	int32_t index[lanes]; // in World::pairs
+};
+// What impulses on eight contacts between disks do.
+struct alignas(64) PairEffects {
+	static constexpr int lanes = PairLanes::lanes;
+	double nx[lanes], ny[lanes];
+	double fn[2][lanes], ft[2][lanes]; // as in Carried
+	double work[lanes]; // [J]
+};
+struct RowSettings {
+	double dt, gapCorrection, allowedOverlap;
+	double pushedOut; // gap from which an overlap is pushed out, in radii
+	double onCone; // factor on mu p_n up to which a first guess is in the cone
+};
+
+struct GroupKernel {
+	const char* name;
+	// Solves the contacts of groups[0 .. count) in turn, while the others are held.
+	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
+	// The same from y = p + beta (p - before); `before` becomes p. The bodies must already have the velocities of y. Adds to the sums.
+	void (*sweepAhead)(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums);
+	// Replaces every velocity v by v + beta (v - before); `before` becomes v.
+	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
+	// Adds to every body the impulses of its contacts, their moments over k, and, in the member w, the magnitudes |p_n| + (1 + arm^2)|p_t|.
+	void (*press)(const Group* groups, std::size_t count, PackedBody* loads);
+	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
+	// the sums, and writes the values of each contact to `each` if it is not null.
+	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
+	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
+	// the impulses must already have the values of y, and `steps` gets the results.
+	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
+	// Replaces the impulses p of every group by y = p + beta (p - before), with a beta for each group; `before` becomes p.
+	void (*extrapolateRows)(ImpulsePairs* impulses, ImpulsePairs* before, const double* beta, std::size_t count);
+	// Where the disks of `count` times eight pairs touch.
+	void (*overlaps)(const Place* places, PairLanes* pairs, std::size_t count, double nearby);
+	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
+	void (*assemble)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
+	    std::size_t count, const RowSettings& settings);
+	// What `count` impulses p, two a contact, do; rate: 1/dt.
+	void (*effects)(const Place* places, const Mean* means, const double* p, std::size_t count, double rate, const PairLanes* pairs,
+	    PairEffects* effects, std::size_t groups);
+	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
+	unsigned (*assembleGroup)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& pairs, Group& group,
+	    const RowSettings& settings);
+};
+
+// The kernels that this processor can run, the fastest first. The last one runs on any processor.
+struct GroupKernels {
+	const GroupKernel* first;
+	std::size_t count;
+	const GroupKernel* begin() const { return first; }
+	const GroupKernel* end() const { return first + count; }
+};
+GroupKernels groupKernels();
+
+// The kernel in use: the fastest, unless a test or a benchmark has chosen another.
+const GroupKernel& groupKernel();
+void useGroupKernel(const GroupKernel&);
+
+} // namespace cd

@@ -1,0 +1,5 @@
+// Loops over eight contacts at once, compiled for each instruction set.
+#pragma once
+
+#include "kernels/group.hpp"
+#include "kernels/group_kernel.hpp"

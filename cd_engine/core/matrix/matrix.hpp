@@ -1,0 +1,4 @@
+// Gauss-Seidel sweeps over a problem given by its matrix.
+#pragma once
+
+#include "matrix/delassus_sweep.hpp"

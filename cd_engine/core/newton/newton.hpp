@@ -1,0 +1,4 @@
+// Newton's method for a contact problem, step by step, with sparse factorization.
+#pragma once
+
+#include "newton/proximal_problem.hpp"

@@ -1,0 +1,7 @@
+// The contact problem of one step: bodies, contacts, their law, and the same problem as a matrix.
+#pragma once
+
+#include "problem/contact_system.hpp"
+#include "problem/delassus_system.hpp"
+#include "problem/local_problem.hpp"
+#include "problem/rigid_motion.hpp"

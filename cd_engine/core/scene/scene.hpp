@@ -1,0 +1,6 @@
+// The bodies of a scene, their shapes, and where two of them touch.
+#pragma once
+
+#include "scene/hidden_corners.hpp"
+#include "scene/vector.hpp"
+#include "scene/world.hpp"

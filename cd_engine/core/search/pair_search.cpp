@@ -1,0 +1,138 @@
+#include "search/pair_search.hpp"
+#include "search/reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cd {
+namespace {
+
+	constexpr std::size_t fewQuick = 8;
+	// A margin covers this many ways of its body, each the motion in one step: at least, at most, and at most for the few fastest disks.
+	constexpr double leastWays = 1.1, mostWays = 8, mostQuick = 50;
+	// Target for the mean margin of the disks, in radii.
+	constexpr double meanMargin = 1;
+	// Largest margin, in its radii, that a slow disk gets because others are fast.
+	constexpr double hitRadius = 0.5;
+
+} // namespace
+
+// Chooses margins that last for several steps. Those of the few fastest disks last as long as that of the next fastest, which may be far slower. If
+// some bodies are fast, slow ones get a margin for the impact that they may suffer.
+void PairSearch::chooseMargins(const World& world)
+{
+	const std::size_t count = world.bodies.size();
+	quick.clear();
+	for (std::size_t i = 0; i < count; i++)
+		if (world.bodies[i].radius > 0 && ways[i] > least)
+			quick.push_back(i);
+	const std::size_t many = std::min(fewQuick + 1, quick.size());
+	std::partial_sort(quick.begin(), quick.begin() + static_cast<long>(many), quick.end(),
+	    [this](std::size_t i, std::size_t j) { return ways[i] != ways[j] ? ways[i] > ways[j] : i < j; });
+	margins.resize(count);
+	double radii = 0, need = 0, way = 0; // sums over the disks; a disk far faster than the others counts with its radius at most
+	for (std::size_t i = 0; i < count; i++)
+		if (const double radius = world.bodies[i].radius; radius > 0) {
+			radii += radius;
+			need += std::min(needs[i], radius);
+			way += std::min(ways[i], radius);
+		}
+	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, leastWays, mostWays) : mostWays;
+	for (std::size_t i = 0; i < count; i++) {
+		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
+		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });
+	}
+	double quickWays = mostQuick;
+	if (quick.size() > fewQuick) {
+		const std::size_t next = quick[fewQuick];
+		quickWays = std::min(quickWays, (margins[next] - needs[next]) / ways[next]);
+		quick.resize(fewQuick);
+	}
+	for (const std::size_t i : quick)
+		margins[i] = std::max(margins[i], needs[i] + quickWays * ways[i]);
+}
+
+// The part of its margin that a body has used up by moving [m]; infinite if its radius, mask or shape has changed.
+inline double PairSearch::used(const World& world, std::size_t i) const
+{
+	const Body& b = world.bodies[i];
+	if (b.radius != seen[i].radius || world.masks[i] != seenMasks[i])
+		return endless;
+	const double x = b.x - seen[i].x, y = b.y - seen[i].y;
+	double way = std::sqrt(x * x + y * y);
+	if (b.radius == 0) {
+		const Shape &now = world.shapes[i], &then = seenShapes[i];
+		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
+			return endless;
+		if (now.kind == ShapeKind::box)
+			way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
+	}
+	return way;
+}
+
+bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran, Threads* threads)
+{
+	const std::size_t count = world.bodies.size();
+	ways.resize(count);
+	needs.resize(count);
+	world.listed.resize(count);
+	struct Seen {
+		double fastest = 0, smallest = endless;
+		bool complete;
+		int32_t beyond = -1;
+	};
+	const auto look = [&](std::size_t from, std::size_t to) {
+		Seen all;
+		all.complete = seen.size() == count && world.apart == seenApart;
+		for (std::size_t i = from; i < to; i++) {
+			const Body& b = world.bodies[i];
+			const bool joins = world.masks[i] != 0;
+			ways[i] = joins ? wayOf(b, world.shapes[i], dt) : 0;
+			needs[i] = joins ? reachOf(b, ways[i]) : 0;
+			if (joins && i < outran.size())
+				needs[i] = std::max(needs[i], outran[i]);
+			all.fastest = std::max(all.fastest, ways[i]);
+			all.smallest = b.radius > 0 ? std::min(all.smallest, b.radius) : all.smallest;
+			if (!all.complete)
+				continue;
+			world.listed[i] = !joins && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
+			all.complete = needs[i] <= world.listed[i];
+			all.beyond = all.complete ? -1 : static_cast<int32_t>(i);
+		}
+		return all;
+	};
+	const Seen all = reduceRanges<Seen>(threads, count, look, [](const Seen& a, const Seen& b) {
+		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.complete && b.complete,
+			a.beyond >= 0 ? a.beyond : b.beyond };
+	});
+	beyond = all.beyond;
+	fastest = all.fastest;
+	least = std::isinf(all.smallest) ? 0 : leastMargin * all.smallest;
+	longest = fastest / all.smallest;
+	return !all.complete;
+}
+
+void PairSearch::find(World& world, std::vector<NearPair>& found)
+{
+	chooseMargins(world);
+	seen.clear();
+	for (const Body& b : world.bodies)
+		seen.push_back(placeAhead(b, 0));
+	seenShapes = world.shapes;
+	seenMasks = world.masks;
+	seenApart = world.apart;
+	world.listed = margins;
+	for (std::size_t i = 0; i < seenMasks.size(); i++)
+		if (seenMasks[i] == 0)
+			world.listed[i] = endless;
+	nearPairs.find(world, margins, found);
+}
+
+int PairSearch::lost(const World& world)
+{
+	const int id = leftBehind(world, quick);
+	quick.clear();
+	return id;
+}
+
+} // namespace cd

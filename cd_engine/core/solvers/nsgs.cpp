@@ -1,0 +1,12 @@
+// Nonlinear (block) Gauss-Seidel: solves contact by contact, each exactly while the others are held (Moreau 1988; Jean 1999, section 6). This is the
+// reference method. It converges linearly and needs about sqrt(N) sweeps or more to carry a force through N disks.
+#include "matrix/matrix.hpp"
+#include "solvers/iterate.hpp"
+#include "sweeps/sweeps.hpp"
+
+namespace cd {
+
+SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep>(system, settings); }
+SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
+
+} // namespace cd

@@ -1,0 +1,107 @@
+// The input and output of a contact solver, and the list of solvers. To add one, write its file and add its line to solver.cpp.
+#pragma once
+
+#include "problem/problem.hpp"
+#include "error/error.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace cd {
+
+class Start;
+class Threads;
+
+// The evaluations of the error while a problem is solved, in their order, by whatever methods and from whatever starts.
+struct Trace {
+	struct Look {
+		int iterations; // made until then, of all methods
+		double error; // compared with the tolerance
+	};
+	std::vector<Look> looks;
+	int made = 0; // iterations so far
+	bool records = true;
+	void (*atLook)() = nullptr; // called at each; what it throws ends the solution
+
+	void add(int iterations) { made += iterations; }
+	void look(double error)
+	{
+		if (records)
+			looks.push_back({ made, error });
+		if (atLook)
+			atLook();
+	}
+};
+
+struct SolverSettings {
+	double tolerance = 1e-6; // on the errors of residual.hpp
+	int maxIterations = 10000; // sweeps and factorizations
+	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, without an evaluation of the error in between
+	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
+	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
+	bool guessSolved = true; // whether the first guess is from a solved step; if not, large impulses in it are no reason to accept large ones
+	// Whether the guess is from an unsolvable or doubtful step. If no boundary can press any more, it is replaced by zero. Otherwise, if a
+	// solution is found from it, the problem is solved again from zero impulses to confirm that.
+	bool guessPressed = false;
+	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
+	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
+	Trace* trace = nullptr; // records the error on the way, or ends the solution, if somebody asks for it
+};
+
+// no_solution: there is none, or only one with impulses above all bounds (verdict.hpp); indefinite: the same, and p . W p < 0 for some impulses p.
+enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
+const char* name(Status);
+
+struct SolverReport {
+	int iterations = 0; // sweeps and factorizations made
+	int factorizations = 0; // how many of these are factorizations; if any, Newton's method ended the search
+	double residual = 0; // e of the impulses returned
+	double residualMax = 0; // its maximum over the contacts
+	double bodyError = 0; // the error of the bodies (residual.hpp)
+	int body = -1; // the body whose velocity may be the most wrong, in the island with the largest error of the bodies; -1: none
+	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies; compared with the tolerance
+	double work = 0; // sum of W_nn |p|^2 over the contacts that are awake [J]
+	bool plain = false; // plain Gauss-Seidel sweeps ended the search, although the method has better ones
+	bool doubtful
+	    = false; // under fixedIterations: whether verdict.hpp does not accept the impulses as a solution, however small their errors may be
+	Status status = Status::converged;
+	int32_t contact = -1; // row of the contact that speaks most against the impulses, if one does: for no_solution, indefinite, diverged
+
+	void measure(const Residual& e)
+	{
+		residual = e.norm;
+		residualMax = e.maximum;
+		bodyError = e.bodies;
+		body = e.body;
+		work = e.work;
+		error = std::isfinite(e.impulse) ? e.error() : std::numeric_limits<double>::quiet_NaN();
+	}
+};
+
+// Improves the impulses in `system.contacts` and leaves the velocities of these impulses in `system.bodies`.
+using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
+// The same method for a problem given by its matrix; improves the impulses in `system.p`.
+using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
+
+// Which method brought a problem given to `method` to its tolerance; "none" if none did.
+std::string solvedBy(const std::string& method, const SolverReport&);
+
+// Null if there is no such method. What they return is judged: whatever the method's own error, impulses that solve nothing by verdict.hpp do not
+// count as converged, and a problem without a solution is reported as such. At most a tenth of maxIterations is reserved for this, if the bodies do
+// not show beforehand that there is a solution.
+Solver findSolver(const std::string& method);
+DelassusSolver findDelassusSolver(const std::string& method);
+std::vector<std::string> solverNames();
+
+SolverReport nsgs(ContactSystem&, const SolverSettings&);
+SolverReport nsgs(DelassusSystem&, const SolverSettings&);
+SolverReport accelerated(ContactSystem&, const SolverSettings&);
+SolverReport accelerated(DelassusSystem&, const SolverSettings&);
+SolverReport newton(ContactSystem&, const SolverSettings&);
+SolverReport newton(DelassusSystem&, const SolverSettings&);
+SolverReport automatic(ContactSystem&, const SolverSettings&);
+SolverReport automatic(DelassusSystem&, const SolverSettings&);
+
+} // namespace cd

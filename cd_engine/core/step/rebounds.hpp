@@ -1,0 +1,79 @@
+// What restitution asks of a step's contacts, and how much of it the energy allows.
+//
+// Moreau's law (1988, Unilateral contact and dry friction in finite freedom dynamics, section 4): every contact that is closed, or that the
+// velocities before the step would close within it, takes
+//   0 <= u_n' + e u_n  _|_  p_n >= 0,   u_n before the step,
+// also if it separates already: impacts elsewhere on its bodies may push it back at up to e u_n. Without friction the energy of the step then changes
+// by -(1 - e)/(1 + e) p.W p/2 <= 0, however the contacts are coupled. A law that demands u_n' >= 0 of separating contacts creates energy.
+//
+// With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
+// islands of contacts that would create energy, until they do not. A disk wedged between two faces may be unable to leave both as fast as
+// the law demands, so that the step has no solution. Then e is set to 0 at once in its island, as in islands that create energy in a step that is
+// not solved.
+#pragma once
+
+#include "graph/graph.hpp"
+#include "scene/scene.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cd {
+
+class Rebounds {
+    public:
+	// Energy that a step may add at a loose tolerance, as a share of the sum of m |dv|^2, with dv the velocity change by the impulses. A step
+	// that is solved again is solved at least to this tolerance.
+	static constexpr double mostGain = 1e-5;
+
+	// The bias of a contact in an impact: e u_n, or the bias of its gap if this one pushes harder (plain < 0).
+	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
+
+	void clear()
+	{
+		asked.clear();
+		accounts.clear();
+	}
+	void resize(std::size_t contacts) { asked.resize(contacts); }
+	// For a contact of the system: its bias without restitution, and e u_n [m/s], or NaN if the contact has no part in an impact.
+	void set(std::size_t row, double plain, double rebound) { asked[row] = { plain, rebound }; }
+	// Whether any contact has a part in an impact.
+	bool any() const;
+
+	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
+	// changed a bias. To be called again after the next solution. `before`: the bodies before the step, `free`: the velocities that the external
+	// forces alone would leave. Islands are lowered only if the energy grows both over the whole step and over the impulses alone. If only one of
+	// the two grows, the work of the forces in the step causes it, not the rebounds. atOnce: give up all rebounds of such an island.
+	bool lower(ContactSystem&, const std::vector<Body>& before, const std::vector<double>& free, double tolerance, bool atOnce);
+
+	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
+	bool energyRemains() const { return remains; }
+
+	// Gives up all rebounds in the island of contact `row`, in a step that has no solution with them; if `row` is negative, in every island.
+	// Returns whether there was a rebound to give up.
+	bool giveUp(ContactSystem&, int32_t row);
+
+    private:
+	struct Asked {
+		double plain, rebound;
+	};
+	// Account of an island, stored at the body that names the island.
+	struct Account {
+		double sinceBefore = 0, sinceFree = 0; // work of its impulses, from the velocities before the step and from the free ones on [J]
+		double scale = 0; // sum of m |dv|^2, dv the velocity change by the impulses [J]
+		double energy = 0; // kinetic energy of its bodies after the step [J]
+		int lowered = 0; // how often its rebounds were lowered
+	};
+
+	void findIslands(const ContactSystem&);
+	Account& accountOf(std::size_t contact) { return accounts[partition.nameAt(contact)]; }
+	bool askAgain(ContactSystem&);
+
+	bool remains = false;
+	std::vector<Asked> asked; // of the contacts
+	Partition partition; // of the system
+	std::vector<Account> accounts; // by body; empty: no islands found yet in this step
+};
+
+} // namespace cd

@@ -1,0 +1,222 @@
+// Tangential springs between disks that store no path: McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008).
+#include "../kind.hpp"
+#include "spring_engines.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace cd_engine {
+namespace {
+
+	// Whether a law functor of linear springs has made this phys. Of exactly these classes: derived ones have springs of another kind,
+	// whose stiffness varies or whose shearForce holds a dashpot's part.
+	bool linearSprings(const void* phys)
+	{
+		static Kind isFrictPhys { "FrictPhys", Kind::exactly }, isFrictViscoPhys { "FrictViscoPhys", Kind::exactly };
+		return isFrictPhys(phys) || isFrictViscoPhys(phys);
+	}
+
+} // namespace
+
+// Two disks of radii R1, R2 with centres d = R1 + R2 - delta apart, the line of centres at the angle theta, turned by phi1 and phi2.
+// The spring is stretched by
+//     d xi = (R1 + R2) d theta - R1 d phi1 - R2 d phi2,
+// an exact differential, so T = k_t xi depends on where the disks are and not on how they came there, until it slips at
+// |T| = mu |R_n|. By virtual work the energy T^2/(2 k_t) pushes the disks apart sideways with alpha T, alpha = (R1 + R2)/d, and turns
+// them with the arms R1 and R2. (The usual law has d instead of R1 + R2 and R_i - delta/2 instead of R_i in the stretch; that is no
+// differential, and a closed path leaves a force behind.)
+//
+// Signs: n points from the first to the second disk, t is n turned by +90 degrees, phys.shearForce = S t acts on the second disk:
+// S = -T. As everywhere in this project phys.shearForce is the force in the spring; what acts on the disks is alpha times that.
+class PathIndependentShear : public SpringEngine<PathIndependentShear> {
+    public:
+	static constexpr const char* name = "PathIndependentShear";
+	static constexpr const char* documentation
+	    = "Makes the tangential springs between disks path-independent (McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304, 2008). It "
+	      "stands behind InteractionLoop and before NewtonIntegrator, and replaces what the law functor has found for phys.shearForce of each "
+	      "contact of two spheres by T = ks xi with d xi = (R1+R2) d theta - R1 d phi1 - R2 d phi2, clipped at tan(phi)|normalForce|; the force "
+	      "on the disks is "
+	      "(R1+R2)/d T at the arms R1 and R2, d the distance of their centres. O.forces then holds this instead of the functor's force. "
+	      "A contact seen for the first time takes over the functor's shear force, so a packing made with the usual law goes on from its forces. "
+	      "For Law2_ScGeom_FrictPhys_CundallStrack and Law2_ScGeom_FrictViscoPhys_CundallStrackVisco and for spheres in one plane of constant z. "
+	      "Contacts with walls and boxes keep the functor's force. O.dt may change between steps only where nothing turns.";
+
+	// Left by the last step.
+	int contacts = 0;
+	int slidingContacts = 0;
+	double frictionDissipation = 0; // since the start [J]
+	// The memory of the springs, in the order of the scene's list of interactions: it survives O.save.
+	std::vector<int> pairIds; // two a pair
+	std::vector<double> pairNormals; // n_x, n_y
+	std::vector<double> pairForces; // S [N]
+	long lastStep = -1; // of the memory
+
+	template <class Visitor> static void attributes(Visitor&& visit)
+	{
+		using C = PathIndependentShear;
+		visit("contacts", &C::contacts, result, "Contacts between two disks that the last step has dealt with [1].");
+		visit("slidingContacts", &C::slidingContacts, result, "Of these, the ones that slipped at the Coulomb limit in the last step [1].");
+		visit(
+		    "frictionDissipation", &C::frictionDissipation, setting, "Energy dissipated by the slips of these contacts since the start [J].");
+		visit("pairIds", &C::pairIds, internal, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
+		visit("pairNormals", &C::pairNormals, internal, "Their normals in the last step, from the first body to the second: x and y [1].");
+		visit("pairForces", &C::pairForces, internal, "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
+		visit("lastStep", &C::lastStep, internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
+	}
+
+	void step();
+
+    private:
+	struct Disk {
+		bool exists = false; // else the body is no disk
+		double turn = 0; // since the step before [rad]
+		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero(); // to be added to O.forces
+		bool touched = false;
+	};
+
+	void readBodies();
+	bool exchange(yade::Interaction*);
+	std::size_t recall(int id1, int id2);
+
+	std::vector<Disk> disks; // at their bodies' ids
+	// The memory being written while the old one is read; where the next pair is expected in it; its order by ids, made when needed.
+	std::vector<int> newIds;
+	std::vector<double> newNormals, newForces;
+	std::size_t expected = 0;
+	std::vector<std::size_t> sorted;
+};
+
+// NewtonIntegrator's leapfrog has turned each sphere by angVel dt since the forces were last found.
+void PathIndependentShear::readBodies()
+{
+	auto& container = *scene_bodies(scene);
+	const double dt = scene_dt(scene);
+	static Kind isSphere { "Sphere" };
+	disks.assign(container.size(), Disk());
+	for (std::size_t id = 0; id < disks.size(); id++) {
+		const Shared<yade::Body>& body = container[id];
+		if (!body || !body_shape(body) || !isSphere(body_shape(body).get()))
+			continue;
+		const Vector3r& spin = state_angVel(body_state(body));
+		if (spin[0] != 0 || spin[1] != 0)
+			refuse(text("body #", id, " turns out of the plane"), "Set blockedDOFs='zXY' and its x and y angular velocities to 0");
+		disks[id].exists = true;
+		disks[id].turn = spin[2] * dt;
+	}
+}
+
+// Where the pair stands in the memory, or its length. Almost always next to the pair before, else found by bisection.
+std::size_t PathIndependentShear::recall(int id1, int id2)
+{
+	const std::size_t count = pairForces.size();
+	const auto ids = [&](std::size_t k) { return std::make_pair(pairIds[2 * k], pairIds[2 * k + 1]); };
+	const auto wanted = std::make_pair(id1, id2);
+	if (expected < count && ids(expected) == wanted)
+		return expected++;
+	if (sorted.empty()) {
+		sorted.resize(count);
+		std::iota(sorted.begin(), sorted.end(), 0);
+		std::sort(sorted.begin(), sorted.end(), [&](std::size_t j, std::size_t k) { return ids(j) < ids(k); });
+	}
+	const auto place = std::lower_bound(sorted.begin(), sorted.end(), wanted, [&](std::size_t k, const auto& value) { return ids(k) < value; });
+	if (place == sorted.end() || ids(*place) != wanted)
+		return count;
+	expected = *place + 1;
+	return *place;
+}
+
+// Replaces the shear force of one contact; false where there is none between two disks.
+bool PathIndependentShear::exchange(yade::Interaction* interaction)
+{
+	void* const geom = interaction_geom(interaction).get();
+	void* const phys = interaction_phys(interaction).get();
+	if (!geom || !phys)
+		return false;
+	const int id1 = interaction_id1(interaction), id2 = interaction_id2(interaction);
+	const int count = static_cast<int>(disks.size());
+	if (id1 >= count || id2 >= count || !disks[id1].exists || !disks[id2].exists)
+		return false;
+	if (!isScGeom(geom) || !linearSprings(phys))
+		refuse(pairName(id1, id2) + " has " + className(geom) + " and " + className(phys),
+		    "It needs ScGeom with FrictPhys (Law2_ScGeom_FrictPhys_CundallStrack) or FrictViscoPhys "
+		    "(Law2_ScGeom_FrictViscoPhys_CundallStrackVisco)");
+	const Vector3r& n = geom_normal(geom);
+	if (n[2] != 0)
+		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks at one z");
+
+	const double r1 = geom_refR1(geom), r2 = geom_refR2(geom);
+	const double overlap = geom_penetrationDepth(geom);
+	Vector3r& shear = phys_shearForce(phys);
+	const Vector3r old = shear;
+	const double oldForce = n[0] * old[1] - n[1] * old[0];
+
+	double force = oldForce; // a spring not known from the step before begins with what the law functor has found
+	// A contact made in this step is new, even if the same pair had one in the step before. (O.resetTime() may leave iterMadeReal in the future.)
+	const std::size_t known = recall(id1, id2);
+	const bool isNew = interaction_iterMadeReal(interaction) == scene_iter(scene);
+	if (known < pairForces.size() && !isNew) {
+		const double mx = pairNormals[2 * known], my = pairNormals[2 * known + 1];
+		const double theta = std::atan2(mx * n[1] - my * n[0], mx * n[0] + my * n[1]);
+		const double stretch = (r1 + r2) * theta - r1 * disks[id1].turn - r2 * disks[id2].turn;
+		force = pairForces[known] - phys_ks(phys) * stretch;
+	}
+	const double limit = phys_tangensOfFrictionAngle(phys) * phys_normalForce(phys).norm();
+	if (std::abs(force) > limit) {
+		frictionDissipation += limit * (std::abs(force) - limit) / phys_ks(phys);
+		force = std::copysign(limit, force);
+		slidingContacts += limit > 0; // without friction there is no limit to reach
+	}
+
+	shear = Vector3r(-n[1] * force, n[0] * force, 0);
+	newIds.insert(newIds.end(), { id1, id2 });
+	newNormals.insert(newNormals.end(), { n[0], n[1] });
+	newForces.push_back(force);
+
+	const double alpha = (r1 + r2) / (r1 + r2 - overlap);
+	const Vector3r added(alpha * shear[0] - old[0], alpha * shear[1] - old[1], 0);
+	Disk &one = disks[id1], &two = disks[id2];
+	one.force -= added;
+	two.force += added;
+	one.torque[2] -= r1 * force - (r1 - overlap / 2) * oldForce;
+	two.torque[2] -= r2 * force - (r2 - overlap / 2) * oldForce;
+	one.touched = two.touched = true;
+	return true;
+}
+
+void PathIndependentShear::step()
+{
+	if (scene_isPeriodic(scene))
+		refuse("the scene is periodic, which is not supported", "Set O.periodic=False and use walls");
+	readBodies();
+	const long now = scene_iter(scene);
+	if (now != lastStep + 1) {
+		pairIds.clear();
+		pairNormals.clear();
+		pairForces.clear();
+	}
+	expected = 0;
+	sorted.clear();
+	newIds.clear();
+	newNormals.clear();
+	newForces.clear();
+	contacts = slidingContacts = 0;
+	for (const auto& interaction : interactionsOf(scene))
+		contacts += exchange(interaction.get());
+	pairIds.swap(newIds);
+	pairNormals.swap(newNormals);
+	pairForces.swap(newForces);
+	lastStep = now;
+
+	// Added as the law functors add theirs: NewtonIntegrator sums up what is pending.
+	auto& forces = scene_forces(scene);
+	for (std::size_t id = 0; id < disks.size(); id++) {
+		if (!disks[id].touched)
+			continue;
+		forces.addForce(static_cast<int>(id), disks[id].force);
+		forces.addTorque(static_cast<int>(id), disks[id].torque);
+	}
+}
+
+} // namespace cd_engine
+
+CD_ENGINE_REGISTER(PathIndependentShear)

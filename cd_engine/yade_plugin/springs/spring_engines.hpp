@@ -1,0 +1,55 @@
+// What the engines for springs share: they read what InteractionLoop has found, before NewtonIntegrator moves the bodies.
+#pragma once
+
+#include "../layout.hpp"
+#include "../registered_engine.hpp"
+#include "../waiting.hpp"
+
+namespace cd_engine {
+
+// Base of such an engine; Derived has a name and a step().
+template <class Derived> class SpringEngine : public RegisteredEngine<Derived> {
+    public:
+	void action() override
+	{
+		try {
+			checkPlace();
+			static_cast<Derived*>(this)->step();
+		} catch (const std::exception& error) {
+			exchangeError(error.what());
+			throw;
+		}
+	}
+
+    protected:
+	[[noreturn]] static void refuse(const std::string& what, const std::string& remedy)
+	{
+		throw SceneError(std::string(Derived::name) + ": " + what + ". " + remedy);
+	}
+
+	static std::string pairName(int id1, int id2) { return text("the contact of bodies #", id1, " and #", id2); }
+
+    private:
+	void checkPlace() const
+	{
+		bool found = false, used = false;
+		for (const auto& engine : scene_engines(this->scene)) {
+			if (engine.get() == this)
+				break;
+			if (engine->dead)
+				continue;
+			const std::string other = engine->getClassName();
+			found = found || other == "InteractionLoop";
+			used = used || other == "NewtonIntegrator";
+			if (other == Derived::name)
+				refuse(
+				    "there is another one before it, and each contact would be counted twice", "Remove one of them from O.engines");
+		}
+		if (!found)
+			refuse("there is no InteractionLoop before it, which finds the forces", "Put it right behind InteractionLoop in O.engines");
+		if (used)
+			refuse("a NewtonIntegrator before it has used the forces already", "Put it right behind InteractionLoop in O.engines");
+	}
+};
+
+} // namespace cd_engine
