@@ -55,6 +55,9 @@ test: build ## all tests and the quick regression run: 4 to 8 minutes on two cor
 	$(PYTHON) yade_scripts/measuring/regression.py --quick
 	$(PYTHON) -m pytest tests -n 2 --dist loadfile -rs
 
+debug: deps ## compile the engine with asserts, to find a fault in it; `make build` then brings the released one back
+	@flock cd_engine $(MAKE) --no-print-directory -C cd_engine -j $(JOBS) PYTHON=$(PYTHON) debug
+
 soak: build ## what takes too long for `make test` or starts daemons: Slurm, kills, damaged files, sanitizers, other releases of Debian
 	@.ci/install-packages test soak
 	$(PYTHON) -m pytest tests/soak
