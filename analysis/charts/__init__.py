@@ -22,8 +22,9 @@ FOLDER = "charts"  # below the folder of the studies' figures
 
 
 def module(name):
-    return declared.load(__name__, name, ("TITLE", "QUESTION", "ANSWER", "rows", "draw"),
-                         {"GIVEN": (), "numbers": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
+    text = Path(__file__).with_name(f"{name}.md.j2").read_text(encoding="utf-8")
+    return declared.load(__name__, name, ("TITLE", "QUESTION", "rows", "draw"),
+                         {"ANSWER": text, "quantities": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
 
 
 def publish_all(results, folder, full, broken):

@@ -18,6 +18,7 @@ collapsed. A study does not see rows that failed or were not run; `collect` retu
 """
 import functools
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from yade_scripts import declared, parameters, results
 from yade_scripts.results import reader
@@ -45,8 +46,10 @@ def module(name):
     ImportError for any other fault of its file."""
     if name not in declared.names(__name__):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
+    text = Path(__file__).with_name(f"{name}.md.j2")
     found = declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
-                          {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
+                          {"ORDER": 100, "ANSWER": text.read_text(encoding="utf-8") if text.is_file() else "", "POINTS": (),
+                           "quantities": lambda table: {}})
     with declared.located(found.__file__):
         extents = {f"ROWS[{extent!r}]": rows or None for extent, rows in found.ROWS.items()}
         declared.demand(__name__, found, extents, ("ROWS['quick']", "ROWS['full']"))
