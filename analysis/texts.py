@@ -4,12 +4,14 @@ In a template stand {{ expression | filter }}: a whole number as it is, any othe
 table as `table`, and what `quantities(table)` of the study returns. README's templates and that of the causes have studies and charts by name:
 {{ fig4.rigid.max() | sci }}.
 """
+import contextlib
 import functools
 import re
 import textwrap
 from pathlib import Path
 
 import jinja2
+import pandas
 
 from analysis import charts, publish, studies
 from yade_scripts.measuring import maps
@@ -49,8 +51,8 @@ def sci(value, digits=2):
 
 
 def ends(values):
-    """Return the smallest and the largest value."""
-    return min(values), max(values)
+    """Return the smallest and the largest value; runs without one do not count."""
+    return pandas.Series(values).min(), pandas.Series(values).max()
 
 
 def _whole(value):
@@ -79,52 +81,58 @@ def quantities(name):
 ENVIRONMENT.globals["published"] = quantities
 
 
-def _rendered(source, values, where):
-    """Return a template as a module: its text and its macros. Raise ResultError, with `where`, if it fails: no text may cost the page the others."""
+@contextlib.contextmanager
+def _named(name):
+    """Turn any error into a ResultError with this name: no text may cost the page the others."""
     try:
-        return ENVIRONMENT.from_string(source).make_module(values)
+        yield
     except Exception as error:
-        raise ResultError(where, f"its text cannot be written ({type(error).__name__}: {error})", "correct it, or its table") from None
+        raise ResultError(name, f"its text cannot be written ({type(error).__name__}: {error})", "correct it, or its table") from None
 
 
 @functools.cache
 def _text(name):
+    """Return the template of a study, or of charts/<chart>, as a module: its text and its macros."""
     folder, _, own = name.rpartition("/")
-    return _rendered((charts if folder else studies).module(own).ANSWER, quantities(name), name)
+    return ENVIRONMENT.from_string((charts if folder else studies).module(own).ANSWER).make_module(quantities(name))
 
 
 def answer(name):
     """Return the findings of a study, or of charts/<chart>."""
-    return str(_text(name)).strip()
+    with _named(name):
+        return str(_text(name)).strip()
 
 
 def points(name):
     """Return the statements of the paper that a study speaks of, with what was measured."""
-    return [(*point, getattr(_text(name), f"point_{point[0]}")().strip()) for point in studies.module(name).POINTS]
+    with _named(name):
+        return [(*point, getattr(_text(name), f"point_{point[0]}")().strip()) for point in studies.module(name).POINTS]
 
 
 def remedy(name):
     """Return what can be done about the failures that a map shows; its template has the cells of the published map."""
     file = PUBLISHED / charts.FOLDER / f"map_{name}.csv"
-    return str(_rendered(maps.get(name).remedy, {"cells": publish.read_table(file)} if file.is_file() else {}, name))
+    with _named(name):
+        return ENVIRONMENT.from_string(maps.get(name).remedy).render({"cells": publish.read_table(file)} if file.is_file() else {})
 
 
 def causes():
-    """Return (what the table of causes is about, {cause: [a text for each of PROCESSES]})."""
-    note, *rows = ENVIRONMENT.get_template("causes.md.j2").render().strip().split("\n\n## ")
+    """Return (what the table of causes is about, {cause: [a text for each of PROCESSES]}), as stored: a fault in one study must not cost it all."""
+    note, *rows = (PUBLISHED / "findings.md").read_text(encoding="utf-8").strip().split("\n# Causes\n\n")[1].split("\n\n## ")
     return note, {cause: cells for cause, *cells in (row.split("\n\n") for row in rows)}
 
 
 def findings():
-    """Return what README's findings say: the definitions before them, and [(text, [study whose figure it links to])]."""
-    words, items = (" ".join(part.split()) for part in ENVIRONMENT.get_template("readme_findings.md.j2").render().split("\n\n"))
+    """Return what README's findings say, as stored: the definitions before them, and [(text, [study whose figure it links to])]."""
+    stored = README.read_text(encoding="utf-8").split("<!-- findings: begin -->")[1].split("<!-- findings: end -->")[0]
+    words, items = (" ".join(part.split()) for part in stored.split("\n\n"))
     return words, [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)]
 
 
 def committed():
     """Return {file: text} of the texts that are stored: all findings, and README with its findings and advice between marks."""
     every = ENVIRONMENT.get_template("findings.md.j2").render(
-        studies=[(studies.module(name), answer(name), points(name)) for name in studies.names()],
+        studies=[(studies.module(name), answer(name), points(name)) for name in studies.names() if answer(name)],
         charts=[(charts.module(name), answer(f"{charts.FOLDER}/{name}")) for name in charts.ORDER],
         maps=[(maps.get(name).title, remedy(name)) for name in maps.names()])
     readme = re.sub(r"(<!-- (\w+): begin -->\n).*?(?=<!-- \2: end -->)",
