@@ -124,7 +124,7 @@ def quantities(table):
         ("low", low), ("far", far), ("to 0.9", springs[springs[load] < 0.9]), ("all", springs))}
     powers |= {"high": power(high, rate, ("seed",)), "close": power(close, rate), "close, own": power(close, rate, ("seed",)),
                "same": {what: _same_load(lower, what) for what in (rate, first)}}
-    compared = (high.seed.value_counts()[lambda count: count > 1])
+    compared = high.seed.value_counts()[lambda count: count > 1]
     slows = springs["last quarter's rate over the one before"]
     table = table[table.dSigma == LOAD]
     loose, rigid, solved = (table[table.tolerance == tolerance] for tolerance in (LOOSER, RIGID["tolerance"], SOLVED))
