@@ -1,8 +1,8 @@
 """Renders the texts about the published run: Jinja2 templates whose numbers are expressions of the published tables.
 
 In a template stand {{ expression | filter }}: a whole number as it is, any other by `fixed`, `percent` or `sci`. The expressions use the published
-table as `table`, and what `quantities(table)` of the study returns. README's templates and that of the causes have studies and charts by name:
-{{ fig4.rigid.max() | sci }}.
+table as `table`, and what `quantities(table)` of the study returns. Those of any study, or of charts/<chart>, are published("fig4"), as README's
+templates and the table of causes need them.
 """
 import contextlib
 import functools
