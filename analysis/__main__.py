@@ -51,6 +51,7 @@ def _parser():
     for writer, what in ((study, "folder of the figures"), (charts, "folder of the charts"), (report, "page to write")):
         commands.add(writer, "--results")
         writer.add_argument("-o", "--output", help=f"{what} (default: below figures/)")
+    command("texts", _texts, "README's findings and the list of all findings, written from their templates and the published tables")
     benchmark = command("benchmark", _benchmark, "figures of `make bench`, from the tables it wrote")
     benchmark.add_argument("folder", nargs="?", default="results/benchmark", help="folder of the tables (default: %(default)s)")
     advice = command("recommend", _recommend, "the cheapest settings that reach an accuracy, with their expected error and cost")
@@ -133,6 +134,11 @@ def _report(options):
     except OSError as error:
         raise parameters.ParameterError(f"{page} cannot be written: {error}") from None
     return commands.MISTAKE if broken or failed else 0
+
+
+def _texts(options):
+    from analysis import texts
+    print(*texts.write(), sep="\n")
 
 
 def _benchmark(options):

@@ -11,9 +11,9 @@ from yade_scripts.results import provenance
 
 REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
-LOOK = {PEER: ("#000000", "X"), REFERENCE: ("#D55E00", "s"), "accelerated": ("#0072B2", "o"), "newton": ("#009E73", "^"),
-        "auto": ("#CC79A7", "D")}
-TARGET_LOOK = {1e-4: ("#0072B2", "o"), 1e-6: ("#009E73", "s"), 1e-8: ("#D55E00", "^")}
+LOOK = {PEER: (style.BLACK, "X"), REFERENCE: (style.VERMILION, "s"), "accelerated": (style.BLUE, "o"), "newton": (style.GREEN, "^"),
+        "auto": (style.PINK, "D")}
+TARGET_LOOK = {1e-4: (style.BLUE, "o"), 1e-6: (style.GREEN, "s"), 1e-8: (style.VERMILION, "^")}
 PANELS = 6
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
@@ -77,7 +77,7 @@ def error_against_time(rows, origin):
     for axis in axes.flat[len(problems):]:
         axis.axis("off")
     entries = [dict(color=LOOK[name][0], marker=LOOK[name][1], label=name) for name in names]
-    entries.append(dict(color="#777777", marker="o", mfc="none", ls="none", label="given up at this error"))
+    entries.append(dict(color=style.GREY["77"], marker="o", mfc="none", ls="none", label="given up at this error"))
     fig.suptitle(" ")  # keeps room for the legend
     style.legend(fig, entries, loc="upper center", ncol=len(entries))
     return fig
@@ -88,14 +88,14 @@ def sweep_cost(rows, origin):
     rows = rows.sort_values("contacts")
     sets = [name for name in origin["instruction_sets"] if f"plain_{name}_ns" in rows]
     fig, axis = plt.subplots(figsize=(6.4, 4.4))
-    for name, marker, colour in zip(sets, "osD", ("#0072B2", "#56B4E9", "#009E73")):
+    for name, marker, colour in zip(sets, "osD", (style.BLUE, style.SKY, style.GREEN)):
         axis.loglog(rows.contacts, rows[f"plain_{name}_ns"], marker=marker, color=colour, label=f"plain sweep, {name}")
-    axis.loglog(rows.contacts, rows.accelerated_ns, marker="^", color="#D55E00", label=f"accelerated sweep, {sets[0]}")
+    axis.loglog(rows.contacts, rows.accelerated_ns, marker="^", color=style.VERMILION, label=f"accelerated sweep, {sets[0]}")
     beside = rows.reindex(columns=["contacts", "siconos_ns"]).dropna()
-    axis.loglog(beside.contacts, beside.siconos_ns, marker="X", color="#000000", label="Siconos fc2d_nsgs")
+    axis.loglog(beside.contacts, beside.siconos_ns, marker="X", color=style.BLACK, label="Siconos fc2d_nsgs")
     largest = rows.iloc[-1]
     for kind, dashes in (("plain", ":"), ("accelerated", "--")):
-        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=dashes, color="#777777",
+        axis.loglog(rows.contacts, rows[f"bound_{kind}_ns"], linestyle=dashes, color=style.GREY["77"],
                     label=f"memory's bound, {kind} ({largest[f'bytes_{kind}']:.0f} bytes, {largest.bandwidth_gb_per_s:.0f} GB/s)")
     axis.set(xlabel="contacts", ylabel="ns per contact and sweep",
              title="One sweep; below the bound: what fits a cache is not read from memory")
@@ -140,7 +140,7 @@ def sweeps_against_size(rows, origin):
     axes[0, 0].set_ylabel("sweeps")
     entries = [dict(color=colour, marker=marker, ls="none", label=f"to 1e{round(math.log10(target))}")
                for target, (colour, marker) in TARGET_LOOK.items()]
-    entries += [dict(color="#777777", label=ours), dict(color="#777777", ls="--", marker="o", mfc="none", label="plain Gauss-Seidel")]
+    entries += [dict(color=style.GREY["77"], label=ours), dict(color=style.GREY["77"], ls="--", marker="o", mfc="none", label="plain Gauss-Seidel")]
     style.legend(axes[0, -1], entries, fontsize=7)
     fig.suptitle("Sweeps against size, cold start; a point is missing where a seed did not reach the error", fontsize=10)
     return fig

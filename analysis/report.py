@@ -9,13 +9,12 @@ import jinja2
 from markupsafe import Markup, escape
 from PIL import Image
 
-from analysis import causes, charts, publish, studies
+from analysis import charts, publish, studies, texts
 from yade_scripts.results import provenance, schema, sealed
 from yade_scripts.results.reader import ResultError
 
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
          "ECCOMAS 2004")
-README = Path(__file__).parents[1] / "README.md"
 # Names and types that the page needs in the JSON files.
 STUDY = {"extent": str, "runs_finished": int, "packings": int, "computing_seconds": (int, float), "commits": list, "yade": list, "run_command": str,
          "energy_balance": dict, "parameters": dict, "varied": dict}
@@ -39,15 +38,20 @@ def build(folder, path, published=False, faults=None):
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined,
                                      trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "duration": _duration, "symbols": symbols}
-    there = {study["name"] for study in studied}
-    short_answer, words = findings()
+    there, points = {study["name"] for study in studied}, []
+    for name in names:
+        try:
+            points += [(*point, name) for point in texts.points(name)]
+        except ResultError as error:
+            unread.append(str(error))
+    (words, short_answer), (note, causes) = texts.findings(), texts.causes()
     page = environment.get_template("report.html").render(
         paper=PAPER, findings=short_answer, words=words, there=there, studies=studied, faults=faults,
         absent=[studies.module(name).TITLE for name in names if not (folder / f"{name}.json").is_file()],
         charts=_readable(charts.ORDER, folder / charts.FOLDER, unread, lambda name: _chart(name, folder / charts.FOLDER, link)),
-        broken=broken + unread,
-        points=sorted((*point, name) for name in names for point in studies.module(name).POINTS),
-        sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes.TABLE, processes=causes.PROCESSES, note=causes.NOTE,
+        broken=[*broken, *dict.fromkeys(unread)],
+        points=sorted(points),
+        sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes, processes=texts.PROCESSES, note=note,
         commits=sorted({commit for study in studied for commit in study["commits"]}), published=published)
     sealed.replace(path, page.encode())
     return path
@@ -65,12 +69,6 @@ def _readable(names, folder, unread, shown):
     return found
 
 
-def findings():
-    """Return README's section "What was found": [(text, [study])] for its items, which end with links to figures, and the definitions before them."""
-    words, items = (" ".join(part.split()) for part in README.read_text(encoding="utf-8").split("## What was found")[1].split("\n\n")[1:3])
-    return [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)], words
-
-
 def _study(name, folder, link):
     study, facts = studies.module(name), publish.read_json(folder / f"{name}.json", STUDY)
     if not all(isinstance(balance, dict) and all(isinstance(balance.get(key), (int, float)) for key in ("runs", "median", "largest"))
@@ -79,7 +77,7 @@ def _study(name, folder, link):
     table = publish.read_table(folder / f"{name}.csv")
     failures = table[publish.STATUS].dropna().value_counts().to_dict() if publish.STATUS in table else {}
     more = [(link(file), file.stem) for file in sorted(folder.glob(f"{name}-*.png"))]
-    return facts | _head(name, study, folder, link) | {
+    return facts | _head(name, study, texts.answer(name), folder, link) | {
         "failures": failures, "rows": len(table), "other_rows": publish.of_other_rows(name, facts, table), "more": more,
         "large": link(folder / f"{name}.png"), "picture": _picture(folder / f"{name}.png")}
 
@@ -89,12 +87,13 @@ def _chart(name, folder, link):
     chart, facts = charts.module(name), publish.read_json(folder / f"{name}.json", CHART)
     pictures = [(link(folder / file), title) for file, title in facts["figures"].items()]
     single = _picture(folder / next(iter(facts["figures"]))) if len(pictures) == 1 else None
-    return facts | _head(name, chart, folder, link) | {"picture": single, "pictures": pictures, "maps": chart.descriptions()}
+    return facts | _head(name, chart, texts.answer(f"{charts.FOLDER}/{name}"), folder, link) | {
+        "picture": single, "pictures": pictures, "maps": chart.descriptions()}
 
 
-def _head(name, module, folder, link):
+def _head(name, module, answer, folder, link):
     """Return what the page shows of a study as of a chart."""
-    return {"name": name, "title": module.TITLE, "question": module.QUESTION, "answer": module.ANSWER.split("\n\n"),
+    return {"name": name, "title": module.TITLE, "question": module.QUESTION, "answer": answer.split("\n\n"),
             "table": link(folder / f"{name}.csv"), "origin": link(folder / f"{name}.json")}
 
 

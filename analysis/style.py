@@ -14,14 +14,17 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from yade_scripts.results import provenance, sealed
 from yade_scripts.theory import effective_medium
 
-# Okabe and Ito's palette, distinct under the common colour-vision deficiencies.
-COLOUR = {"MD": "#0072B2", "CD": "#D55E00"}
+# Okabe and Ito's palette, distinct under the common colour-vision deficiencies, and more that differ from it in lightness.
+BLUE, VERMILION, GREEN, PINK, SKY, ORANGE = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"
+PURPLE, DARK_RED, LIME, BROWN, MAGENTA, OLIVE, INK, BLACK = "#6A3D9A", "#8B0000", "#80B918", "#8C564B", "#B030B0", "#B8A100", "#1A1A1A", "#000000"
+GREY = {level: f"#{3 * level}" for level in ("44", "55", "77", "7F", "88", "9A", "AA", "BB", "DD", "EE")}  # from dark to light
+COLOUR = {"MD": BLUE, "CD": VERMILION}
 MARKER = {"MD": "o", "CD": "s"}
 WORDS = {"MD": "springs (MD)", "CD": "rigid contacts (CD)"}
 STRESS_PATH = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2 = P_0$"}
 # It goes through more hues than viridis, so that nine lines can be told apart: neighbours differ twice as much, also without red or green.
 SHADES = LinearSegmentedColormap.from_list("shades", ("#540000", "#6B00CE", "#005CB6", "#00868D", "#819C45", "#FFAE2C"))
-SLIDING, CHAIN, GRAIN, RATTLER = "#D55E00", "#1A1A1A", "#B8B8B8", "#E6E6E6"
+SLIDING, CHAIN, GRAIN, RATTLER = VERMILION, INK, "#B8B8B8", "#E6E6E6"
 
 plt.rcParams.update({
     "figure.dpi": 100, "savefig.dpi": 160, "font.size": 9, "font.family": "DejaVu Sans",

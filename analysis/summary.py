@@ -1,8 +1,7 @@
-"""What the studies share: columns of their tables, groups of runs, and numbers of their texts."""
+"""What the studies share: columns of their tables, and groups of runs."""
 import functools
 
 import numpy as np
-import pandas
 
 from analysis import cycles, limits, observables
 from yade_scripts import parameters
@@ -69,16 +68,3 @@ def by(runs, *names):
     """Return {value, or values, of these columns: [runs]}, in the order of `order`."""
     values = lambda run: tuple(columns(run, *names).values())
     return groups(order(runs, *names), values if len(names) > 1 else lambda run: values(run)[0], ordered=False)
-
-
-def in_order(numbers, values):
-    """Return numbers(table) of a study from the numbers and their values, both in the order of the text; a number may stand there several times."""
-    found = {}
-    for number, value in zip(numbers.split(), values, strict=True):
-        found.setdefault(number, []).append(value)
-    return found
-
-
-def stated(numbers, values, how="min max"):
-    """Return part of numbers(table) of a study: with "2 1 3" and "median min max" {"2": median of the values, "1": the least, "3": the largest}."""
-    return dict(zip(numbers.split(), pandas.Series(values).agg(how.split()), strict=True))

@@ -1,11 +1,11 @@
 """Charts of speed against accuracy and maps of stability, drawn from the measurements in results/ or from published tables.
 
-A chart is a module with TITLE, QUESTION and ANSWER, as in a study, and
+A chart is a module with TITLE and QUESTION, and beside it NAME.md.j2, its findings, as in a study. It has
 
     rows(measured)            returns the rows of its table, from the measured settings (table.py) or maps (maps.py)
     draw(rows, folder, line)  draws its figures and returns {file name: title}. line: where the rows come from, for the caption
 
-It may have numbers(table) and GIVEN, as a study, and LACKING: why measurements give no row. The module `maps` draws the measured maps themselves,
+It may have quantities(table), as a study, and LACKING: why measurements give no row. The module `maps` draws the measured maps themselves,
 since its table has their boundaries only; its descriptions() are those of the maps.
 Accuracy is a relative error: |measured - exact| over a scale that the scene gives, and the largest over the scene's known quantities.
 """
@@ -22,8 +22,9 @@ FOLDER = "charts"  # below the folder of the studies' figures
 
 
 def module(name):
-    return declared.load(__name__, name, ("TITLE", "QUESTION", "ANSWER", "rows", "draw"),
-                         {"GIVEN": (), "numbers": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
+    text = Path(__file__).with_name(f"{name}.md.j2").read_text(encoding="utf-8")
+    return declared.load(__name__, name, ("TITLE", "QUESTION", "rows", "draw"),
+                         {"ANSWER": text, "quantities": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
 
 
 def publish_all(results, folder, full, broken):

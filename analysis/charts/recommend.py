@@ -4,9 +4,8 @@ measured: a table that `charts` has written, work_precision.csv.
 """
 from pathlib import Path
 
-from analysis import publish
+from analysis import flow_costs, publish
 from analysis.charts import choice, table
-from analysis.studies import flows
 from yade_scripts import scenes
 from yade_scripts.measuring import store
 from yade_scripts.results.reader import ResultError
@@ -16,7 +15,7 @@ FLOWS = ("flows", "larger_flows")  # studies with a table of flows
 
 def of_scene(scene, accuracy, measured):
     """Return the lines of an answer for one scene. Raise ResultError for a scene without measurements, or if no setting reaches the accuracy."""
-    if scene in flows.QUANTITY:  # means over seeds; a chart has one run a setting, which does not determine its error
+    if scene in flow_costs.QUANTITY:  # means over seeds; a chart has one run a setting, which does not determine its error
         if Path(measured).resolve() != table.PUBLISHED.resolve():
             raise ResultError(scene, "a single run of a flow does not determine its error", "ask without --measured: the studies of flows have means")
         return of_flow(scene, accuracy)
@@ -27,8 +26,8 @@ def of_scene(scene, accuracy, measured):
             there = "there is no such scene"
         else:
             there = f"no measurement of this scene in {measured}" if scenes.module(scene).CHART else "this scene has no known value to compare with"
-        raise ResultError(scene, there, f"measured are {', '.join(sorted({*found.scene} | flows.QUANTITY.keys()))}; for measurements of your own: "
-                          "--measured figures/quick/charts/work_precision.csv")
+        raise ResultError(scene, there, f"measured are {', '.join(sorted({*found.scene} | flow_costs.QUANTITY.keys()))}; for measurements of your "
+                          "own: --measured figures/quick/charts/work_precision.csv")
     lines, reached = [], []
     for method, rows in own.groupby("method", sort=False):
         if (row := choice.cheapest(rows, accuracy)) is not None:
@@ -50,16 +49,17 @@ def of_scene(scene, accuracy, measured):
 def of_flow(scene, accuracy):
     """Return the same for a scene of the studies of flows, where the error is that of a mean over seeds."""
     folder = Path(__file__).resolve().parents[1] / "published"
-    rows = [row for name in FLOWS for row in flows.measured(publish.read_table(folder / f"{name}.csv")).to_dict("records") if row["scene"] == scene]
+    tables = [flow_costs.measured(publish.read_table(folder / f"{name}.csv")) for name in FLOWS]
+    rows = [row for own in tables for row in own[own.scene == scene].to_dict("records")]
     if not any(abs(row["error"]) <= accuracy and not row["is_rigid_answer"] for row in rows):
         raise ResultError(scene, f"no measured setting reaches an accuracy of {accuracy:g}", "see analysis/published/flows.csv")
     lines = []
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
-        cheapest = [flows.cheapest(own, scene, disks, method, accuracy) for method in ("CD", "MD")]
+        cheapest = [flow_costs.cheapest(own, scene, disks, method, accuracy) for method in ("CD", "MD")]
         best = sorted((row for row in cheapest if row and abs(row["error"]) <= accuracy), key=lambda row: row["seconds"])
         first = f"{best[0]['method']} is recommended" if best else "no setting that was tried suffices"
-        lines.append(f"{scene}, {disks:.0f} disks: {first} for an accuracy of {accuracy:g} of the {flows.QUANTITY[scene]}")
+        lines.append(f"{scene}, {disks:.0f} disks: {first} for an accuracy of {accuracy:g} of the {flow_costs.QUANTITY[scene]}")
         for row in best:
             flow = "" if row["at_rest"] == row["setting"] else f" flow_tolerance={row['setting']:g}"
             set_by = f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
@@ -90,7 +90,7 @@ def by_kind(accuracy, measured):
     for kind, own in table.one_size(table.from_csv(measured)).groupby("kind", sort=False):
         if kind == "flow":
             lines.append("flow: a single run of a flow does not determine its error. Ask for one scene: --scene "
-                         + " or ".join(sorted(flows.QUANTITY)))
+                         + " or ".join(sorted(flow_costs.QUANTITY)))
             continue
         chosen, count = choice.of_kind(own, accuracy), own.scene.nunique()
         best_first = sorted(chosen, key=lambda method: (len(chosen[method][2]), chosen[method][1].seconds.sum()))

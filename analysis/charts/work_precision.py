@@ -10,15 +10,12 @@ from yade_scripts import parameters, scenes
 TITLE = "Speed against accuracy, scene by scene"
 QUESTION = ("How long does each method compute to reach a given accuracy? Only the time of the steps counts, not that of start-up, building the "
             "scene and output.")
-ANSWER = """
-The table has every setting of every scene with its error and time; failures are rows of it. Beside it lies a figure for each scene.
-"""
 FLOOR = 1e-16  # where an error of zero is drawn
 # A colour and a marker of its own for each series. MD full lines, CD dashed.
-LOOK = {"MD step": ("#0072B2", "o"), "MD stiffness": ("#56B4E9", "s"), "MD stiffness, fine step": ("#009E73", "D"), "MD damping": ("#1A1A1A", "*"),
-        "MD law avoid_ratcheting": ("#80B918", "<"), "MD law path_independent": ("#6A3D9A", ">"), "CD step": ("#E69F00", "^"),
-        "CD accelerated": ("#D55E00", "v"), "CD nsgs": ("#CC79A7", "P"), "CD sweeps": ("#8C564B", "p"), "CD accuracy": ("#8B0000", "X"),
-        "CD newton": ("#B030B0", "d"), "CD auto": ("#B8A100", "H")}
+LOOK = {"MD step": (style.BLUE, "o"), "MD stiffness": (style.SKY, "s"), "MD stiffness, fine step": (style.GREEN, "D"), "MD damping": (style.INK, "*"),
+        "MD law avoid_ratcheting": (style.LIME, "<"), "MD law path_independent": (style.PURPLE, ">"), "CD step": (style.ORANGE, "^"),
+        "CD accelerated": (style.VERMILION, "v"), "CD nsgs": (style.PINK, "P"), "CD sweeps": (style.BROWN, "p"), "CD accuracy": (style.DARK_RED, "X"),
+        "CD newton": (style.MAGENTA, "d"), "CD auto": (style.OLIVE, "H")}
 
 
 def rows(measured):
@@ -41,9 +38,9 @@ def _draw(rows, scene, path, line):
     fig, panels = plt.subplots(1, len(methods), figsize=(5 + 2.2 * len(methods), 4.6), sharex=True, sharey=True, squeeze=False)
     for axes, method in zip(panels[0], methods):
         others = found[found.method != method]
-        axes.loglog(others.seconds, others.error.clip(lower=FLOOR), ".", color="#BBBBBB", markersize=4, zorder=1)
+        axes.loglog(others.seconds, others.error.clip(lower=FLOOR), ".", color=style.GREY["BB"], markersize=4, zorder=1)
         for series, own in table.by_series(found[found.method == method]):
-            colour, marker = LOOK.get(series, ("#7F7F7F", "h"))
+            colour, marker = LOOK.get(series, (style.GREY["7F"], "h"))
             seconds, errors = own.seconds.to_numpy(), own.error.clip(lower=FLOOR).to_numpy()
             axes.loglog(seconds, errors, color=colour, marker=marker, markersize=5, linewidth=1, label=_label(series, own),
                         linestyle="none" if chance or series in choice.NO_LADDER else "-" if method == "MD" else "--")

@@ -8,16 +8,17 @@
 and, before it is published,
 
     ORDER              its place in the report, by default 100
-    ANSWER             the findings of the published run in plain words; the report typesets P0, gamma, mu and 1e-3
-    numbers(table)     {number as written in ANSWER or POINTS: its value, or several, computed from the published summary table (pandas)}
-    GIVEN              numbers of the text that are settings, not findings
-    POINTS             statements of the paper: (place, quotation, where, verdict, what was measured)
+    ANSWER             the findings of the published run in plain words: a template (analysis/texts.py), by default the file NAME.md.j2 beside it.
+                       The report typesets P0, gamma, mu and 1e-3
+    quantities(table)  returns {name: value} of what the template needs beside `table`, the published summary table (pandas)
+    POINTS             statements of the paper: (place, quotation, where, verdict); the template has a macro point_PLACE with what was measured
 
-A test compares every number of the text with the published table. `runs` are the finished runs of ROWS in their order, also those in which the sample
-collapsed. A study does not see rows that failed or were not run; `collect` returns them separately, with the reasons.
+`runs` are the finished runs of ROWS in their order, also those in which the sample collapsed. A study does not see rows that failed or were not run;
+`collect` returns them separately, with the reasons.
 """
 import functools
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from yade_scripts import declared, parameters, results
 from yade_scripts.results import reader
@@ -45,8 +46,10 @@ def module(name):
     ImportError for any other fault of its file."""
     if name not in declared.names(__name__):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
+    text = Path(__file__).with_name(f"{name}.md.j2")
     found = declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
-                          {"ORDER": 100, "ANSWER": "", "numbers": lambda table: {}, "GIVEN": (), "POINTS": ()})
+                          {"ORDER": 100, "ANSWER": text.read_text(encoding="utf-8") if text.is_file() else "", "POINTS": (),
+                           "quantities": lambda table: {}})
     with declared.located(found.__file__):
         extents = {f"ROWS[{extent!r}]": rows or None for extent, rows in found.ROWS.items()}
         declared.demand(__name__, found, extents, ("ROWS['quick']", "ROWS['full']"))

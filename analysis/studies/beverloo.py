@@ -56,37 +56,16 @@ def draw(runs, rows, path):
     style.finish(fig, path, "Means over the seeds with standard errors; lines: Beverloo's law in the plane, fitted.", runs)
 
 
-ANSWER = """
-Yes, within the errors. Through slots of 6 to 20 diameters a straight line through the rates of 2000 disks, to the power of two thirds, misses no rate
-of rigid contacts by more than 1.6 %, and none of springs by more than 2.9 %; weighted by the standard errors chi^2 is 1.1 and 1.6 per degree of
-freedom. An exponent of 1.6 in place of three halves does as well, with misses of 1.4 and 0.9 % at most, so these widths do not test the exponent. k
-depends on it: with three halves it is 1.98 for rigid contacts and 2.08 for springs of 2e7 N/m (standard errors 0.06 and 0.07), with 1.6 it is 1.36
-and 1.48. At either exponent both methods have the same k, within its errors. With the rate in disks per sqrt(d/g) and three halves, C is 1.11 and
-1.16. Disks with springs flow out faster, by 2.0 % (mean over the widths; standard error 0.7 %, from the scatter of the widths). There are 4 runs for
-each width and method, so the standard errors of single rates are rough, and a chi^2 of 3 would be no surprise. The silo is 36 diameters wide: its
-walls and the falling surface may affect the flow through the widest slot. Rigid contacts took steps of 1 ms with a tolerance of 1e-3, which at most
-0.014 % of the steps at a width missed. This is 1.3 decades below the difference of 2.0 %. In the study of flows a tolerance of 1e-4 changes the
-discharge by less than the standard error, which is 1.3 % there: part of the 2.0 % may come from the tolerance.
-"""
-GIVEN = ("6", "20", "2000", "2", "2e7", "36", "1", "1e-3", "3", "1.3", "1e-4")
-
-
-def _miss(own, power):
-    """Return the largest relative miss of the line through rate^(1/power)."""
-    line = np.polyfit(own.index, own.rate**(1 / power), 1)
-    return 100 * np.abs(np.polyval(line, own.index)**power / own.rate - 1).max()
+def _fit(own, power):
+    """Return (k, the largest relative miss) of the line through rate^(1/power)."""
+    slope, shift = np.polyfit(own.index, own.rate**(1 / power), 1)
+    return -shift / slope, np.abs((slope * own.index + shift)**power / own.rate - 1).max()
 
 
 def _error_of_k(own):
     """Return the standard error of k by those of the rates."""
     bars, (slope, shift) = 2 / 3 * own.deviation * own.rate**(-1 / 3), np.linalg.pinv(np.vander(own.index, 2))
     return np.sqrt((((shift + own.k.iloc[0] * slope) * bars)**2).sum()) / own.C.iloc[0]**(2 / 3)
-
-
-def _k(own, power):
-    """Return k by the line through rate^(1/power)."""
-    slope, shift = np.polyfit(own.index, own.rate**(1 / power), 1)
-    return -shift / slope
 
 
 def _chi_square(own):
@@ -96,10 +75,11 @@ def _chi_square(own):
     return (((np.polyval(line, own.index) - rates) / bars)**2).sum() / (len(own) - 2)
 
 
-def numbers(table):
+def quantities(table):
     cd, md = (table[table.method == method].set_index("width") for method in ("CD", "MD"))
-    apart = 100 * (md.rate / cd.rate - 1)
-    return {"1.6": [_miss(cd, 1.5), _chi_square(md)], "2.9": _miss(md, 1.5), "1.1": _chi_square(cd), "1.4": _miss(cd, 1.6), "0.9": _miss(md, 1.6),
-            "1.98": _k(cd, 1.5), "2.08": _k(md, 1.5), "0.06": _error_of_k(cd), "0.07": _error_of_k(md), "1.36": _k(cd, 1.6), "1.48": _k(md, 1.6),
-            "1.11": cd.C.iloc[0], "1.16": md.C.iloc[0], "2.0": apart.mean(), "0.7": apart.std() / np.sqrt(len(apart)),
-            "4": [cd.seeds.min(), md.seeds.min()], "0.014": 100 * cd.unsolved.max()}
+
+    def law(width):
+        """Return the rate of rigid contacts through a slot of `width` diameters by the law, in disks per sqrt(D/g)."""
+        return cd.C.iloc[0] * (width - cd.k.iloc[0])**1.5 * width**0.5
+
+    return {"cd": cd, "md": md, "fit": _fit, "error_of_k": _error_of_k, "chi_square": _chi_square, "apart": md.rate / cd.rate - 1, "law": law}

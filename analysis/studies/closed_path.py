@@ -15,8 +15,8 @@ PATHS = dict(scene="two_grain_path", tangential_law=("standard", "avoid_ratcheti
 ROWS = {"quick": product(path_angle=0.1, **PATHS),
         "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
 
-LAWS = {"standard": ("standard (Cundall-Strack)", "#0072B2", "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", "#D55E00", "s"),
-        "path_independent": ("path-independent: round-off", "#1A1A1A", "^")}
+LAWS = {"standard": ("standard (Cundall-Strack)", style.BLUE, "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", style.VERMILION, "s"),
+        "path_independent": ("path-independent: round-off", style.INK, "^")}
 # Theory for infinitely small steps, as functions of s = h/(2R): force left, size of the work.
 SMALL_STEPS = {("standard", "left_force"): lambda s: s, ("standard", "loop_work"): lambda s: s**2, ("avoid_ratcheting", "loop_work"): lambda s: s}
 FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
@@ -62,19 +62,3 @@ def _draw_law(axis, law, quantity, table):
     if (law, quantity) in SMALL_STEPS:
         depth = np.geomspace(table.path_depth.min(), table.path_depth.max())
         axis.loglog(depth, SMALL_STEPS[law, quantity](depth / 2), "--", color=colour, linewidth=0.7)
-
-
-ANSWER = """
-With the usual law the force depends on the path. At a depth h/R = 0.1 and an angle of 0.3 rad a closed path leaves 0.050 of the shear force at its
-far end, h/2R as theory says, and costs 0.0025 of the energy there. With YADE's avoidGranularRatcheting it leaves at most 2e-5 of the force, but
-creates 0.050 of the energy each time the disks go along the path. With the path-independent law it leaves 2e-14 of the force and 5e-13 of the energy:
-round-off. No contact slipped. The disks follow a prescribed motion and do not spin; the study of the three laws shows the consequences for a packing.
-"""
-GIVEN = ("0.1", "0.3")
-
-
-def numbers(table):
-    most = {law: rows[["left_force", "loop_work"]].abs().max() for law, rows in table.groupby("law")}
-    return {"0.050": [most["standard"].left_force, most["avoid_ratcheting"].loop_work], "0.0025": most["standard"].loop_work,
-            "2e-5": most["avoid_ratcheting"].left_force, "2e-14": most["path_independent"].left_force,
-            "5e-13": most["path_independent"].loop_work}

@@ -93,7 +93,7 @@ def _draw_ramps(runs, table, path, words):
     _loads(axes[-1], table)
     entries = [dict(color=colour, marker=style.MARKER[method], label=method)
                for method, colour in style.COLOUR.items() if any(run.method == method for run in runs)]
-    entries += [dict(color="#444444", marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
+    entries += [dict(color=style.GREY["44"], marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
     style.legend(axes[-1], entries, loc="lower right", fontsize=7)
     style.finish(fig, path, f"{words} packings, a line each; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
                  "open: the mean stress held. Not drawn: other rates and 10 $k_n$.", runs)
@@ -125,7 +125,7 @@ def _loads(axis, table):
         name = f"over the limit at |gamma| = {threshold:g}"
         shifts = slow["stress path"].map({"constant": -0.2, "mean": 0.2}) + slow.method.map({"MD": -0.08, "CD": 0.08})
         for (stress_path, _), pair in slow.assign(place=place + shifts).groupby(["stress path", "seed"]):
-            axis.plot(pair.place, pair[name], color="#AAAAAA", linewidth=0.6, zorder=1)
+            axis.plot(pair.place, pair[name], color=style.GREY["AA"], linewidth=0.6, zorder=1)
             for method in style.MARKER:
                 style.points(axis, pair[pair.method == method], "place", name, method, ms=4, mfc="none" if stress_path == "mean" else None)
     axis.axhline(1, color="k", lw=0.7, ls=":")
@@ -135,107 +135,40 @@ def _loads(axis, table):
     axis.grid(axis="y")
 
 
-ANSWER = """
-Where motion begins depends on sigma2/sigma1 over the largest ratio that the contacts of the packing can carry. In these units the two stress paths
-give nearly the same curves: with the mean stress held |gamma| = 1e-4 is passed at 1.00 to 1.01 times the ratio with sigma1 held, 1e-2 at 0.94 to 1.04
-times. MD strains from the start of the ramp. Dense packings, prepared without friction, pass |gamma| = 1e-4 in MD at 0.72 of the limit with sigma1
-held and at 0.72 with the mean stress held (medians of 5), loose ones at 0.87 and 0.87. CD rests up to the limit, which a linear programme computes
-beforehand: it passes |gamma| = 1e-4 at 0.986 to 1.022 of it in 30 ramps from 10 packings, and at 0.989 to 1.025 on 5 packings of 10 k_n.
-
-At yield the methods nearly agree. CD reaches |gamma| = 1e-2 at 1.05 times the stress ratio of MD on dense packings (median of 10 ramps at the usual
-rate, 0.1 per second, on 5 packings; 1.02 to 1.06, on all of them at a higher ratio than MD), and at 1.02 times on loose ones (0.97 to 1.08; both
-stress paths taken together, higher on 3 of 5 packings). But at the static limit springs have already strained, by 3.2e-3 to 1.8e-2 on dense packings
-and 3.6e-3 to 7.5e-3 on loose ones (rigid contacts by 1.4e-3 at most). If 1e-2 is counted from the strain at the limit, CD needs 1.03 times the ratio
-of MD on dense packings (0.94 to 1.05; higher on 3 of 5) and 0.97 times on loose ones (0.82 to 1.07; higher on 1 of 5). Over all 10 packings CD needs
-1.033 times the ratio of MD for 1e-2 (geometric mean; standard error 0.008), and 0.996 times (0.013) for 1e-2 from the strain at the limit. So which
-method yields first depends on what is called yield. With stiffer springs the difference nearly vanishes at this strain: on dense packings prepared
-with springs of 10 k_n, with sigma1 held, MD passes |gamma| = 1e-4 at 0.88 of the limit, and at 1e-2 CD needs 1.003 times the ratio of MD (medians of
-5 packings; 0.998 to 1.011; more on 3). These packings have other contacts: rigid contacts on the packings of k_n need 1.03 times the ratio of springs
-of 10 k_n (median; 0.992 to 1.051).
-
-All 70 runs reach |gamma| = 0.2. A ramp twice as fast changes the load at |gamma| = 1e-2 by at most 3.3 %, one half as fast by at most 1.0 %; in the
-slowest ramps CD reaches it at 1.02 to 1.06 times the ratio of MD (5 dense packings). Beyond that strain the samples collapse, and the methods cannot
-be ranked: CD reaches 0.1 at 0.88 to 1.06 times the ratio of MD, at a higher ratio in 15 of 20 ramps at the usual rate. There dense and loose packings
-carry the same load, since they have made new contacts: 1.67 and 1.65 P0 in MD, 1.68 and 1.67 P0 in CD (sigma1 held, medians), while their static
-limits are 1.49 and 1.19 P0. MD's energies balance to 0.3 % of the work.
-"""
-GIVEN = ("1e-4", "1e-3", "1e-2", "0.1", "0.2", "2700")
 POINTS = (
-    (7, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part",
-     "MD strains from the start: dense packings pass |gamma| = 1e-4 at 1.07 P0 and 1e-2 at 1.49 P0 with sigma1 held (medians). If \"expanding\" "
-     "refers to the area, the sample first shrinks, in 20 of 20 runs; the paper plots gamma."),
-    (8, "A sudden compression is perceived [...], after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5",
-     "not decided",
-     "Not compared: the paper names N = 2700 and cycles here, but refers to the ramp of its eq. 1, which has none."),
-    (9, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5", "disagrees",
-     "The range, by the sentences before, goes up to the collapse of MD. There CD does not remain unaltered: when MD reaches 0.2, CD has passed 1e-2 "
-     "in 29 and 0.1 in 21 of 30 pairs, and reaches 0.2 at 1.01 times the load of MD (median; 0.96 to 1.11). At small strains it agrees: when MD "
-     "passes 1e-3, CD is below 1e-4 in 30 of 30 pairs."),
-    (10, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "not decided",
-     "Up to the static limit CD rests; beyond it its curves have steps as those of MD have (see the figure). How smooth they are was not measured."),
-    (11, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the system "
-     "expands.", "section 3, Fig. 5", "agrees",
-     "CD stays below |gamma| = 1e-4 up to 0.986 to 1.022 of the static limit (30 ramps). Beyond it strains; if expanding means the area, it has "
-     "grown in the end in 30 of 30 runs."),
-    (12, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
-     "agrees in part",
-     "Below |gamma| = 1e-2 nothing breaks suddenly; in the end 30 of 30 runs of CD reach |gamma| = 0.2. The paper does not say how far its ramp "
-     "went."),
-    (14, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.", "section 4",
-     "agrees in part",
-     "Not under a ramp: there both methods yield at nearly the same load. CD reaches |gamma| = 1e-2 at 1.05 times the ratio of MD "
-     "on dense packings and 1.02 times on loose ones; counted from the strain at the static limit, 1.03 and 0.97 times. What differs is the strain "
-     "on the way."),
+    (7, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part"),
+    (8, "A sudden compression is perceived [...], after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5", "not decided"),
+    (9, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5", "disagrees"),
+    (10, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "not decided"),
+    (11, "At a first stage, the system seems not to be affected by the imposed loading. There is however a critical load, beyond which, the "
+     "system expands.", "section 3, Fig. 5", "agrees"),
+    (12, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.",
+     "section 3, Fig. 5", "agrees in part"),
+    (14, "The response of the material is more apparent in the MD simulation, while CD is much more resistant to collapse.",
+     "section 4", "agrees in part"),
 )
 
 
-def numbers(table):
-    keys, end = ["preparation friction", "stress path", "ramp rate", "seed"], "load at the end"
-    stiffer, table = table[table["k_n over the usual"] > 1], table[table["k_n over the usual"] == 1]
-    first, last = "over the limit at |gamma| = 0.0001", "over the limit at |gamma| = 0.01"
+def quantities(table):
+    keys = ["preparation friction", "stress path", "ramp rate", "seed"]
+    first, last, end = "over the limit at |gamma| = 0.0001", "over the limit at |gamma| = 0.01", "load at the end"
+    every, (stiffer, table) = table, (table[(table["k_n over the usual"] > 1) == which] for which in (True, False))
     rows = table.set_index(["method", *keys]).sort_index()
     md, cd = rows.loc["MD"], rows.loc["CD"]
     start = md[first].groupby(level=keys[:3]).median()
-    held, constant = (rows.xs(path, level="stress path") for path in ("mean", "constant"))
-    paths = {name: (held[name] / constant[name]).dropna() for name in (first, last)}
+    paths = {name: (rows[name].xs("mean", level="stress path") / rows[name].xs("constant", level="stress path")).dropna() for name in (first, last)}
     rates = {rate: rows.xs(rate, level="ramp rate")["load at |gamma| = 0.01"] for rate in (0.05, 0.1, 0.2)}
-    change = lambda rate: 100 * (rates[rate] / rates[0.1] - 1).abs().max()
-    rests = [md[f"load at |gamma| = {level}"] < cd[f"load at |gamma| = {lower}"] for level, lower in (("0.001", "0.0001"), ("0.01", "0.001"))]
-    ratio, further = ((cd[name] / md[name]).xs(0.1, level="ramp rate") for name in (last, "over the limit at |gamma| = 0.1"))
-    slowest = (cd[last] / md[last]).xs(0.05, level="ramp rate")
-    dense, loose, usual = ratio.loc[0.0], ratio.loc[0.1], md.loc[0.0, "constant", 0.1]
-    higher = [(np.log(own).groupby(level="seed").mean() > 0) for own in (dense, loose)]
+    change = {rate: (loads / rates[USUAL] - 1).abs().max() for rate, loads in rates.items()}
+    at = {level: (md[f"load at |gamma| = {level}"], cd[f"load at |gamma| = {level}"]) for level in ("0.0001", "0.001", "0.01", "0.1")}
+    ratio, further, beyond = ((cd[name] / md[name]).xs(USUAL, level="ramp rate") for name in (last, "over the limit at |gamma| = 0.1", MORE))
+    dense, loose = ratio.loc[0.0], ratio.loc[0.1]
+    usual, slowest = md.loc[0.0, "constant", USUAL], (cd[last] / md[last]).xs(USUAL / 2, level="ramp rate")
     hard_md, hard_cd = (stiffer[stiffer.method == method].set_index(keys) for method in ("MD", "CD"))
-    hard, yields = hard_cd[last] / hard_md[last], "load at |gamma| = 0.01"
-    soft = cd[yields] / hard_md[yields]  # sigma1 is held, so the load is the ratio
-    steady = table[(table["stress path"] == "constant") & (table["ramp rate"] == 0.1)].groupby(["method", "preparation friction"])
+    hard, soft = hard_cd[last] / hard_md[last], (cd["load at |gamma| = 0.01"] / hard_md["load at |gamma| = 0.01"]).dropna()  # sigma1 is held
+    steady = table[(table["stress path"] == "constant") & (table["ramp rate"] == USUAL)].groupby(["method", "preparation friction"])
     flows, limit = steady["load at |gamma| = 0.1"].median(), steady["static limit"].median()["MD"]
-    beyond = (cd[MORE] / md[MORE]).xs(0.1, level="ramp rate")
-    firmly = [(np.log(beyond.loc[kind]).groupby(level="seed").mean() > 0).sum() for kind in (0.0, 0.1)]
-    whole = {name: np.log(pairs).groupby(level=["preparation friction", "seed"]).mean() for name, pairs in ((last, ratio), (MORE, beyond))}
-    mean_and_error = lambda own: (np.exp(own.mean()), own.std(ddof=1) / np.sqrt(len(own)))
-    strained = md["|gamma| at the limit"].xs(0.1, level="ramp rate")
-    ends = cd[end] / md[end]
-    assert (dense > 1).all() and (table["gamma at the end"].abs() > 0.2).all() and (stiffer["gamma at the end"].abs() > 0.2).all()
-    return {**summary.stated("1.00 1.01", paths[first]), **summary.stated("0.94 1.04", paths[last]),
-            "0.72": [start[0.0, "constant", 0.1], start[0.0, "mean", 0.1]], "5": [len(usual), len(hard), len(slowest), higher[0].sum()],
-            "0.87": [start[0.1, "constant", 0.1], start[0.1, "mean", 0.1]], **summary.stated("0.986 1.022", cd[first]),
-            "30": [len(cd), rests[0].sum(), (cd["volume strain at the end"] > 0).sum(), cd.outcome.str.startswith("collapsed").sum()],
-            "10": [len(dense), len(loose), len(md.groupby(level=["preparation friction", "seed"])), *stiffer["k_n over the usual"].unique()],
-            **summary.stated("0.989 1.025", hard_cd[first]),
-            "1.05": dense.median(), "1.02": [dense.min(), loose.median(), slowest.min()], "1.06": [dense.max(), further.max(), slowest.max()],
-            "0.97": loose.min(), "1.08": loose.max(), "3": [higher[1].sum(), firmly[0], (hard > 1).sum()],
-            **summary.stated("3.2e-3 1.8e-2", strained.loc[0.0]),
-            **summary.stated("3.6e-3 7.5e-3", strained.loc[0.1]), "1.4e-3": cd["|gamma| at the limit"].xs(0.1, level="ramp rate").max(),
-            "1.03": [beyond.loc[0.0].median(), soft.median()], "0.94": [paths[last].min(), beyond.loc[0.0].min()], "0.82": beyond.loc[0.1].min(),
-            "1.07": [beyond.loc[0.1].max(), usual["load at |gamma| = 0.0001"].median()], "1": firmly[1],
-            **dict(zip(("1.033", "0.008"), mean_and_error(whole[last]))), **dict(zip(("0.996", "0.013"), mean_and_error(whole[MORE]))),
-            "0.88": [hard_md[first].median(), further.min()],
-            **summary.stated("1.003 0.998 1.011", hard, "median min max"),
-            **summary.stated("0.992 1.051", soft.dropna()), "70": len(table) + len(stiffer),
-            "3.3": change(0.2), "1.0": change(0.05), "15": (further > 1).sum(),
-            "20": [len(further), (md["least volume strain"].loc[:, "constant"] < -1e-5).sum(), len(rests[1].loc[0.0])],
-            "1.67": [flows["MD", 0.0], flows["CD", 0.1]], "1.65": flows["MD", 0.1], "1.68": flows["CD", 0.0],
-            "1.49": [limit[0.0], usual["load at |gamma| = 0.01"].median()], "1.19": limit[0.1], "0.3": 100 * md["balance error"].abs().max(),
-            "29": (cd["load at |gamma| = 0.01"] < md[end]).sum(), "21": (cd["load at |gamma| = 0.1"] < md[end]).sum(), "0.96": ends.min(),
-            "1.11": ends.max()}
+    strained = {method: own["|gamma| at the limit"].xs(USUAL, level="ramp rate") for method, own in (("md", md), ("cd", cd))}
+    ends, exp = cd[end] / md[end], np.exp
+    logs, logs_beyond = (np.log(several).groupby(level=["preparation friction", "seed"]).mean() for several in (ratio, beyond))  # both stress paths
+    assert (dense > 1).all() and (every["gamma at the end"].abs() > 0.2).all()
+    return locals()

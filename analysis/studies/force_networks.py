@@ -109,20 +109,3 @@ def _legend(mean):
         Line2D([], [], color=style.SLIDING, linewidth=2, marker="o", ms=4, mec="white", label=r"at the Coulomb limit, $|T| = \mu R$"),
         Patch(facecolor=style.RATTLER, edgecolor=style.GRAIN, label="rattler"),
         Line2D([], [], color=style.CHAIN, linewidth=1.2, label="walls (frame)")]
-
-
-ANSWER = """
-They hardly differ. At 1.2 P0 the springs carry through 775 contacts and the rigid grains through 765; 14 contacts carry in MD only, 4 in CD only.
-Contact by contact the normal forces of the two have a correlation of 0.9988 and differ by 3.5 % of the mean force (rms). 128 contacts of MD and 111
-of CD are at the Coulomb limit. This is one packing, prepared without friction by the springs. CD starts from the same forces, and the load is far
-below the limit. If CD started from another network of the packing, the forces would differ several times as much at this load (study of the critical
-load, right panel).
-"""
-GIVEN = ("1.2",)
-
-
-def numbers(table):
-    row = table.iloc[0]
-    return {"775": row["contacts MD"], "765": row["contacts CD"], "14": row["in MD only"], "4": row["in CD only"],
-            "0.9988": row.correlation, "3.5": 100 * row["rms difference"], "128": row["at the Coulomb limit MD"],
-            "111": row["at the Coulomb limit CD"]}

@@ -7,7 +7,7 @@ by an independent check (yade_scripts/theory/statics.py), whatever the solver re
 import numpy as np
 import pandas
 
-from analysis import publish, style, summary
+from analysis import style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
@@ -134,43 +134,13 @@ def draw(runs, rows, path):
     style.finish(fig, path, "Points: packings; lines: medians over seeds. Only samples found admissible by an independent check.", runs)
 
 
-ANSWER = """
-Near the rigid limit the forces that a packing admits scatter by 0.084 of the mean force at mu = 0.1 and 0.092 at mu = 0.3 (medians of 10 and of 9
-packings). At one mu these packings differ by a factor of 1.6 to 12, so that the maximum near 0.1 in the curve of Unger et al. is neither confirmed
-nor excluded. Without friction the forces scatter by 7.5e-7, which is the error of the solver. Between mu = 0.001 and 0.1 the ambiguity grows
-4.5-fold; that of Unger et al. is proportional to mu. The dense packings of the other studies are compressed so much that even without friction the
-forces are undetermined in 14 to 26 directions.
-
-The forces of the springs lie further from the mean of the admissible ones than the samples do (rms): 1.46 times as far near the rigid limit, for mu
-of 0.01 to 1 (median; further than the samples in 58 of 64 packings), but 0.72 and 0.95 times at mu = 0.001 and 0.003; in dense packings 1.02 to 1.20
-times at mu up to 0.03 and 0.85 times at 0.1 and more (median of 15 values from 3 packings). The forces that the solver finds from none lie 1.07 times
-as far, near the rigid limit. Unger et al. found the forces of their dynamics nearer than the samples.
-
-On 9 packings, one for each mu, the walk covers 48 to 67 % of the range of single forces that linear programmes give. 846 of 25600 samples were
-refused as not admissible, all of them at mu of 0.2 and more; the 5 packings with fewer than 100 remaining samples are left out here, 3 of them at mu
-= 1. Of the refused samples at most 15 missed the solver's tolerance. In the others the contacts meet Coulomb's law, but a grain starts to move: with
-much friction rest and motion can both be solutions. Two packings could not be prepared or sampled.
-"""
-GIVEN = ("0.3", "0.1", "0.001", "0.003", "0.01", "0.03", "0.2", "1", "100")
-
-
-def numbers(table):
-    table = publish.finished(table)
-    assert table[table.used < table.samples].mu.min() >= 0.2
-    samples, refused, counted = table.samples.sum(), (table.samples - table.used).sum(), table[table.used >= 100]
-    left = table[table.used < 100]
+def quantities(table):
+    counted, left = table[table.used >= 100], table[table.used < 100]
     own, dense = (counted[counted.packing == kind] for kind in (OWN, DENSE))
     packings = own.groupby("mu").eta
     eta, differ = packings.median(), (packings.max() / packings.min())[lambda rows: rows.index > 0]
-    covered = 100 * table["walk's range over the exact"].dropna()
+    covered = table["walk's range over the exact"].dropna()
     far, near = own[own.mu >= 0.01]["springs from mean"], dense[dense.mu >= 0.1]["springs from mean"]
     nearly, compressed = (kind.groupby("mu")["springs from mean"].median() for kind in (own, dense))
-    assert table.mu[table["walk's range over the exact"].notna()].is_unique
-    return {"0.084": eta.loc[0.1], "0.092": eta.loc[0.3], "10": packings.count().loc[0.1], "9": [packings.count().loc[0.3], len(covered)],
-            **summary.stated("1.6 12", differ),
-            "7.5e-7": eta.loc[0], "4.5": eta.loc[0.1] / eta.loc[0.001], **summary.stated("14 26", dense[dense.mu == 0].dimension),
-            "1.46": far.median(), "58": (far > 1).sum(), "64": len(far),
-            "0.72": nearly[0.001], "0.95": nearly[0.003], **summary.stated("1.02 1.20", compressed[compressed.index <= 0.03]),
-            "0.85": near.median(), "15": [len(near), table.unconverged.sum()], "3": [dense.seed.nunique(), (left.mu == 1).sum()],
-            "1.07": own["cold start from mean"].median(),
-            **summary.stated("48 67", covered), "846": refused, "25600": samples, "5": len(left)}
+    assert table.mu[covered.index].is_unique and table[table.used < table.samples].mu.min() >= 0.2
+    return locals()

@@ -2,7 +2,7 @@
 import pandas
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from analysis import publish, style, summary
+from analysis import style, summary
 from analysis.studies.fig3 import SPRINGS
 from analysis.style import plt
 from yade_scripts import parameters
@@ -61,14 +61,14 @@ def draw(runs, rows, path):
     for place, row in enumerate(row for row in rows if "ratio" in row):
         if row["change"] == "none":
             low, middle, high = (row[name] / row["|gamma|"] for name in ("least |gamma|", "|gamma|", "most |gamma|"))
-            label, colour = "another packing", "#444444"
+            label, colour = "another packing", style.GREY["44"]
         else:
             low, middle, high = (row[name] for name in ("least ratio", "ratio", "largest ratio"))
             label, colour = f"{row['change']} ({row['packings']})", style.COLOUR["MD"]
         labels.append(label)
         axis.plot([low, high], [place, place], color=colour, linewidth=2, alpha=0.5)
         axis.plot(middle, place, "o", color=colour, markersize=5)
-    axis.axvline(1, color="#444444", linewidth=0.8, linestyle="--")
+    axis.axvline(1, color=style.GREY["44"], linewidth=0.8, linestyle="--")
     axis.set_yticks(range(len(labels)), labels)
     axis.invert_yaxis()
     axis.set(xscale="log", xlabel=rf"$|\gamma|$ after {BASE['cycles']} cycles over that without the change")
@@ -80,52 +80,14 @@ def draw(runs, rows, path):
                  rf"$\Delta\sigma$ = {BASE['delta_sigma']:g}, $\sigma_1$ held.", runs)
 
 
-ANSWER = """
-At dSigma = 0.4, sigma1 held, 6 packings prepared alike strain by 1.2e-3 to 3.8e-3 in 10 cycles, much of it in the first. Of the parameters that the
-paper does not give, friction during the preparation has the largest effect: with 0.1, as the paper seems to do, packings strain 13 times as far
-(median; 2.4 to 36), mostly because their static limit is lower: this load is above the limits of such loose packings and below those of the dense
-ones (study fig3). With 0.02 they strain 2.6 times as far (0.23 to 14). Another distribution of sizes and another damping during the preparation lead
-to other packings, so that comparing runs of the same seed says little: other sizes give 0.24 to 5.7 times the strain, weak damping (beta_n = 0.02)
-0.31 to 3.7 times, strong damping (0.4) 0.37 to 6.7 times. If only the cycles are damped otherwise, a fifth or four times as much, the same packings
-strain 0.97 to 1.02 times as far in 10 cycles and 0.94 to 1.07 times as far in each of the last 5. The stiffness of the tangential springs changes the
-strain of 10 cycles by 0.63 to 1.6 times (k_t/k_n = 0.1), and by at most a fifth between 0.25 and 1.0; that of each of the last 5 by 0.024 to 3.9
-times and by 0.42 to 1.7 times. With heavy walls (200 disk masses) every packing strains further, 1.3 times (1.1 to 1.6) and 1.4 to 2.9 times in each
-of the last 5 cycles; with walls moved by a servo every packing strains less, 0.82 times (0.62 to 0.91) and 0.38 to 0.87 times in each of the last 5
-cycles. A tangential dashpot, as in the paper's eq. 6, was not tried.
-
-The period matters at this load, most of all in later cycles: with 2 s instead of 0.5 s 3 packings strain 0.56 to 0.88 times as far in 10 cycles, and
-0.34 to 0.88 times as far in each of the last 5. With 0.25 s they strain 1.4 to 2.9 times as far in 10 cycles, and 2.7 to 6.8 times in each of the
-last 5. So cycles of 0.5 s are not quasi-static where packings rearrange. The time step does not matter for the strain below the limit: a third of it
-changes the strain of 10 cycles by 0.9 % at most, and that of the last ones by 3 %. But it changes the number of cycles until a single packing
-collapses (study collapse).
-
-With friction at the walls (0.1) all 6 runs are refused: the stress of the walls is off its goal by 8 to 9 % of P0, probably because the friction at
-one pair of walls carries part of the load on the other.
-"""
-GIVEN = ("8", "9", "0.4", "10", "5", "0.1", "0.02", "0.25", "1.0", "200", "2", "0.5")
-
-
-def numbers(table):
-    rows = publish.finished(table).set_index("change")
-    low, middle, high = (rows[name] for name in ("least ratio", "ratio", "largest ratio"))
-    late_low, late_high = (rows[f"{end} rate ratio"] for end in ("least", "largest"))
-    sizes = [f"radius_spread = {value}" for value in (0.1, 0.5)]
+def quantities(table):
+    rows = table.set_index("change")
+    sizes, dampings = (rows.loc[[f"{name} = {value}" for value in values]] for name, values in (
+        ("radius_spread", (0.1, 0.5)), ("damping_factor", ("0.2", "4.0, md_dt_factor = 0.08"))))
     tangential = rows.loc[["kt_over_kn = 0.25", "kt_over_kn = 1.0"]]
-    assert tangential["least ratio"].min() > 0.8 and tangential["largest ratio"].max() < 1.2
-    damped, dampings = "beta_n = 0.4, md_dt_factor = 0.08", ["damping_factor = 0.2", "damping_factor = 4.0, md_dt_factor = 0.08"]
-    loose, light, heavy, servo, slow = ("preparation_friction = 0.1", "beta_n = 0.02", "wall_mass_ratio = 200.0", "md_walls = servo", "period = 2.0")
-    third, looser, quick, soft = "md_dt_factor = 0.1", "preparation_friction = 0.02", "period = 0.25", "kt_over_kn = 0.1"
-    return {"6": [rows.packings["none"], rows.packings[loose]], "1.2e-3": rows["least |gamma|"]["none"], "3.8e-3": rows["most |gamma|"]["none"],
-            "13": middle[loose], "2.4": low[loose], "36": high[loose], "2.6": middle[looser], "0.23": low[looser],
-            "14": high[looser], "0.24": low[sizes].min(), "5.7": high[sizes].max(), "0.31": low[light],
-            "3.7": high[light], "0.37": low[damped], "6.7": high[damped],
-            **summary.stated("0.97 1.02", rows.loc[dampings, ["least ratio", "largest ratio"]].stack()),
-            **summary.stated("0.94 1.07", rows.loc[dampings, ["least rate ratio", "largest rate ratio"]].stack()), "0.63": low[soft],
-            "1.6": [high[soft], high[heavy]], "0.024": late_low[soft], "3.9": late_high[soft], "0.42": late_low[tangential.index].min(),
-            "1.7": late_high[tangential.index].max(), "1.3": middle[heavy], "1.1": low[heavy], "1.4": [late_low[heavy], low[quick]],
-            "2.9": [late_high[heavy], high[quick]], "0.82": middle[servo], "0.62": low[servo],
-            "0.91": high[servo], "0.38": late_low[servo], "0.87": late_high[servo],
-            "3": [rows.packings[slow], 100 * (rows["largest rate ratio"][third] - 1)],
-            "0.56": low[slow],
-            "0.88": [high[slow], late_high[slow]],
-            "0.34": late_low[slow], "2.7": late_low[quick], "6.8": late_high[quick], "0.9": 100 * max(high[third] - 1, 1 - low[third])}
+    loose, looser, light, damped, soft, heavy, servo, slow, quick, third = (rows.loc[change] for change in (
+        "preparation_friction = 0.1", "preparation_friction = 0.02", "beta_n = 0.02", "beta_n = 0.4, md_dt_factor = 0.08", "kt_over_kn = 0.1",
+        "wall_mass_ratio = 200.0", "md_walls = servo", "period = 2.0", "period = 0.25", "md_dt_factor = 0.1"))
+    low, high, late_low, late_high = "least ratio", "largest ratio", "least rate ratio", "largest rate ratio"
+    assert tangential[low].min() > 0.8 and tangential[high].max() < 1.2
+    return locals()

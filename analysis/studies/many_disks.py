@@ -4,11 +4,9 @@ import math
 import numpy as np
 import pandas
 
-from analysis import publish, style, summary
-from analysis.studies import flows
-from analysis.studies.flows import QUANTITY
+from analysis import flow_costs, style, summary
+from analysis.flow_costs import QUANTITY
 from yade_scripts import parameters
-from yade_scripts.results import reader
 from yade_scripts.tables import product
 
 TITLE = "Four flows of 50 000 disks"
@@ -25,7 +23,7 @@ COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
 # sweeps have to be enough.
 COARSE, MEDIUM, FINE = (dict(method="CD", max_iterations=20000) | dict(cd_dt=step, tolerance=tolerance)
                         for step, tolerance in ((2e-3, 1e-2), (1e-3, 1e-2), (1e-3, 1e-3)))
-SOFT, STIFF = (springs | {"md_energies": True} for springs in (flows.SOFT, flows.STIFF))
+SOFT, STIFF = (springs | {"md_energies": True} for springs in (flow_costs.SOFT, flow_costs.STIFF))
 MANY, FEWER = 50000, 5000
 # Springs of 2e7 N/m take 700 to 1600 s for a second. So they get a window from the start; longer runs of rigid contacts have a sample at its end.
 WINDOW = 0.2  # s
@@ -141,56 +139,6 @@ def draw(runs, rows, path):
                           f"{WINDOW:g} s are windows from the start, a part of the flow.", shown)
 
 
-ANSWER = """
-A tolerance of 1e-2 is too large for 50 000 disks, as it is for 5000 (study of 5000 disks). Rigid contacts with steps of 1 ms and a tolerance of 1e-3
-cost 3.9 to 9.5 times less than springs of 2e7 N/m in the first 0.2 s of a silo, a drum and a collapse. The work of gravity up to then differs by 0.1
-to 3.0 % between the methods. In the last quarter of this window rigid contacts cost 2.0 to 7.5 times less, since they become more expensive as the
-disks speed up. No finer run was made to confirm this. A factor of ten was not reached in these flows; in the filling it is to be expected.
-
-Silo: rigid contacts with steps of 2 ms and a tolerance of 1e-2 cost 9.3 s in the window, springs 326 s, 35 times as much. But the disks overlap so
-much that gravity does 9.9 % more work than with 1e-3. Still they flow out at 12042 disks per sqrt(D/g), where D is the width of the slot. That is
-11.5 % above Beverloo's law with the constants from narrower slots (study of Beverloo's law). Steps become more expensive as the silo empties: the 1.6
-s in which 73 % of the disks leave cost 298 s. If springs cost as much per second as in the window, they would take 8.8 times as long.
-
-Drum: in the window the disks still fall and have no slope yet. Springs, which have few contacts then, cost 666 s per simulated second; in the
-collapse they cost 1536 s. In a run of 5000 disks over half the time of the study of flows the slope is 22.3 degrees with 1e-2 as with 1e-3 (one
-seed). With 1e-2 the run costs 0.71 times as much, but disks overlap by up to 0.10 radii in place of 0.014. With 50 000 disks the last steps of the
-window, which are hardest to solve, cost more than those of springs.
-
-Collapse: steps of 2 ms with a tolerance of 1e-2 let disks pass into each other within 0.4 s, and the run was ended. Steps of 1 ms cost 15 s in the
-window with 1e-2 and 32 s with 1e-3; with 1e-2 the weights do 11.3 % more work, and loaded contacts overlap by 0.0069 radii on the mean in place of
-0.00012. After 0.2 s the fronts of rigid contacts (tolerance 1e-3) and of springs differ by 0.2 % of the column's width. They fell from two deposits:
-rigid contacts refuse that of seed 1, which has two disks 0.34 of a radius inside each other.
-
-Why it gets harder: the tolerance is relative to the impulses, which grow with the depth, and what contacts miss adds up over the layers. So the
-tolerance has to shrink, not only the step. With a tolerance of 1e-3 up to 1.9 % of the steps in the window did not reach it within 20 000 sweeps, all
-of them in the drum. In all steps the error of the contact law was within it, at most 8e-4; the error of single bodies was not.
-
-Filling: rigid contacts (1 ms, 1e-3) cost 188 s, springs of 2e6 N/m 1844 s, 9.8 times as much. The springs are far too soft: disks overlap by up to
-0.47 radii, the filling is 7.1 % lower, and the energy that the disks hold and have dissipated is 93 times the work of gravity, so the time
-integration of the springs creates energy. With 5000 disks springs five times as stiff are within 2 % (study of 5000 disks). Springs ten times as
-stiff need 3.2 times the steps, so about 31 times the time of rigid contacts. Rigid contacts overlap by up to 0.02 radii when the disks have come to
-rest and by 0.09 at the end, since they creep at rest. The mean overlap is 0.0065 radii, which makes the filling 0.6 % too low if it is the same
-everywhere and 0.9 % if it grows with the depth. 0.03 % of the steps missed the tolerance. Steps of 2 ms with 1e-2 let disks pass into each other
-here, too.
-
-One run each, so nothing can be said of the uncertainty. All are of one commit and one machine, which other programs kept busy meanwhile, more at some
-times than at others; how much this changes the costs was not measured. Springs of 2e7 N/m are softer for a depth of 50 000 disks than for one of
-5000: equally stiff ones would cost 1.8 times as much.
-"""
-GIVEN = ("5000", "1e-2", "50", "000", "1", "1e-3", "2e7", "2", "0.4", "0.34", "20", "2e6")
-
-PUBLISHED = reader.RESULTS.parent / "analysis" / "published"
-
-
-def law(width):
-    """Return the rate through a slot of `width` diameters in disks per sqrt(D/g), by Beverloo's law with its published constants of rigid contacts,
-    which come from narrower slots.
-    """
-    rigid = publish.read_table(PUBLISHED / "beverloo.csv").set_index("method").loc["CD"].iloc[0]
-    return rigid.C * (width - rigid.k)**1.5 * math.sqrt(width)
-
-
 def pick(table, scene, settings, disks=MANY, **more):
     """Return the one measured row of a scene with these settings."""
     step, setting = (settings["cd_dt"], settings["tolerance"]) if settings["method"] == "CD" else (settings["md_dt_factor"], settings["kn"])
@@ -199,30 +147,10 @@ def pick(table, scene, settings, disks=MANY, **more):
     return row
 
 
-def numbers(table):
-    done = publish.finished(table)
-    window = done[done.window_seconds.notna() & (done.period == WINDOW)]
+def quantities(table):
+    window = table[table.window_seconds.notna() & (table.period == WINDOW)]
     scenes = ("hopper", "drum", "collapse")
-    fine, stiff = ({scene: pick(window, scene, settings) for scene in scenes} for settings in (FINE, STIFF))
-    gains = [stiff[scene].window_seconds / fine[scene].window_seconds for scene in scenes]
-    works = [100 * abs(stiff[scene].window_work / fine[scene].window_work - 1) for scene in scenes]
-    late = [stiff[scene].window_last / fine[scene].window_last for scene in scenes]
-    silo, column = pick(done, "hopper", COARSE), pick(window, "collapse", MEDIUM)
-    falling, falling_fine = stiff["hopper"], fine["hopper"]
-    turned, turned_fine = pick(done, "drum", MEDIUM, FEWER), pick(done, "drum", FINE, FEWER)
-    cd, md = pick(done, "filling", FINE), pick(done, "filling", SOFT)
-    more = md.seconds / cd.seconds
-    missed = [100 * fine[scene].unsolved for scene in scenes]
-    apart = 100 * abs(stiff["collapse"].value - fine["collapse"].value)
-    return {"3.9": min(gains), "9.5": max(gains), "0.2": [WINDOW, apart], "0.1": min(works), "3.0": max(works), "2.0": min(late),
-            "7.5": max(late), "9.3": silo.window_seconds, "326": falling.seconds, "35": falling.seconds / silo.window_seconds,
-            "9.9": 100 * (silo.window_work / falling_fine.window_work - 1), "12042": silo.value, "11.5": 100 * (silo.value / law(100.0) - 1),
-            "1.6": silo.period, "73": 100 * silo.passed, "298": silo.seconds, "8.8": falling.seconds / WINDOW * silo.period / silo.seconds,
-            "666": stiff["drum"].seconds / WINDOW, "1536": stiff["collapse"].seconds / WINDOW, "22.3": [turned.value, turned_fine.value],
-            "0.71": turned.seconds / turned_fine.seconds, "0.10": turned.overlap, "0.014": turned_fine.overlap, "15": column.seconds,
-            "32": fine["collapse"].seconds, "11.3": 100 * (column.window_work / fine["collapse"].window_work - 1), "0.0069": column.mean_overlap,
-            "0.00012": fine["collapse"].mean_overlap, "1.9": max(missed), "8e-4": max(fine[scene].law for scene in scenes),
-            "188": cd.seconds, "1844": md.seconds, "9.8": more, "0.47": md.overlap, "7.1": 100 * (1 - md.value / cd.value), "93": md.energy,
-            "3.2": 10**0.5, "31": more * 10**0.5, "0.02": cd.moving_overlap, "0.09": cd.overlap, "0.0065": cd.mean_overlap,
-            "0.6": 100 * cd.mean_overlap, "0.9": 100 * cd.mean_overlap * 4 / 3,  # the share of the height that is lost is overlap/R
-            "0.03": 100 * cd.unsolved, "1.8": 10**0.25}
+    fine, stiff = (pandas.DataFrame([pick(window, scene, settings) for scene in scenes], index=scenes) for settings in (FINE, STIFF))
+    return {"fine": fine, "stiff": stiff, "silo": pick(table, "hopper", COARSE), "column": pick(window, "collapse", MEDIUM),
+            "turned": pick(table, "drum", MEDIUM, FEWER), "turned_fine": pick(table, "drum", FINE, FEWER),
+            "rigid": pick(table, "filling", FINE), "springs": pick(table, "filling", SOFT), "window": WINDOW}

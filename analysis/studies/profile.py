@@ -1,8 +1,8 @@
 """Do springs and rigid contacts give the same profile of velocity in a turning drum?"""
 import numpy as np
+import pandas
 
-from analysis import style, summary
-from analysis.studies import flows
+from analysis import flow_costs, style, summary
 from yade_scripts.results.reader import AGAIN, ResultError
 
 TITLE = "Profile of velocity in a drum"
@@ -10,9 +10,8 @@ QUESTION = ("In a turning drum a layer below the surface flows down, and the bed
             "the same profile of velocity, and which steps, tolerances and stiffnesses suffice for it?")
 ORDER = 20.5  # in the report, after the flows, whose runs it reads
 
-ROWS = {"quick": flows.rows_of("drum", flows.SMALL, [flows.COARSER, flows.COARSEST], 1),
-        "full": [row for row in flows.ROWS["full"] if (row["scene"], row["disks"]) == ("drum", flows.SMALL)
-                 and not flows.STRICT.items() <= row.items()]}
+ROWS = {"quick": flow_costs.rows_of("drum", flow_costs.SMALL, [flow_costs.COARSER, flow_costs.COARSEST], 1),
+        "full": [row for row in flow_costs.small("drum") if "flow_tolerance" not in row]}
 SHOWN = {"MD": (2e6, 5e6, 2e7), "CD": ((4e-3, 1e-2), (4e-3, 1e-3))}  # settings that are drawn beside the rigid answer
 
 
@@ -104,28 +103,11 @@ def draw(runs, rows, path):
     whole.set(xlabel=r"velocity down the slope / $\omega R$", ylabel="depth below the axis / R")
     apart.set(xlabel=r"difference from the rigid answer / $\omega R$")
     whole.legend(fontsize=7)
-    style.finish(fig, path, f"{flows.SMALL} disks, mean over the seeds; bars: standard error of the difference. Labels: step and tolerance, "
+    style.finish(fig, path, f"{flow_costs.SMALL} disks, mean over the seeds; bars: standard error of the difference. Labels: step and tolerance, "
                  "or stiffness.", runs)
 
 
-ANSWER = """
-Yes, as far as these runs can tell. In the rigid answer (rigid contacts, steps of 0.25 ms, tolerance 1e-4) disks flow down at 2.19 omega R just below
-the axis (standard error 0.04), and the flowing layer ends 0.336 R below the axis (0.003). From this profile the same steps with a tolerance of 1e-3
-differ by 0.2 % of that speed (root mean square over the layers), springs of 5e6 to 2e7 N/m by 0.5 to 0.8 %, and rigid contacts with steps of 1 or 2
-ms and 1e-3 by 1.0 to 1.2 %. Chance explains that: if runs of the rigid answer and of one of these settings are exchanged at random, the difference is
-at least as large in 18 to 99 % of the cases. A run of rigid contacts in steps of 2 ms takes 0.71 s, one with springs of 5e6 N/m 3.8 s, 5.3 times as
-long.
-
-Three settings differ by so much that chance makes it in less than 1 % of the cases: steps of 4 ms, by 2.2 % with a tolerance of 1e-3 and by 2.9 %
-with 1e-2, and a gapCorrection of 0.1, by 5.7 %, with a surface that is 16 % slower (3.0 %). Steps of 0.5 ms to 1e-4 differ by 1.7 %; chance makes
-that in 4 % of the cases. As 12 settings are compared, these shares have to be corrected (Holm's method). They are then 8 and 10 % for the steps of 4
-ms and 0.6 % for the gapCorrection: only this one surely differs. The two settings of 4 ms deviate in opposite directions: the flowing layer ends
-0.328 R below the axis with 1e-3 and 0.358 R with 1e-2. Differences of up to 1.2 % cannot be told from chance with these runs.
-"""
-GIVEN = ("0.25", "1e-4", "1e-3", "5e6", "2e7", "1", "2", "4", "1e-2", "0.1")
-
-
-def numbers(table):
+def quantities(table):
     rigid, = table[table.is_rigid_answer].itertuples()
     settings = table.set_index(["step", "setting", "gap_correction"]).sort_index()
 
@@ -133,21 +115,14 @@ def numbers(table):
         return settings.loc[(setting["cd_dt"], setting["tolerance"], gap) if setting["method"] == "CD" else
                             (setting["md_dt_factor"], setting["kn"], 0.0)]
 
-    def apart(*these):
-        return [100 * of(setting).apart for setting in these]
-
-    same, rough, soft = (flows.FINEST,), (flows.FINE, flows.COARSER), (flows.MIDDLE, flows.HARDER, flows.STIFF)
-    chance = [100 * of(setting).p for setting in same + rough + soft]
-    pushed, proposed, cd, md = of(flows.COARSE, 0.1), of(flows.PROPOSED), of(flows.COARSER).seconds, of(flows.MIDDLE).seconds
-    longest, longest_rough = (of(flows.COARSEST | {"tolerance": tolerance}) for tolerance in (1e-3, 1e-2))
-    assert sorted(table.p.dropna())[:3] == sorted([longest.p, longest_rough.p, pushed.p]) and 0.01 > sorted(table.p.dropna())[2]
+    same, fine, coarser, middle, harder, stiff, proposed, longest = map(of, (
+        flow_costs.FINEST, flow_costs.FINE, flow_costs.COARSER, flow_costs.MIDDLE, flow_costs.HARDER, flow_costs.STIFF, flow_costs.PROPOSED,
+        flow_costs.COARSEST))
+    rough, soft = pandas.DataFrame([fine, coarser]), pandas.DataFrame([middle, harder, stiff])
+    alike = pandas.DataFrame([same, fine, coarser, middle, harder, stiff])
+    corrected, longest_rough = of(flow_costs.COARSE, 0.1), of(flow_costs.COARSEST | {"tolerance": 1e-2})
     chances = table.p.dropna().sort_values().to_numpy()
     holm = np.maximum.accumulate(chances * np.arange(len(chances), 0, -1))
-    assert chances[0] == pushed.p
-    return {"2.19": rigid.surface, "0.04": rigid.surface_deviation, "0.336": rigid.flowing, "0.003": rigid.flowing_deviation,
-            "0.2": apart(*same), "0.5": [min(apart(*soft)), 1e3 * flows.PROPOSED["cd_dt"]], "0.8": max(apart(*soft)), "1.0": min(apart(*rough)),
-            "1.2": max(apart(*rough)), "18": min(chance), "99": max(chance), "0.71": cd, "3.8": md, "5.3": md / cd, "2.2": 100 * longest.apart,
-            "2.9": 100 * longest_rough.apart, "5.7": 100 * pushed.apart, "16": 100 * (1 - pushed.surface / rigid.surface),
-            "3.0": 100 * np.hypot(pushed.surface_deviation, rigid.surface_deviation) / rigid.surface, "1.7": 100 * proposed.apart,
-            "12": len(table) - 1, "8": 100 * holm[1], "10": 100 * holm[2], "0.6": 100 * holm[0],
-            "0.328": longest.flowing, "0.358": longest_rough.flowing}
+    slower_error = np.hypot(corrected.surface_deviation, rigid.surface_deviation) / rigid.surface
+    assert list(chances[:3]) == [corrected.p, *sorted([longest.p, longest_rough.p])] and chances[2] < 0.01
+    return locals()

@@ -105,7 +105,7 @@ def draw(runs, rows, path):
                     drawn[series] = axis.errorbar([row["seconds"] for row in points], [abs(row[name]) for row in points], errors, ls="", ms=size,
                                                   elinewidth=0.7, **look)
         ordered = np.array(sorted((row["seconds"], abs(row[name])) for row in own if row["method"] == "MD")).reshape(-1, 2)
-        axis.step(ordered[:, 0], np.minimum.accumulate(ordered[:, 1]), where="post", color="#888888", lw=0.8)
+        axis.step(ordered[:, 0], np.minimum.accumulate(ordered[:, 1]), where="post", color=style.GREY["88"], lw=0.8)
         axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
     shown = [series for series in looks if series in drawn]
     axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left",
@@ -129,50 +129,17 @@ def _looks(rows):
     return {series: look for series, look in looks.items() if series in found}
 
 
-ANSWER = """
-Which method is cheaper depends on the reference. One cycle of Fig. 4, up to 1.2 P0, is below the static limits: rigid grains do not strain. Compared
-with them the error of springs of k_n is their whole strain, 4.4e-4 at the largest load. The error of springs of 100 k_n is 0.012 of that. In a cycle
-of 1 s they take 7.7 s with the longest of the steps, 0.4 sqrt(m/k_n); shorter steps do not reduce the error. Stiffer springs answer faster, so that a
-cycle of 0.1 s is as slow for them as one of 1 s for springs of k_n: the error is the same, 0.012, and they take 0.77 s. Rigid contacts with a
-tolerance of 1e-6 and steps of 5 ms have an error of 0.017 in a cycle of 1 s and take 0.115 s, 67 times less than springs of 100 k_n in the same cycle
-and 6.7 times less than in the short one; in a cycle of 0.1 s they take 0.028 s, 28 times less. With a tolerance of 1e-8 the error is 2.9e-5, for
-0.200 s, 3.8 times less than springs of 100 k_n in the short cycle. The scene favours rigid contacts: they start from forces with which they are at
-rest.
-
-Now the reference is springs of k_n with a hundredth of the usual step. Springs with the longest step have an error of 1e-5 and take 0.82 s. The error
-of springs of 10 k_n is 0.88, and that of rigid contacts is the whole strain, which is of the order of P0/k_n, at any tolerance. Rigid contacts come
-near only with so few sweeps that they are as stiff as springs of k_n: they then have errors of 0.002 to 0.053 and take 0.093 to 0.127 s. They cannot
-come nearer.
-
-In the filling of a box nothing is at rest at the start. There rigid contacts with steps of 2 ms and a tolerance of 1e-2 have an error of 1.3 %
-(standard error 0.2 %) and take 0.095 s; with 1 ms and 1e-3 the error is 0.05 % (0.17 %) for 0.179 s. Springs of 5e6 N/m have an error of 1.4 % and
-take 1.10 s, 11.6 and 6.1 times as much; springs of 2e6 N/m have one of 2.0 % and take 0.71 s. Errors of the load cycle are medians of 3 packings,
-those of the filling means of 8 seeds. All times are processor times without the samples and without sums of the springs' energies, while other runs
-used the second core.
-"""
-GIVEN = ("1.2", "1", "100", "0.1", "0.4", "1e-6", "5", "1e-8", "10", "2", "1e-2", "1e-3", "5e6", "2e6")
-
-
-def numbers(table):
+def quantities(table):
     cycle, filled = (table[table.scene == scene] for scene in (CYCLE_SCENE, FILLING_SCENE))
     springs = cycle[cycle.method == "MD"].set_index(["period", "springs over k_n", "step"])
     rigid = cycle[(cycle.method == "CD") & cycle["sweeps a step"].isna()].set_index(["period", "step", "tolerance"])
     usual, short, longest = CYCLE["period"], FASTER[100], STEPS[0]
-    sweeps, soft, stiff, faster = cycle[cycle["sweeps a step"].notna()], *(
-        springs.loc[key] for key in ((usual, 1.0, longest), (usual, 100.0, longest), (short, 100.0, longest)))
+    sweeps, finest = cycle[cycle["sweeps a step"].notna()], springs.loc[usual, 1.0, FINEST]
+    soft, harder, stiff, faster = (springs.loc[period, stiffness, longest] for period, stiffness in (
+        (usual, 1.0), (usual, 10.0), (usual, 100.0), (short, 100.0)))
     coarse, fine = (filled[(filled.method == "CD") & (filled.step == step)].iloc[0] for step in (2e-3, 1e-3))
     box, softest = (filled[filled["springs over k_n"] == stiffness].iloc[0] for stiffness in (2.5, 1.0))
     loose, hasty, strict = rigid.loc[usual, 5e-3, 1e-6], rigid.loc[short, 5e-3, 1e-6], rigid.loc[usual, 5e-3, 1e-8]
     assert rigid[rigid.index.get_level_values("tolerance") <= 1e-6]["elastic error"].min() > 0.98
     assert springs.loc[usual, 100.0]["rigid error"].min() > 0.9 * stiff["rigid error"] and hasty["rigid error"] < loose["rigid error"]
-    return {"4.4e-4": springs.loc[usual, 1.0, FINEST]["|gamma|"], "0.012": [springs.loc[usual, 100.0]["rigid error"].median(), faster["rigid error"]],
-            "7.7": stiff.seconds, "0.77": faster.seconds, "0.017": loose["rigid error"], "0.115": loose.seconds,
-            "67": stiff.seconds / loose.seconds, "6.7": faster.seconds / loose.seconds, "0.028": hasty.seconds, "28": faster.seconds / hasty.seconds,
-            "2.9e-5": strict["rigid error"], "0.200": strict.seconds, "3.8": faster.seconds / strict.seconds, "1e-5": soft["elastic error"],
-            "0.82": soft.seconds,
-            "0.88": springs.loc[usual, 10.0, longest]["elastic error"], "0.002": sweeps["elastic error"].min(),
-            "0.053": sweeps["elastic error"].max(), "0.093": sweeps.seconds.min(), "0.127": sweeps.seconds.max(),
-            "1.3": 100 * abs(coarse["rigid error"]), "0.2": 100 * coarse["standard error"], "0.095": coarse.seconds,
-            "0.05": 100 * abs(fine["rigid error"]), "0.17": 100 * fine["standard error"], "0.179": fine.seconds,
-            "1.4": 100 * abs(box["rigid error"]), "1.10": box.seconds, "11.6": box.seconds / coarse.seconds, "6.1": box.seconds / fine.seconds,
-            "2.0": 100 * abs(softest["rigid error"]), "0.71": softest.seconds, "3": cycle.runs.unique(), "8": filled.runs.unique()}
+    return locals()

@@ -35,7 +35,7 @@ ROWS = {"quick": product(stiffening=(1, 10), **SPRINGS) + _rigid({1: PAIRS[1][1:
 
 # Contacts of CD open where those of springs would (gaps are measured from touching) or at once (gaps are measured from the springs' overlaps).
 MD, AS_SPRINGS, AS_RIGID = "MD", "CD, parting as springs", "CD, parting as rigid"
-COLOUR = {MD: style.COLOUR["MD"], AS_SPRINGS: style.COLOUR["CD"], AS_RIGID: "#009E73"}
+COLOUR = {MD: style.COLOUR["MD"], AS_SPRINGS: style.COLOUR["CD"], AS_RIGID: style.GREEN}
 MARKER = {MD: "o", AS_SPRINGS: "s", AS_RIGID: "^"}
 
 
@@ -117,37 +117,21 @@ def _draw_loops(axes, runs):
     axes.legend(loc="lower right")
 
 
-ANSWER = """
-The stiffness of the springs determines the size of MD's loop. On each of 5 packings its largest |gamma| goes nearly as 1/k_n, with exponents of -0.94
-to -1.01 over two decades, from 4.5e-4 to 5.1e-6 (means). The remaining strain goes as k_n to the power -0.87 to -0.98. CD with so few sweeps that its
-contacts are as stiff strains 0.96 to 1.13 times as far as MD on the same packing (median 1.05) and keeps 0.89 to 1.05 times the remanent strain
-(median 0.97), if its contacts open where the springs would. If they open at once, as rigid contacts do, it strains 0.65 to 0.88 times as far (median
-0.79) and keeps only 0.01 to 0.43 times the remanent strain (median 0.12). With k_t = k_n/3 instead of k_n/2 MD strains 1.05 to 1.07 times as far; 1/3
-is the ratio of the stiffnesses of two disks' contact that a sweep solves by itself (W_nn/W_tt). This was measured under one load, over one cycle.
-"""
-GIVEN = ("1", "2", "3")
-
-
-def numbers(table):
+def quantities(table):
     main = table[table.comparison.isna() | (table.comparison == "")]
     md = main[main.medium == MD].set_index("springs_over_kn").sort_index()
     seeds = range(1, md.packings.min() + 1)
-    stiffness = np.log(md.index.astype(float))
 
     def powers(name):
-        """The exponents of k_n, packing by packing."""
-        return [np.polyfit(stiffness, np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
+        """Return the exponents of k_n, packing by packing."""
+        return [np.polyfit(np.log(md.index.astype(float)), np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
 
-    def spread(medium, name):
-        """Each value over MD's for the same packing and stiffness."""
+    def over_springs(medium, name):
+        """Return each value over that of MD for the same packing and stiffness."""
         own, columns = main[main.medium == medium], [f"{name}, packing {seed}" for seed in seeds]
-        return (own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel()
+        return pandas.Series((own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel())
 
     checks = table[(table.comparison == "check") & (table.medium == MD) & (table.kt_over_kn < 0.5)]
-    softer = checks.largest / checks.compared_largest
-    springs, kept = spread(AS_SPRINGS, "largest"), spread(AS_SPRINGS, "remanent")
-    return {"5": [md.packings.min(), md.packings.max()], **summary.stated("-0.94 -1.01", powers("largest"), "max min"),
-            "4.5e-4": md.largest.iloc[0], "5.1e-6": md.largest.iloc[-1], **summary.stated("-0.87 -0.98", powers("remanent"), "max min"),
-            **summary.stated("0.96 1.13", springs), "1.05": [np.median(springs), kept.max(), softer.min()],
-            **summary.stated("0.89 0.97", kept, "min median"), **summary.stated("0.65 0.88 0.79", spread(AS_RIGID, "largest"), "min max median"),
-            **summary.stated("0.01 0.43 0.12", spread(AS_RIGID, "remanent"), "min max median"), "1.07": softer.max()}
+    return {"md": md, "powers": powers, "softer": checks.largest / checks.compared_largest,
+            "springs": {name: over_springs(AS_SPRINGS, name) for name in ("largest", "remanent")},
+            "rigid": {name: over_springs(AS_RIGID, name) for name in ("largest", "remanent")}}

@@ -1,4 +1,4 @@
-"""What is committed in analysis/published: complete, with the numbers of its text, and one cheap study run anew. tests/soak asks that nothing lacks
+"""What is committed in analysis/published: complete, and one cheap study run anew. tests/soak asks that nothing lacks
 there."""
 
 import base64
@@ -9,6 +9,7 @@ import json
 import os
 import re
 import subprocess
+from decimal import Decimal
 
 import numpy as np
 import pandas
@@ -18,9 +19,7 @@ from PIL import Image
 from analysis import charts, publish, report, studies, style
 from analysis.charts import table
 from yade_scripts.results import reader
-from tests import numbers
 from yade_scripts import parameters, results
-from yade_scripts.measuring import maps
 
 FOLDER = reader.RESULTS.parent / "analysis" / "published"
 PUBLISHED = sorted(path.stem for path in FOLDER.glob("*.json"))
@@ -87,37 +86,10 @@ def test_rows_that_cannot_be_run_are_others(monkeypatch):
     assert publish.of_other_rows("fig4", said("fig4"), publish.read_table(FOLDER / "fig4.csv"))
 
 
-@pytest.mark.parametrize("name", PUBLISHED)
-def test_every_number_of_the_text_stands_in_the_published_table(name):
-    study = studies.module(name)
-    assert study.ANSWER
-    text = study.ANSWER + " ".join(measured for *_, measured in study.POINTS)
-    assert numbers.wrong(text, study.numbers(publish.read_table(FOLDER / f"{name}.csv")), study.GIVEN) == []
-
-
 @pytest.mark.parametrize("name", charts.ORDER)
-def test_every_number_about_a_chart_stands_in_its_table(name):
-    chart, folder = charts.module(name), FOLDER / charts.FOLDER
-    found = json.loads((folder / f"{name}.json").read_text())
-    assert all((folder / file).is_file() for file in found["figures"])
-    assert numbers.wrong(chart.ANSWER, chart.numbers(publish.read_table(folder / f"{name}.csv")), chart.GIVEN) == []
-
-
-# Of the numbers in a map's remedy: settings or theory, and what was measured, from the table of its cells.
-REMEDIES = {
-    "md_contact": ("0.2", {}), "md_packing": ("0.25", {}), "cd_sweeps": ("1", {}), "cd_load_step": ("1 2 10 1e-6 1e-8", {}),
-    "cd_impact": ("1 1985", {}),
-    "tunnelling": ("2 100", {}), "servo": ("0.2 1 5 1e-3", {"38": lambda cells: 100 * cells.strain_error[cells.told.isna()].max()}),
-    "cd_tolerance": ("", {"0.69": lambda cells: (cells.force_error / cells.tolerance)[cells.verdict != "not solved"].max(),
-                          "300": lambda cells: cells.disks.max()}),
-    "cd_time_step": ("", {"0.646": lambda cells: cells.dt[cells.reason == "energy growth"].min()})}
-
-
-@pytest.mark.parametrize("name", [name for name in maps.names() if (FOLDER / charts.FOLDER / f"map_{name}.csv").exists()])
-def test_every_number_about_a_map_stands_in_its_table(name):
-    given, measured = REMEDIES.get(name, ("", {}))
-    cells = publish.read_table(FOLDER / charts.FOLDER / f"map_{name}.csv")
-    assert numbers.wrong(maps.get(name).remedy, {number: of(cells) for number, of in measured.items()}, given.split()) == []
+def test_figures_of_charts_are_there(name):
+    folder = FOLDER / charts.FOLDER
+    assert all((folder / file).is_file() for file in json.loads((folder / f"{name}.json").read_text())["figures"])
 
 
 @pytest.mark.parametrize("name", ("by_kind", "profile", "cost_against_size"))
@@ -128,78 +100,45 @@ def test_charts_follow_from_the_measured_settings(name, tmp_path):
     pandas.testing.assert_frame_equal(anew, old, check_dtype=False, rtol=1e-12)
 
 
-# The numbers of README's short answer and of its advice, one by one: values behind words that stand so in the answers of studies, or settings there.
-SHORT_ANSWER = (
-    ("fig4", "0.2 4.3e-4 3.8e-8 10"), ("stiffness", "-0.94 -1.01"), ("fig5", "1e-4 0.986 1.025"), ("critical_load", "11 4e-4"),
-    ("ratcheting", "0.98 19 19 2 0.3 -0.95 0.02 10"), ("fig3", "1.8 40 0.5 49 44 50 1.5"),
-    ("collapse", "2.44 0.3 10 1.84 98.9 1.38 0.4 1.12 1.50 1.23 1.30 1.04 10"), ("laws", "0.88 1.02 0.4 6"), ("thousand", "0.98 1.00 1000 3"))
-ADVICE = (
-    ("flows", "500 2 0.1 5.8 5.3 9.0 1.0 0.6 9.0 97.5 2 4 1e-3 0.89 1.93 2"), ("speed", "100 3.8 28 2.9e-5 0.017 100 0.012"),
-    ("ratcheting", "0.5 2 3.1 10 0.4 5.6 100 1.03 1.21 3"))
-
-
-def values(name, words):
-    """What the published table of a study says behind words, numbers as its answer has them; a setting stands for itself."""
-    study = studies.module(name)
-    known = study.numbers(publish.read_table(FOLDER / f"{name}.csv"))
-    assert set(words.split()) <= set(known) | set(study.GIVEN)
-    return [known.get(word, float(word)) for word in words.split()]
-
-
-def test_every_number_of_the_short_answer_is_that_of_the_published_table():
-    """README's, which the page shows too."""
-    expected = list(SHORT_ANSWER)
-    for text, names in report.findings()[0]:
-        known = [expected.pop(0) for _ in names]
-        assert [name for name, _ in known] == names
-        assert numbers.misplaced(text, [value for name, words in known for value in values(name, words)]) == [], names
-    assert not expected
-
-
-def test_every_number_of_the_advice_is_that_of_the_published_tables():
-    advice = re.search(r"## Which method when\n(.*?)- `/usr/bin", report.README.read_text(encoding="utf-8"), re.S)[1]
-    assert numbers.misplaced(advice, [value for name, words in ADVICE for value in values(name, words)]) == []
+def misplaced(text, values):
+    """What is wrong where the numbers of a text have to be these values one by one, rounded to the digits written; a space in a number is none."""
+    found = re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w])", re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", text))
+    wrong = [(number, value) for number, value in zip(found, values)
+             if abs(float(number) - float(value)) > 0.5000001 * 10.0**Decimal(number).as_tuple().exponent]
+    return wrong if len(found) == len(values) else [f"{len(found)} numbers for {len(values)} values: {' '.join(found)}"]
 
 
 def test_every_number_of_the_cost_of_the_engine_is_that_of_the_benchmark(root):
-    """Of the solvers, of problems that are hard for them and of a whole step; a space in a number is none, and the million stands there as a word."""
+    """Of the solvers, of problems that are hard for them and of a whole step; the million stands there as a word."""
     text = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## What it costs")[1].split("\n## ")[0]
-    solver, step = (re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(rf"{first}.*?\n\n", text, re.S)[0]) for first in ("A plain sweep", "A whole step"))
+    solver, step = (re.search(rf"{first}.*?\n\n", text, re.S)[0] for first in ("A plain sweep", "A whole step"))
     sweeps, solved, steps = (publish.read_table(FOLDER / "benchmark" / f"{name}.csv") for name in ("sweeps", "solutions", "step"))
     sweep = sweeps.set_index("problem").loc["packing of 4000"]
     own = solved[(solved.method == "auto") & (solved.target == 1e-4) & (solved.start == "cold") & solved.disks.isin((400, 4000))]
     masses, packings = (own[own.kind == kind].sweeps for kind in ("masses", "packing"))
-    hard = re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(r"Three problems.*?because", text, re.S)[0])
-    assert numbers.misplaced(hard, [1e6, masses.min(), masses.max(), 1e-4, packings.min(), packings.max()]) == [] and len(masses) == 3
+    hard = re.search(r"Three problems.*?because", text, re.S)[0]
+    assert misplaced(hard, [1e6, masses.min(), masses.max(), 1e-4, packings.min(), packings.max()]) == [] and len(masses) == 3
     cold = solved[(solved.kind == "packing") & (solved.disks == 4000) & (solved.start == "cold") & (solved.target == 1e-4)]
     cold = cold.pivot(index="problem", columns="method", values="seconds")
     faster = cold["siconos nsgs"] / cold["auto"]
-    assert numbers.misplaced(solver, [4000, sweep.plain_avx512_ns, sweep.siconos_ns, 1e-4, 1e3 * cold["auto"].median(), len(cold), faster.min(),
+    assert misplaced(solver, [4000, sweep.plain_avx512_ns, sweep.siconos_ns, 1e-4, 1e3 * cold["auto"].median(), len(cold), faster.min(),
                                       faster.max()]) == []
     rows = steps[(steps.order == "built") & (steps.tolerance == 1e-4)].set_index("disks").loc[[400, 40000, 250000, 1000000]]
     small, middle, large, million = rows.ns_a_contact
-    assert numbers.misplaced(step, [1e-4, small, 400, middle, 40000, large, 250000, million, rows.sweeps_a_step.iloc[-1], *rows.over_springs, 40000,
+    assert misplaced(step, [1e-4, small, 400, middle, 40000, large, 250000, million, rows.sweeps_a_step.iloc[-1], *rows.over_springs, 40000,
                                     rows.two_threads_step[40000], 400, 40000, rows.ns_a_disk_at_rest[40000],
                                     rows.seconds_around_a_run.iloc[-1]]) == []
 
 
 def test_every_number_of_threads_is_that_of_the_benchmark(root):
     section = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## Threads")[1].split("\n## ")[0]
-    text = re.sub(r"(?<=\d)\s(?=\d{3}\b)", "", re.search(r"With 40 000.*?A\s`BodyProblem", section, re.S)[0])
+    text = re.search(r"With 40 000.*?A\s`BodyProblem", section, re.S)[0]
     step, threads = (publish.read_table(FOLDER / "benchmark" / f"{name}.csv") for name in ("step", "threads"))
     here = step[(step.disks == 40000) & (step.order == "built") & (step.tolerance == 1e-4)].iloc[0]
     many, few = (threads[threads.disks == disks].set_index("threads").step_speedup for disks in (40000, 4000))
     counts = [2, 4, 8, 16]
-    assert numbers.misplaced(text, [40000, here.two_threads_solver, here.two_threads_step, threads.cores.max(), 40000, *many[counts], *counts, 4000,
+    assert misplaced(text, [40000, here.two_threads_solver, here.two_threads_step, threads.cores.max(), 40000, *many[counts], *counts, 4000,
                                     few[2], 2, few.max()]) == []
-
-
-def test_a_wrong_number_would_be_found():
-    known = {"5": [5, 5], "4.3e-4": 4.34e-4}
-    assert numbers.wrong("On 5 packings 4.3e-4 at 1e-8 (Fig. 4).", known, ("1e-8",)) == []
-    assert len(numbers.wrong("On 5 packings 4.2e-4 at 1e-8.", known, ("1e-8",))) == 2
-    assert numbers.wrong("4.3e-4 on 5 packings.", known) == ["4.3e-4 stands where 5 is expected"]
-    assert numbers.wrong("On 5 packings 4.3e-4.", known | {"4.3e-4": 4.36e-4}) and numbers.wrong("On 5 packings 4.3e-4.", known | {"5": [5, 4]})
 
 
 @pytest.mark.parametrize("law", ("standard", "avoid_ratcheting", "path_independent"))

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from analysis import publish, report, studies, summary
+from analysis.studies import collapse
 from yade_scripts.results import reader, schema
 from analysis.__main__ import main
 from tests.analysis.conftest import cyclic, history, lattice, write, write_row
@@ -31,7 +32,7 @@ CD_ROW = studies.module("fig4").ROWS["quick"][1]
 
 def test_every_study_keeps_to_the_frame():
     for name in studies.names():
-        assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict, _ in studies.module(name).POINTS)
+        assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict in studies.module(name).POINTS)
         for full in (False, True):
             assert studies.rows(name, full)
 
@@ -44,10 +45,10 @@ def test_an_unknown_study_is_named(capsys):
 def test_a_study_that_lacks_something_is_named_and_stops_no_other(monkeypatch, capsys, fig4_results, tmp_path):
     """What belongs to the published text is not asked for."""
     study = studies.module("fig5")
-    for name in ("ORDER", "ANSWER", "POINTS", "GIVEN", "numbers"):
+    for name in ("ORDER", "ANSWER", "POINTS", "quantities"):
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
-    assert studies.module("fig5").ORDER == 100 and studies.module("fig5").ANSWER == ""
+    assert studies.module("fig5").ORDER == 100 and studies.module("fig5").POINTS == ()
     for name in ("ROWS", "draw"):
         monkeypatch.delattr(study, name)
     studies.module.cache_clear()
@@ -213,7 +214,7 @@ def test_report_is_one_page_that_loads_nothing(fig4_results, tmp_path, capsys):
     assert "data:image/png;base64," in text and "<script" not in text and "<link" not in text
     assert "src=\"http" not in text and "@import" not in text and "url(" not in text
     assert studies.module("fig4").TITLE in text and "Not run yet" in text and "ccccccccccc" in text
-    for _, quote, _, _, _ in studies.module("fig3").POINTS:
+    for _, quote, _, _ in studies.module("fig3").POINTS:
         assert str(report.symbols(quote)) in text
     assert 'href="out/fig4.csv"' in text
 
@@ -325,3 +326,14 @@ def test_laws_compare_on_the_same_packing(tmp_path):
     rows = module.summarize(runs)
     assert [row["strain over standard"] for row in rows] == [pytest.approx(ratio) for ratio in (1, 1.1, 3)]
     module.draw(runs, rows, tmp_path / "laws.png")
+
+
+def test_what_is_known_of_lives_that_end_with_the_run(tmp_path):
+    cells = {"springs": (2, 4, 8, None), "rigid": (4, None, 6, None)}
+    publish.write_table(tmp_path / "collapse.csv", [{"case": case, "dSigma": 0.3, "seed": seed, "collapses after": life,
+                                                     "stands": np.nan if life else 80}
+                                                    for case, lives in cells.items() for seed, life in enumerate(lives)])
+    found = collapse.times(publish.read_table(tmp_path / "collapse.csv"), "rigid", "springs")
+    assert found.least.tolist() == [2, 20, 0.75, 0] and found.most.tolist() == [2, np.inf, 0.75, np.inf]
+    assert collapse.longer(found) == 2 and collapse.medians(found[:3]) == (2, 2)
+    assert collapse.medians(found)[0] == 1.375 and collapse.medians(found)[1] > 1e8

@@ -106,7 +106,8 @@ class Map:
 
     group: heading of the report under which it stands, order: its place there. title, question: its heading and what it answers.
     criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user can
-    do. x, y: axes. The others are optional. panels: the parameter with a panel for each value. measures: {name: meaning}, without units.
+    do; a template (analysis/texts.py), in which `cells` is the published table of the map. x, y: axes. The others are optional. panels: the
+    parameter with a panel for each value. measures: {name: meaning}, without units.
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """

@@ -19,7 +19,8 @@ MAP = Map(
               "energy together grow by more than 1e-5 of the energy of the fall, or a disk leaves the trough. Inaccurate: bodies overlap by "
               "more than 1 % of the radius. Not solved: more than 1 % of the steps missed the tolerance.",
     remedy="Without restitution contacts hold at any step. With restitution, contacts that close during an impact elsewhere overlap by up to "
-           "their displacement in a step, of which the engine warns; from dt sqrt(g/R) = 0.646 on energy may grow.",
+           "their displacement in a step, of which the engine warns; from dt sqrt(g/R) = "
+           "{{ cells.dt[cells.reason == 'energy growth'].min() | fixed(3) }} on energy may grow.",
     x=Axis("dt", r"$dt\,\sqrt{g/R}$"), y=Axis("restitution", "restitution e"), panels="friction",
     measures={"penetration": "largest overlap over the radius",
               "energy_balance": "kinetic, potential and dissipated energy less the first, over the fall's",
