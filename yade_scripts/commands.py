@@ -7,7 +7,8 @@ import math
 import os
 import sys
 
-from yade_scripts import parameters, results
+from yade_scripts import FOLDER
+from yade_scripts.errors import ParameterError
 
 MISTAKE = 2  # exit status of a command that cannot do what it was asked for
 
@@ -22,7 +23,7 @@ def parser(doc, *shared, **more):
 def add(options, *shared):
     """Return a parser with arguments that several commands have: "row", "tables", "--results", "--jobs", "--hours"."""
     known = {"row": dict(nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters"),
-             "--results": dict(metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)"),
+             "--results": dict(metavar="FOLDER", default=FOLDER, help="folder of the result files (default: %(default)s)"),
              "tables": dict(nargs="+", metavar="TABLE", help="tables in yade-batch's format"),
              "--jobs": dict(type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)"),
              "--hours": dict(type=positive, default=math.inf, metavar="H", help="end a run that takes longer; the same command continues it from its "
@@ -95,7 +96,7 @@ def command(name):
             with contextlib.redirect_stdout(Output(sys.stdout)), contextlib.redirect_stderr(Output(sys.stderr)):
                 try:
                     return main(arguments)
-                except (parameters.ParameterError, ImportError, OSError) as error:
+                except (ParameterError, ImportError, OSError) as error:
                     no_yade = isinstance(error, ModuleNotFoundError) and error.name == "yade"
                     print(f"{name}: " + (f"start it by YADE: yade -n -x {sys.argv[0]}" if no_yade else str(error)), file=sys.stderr)
                     return MISTAKE

@@ -10,6 +10,7 @@ sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[1]))
 import cd_engine
 from yade import plot
 from yade_scripts import commands, parameters, run
+from yade_scripts.errors import ParameterError
 
 __all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # names for the user of the console
 row, scene = {"method": "CD"}, None
@@ -30,7 +31,7 @@ def start(**changes):
         begun = True
         scene = run.start(**changed)
         row = changed
-    except (parameters.ParameterError, ImportError, OSError, RuntimeError, ValueError) as error:
+    except (ParameterError, ImportError, OSError, RuntimeError, ValueError) as error:
         print(f"console: {error}", file=sys.stderr)
         if begun and scene is not None:
             scene = run.start(**row)
@@ -39,7 +40,7 @@ def start(**changes):
 
 try:
     first = parameters.from_arguments(sys.argv[1:])
-except parameters.ParameterError as error:
+except ParameterError as error:
     print(f"console: {error}", file=sys.stderr)
     first = None
 if first is None or start(**first) is None:

@@ -18,14 +18,14 @@ import traceback
 if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
 
-from yade_scripts import commands, parameters, results, tables
+from yade_scripts import commands, parameters, results, scenes, tables
+from yade_scripts.errors import ParameterError
 from yade_scripts.results import provenance
 from yade_scripts.running import locks, plausible
 
 
 def start(folder=results.FOLDER, **row):
     """Build the scene of a row, ready for O.run(), without recording. Return the scenes.Scene."""
-    from yade_scripts import scenes
     return scenes.build(parameters.complete(row), folder)
 
 
@@ -59,12 +59,11 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
 
 def _run(path, full, folder, checkpoint_samples):
     """Build the scene, run it and record it. Return None or the exception that ended the run; the file names it, too."""
-    from yade_scripts import scenes
     from yade_scripts.running import checkpoint, progress, recorder, wall_check
     scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.Progress(path.stem)
     try:
         scene = scenes.build(full, folder)
-    except (parameters.ParameterError, ImportError):
+    except (ParameterError, ImportError):
         raise
     except Exception as error:
         failure = error

@@ -23,6 +23,7 @@ from yade import O, config, utils
 
 import cd_engine
 from yade_scripts import commands, parameters, results
+from yade_scripts.errors import ParameterError
 from yade_scripts.results import sealed
 from yade_scripts.running import bodies, hooks, locks, md, progress, saved_scene, walls
 
@@ -51,7 +52,7 @@ def ensure(full, folder):
     Raise ParameterError for a row with gravity, under which a packing would lie otherwise than its hash says.
     """
     if full["gravity"]:
-        raise parameters.ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity: set gravity = 0")
+        raise ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity: set gravity = 0")
     path = pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at the same time prepare it once

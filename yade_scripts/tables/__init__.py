@@ -7,12 +7,13 @@ import itertools
 import pathlib
 
 from yade_scripts import parameters
+from yade_scripts.errors import ParameterError
 
 
 NO_VALUE = "-"
 
 
-class TableError(parameters.ParameterError):
+class TableError(ParameterError):
     """A table cannot be read; the message names file and line."""
 
 
@@ -60,7 +61,7 @@ def read(path):
                         if head != "description" and not head.startswith("!") and text != NO_VALUE}
         try:
             parameters.complete(rows[number])
-        except parameters.ParameterError as error:
+        except ParameterError as error:
             raise TableError(f"{path}:{number}: {error}") from None
     return rows
 
