@@ -16,12 +16,16 @@ There is no such estimate for MD, since a smaller step does not show the error d
 accuracy MD reaches.
 """
 import math
+import os
 import pathlib
 import sys
 from dataclasses import dataclass
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[1]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.accuracy", file)
 
 from yade_scripts import commands, parameters, results, run, scenes
 from yade_scripts.errors import ParameterError
@@ -134,6 +138,8 @@ def run_in_yade(folder):
 def main(arguments=None):
     """Run the command line: accuracy=..., then name=value as for run.py. Return the exit status."""
     options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
+    if os.environ.get("YADE_BATCH"):
+        raise ParameterError("the table of yade-batch cannot give an accuracy: start each search by yade -n -x yade_scripts/accuracy.py accuracy=...")
     asked = [argument for argument in options.row if argument.startswith("accuracy=")]
     if len(asked) > 1:
         raise ParameterError("accuracy is given twice")
@@ -155,7 +161,3 @@ def main(arguments=None):
         print(f"cd_dt = {level.row['cd_dt']:g} s, tolerance = {level.row['tolerance']:g}: " + (
             f"estimated {what} {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
     return run.execute(levels[-1][0].row, options.results)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

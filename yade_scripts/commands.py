@@ -3,8 +3,10 @@ import argparse
 import contextlib
 import errno
 import functools
+import importlib
 import math
 import os
+import pathlib
 import sys
 
 from yade_scripts import FOLDER
@@ -86,6 +88,30 @@ class Output:
             return function(*arguments)
         except BrokenPipeError:  # what could not be written stays in the stream, which writes it to the new place
             os.dup2(os.open(os.devnull, os.O_WRONLY), self.stream.fileno())
+
+
+def started(file):
+    """Tell whether the command line started this file. Otherwise, as in execfile at YADE's console, the arguments are not meant for it."""
+    return bool(sys.argv) and os.path.realpath(sys.argv[0]) == os.path.realpath(file)
+
+
+def script(name, file):
+    """Do what a script does, and exit: import it as the module `name` and call main(), before it begin() if the command line started the script.
+
+    A module works in every way of starting: functions of a script in execfile at YADE's console do not find the names of their own file.
+    """
+    former, own = sys.argv, started(file)
+
+    def main(_):
+        module = importlib.import_module(name)
+        if own:
+            vars(module).get("begin", lambda: None)()
+        return module.main()
+    sys.argv = former if own else [file]
+    try:
+        sys.exit(command(pathlib.Path(file).stem)(main)())
+    finally:
+        sys.argv = former
 
 
 def command(name):

@@ -10,7 +10,11 @@ import pathlib
 import sys
 import tempfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+if __name__ == "__main__":
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[2]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.measuring.regression", file)
 
 from yade_scripts import batch, commands, results
 from yade_scripts.errors import ParameterError
@@ -87,6 +91,5 @@ def main(arguments=None):
     return 1 if drifted else 0
 
 
-if __name__ == "__main__":
+def begin():
     queue.end_by_signals("regression")
-    sys.exit(main())

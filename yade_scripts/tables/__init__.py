@@ -4,6 +4,7 @@ Words are separated by blanks. `#` starts a comment. `=` repeats the value above
 the row's scene has no such parameter. The columns `description` and `!NAME` (environment variables) are for yade-batch only.
 """
 import itertools
+import os
 import pathlib
 
 from yade_scripts import parameters
@@ -64,6 +65,12 @@ def read(path):
         except ParameterError as error:
             raise TableError(f"{path}:{number}: {error}") from None
     return rows
+
+
+def given(arguments):
+    """Return the row of a command: that of yade-batch's table if there is one, otherwise of name=value arguments."""
+    place = os.environ.get("YADE_BATCH")  # empty where yade-batch has no table
+    return batch_row(place) if place else parameters.from_arguments(arguments)
 
 
 def batch_row(place):
