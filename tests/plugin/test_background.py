@@ -14,10 +14,7 @@ from .test_export_problem import ids
 
 def columns(O):
     """Fifty columns of disks on a floor, a step of which takes a while; ContactDynamics."""
-    mat = plane.ground()
-    for k in range(50):
-        for j in range(10):
-            plane.disk((0.03 * k, 0.01 + 0.02 * j), 0.01, mat=mat)
+    plane.columns(*(0.03 * k for k in range(50)), disks=10)
     return plane.run(2, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-10)
 
 
@@ -141,8 +138,7 @@ SCRIPT = """
 from tests.plugin import plane
 def build():
     O.reset()
-    plane.floor()
-    plane.disk((0, 0.01), 0.01)
+    plane.columns(0, disks=1)
     plane.run(3, 1e-3, gravity=(0, -9.81, 0))
     O.save("a.yade")
 build()

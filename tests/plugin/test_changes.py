@@ -249,8 +249,7 @@ def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, s
     step before are within it, whatever friction has become. So they are by themselves (`reduce`) where it is little less than they use. 1e-9: on the
     cone but for the round-off of a force."""
     mat = plane.ground(0.9)
-    for k in range(2):
-        plane.disk((0.3, 0.01 + 0.02 * k), 0.01, mass=1e3, mat=mat)
+    plane.column(0.3, 2, mat=mat, mass=1e3)
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.01055, 0.02697)):
         plane.disk((x, y), 0.01, mat=mat)
     cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-9, method=method, reduce=reduce)

@@ -95,10 +95,7 @@ def test_bounce_returns_the_coefficient_of_restitution(O, e, height):
 @pytest.mark.parametrize("ratio", [1e-6, 1, 1e6])
 def test_two_body_pile_of_any_mass_ratio(O, ratio):
     """The lower contact carries both weights, the upper one the upper weight."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
-    plane.disk((0, 0.03), 0.01, mass=ratio, mat=mat)
-    cd = plane.run(5, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=20000000 if ratio > 1 else 20000)
+    cd = plane.two_on_a_floor(ratio, 5, tolerance=1e-12, maxIterations=20000000 if ratio > 1 else 20000)
     upper, lower = O.interactions[1, 2].phys.normalForce.norm(), O.interactions[0, 1].phys.normalForce.norm()
     if cd.converged:
         # A body's velocity is right to the tolerance, relative to the forces on it, and so are they; 1e-11: two of these, and round-off.

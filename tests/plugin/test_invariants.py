@@ -1,6 +1,5 @@
 """What no step may change or create: momentum, angular momentum, energy; and what it must keep: cone, gap, determinism."""
 import math
-import random
 
 import numpy as np
 import pytest
@@ -8,23 +7,11 @@ import pytest
 from . import plane
 
 
-def cloud(O, count, seed, mu=0.4, speed=1.0):
-    """Disks of mixed sizes and masses thrown at their common centre, without boundaries."""
-    r = random.Random(seed)
-    mat = plane.material(mu)
-    columns = math.ceil(math.sqrt(count))
-    for i in range(count):
-        x, y = (0.05 * (k - (columns - 1) / 2) + r.uniform(-.004, .004) for k in divmod(i, columns))
-        a, size = math.atan2(y, x), r.uniform(0.01, 0.02)
-        v = (-speed * math.cos(a) + r.uniform(-.2, .2), -speed * math.sin(a) + r.uniform(-.2, .2))
-        plane.disk((x, y), size, mass=r.uniform(0.1, 2), velocity=v, spin=r.uniform(-30, 30), mat=mat)
-
-
 @pytest.mark.parametrize("restitution", [0, 0.5, 1])
 def test_collisions_keep_momentum_and_angular_momentum_and_create_no_energy(O, restitution):
     """400 steps of 40 colliding disks; the momenta to round-off. With restitution and friction together Newton's law may
     create energy in simultaneous impacts (Kane's paradox); here contacts close one by one."""
-    cloud(O, 40, seed=1)
+    plane.cloud(40, seed=1)
     before, energy = plane.momenta(), plane.kinetic_energy()
     hits = 0
     cd = plane.run(1, 1e-3, tolerance=1e-12, restitution=restitution, maxIterations=100000)
@@ -40,7 +27,7 @@ def test_collisions_keep_momentum_and_angular_momentum_and_create_no_energy(O, r
 
 def test_energy_lost_is_the_dissipation_reported(O):
     """Sum over contacts of -p (u + u')/2 against the kinetic energy: an identity of the scheme, round-off over 300 steps."""
-    cloud(O, 40, seed=2)
+    plane.cloud(40, seed=2)
     start = plane.kinetic_energy()
     cd = plane.run(300, 1e-3, tolerance=1e-12, maxIterations=100000)
     assert cd.dissipatedEnergy > 0.01 * start
@@ -49,7 +36,7 @@ def test_energy_lost_is_the_dissipation_reported(O):
 
 def test_energy_balance_with_gravity_and_friction(O):
     """Work of the weights = kinetic energy + dissipation, exact for the scheme: the mean velocity moves the body."""
-    heap(O, mu=0.3)
+    plane.heap(mu=0.3)
     potential = lambda: sum(9.81 * b.state.mass * b.state.pos[1] for b in O.bodies if b.state.blockedDOFs == "zXY")
     start = potential()
     cd = plane.run(800, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-9, maxIterations=100000)
@@ -71,19 +58,9 @@ def test_a_free_box_takes_part_in_the_balance_of_angular_momentum(O):
     assert plane.kinetic_energy() < energy
 
 
-def heap(O, mu):
-    """Thirty disks in a trough."""
-    mat = plane.ground(mu)
-    plane.box((-0.3, 0.3), (0.02, 0.5), mat=mat)
-    plane.box((0.3, 0.3), (0.02, 0.5), mat=mat)
-    r = random.Random(3)
-    for i in range(30):
-        plane.disk((-0.22 + 0.088 * (i % 6) + r.uniform(-.01, .01), 0.1 + 0.1 * (i // 6)), r.uniform(0.02, 0.034), mass=r.uniform(0.5, 2), mat=mat)
-
-
 def test_forces_lie_in_the_cone_and_sliding_ones_on_it(O):
     """In every sampled state of a falling heap, for what YADE's interactions say."""
-    heap(O, mu=0.25)
+    plane.heap(mu=0.25)
     cd = plane.run(1, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-9, maxIterations=100000)
     seen = sliding = 0
     for _ in range(40):

@@ -92,8 +92,7 @@ def test_overlaps_that_no_springs_have_left(O, capfd):
     mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mat=mat)
     plane.disk((0, 0.0292), 0.01, mat=mat)
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
-    O.dt = 1e-3
+    plane.engine(gravity=(0, -9.81, 0))
     line, = said_by(O, capfd)
     assert "bodies #1 and #2 overlap by 0.08" in line and "handover=False" in line
     assert O.bodies[2].state.pos[1] == pytest.approx(0.0292, abs=1e-9)
@@ -105,8 +104,7 @@ def test_the_deepest_of_the_overlaps_at_the_start_is_named(O, capfd):
     for x, overlap in ((0, 0.0005), (0.1, 0.0015), (0.2, 0.001)):
         plane.disk((x, 0.01), 0.01, mat=mat)
         plane.disk((x, 0.03 - overlap), 0.01, mat=mat)
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
-    O.dt = 1e-3
+    plane.engine(gravity=(0, -9.81, 0))
     line, = said_by(O, capfd)
     assert "bodies #3 and #4 overlap by 0.15" in line
     O.bodies[2].state.pos = (0, 0.025, 0)
@@ -130,8 +128,7 @@ def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     mat = plane.ground()
     plane.disk((0, 0.01), 0.01, mat=mat)
     plane.disk((0.02, 0.3), 0.01, velocity=(0, -5), mat=mat)
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
-    O.dt = 0.02
+    plane.engine(0.02, gravity=(0, -9.81, 0))
     line, = [line for line in said_by(O, capfd, 3) if "times its radius" in line]
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
 
@@ -142,7 +139,7 @@ def test_two_disks_that_pass_each_other(O, capfd, ways, told):
     mat, dt = plane.material(), 1e-3
     for k, way in enumerate(ways):
         plane.disk((0.08 * k, 0), 0.01, velocity=((1 - 2 * k) * way * 0.01 / dt, 0), mat=mat)
-    O.engines, O.dt = cd_engine.engines(), dt
+    plane.engine(dt)
     assert any("and may jump over it" in line for line in said_by(O, capfd, 1)) == told
 
 
@@ -185,7 +182,7 @@ def test_a_lid_that_disks_carry_is_not_told_of(O, capfd, load):
     for k in range(10):
         plane.disk((0.002 * k, 0.001), 0.001, mass=0.008, mat=mat)
     lid = plane.box((0.009, 0.004), (0.01, 0.002), blocked="xzXYZ", mass=0.1, mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    plane.engine(gravity=(0, -9.81, 0))
     O.forces.setPermF(lid, (0, -load, 0))
     assert said_by(O, capfd) == []
 
@@ -195,7 +192,7 @@ def test_a_lid_that_a_force_moves_through_the_floor_in_a_step(O, capfd):
     mat = plane.ground()
     plane.disk((1, 0.001), 0.001, mat=mat)
     lid = plane.box((0, 0.06), (0.03, 0.002), blocked="xzXYZ", mass=0.1, mat=mat)
-    O.engines, O.dt = cd_engine.engines(), 1e-3
+    plane.engine()
     O.forces.setPermF(lid, (0, -5000, 0))
     line, = said_by(O, capfd)
     assert f"body #{lid} is a boundary that its velocity or a force moves" in line
@@ -206,7 +203,7 @@ def test_a_scene_that_falls_as_a_whole(O, capfd):
     mat = plane.material()
     plane.box((0, -0.01), (0.1, 0.01), mat=mat)
     plane.disk((0, 0.01), 0.01, mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    plane.engine(gravity=(0, -9.81, 0))
     for body in O.bodies:
         body.state.blockedDOFs = "zXY"
         body.state.mass = 1
@@ -220,7 +217,7 @@ def test_fixed_disks_hold_a_scene(O, capfd):
     for k in range(3):
         plane.disk((0.02 * k, 0.01), 0.01, blocked="xyzXYZ", mat=mat)
     plane.box((0.02, 0.03), (0.1, 0.01), blocked="xzXYZ", mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    plane.engine(gravity=(0, -9.81, 0))
     assert said_by(O, capfd) == []
 
 
