@@ -61,10 +61,11 @@ def columns(*places, disks=3, mu=0.5, **each):
     return [column(x, disks, mat=mat, **each) for x in places]
 
 
-def disk_on_a_floor(**settings):
-    """Append a floor (#0) and a disk at rest on it (#1). Return the engines, with gravity."""
+def disk_on_a_floor(dt=1e-3, **settings):
+    """Append a floor (#0) and a disk at rest on it (#1); set the engines, with gravity, and the time step. Return the engines."""
     columns(0, disks=1)
-    return cd_engine.engines(gravity=(0, -9.81, 0), **settings)
+    engine(dt, **{"gravity": (0, -9.81, 0)} | settings)
+    return yade.O.engines
 
 
 def two_on_a_floor(ratio, steps, **settings):

@@ -107,8 +107,8 @@ def test_attributes_are_read_whole_beside_a_run(O):
 @pytest.mark.parametrize("height", [0.01, 1e3], ids=["asleep", "falling"])
 def test_gravity_that_a_thread_sets_acts_at_once(O, height):
     """In the middle of a run for whose end somebody waits, with publish='due': on a disk that sleeps on the floor, and on one that falls."""
-    mat = plane.ground()
-    disk = plane.disk((0, height), 0.01, mat=mat)
+    plane.floor()
+    disk = plane.disk((0, height), 0.01)
     engine = plane.run(100, 1e-5, gravity=(0, -1, 0))
     O.trackEnergy = True
 

@@ -47,9 +47,9 @@ def test_it_rests_within_a_run_and_is_awake_after_it(O):
 @pytest.mark.parametrize("change", ["move a disk by hand", "append a disk", "grow a disk"])
 def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
     """The change makes a contact that only a new search can find."""
-    mat = plane.ground()
-    low = plane.disk((0, 0.1), 0.1, mat=mat)
-    far = plane.disk((1, 0.1), 0.1, mass=2.0, mat=mat)
+    plane.floor()
+    low = plane.disk((0, 0.1), 0.1)
+    far = plane.disk((1, 0.1), 0.1, mass=2.0)
 
     def act():
         if O.iter != 20:
@@ -57,7 +57,7 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
         if change == "move a disk by hand":
             O.bodies[far].state.pos = (0, 0.3, 0)
         elif change == "append a disk":
-            plane.disk((0, 0.3), 0.1, mass=2.0, mat=mat)
+            plane.disk((0, 0.3), 0.1, mass=2.0)
         else:
             O.bodies[far].shape.radius = 0.9
 
@@ -75,9 +75,9 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
 @pytest.mark.parametrize("speed", [1, 5, 20, 100])
 def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
     """At 100 m/s a disk of 1 cm goes ten radii a step; pairs are listed as far as a step needs."""
-    mat = plane.ground()
-    falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed), mat=mat)
-    left, right = plane.disk((10, 0.5), 0.01, velocity=(speed, 0), mat=mat), plane.disk((10.777, 0.5), 0.01, velocity=(-speed, 0), mat=mat)
+    plane.floor()
+    falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed))
+    left, right = plane.disk((10, 0.5), 0.01, velocity=(speed, 0)), plane.disk((10.777, 0.5), 0.01, velocity=(-speed, 0))
     plane.engine(tolerance=1e-12)
     O.run(round(0.5 / speed / 1e-3) + 10, True)
     assert O.bodies[falling].state.pos[1] == pytest.approx(0.01, abs=1e-12)

@@ -26,9 +26,9 @@ def test_overlaps_of_rebounds_ask_for_a_smaller_step(O, capfd):
     deepest = []
     for dt in (3.2e-3, 3.2e-4):
         O.reset()
-        mat = plane.ground(0.5)
+        plane.floor()
         for k in range(16):
-            plane.disk((2.1 * (k % 4) + 0.2 * (k * 7 % 5) / 5, 1.0 + 2.3 * (k // 4)), 0.8 + 0.2 * (k * 3 % 7) / 7, mat=mat)
+            plane.disk((2.1 * (k % 4) + 0.2 * (k * 7 % 5) / 5, 1.0 + 2.3 * (k // 4)), 0.8 + 0.2 * (k * 3 % 7) / 7)
         engine = plane.run(round(3.2 / dt), dt, gravity=(0, -G, 0), restitution=0.5)
         deepest.append(engine.deepestPenetration)
         assert ("A contact that impulses of other contacts close" in capfd.readouterr().err) == (dt > 1e-3)
@@ -126,9 +126,8 @@ def turned(O):
 @pytest.mark.parametrize("change", (resized, turned, None))
 def test_an_overlap_that_no_speed_explains_is_not_put_down_to_the_step(O, capfd, change):
     """A disk at rest that grows, a floor that turns under it, and overlaps that are there from the start but not handed over."""
-    mat = plane.material()
-    plane.box((0, -0.01), (1, 0.01), mat=mat)
-    plane.disk((0.1, 0.01 if change else 0.0095), 0.01, mat=mat)
+    plane.box((0, -0.01), (1, 0.01))
+    plane.disk((0.1, 0.01 if change else 0.0095), 0.01)
     plane.run(3, 1e-3, gravity=(0, -G, 0), handover=change is not None)
     if change:
         assert "overlap" not in capfd.readouterr().err
@@ -168,11 +167,10 @@ def test_allowed_overlap_is_a_share_of_the_smaller_disk(O, radii, turns):
 @pytest.mark.parametrize("handover", [True, False])
 def test_fixed_disks_may_overlap_what_is_fixed(O, capfd, handover):
     """A rough floor: fixed disks half sunk in a fixed box, and into each other. Only the overlap of the disk that rests on them counts."""
-    mat = plane.material()
-    plane.box((0, -0.05), (0.1, 0.05), mat=mat)
+    plane.box((0, -0.05), (0.1, 0.05))
     for k in range(-4, 5):
-        plane.disk((0.015 * k, 0), 0.01, blocked="xyzXYZ", mat=mat)
-    plane.disk((0.0075, 0.01853), 0.01, mat=mat)
+        plane.disk((0.015 * k, 0), 0.01, blocked="xyzXYZ")
+    plane.disk((0.0075, 0.01853), 0.01)
     engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0), handover=handover)
     assert engine.loadedContacts == 2 and engine.converged
     assert engine.deepestPenetration < 1e-5 and capfd.readouterr().err == ""
@@ -180,9 +178,8 @@ def test_fixed_disks_may_overlap_what_is_fixed(O, capfd, handover):
 
 
 def test_fixed_disks_may_be_driven_into_what_is_fixed(O, capfd):
-    mat = plane.material()
-    plane.box((0, -0.05), (0.1, 0.05), mat=mat)
-    plane.disk((0, 0.02), 0.01, blocked="xyzXYZ", velocity=(0, -0.1), mat=mat)
+    plane.box((0, -0.05), (0.1, 0.05))
+    plane.disk((0, 0.02), 0.01, blocked="xyzXYZ", velocity=(0, -0.1))
     engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0))
     assert engine.deepestPenetration == 0 and capfd.readouterr().err == ""
 

@@ -40,8 +40,7 @@ def test_nothing_is_kept_unless_it_is_asked_for(O):
 
 def test_it_may_be_asked_for_at_rest(O):
     """Steps in which nothing moves write their energies, too."""
-    plane.floor()
-    plane.disk((0, 0.01), 0.01)
+    plane.columns(0, disks=1)
     plane.run(200, 1e-3, gravity=(0, -G, 0))
     O.trackEnergy = True
     O.run(2, True)

@@ -181,9 +181,9 @@ def test_roller_at_prescribed_spin_turns_what_lies_on_it(O):
 
 def test_a_light_body_beside_a_heavy_one_is_carried(O):
     """Its force is 1e-9 of the other's, below the tolerance of the whole problem; still it must not fall through the floor."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mass=1e6, mat=mat)
-    light = plane.disk((0.1, 0.03), 0.01, mass=1e-3, mat=mat)
+    plane.floor()
+    plane.disk((0, 0.01), 0.01, mass=1e6)
+    light = plane.disk((0.1, 0.03), 0.01, mass=1e-3)
     cd = plane.run(3000, 1e-4, gravity=(0, -G, 0))
     assert O.bodies[light].state.pos[1] == pytest.approx(0.01, abs=1e-9) and cd.unconvergedSteps == 0
 

@@ -47,9 +47,8 @@ def test_energy_balance_with_gravity_and_friction(O):
 
 def test_a_free_box_takes_part_in_the_balance_of_angular_momentum(O):
     """A disk meets the end of a bar that may move and turn (a general 2 x 2 contact)."""
-    mat = plane.material(0.5)
-    plane.box((0, 0), (0.3, 0.02), blocked="zXY", mass=3.0, inertia=0.1, angle=0.2, mat=mat)
-    plane.disk((0.2, 0.3), 0.03, mass=1.0, velocity=(0.1, -1.0), spin=20, mat=mat)
+    plane.box((0, 0), (0.3, 0.02), blocked="zXY", mass=3.0, inertia=0.1, angle=0.2)
+    plane.disk((0.2, 0.3), 0.03, mass=1.0, velocity=(0.1, -1.0), spin=20)
     before, energy = plane.momenta(), plane.kinetic_energy()
     cd = plane.run(600, 1e-3, tolerance=1e-13)
     assert cd.dissipatedEnergy > 0
@@ -82,10 +81,10 @@ def test_a_scene_saved_after_steps_without_sweeps_goes_on_bitwise(O, tmp_path):
     without = 0
     for at in range(5, 120, 5):
         O.reset()
-        mat = plane.ground(0.5)
+        plane.floor()
         for k in range(16):
             row, column = divmod(k, 4)
-            plane.disk((0.01 * (2 * column + 1 + row % 2 + 1e-4 * math.sin(k)), 0.01 * (1 + row * math.sqrt(3))), 0.01, mat=mat)
+            plane.disk((0.01 * (2 * column + 1 + row % 2 + 1e-4 * math.sin(k)), 0.01 * (1 + row * math.sqrt(3))), 0.01)
         engine = plane.run(at, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-2)
         without += engine.iterations == 0 and engine.sleeping == 0
         O.save(str(tmp_path / "half.yade.gz"))

@@ -158,8 +158,7 @@ def test_what_rolls_among_heavily_loaded_bodies_is_not_stopped(O, load, speed, t
 
 def test_what_drifts_is_not_stopped(O):
     """Three disks pressed together in free space, by forces that need impulses of 100 N s a step."""
-    mat = plane.material(0.5)
-    row = [plane.disk((0.02 * k, 0), 0.01, velocity=(0, 1e-3), mat=mat) for k in range(3)]
+    row = [plane.disk((0.02 * k, 0), 0.01, velocity=(0, 1e-3)) for k in range(3)]
     plane.engine(tolerance=1e-6)
     O.forces.setPermF(row[0], (1e5, 0, 0))
     O.forces.setPermF(row[2], (-1e5, 0, 0))
@@ -189,9 +188,9 @@ def test_a_finer_tolerance_wakes(O):
 
 def test_sleeping_forces_stay(O):
     """At an angle at which the normal's length is not 1 to the last digit, looked at in every step (runs of one step) and not."""
-    mat = plane.ground(0.5)
+    plane.floor()
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.00937, 0.0273)):
-        plane.disk((x, y), 0.01, mat=mat)
+        plane.disk((x, y), 0.01)
     cd = plane.run(2000, 1e-3, gravity=GRAVITY, tolerance=1e-8)
     assert cd.sleeping == 1
     before = seen(O)

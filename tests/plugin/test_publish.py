@@ -123,10 +123,10 @@ def test_what_lies_still_is_tried_and_ordered_as_if_somebody_looked(O, contacts)
 def test_a_step_that_ends_in_no_number_leaves_the_forces_of_the_one_before(O):
     """The points of contact are found anew, so they are the same up to round-off only: 1e-15 of positions of 1 m, with some digits to spare."""
     def build(O):
-        mat = plane.ground()
-        plane.disk((1, 0.01), 0.01, velocity=(0.3, 0), mat=mat)
+        plane.floor()
+        plane.disk((1, 0.01), 0.01, velocity=(0.3, 0))
         for x, v in ((-0.03, 0.5), (0.03, -0.5)):
-            plane.disk((x, 1), 0.01, mass=1e157, velocity=(v, 0), mat=mat)
+            plane.disk((x, 1), 0.01, mass=1e157, velocity=(v, 0))
 
     touching = []
 

@@ -157,8 +157,7 @@ def test_a_scene_of_another_version_is_refused(O, cd, tmp_path):
 
 
 def test_timing_counts_the_engine(O, cd):
-    plane.floor()
-    plane.disk((0, 0.01), 0.01)
+    plane.columns(0, disks=1)
     O.timingEnabled = True
     try:
         engine = plane.run(5, 1e-3, gravity=(0, -9.81, 0))

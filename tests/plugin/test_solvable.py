@@ -306,10 +306,10 @@ def test_the_bound_on_iterations_is_one(O, most):
 
 def test_a_collider_finds_pairs_after_a_body_has_been_erased(O):
     """A disk rolls at 5 m/s towards another; meanwhile the engines are set anew. The allowed overlap is that of the scheme."""
-    mat = plane.ground()
-    still = plane.disk((0, 0.1), 0.1, mat=mat)
-    fast = plane.disk((0.5, 0.1), 0.1, velocity=(-5, 0), mat=mat)
-    O.bodies.erase(plane.disk((3, 0.1), 0.1, mat=mat))
+    plane.floor()
+    still = plane.disk((0, 0.1), 0.1)
+    fast = plane.disk((0.5, 0.1), 0.1, velocity=(-5, 0))
+    O.bodies.erase(plane.disk((3, 0.1), 0.1))
     plane.run(2, 1e-3, gravity=(0, -G, 0))
     O.engines = cd_engine.engines(gravity=(0, -G, 0))
     O.run(100, True)
