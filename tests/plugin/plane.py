@@ -163,6 +163,16 @@ def digest(born=True):
     return hashlib.sha256(numbers).hexdigest()
 
 
+def goes_on(path, steps, seen=digest):
+    """Assert that steps after a save and after a load of the scene end the same, by what seen() returns."""
+    yade.O.save(str(path))
+    yade.O.run(steps, True)
+    whole = seen()
+    yade.O.load(str(path))
+    yade.O.run(steps, True)
+    assert seen() == whole
+
+
 def everything_in(engine):
     """Settings, results and memory of an engine: .dict(), and attributes that are saved but not shown."""
     return engine.dict() | {name: getattr(engine, name) for name in dir(engine) if re.match("_[a-z]", name)}

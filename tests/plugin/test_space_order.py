@@ -22,13 +22,8 @@ def test_a_saved_scene_goes_on_bitwise_though_the_bodies_have_moved(O, tmp_path)
     O.run(40, True)
     saved = list(O.engines[-1]._bodyOrder)
     assert len(saved) == len(O.bodies)
-    O.save(str(tmp_path / "half.yade.gz"))
-    O.run(10, True)
-    whole = plane.digest()
+    plane.goes_on(tmp_path / "half.yade.gz", 10, lambda: (plane.digest(), list(O.engines[-1]._bodyOrder)))
     assert list(O.engines[-1]._bodyOrder) == saved
-    O.load(str(tmp_path / "half.yade.gz"))
-    O.run(10, True)
-    assert plane.digest() == whole
     # An order from the present places would differ, so this shows that the saved one was used.
     O.load(str(tmp_path / "half.yade.gz"))
     O.engines = cd_engine.engines(fixedIterations=1, handover=False)
