@@ -10,8 +10,9 @@ COMPILED = {"cd_engine._yade_plugin", "cd_engine.core._core"}
 OPEN = {("analysis.charts", "analysis.charts.maps"), ("analysis.charts", "analysis.charts.table")}  # arrows of circles that are left
 
 
-def imported(path, package=()):
-    """What a file imports, at any place in it, as a dotted name: a module, or a name in a module. package: the folders in which the file lies."""
+def imported(path, root):
+    """What a file below `root` imports, at any place in it, as a dotted name: a module, or a name in a module."""
+    package = path.relative_to(root).parent.parts
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
@@ -21,18 +22,18 @@ def imported(path, package=()):
 
 
 def offenders(root, folder, forbidden):
-    return [f"{path.relative_to(root)} imports {name}" for path in sorted((root / folder).rglob("*.py")) for name in imported(path)
+    return [f"{path.relative_to(root)} imports {name}" for path in sorted((root / folder).rglob("*.py")) for name in imported(path, root)
             if any(name == other or name.startswith(other + ".") for other in forbidden)]
 
 
 def arrows(root):
     """{module: the modules that it imports}. To import a module runs the packages in which it lies, too, unless the import comes from inside them."""
-    files = {path.relative_to(root).with_suffix("").parts: path for package in PACKAGES for path in (root / package).rglob("*.py")}
-    files = {".".join(parts).removesuffix(".__init__"): (path, parts[:-1]) for parts, path in files.items()}
+    files = [path for package in PACKAGES for path in (root / package).rglob("*.py")]
+    files = {".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path for path in files}
     found = {}
-    for module, (path, package) in files.items():
+    for module, path in files.items():
         found[module] = set()
-        for name in imported(path, package):
+        for name in imported(path, root):
             while name and name not in files.keys() | COMPILED:
                 name = name.rpartition(".")[0]
             parents = {name[:end] for end, letter in enumerate(name) if letter == "."}
