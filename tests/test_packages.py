@@ -88,7 +88,7 @@ def test_each_package_is_named_once_with_its_reason():
 def test_imports_come_from_these_packages():
     uses, absent = [], {name for name, _, _ in listed()} - set(installed())
     for file in sources():
-        for name in {name.partition(".")[0] for name in imported(ROOT / file)} - OURS - sys.stdlib_module_names:
+        for name in {name.partition(".")[0] for name in imported(ROOT / file, ROOT)} - OURS - sys.stdlib_module_names:
             found = importlib.util.find_spec(name)
             if found is None and f"python3-{name}" in absent:  # this release has no such package
                 continue

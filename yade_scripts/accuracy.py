@@ -16,14 +16,19 @@ There is no such estimate for MD, since a smaller step does not show the error d
 accuracy MD reaches.
 """
 import math
+import os
 import pathlib
 import sys
 from dataclasses import dataclass
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[1]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.accuracy", file)
 
-from yade_scripts import commands, parameters, results
+from yade_scripts import commands, parameters, results, run, scenes
+from yade_scripts.errors import ParameterError
 
 STEP = 0.5               # factor on cd_dt and on the tolerance from one level to the next
 SHARE = 0.01             # tolerance of the first level, over the accuracy
@@ -93,18 +98,17 @@ def check(row, accuracy):
     """Raise ParameterError if this accuracy cannot be asked for in this row."""
     full = parameters.complete(row)
     if full["method"] != "CD" or full["fixed_iterations"]:
-        raise parameters.ParameterError("accuracy: only for method = CD with a tolerance; springs have an error due to their stiffness, which a "
-                                        "smaller step does not show")
+        raise ParameterError("accuracy: only for method = CD with a tolerance; springs have an error due to their stiffness, which a "
+                             "smaller step does not show")
     if "tolerance" in row:
-        raise parameters.ParameterError(f"tolerance = {row['tolerance']}: the search for an accuracy chooses it, so leave it out")
+        raise ParameterError(f"tolerance = {row['tolerance']}: the search for an accuracy chooses it, so leave it out")
     if not (isinstance(accuracy, float) and LOW <= accuracy < 1):
-        raise parameters.ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error, or that of a strain")
+        raise ParameterError(f"accuracy = {accuracy!r}: must be a number in [{LOW:g}, 1), a relative error, or that of a strain")
 
 
 def run_in_yade(folder):
     """Return a run(row) -> Level for `search`; `folder` holds the prepared packings."""
     from yade import O
-    from yade_scripts import scenes
     from yade_scripts.running import bodies, hooks, timing, walls
 
     def run(row):
@@ -112,8 +116,8 @@ def run_in_yade(folder):
         scene = scenes.build(full, folder)
         sides = walls.sides() if scene.load else None
         if not scene.known and not scene.load:
-            raise parameters.ParameterError(f"scene = {full['scene']}: with these parameters no quantity of it has a known value, so no "
-                                            "accuracy can be asked for")
+            raise ParameterError(f"scene = {full['scene']}: with these parameters no quantity of it has a known value, so no "
+                                 "accuracy can be asked for")
         disks = bodies.disks()
 
         def look():
@@ -125,7 +129,7 @@ def run_in_yade(folder):
         if not values:
             values = {f"strain{k}": now / before - 1 for k, (now, before) in enumerate(zip(walls.sides(), sides), 1)}
             if not any(values.values()):
-                raise parameters.ParameterError(f"scene = {full['scene']}: its walls do not move, so no accuracy can be asked for")
+                raise ParameterError(f"scene = {full['scene']}: its walls do not move, so no accuracy can be asked for")
         return Level(row, values, engine.maxPenetration / full["radius_mean"], moved[0], engine.unconvergedSteps, seconds, scene)
     return run
 
@@ -133,17 +137,18 @@ def run_in_yade(folder):
 @commands.command("accuracy")
 def main(arguments=None):
     """Run the command line: accuracy=..., then name=value as for run.py. Return the exit status."""
-    from yade_scripts import run
     options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
+    if os.environ.get("YADE_BATCH"):
+        raise ParameterError("the table of yade-batch cannot give an accuracy: start each search by yade -n -x yade_scripts/accuracy.py accuracy=...")
     asked = [argument for argument in options.row if argument.startswith("accuracy=")]
     if len(asked) > 1:
-        raise parameters.ParameterError("accuracy is given twice")
+        raise ParameterError("accuracy is given twice")
     row = {"method": "CD"} | parameters.from_arguments([argument for argument in options.row if argument not in asked])
     try:
         accuracy = float(asked[-1].partition("=")[2])
     except (IndexError, ValueError):
-        raise parameters.ParameterError("accuracy=...: an error such as accuracy=1e-3 has to be given, relative to the scale of a known "
-                                        "quantity; in the biaxial box that of a strain") from None
+        raise ParameterError("accuracy=...: an error such as accuracy=1e-3 has to be given, relative to the scale of a known "
+                             "quantity; in the biaxial box that of a strain") from None
     check(row, accuracy)
     results.make(options.results)
     try:
@@ -156,7 +161,3 @@ def main(arguments=None):
         print(f"cd_dt = {level.row['cd_dt']:g} s, tolerance = {level.row['tolerance']:g}: " + (
             f"estimated {what} {error:.2g}" if error < math.inf else _untold(level) or "the first level") + f", {level.seconds:.3g} s")
     return run.execute(levels[-1][0].row, options.results)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

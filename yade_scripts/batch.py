@@ -15,7 +15,10 @@ import shutil
 import sys
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[1]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.batch", file)
 
 from yade_scripts import commands, parameters, results, tables
 from yade_scripts.results import provenance
@@ -120,6 +123,5 @@ def main(arguments=None):
         return 1
 
 
-if __name__ == "__main__":
+def begin():
     queue.end_by_signals("batch")
-    sys.exit(main())

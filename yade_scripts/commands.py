@@ -3,11 +3,14 @@ import argparse
 import contextlib
 import errno
 import functools
+import importlib
 import math
 import os
+import pathlib
 import sys
 
-from yade_scripts import parameters, results
+from yade_scripts import FOLDER
+from yade_scripts.errors import ParameterError
 
 MISTAKE = 2  # exit status of a command that cannot do what it was asked for
 
@@ -22,7 +25,7 @@ def parser(doc, *shared, **more):
 def add(options, *shared):
     """Return a parser with arguments that several commands have: "row", "tables", "--results", "--jobs", "--hours"."""
     known = {"row": dict(nargs="*", metavar="name=value", help="parameters; the list: /usr/bin/python3 -m yade_scripts.parameters"),
-             "--results": dict(metavar="FOLDER", default=results.FOLDER, help="folder of the result files (default: %(default)s)"),
+             "--results": dict(metavar="FOLDER", default=FOLDER, help="folder of the result files (default: %(default)s)"),
              "tables": dict(nargs="+", metavar="TABLE", help="tables in yade-batch's format"),
              "--jobs": dict(type=whole(1), default=2, metavar="N", help="runs at the same time (default: %(default)s)"),
              "--hours": dict(type=positive, default=math.inf, metavar="H", help="end a run that takes longer; the same command continues it from its "
@@ -87,6 +90,30 @@ class Output:
             os.dup2(os.open(os.devnull, os.O_WRONLY), self.stream.fileno())
 
 
+def started(file):
+    """Tell whether the command line started this file. Otherwise, as in execfile at YADE's console, the arguments are not meant for it."""
+    return bool(sys.argv) and os.path.realpath(sys.argv[0]) == os.path.realpath(file)
+
+
+def script(name, file):
+    """Do what a script does, and exit: import it as the module `name` and call main(), before it begin() if the command line started the script.
+
+    A module works in every way of starting: functions of a script in execfile at YADE's console do not find the names of their own file.
+    """
+    former, own = sys.argv, started(file)
+
+    def main(_):
+        module = importlib.import_module(name)
+        if own:
+            vars(module).get("begin", lambda: None)()
+        return module.main()
+    sys.argv = former if own else [file]
+    try:
+        sys.exit(command(pathlib.Path(file).stem)(main)())
+    finally:
+        sys.argv = former
+
+
 def command(name):
     """Return a decorator for a function main(arguments) -> exit status: it reports mistakes in one sentence and returns the status 2 for them."""
     def decorate(main):
@@ -95,7 +122,7 @@ def command(name):
             with contextlib.redirect_stdout(Output(sys.stdout)), contextlib.redirect_stderr(Output(sys.stderr)):
                 try:
                     return main(arguments)
-                except (parameters.ParameterError, ImportError, OSError) as error:
+                except (ParameterError, ImportError, OSError) as error:
                     no_yade = isinstance(error, ModuleNotFoundError) and error.name == "yade"
                     print(f"{name}: " + (f"start it by YADE: yade -n -x {sys.argv[0]}" if no_yade else str(error)), file=sys.stderr)
                     return MISTAKE

@@ -5,11 +5,15 @@
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[1]))
+file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+if locals() is not globals():
+    sys.exit(f"write execfile({file!r}, globals()): without globals() the functions of a script do not find its names")
+sys.path.insert(0, str(pathlib.Path(file).resolve().parents[1]))
 
 import cd_engine
 from yade import plot
-from yade_scripts import commands, parameters, run
+from yade_scripts import commands, parameters, run, tables
+from yade_scripts.errors import ParameterError
 
 __all__ = ["cd_engine", "parameters", "plot", "row", "run", "scene", "start"]  # names for the user of the console
 row, scene = {"method": "CD"}, None
@@ -30,7 +34,7 @@ def start(**changes):
         begun = True
         scene = run.start(**changed)
         row = changed
-    except (parameters.ParameterError, ImportError, OSError, RuntimeError, ValueError) as error:
+    except (ParameterError, ImportError, OSError, RuntimeError, ValueError) as error:
         print(f"console: {error}", file=sys.stderr)
         if begun and scene is not None:
             scene = run.start(**row)
@@ -38,8 +42,8 @@ def start(**changes):
 
 
 try:
-    first = parameters.from_arguments(sys.argv[1:])
-except parameters.ParameterError as error:
+    first = tables.given(sys.argv[1:] if commands.started(file) else [])
+except ParameterError as error:
     print(f"console: {error}", file=sys.stderr)
     first = None
 if first is None or start(**first) is None:

@@ -5,6 +5,8 @@ import pathlib
 import sys
 import traceback
 
+from yade_scripts.errors import ParameterError
+
 
 def names(package):
     """Return the names of the files of a package, sorted."""
@@ -25,7 +27,6 @@ def load(package, name, needed, usual):
 def readable(names, read, broken=None):
     """Return the names that read(name) accepts. A file with a fault raises ParameterError or ImportError; with a list `broken` its name is left out,
     and the list gets the message."""
-    from yade_scripts.parameters import ParameterError
     found = []
     for name in names:
         try:
@@ -56,6 +57,5 @@ def located(file, kinds=Exception):
 
 def demand(package, file, declared, needed):
     """Raise ParameterError if one of the names `needed` is missing in `declared`, the {name: value} of a file, or has the value None."""
-    from yade_scripts.parameters import ParameterError
     if lacking := [name for name in needed if declared.get(name) is None]:
         raise ParameterError(f"{file.__file__} lacks {', '.join(lacking)}; {sys.modules[package].__file__} explains what the file has to declare")

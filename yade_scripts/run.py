@@ -1,7 +1,7 @@
 """Runs one row of parameters: one scene, one method, one result file.
 
     yade -n -x yade_scripts/run.py method=CD seed=3          by name=value arguments
-    yade-batch TABLE.txt yade_scripts/run.py                 as a row of a table
+    yade-batch TABLE.txt yade_scripts/run.py                 as a row of a table; without TABLE.txt the row of defaults
     from yade_scripts import run; run.start(method="CD")     at YADE's console: sets up the scene, ready for O.run()
 
 Results go to results/<scene>-<method>-<hash of the row>.h5, or to another folder with `--results=FOLDER`. A finished run is not run again.
@@ -9,23 +9,25 @@ Long runs of packings under walls and of the four flows write checkpoints (check
 one every N samples, 0 none; the result file records N. If another process runs the same row, this one waits for it.
 Exit status: 0 done, 1 the run failed (its file says why) or could not be written, 2 the row cannot be run.
 """
-import os
 import pathlib
 import signal
 import sys
 import traceback
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[1]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.run", file)
 
-from yade_scripts import commands, parameters, results, tables
+from yade_scripts import commands, parameters, results, scenes, tables
+from yade_scripts.errors import ParameterError
 from yade_scripts.results import provenance
 from yade_scripts.running import locks, plausible
 
 
 def start(folder=results.FOLDER, **row):
     """Build the scene of a row, ready for O.run(), without recording. Return the scenes.Scene."""
-    from yade_scripts import scenes
     return scenes.build(parameters.complete(row), folder)
 
 
@@ -59,12 +61,11 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
 
 def _run(path, full, folder, checkpoint_samples):
     """Build the scene, run it and record it. Return None or the exception that ended the run; the file names it, too."""
-    from yade_scripts import scenes
     from yade_scripts.running import checkpoint, progress, recorder, wall_check
     scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.Progress(path.stem)
     try:
         scene = scenes.build(full, folder)
-    except (parameters.ParameterError, ImportError):
+    except (ParameterError, ImportError):
         raise
     except Exception as error:
         failure = error
@@ -108,11 +109,10 @@ def main(arguments=None):
     parser.add_argument("--checkpoints", type=commands.whole(0), metavar="N",
                         help="samples between two checkpoints, 0 for none (default: depends on the length of the run)")
     options = parser.parse_intermixed_args(arguments)
-    row = tables.batch_row(os.environ["YADE_BATCH"]) if "YADE_BATCH" in os.environ else parameters.from_arguments(options.row)
-    return execute(row, options.results, options.checkpoints)
+    return execute(tables.given(options.row), options.results, options.checkpoints)
 
 
-if __name__ == "__main__":
+def begin():
+    """Let Ctrl-C end the program at once; else Python waits for the end of O.run."""
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends the program at once; else Python waits for the end of O.run
-    sys.exit(main())
+        signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -2,6 +2,7 @@
 import array
 import hashlib
 import math
+import random
 import re
 
 import numpy as np
@@ -49,18 +50,76 @@ def box(position, half, angle=0.0, blocked="xyzXYZ", mass=1.0, inertia=1.0, mat=
     return yade.O.bodies.append(body)
 
 
-def disk_on_a_floor(**settings):
-    """Append a floor (#0) and a disk at rest on it (#1). Return the engines, with gravity."""
-    disk((0, 0.01), 0.01, mat=ground())
-    return cd_engine.engines(gravity=(0, -9.81, 0), **settings)
+def column(x=0, disks=3, y=0.01, mat=None, **each):
+    """Append disks of 1 cm on each other, the lowest at (x, y). Return their ids."""
+    return [disk((x, y + 0.02 * k), 0.01, mat=mat, **each) for k in range(disks)]
+
+
+def columns(*places, disks=3, mu=0.5, **each):
+    """Append a floor (#0) and a column of disks on it at each place. Return the ids of each column."""
+    mat = ground(mu)
+    return [column(x, disks, mat=mat, **each) for x in places]
+
+
+def disk_on_a_floor(dt=1e-3, **settings):
+    """Append a floor (#0) and a disk at rest on it (#1); set the engines, with gravity, and the time step. Return the engines."""
+    columns(0, disks=1)
+    engine(dt, **{"gravity": (0, -9.81, 0)} | settings)
+    return yade.O.engines
+
+
+def two_on_a_floor(ratio, steps, **settings):
+    """Put a disk of `ratio` kg (#2) on a disk of 1 kg (#1) on a floor (#0), at rest and without forces; steps under gravity. Return the engine."""
+    columns(0, disks=1)
+    column(disks=1, y=0.03, mass=ratio)
+    return run(steps, 1e-3, gravity=(0, -9.81, 0), **settings)
+
+
+def grid(disks, wide, corner, pitch, mat=None, **each):
+    """Append disks of 1 cm in rows of `wide`, the first at `corner`, each `pitch` (x, y) from the next. Return their ids."""
+    return [disk((corner[0] + pitch[0] * (k % wide), corner[1] + pitch[1] * (k // wide)), 0.01, mat=mat, **each) for k in range(disks)]
+
+
+def hollows(rows, wide, mat=None):
+    """Append rows of disks of 1 cm, each in the hollows of the one below: `wide` disks and one fewer in turn, above y = 0 and from x = 0 on."""
+    for j in range(rows):
+        for i in range(wide - j % 2):
+            disk((0.01 * (2 * i + 1 + j % 2), 0.01 * (1 + math.sqrt(3) * j)), 0.01, mat=mat)
+
+
+def heap(mu):
+    """Append a floor (#0), two walls and thirty disks of unequal size above it, which fall to a heap."""
+    mat = ground(mu)
+    for x in (-0.3, 0.3):
+        box((x, 0.3), (0.02, 0.5), mat=mat)
+    r = random.Random(3)
+    for i in range(30):
+        disk((-0.22 + 0.088 * (i % 6) + r.uniform(-.01, .01), 0.1 + 0.1 * (i // 6)), r.uniform(0.02, 0.034), mass=r.uniform(0.5, 2), mat=mat)
+
+
+def cloud(count, seed, mu=0.4, speed=1.0):
+    """Append disks of mixed sizes and masses thrown at their common centre, without boundaries."""
+    r = random.Random(seed)
+    mat = material(mu)
+    wide = math.ceil(math.sqrt(count))
+    for i in range(count):
+        x, y = (0.05 * (k - (wide - 1) / 2) + r.uniform(-.004, .004) for k in divmod(i, wide))
+        a, size = math.atan2(y, x), r.uniform(0.01, 0.02)
+        v = (-speed * math.cos(a) + r.uniform(-.2, .2), -speed * math.sin(a) + r.uniform(-.2, .2))
+        disk((x, y), size, mass=r.uniform(0.1, 2), velocity=v, spin=r.uniform(-30, 30), mat=mat)
+
+
+def engine(dt=1e-3, **settings):
+    """Set the engines and the time step. Return the ContactDynamics engine."""
+    yade.O.engines, yade.O.dt = cd_engine.engines(**settings), dt
+    return yade.O.engines[-1]
 
 
 def run(steps, dt, **settings):
-    """Set the engines and make the steps. Return the ContactDynamics engine."""
-    yade.O.engines = cd_engine.engines(**settings)
-    yade.O.dt = dt
+    """The same, and make the steps."""
+    cd = engine(dt, **settings)
     yade.O.run(steps, True)
-    return yade.O.engines[-1]
+    return cd
 
 
 def springs(gravity=(0, -9.81, 0), damping=0.2, **collider):
@@ -102,6 +161,16 @@ def digest(born=True):
         numbers.extend((i.id1, i.id2, i.iterMadeReal if born else 0, *phys.normalForce, *phys.shearForce, phys.tangensOfFrictionAngle, *geom.normal,
                         *geom.contactPoint, geom.penetrationDepth, geom.refR1, geom.refR2))
     return hashlib.sha256(numbers).hexdigest()
+
+
+def goes_on(path, steps, seen=digest):
+    """Assert that steps after a save and after a load of the scene end the same, by what seen() returns."""
+    yade.O.save(str(path))
+    yade.O.run(steps, True)
+    whole = seen()
+    yade.O.load(str(path))
+    yade.O.run(steps, True)
+    assert seen() == whole
 
 
 def everything_in(engine):

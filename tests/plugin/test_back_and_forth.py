@@ -17,8 +17,7 @@ def box_of_disks(O):
     mat = plane.material(0.3)
     for centre, half in (((0.1, -0.05), (0.3, 0.05)), ((-0.05, 0.2), (0.05, 0.3)), ((0.21, 0.2), (0.05, 0.3))):
         plane.box(centre, half, mat=mat)
-    for k in range(60):
-        plane.disk((0.011 + 0.0215 * (k % 7), 0.011 + 0.021 * (k // 7)), RADIUS, mass=0.05, mat=mat)
+    plane.grid(60, 7, (0.011, 0.011), (0.0215, 0.021), mat, mass=0.05)
     springs = plane.springs(damping=0.5)
     rigid = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-8)
     slow, fast = 1e-3, 0.2 * math.sqrt(0.05 / 1e4)
@@ -66,11 +65,8 @@ def test_nothing_moves_at_any_handover(O):
 
 def test_a_loaded_engine_takes_over_what_springs_leave(O, tmp_path):
     """Also one that had no overlap to take over before it was saved."""
-    mat = plane.ground()
-    for k in range(5):
-        plane.disk((0, 1.05 * RADIUS + 2.05 * RADIUS * k), RADIUS, mass=0.05, blocked="xzXYZ", mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
-    O.run(400, True)
+    plane.grid(5, 1, (0, 1.05 * RADIUS), (0, 2.05 * RADIUS), plane.ground(), mass=0.05, blocked="xzXYZ")
+    plane.run(400, 1e-3, gravity=(0, -9.81, 0))
     O.save(str(tmp_path / "rigid.yade"))
     O.load(str(tmp_path / "rigid.yade"))
     rigid = list(O.engines)

@@ -14,10 +14,7 @@ from .test_export_problem import ids
 
 def columns(O):
     """Fifty columns of disks on a floor, a step of which takes a while; ContactDynamics."""
-    mat = plane.ground()
-    for k in range(50):
-        for j in range(10):
-            plane.disk((0.03 * k, 0.01 + 0.02 * j), 0.01, mat=mat)
+    plane.columns(*(0.03 * k for k in range(50)), disks=10)
     return plane.run(2, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-10)
 
 
@@ -110,8 +107,8 @@ def test_attributes_are_read_whole_beside_a_run(O):
 @pytest.mark.parametrize("height", [0.01, 1e3], ids=["asleep", "falling"])
 def test_gravity_that_a_thread_sets_acts_at_once(O, height):
     """In the middle of a run for whose end somebody waits, with publish='due': on a disk that sleeps on the floor, and on one that falls."""
-    mat = plane.ground()
-    disk = plane.disk((0, height), 0.01, mat=mat)
+    plane.floor()
+    disk = plane.disk((0, height), 0.01)
     engine = plane.run(100, 1e-5, gravity=(0, -1, 0))
     O.trackEnergy = True
 
@@ -141,8 +138,7 @@ SCRIPT = """
 from tests.plugin import plane
 def build():
     O.reset()
-    plane.floor()
-    plane.disk((0, 0.01), 0.01)
+    plane.columns(0, disks=1)
     plane.run(3, 1e-3, gravity=(0, -9.81, 0))
     O.save("a.yade")
 build()

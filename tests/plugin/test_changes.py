@@ -52,9 +52,8 @@ def swap(O, owner, attribute, between, make):
 
 def test_a_disk_that_becomes_a_wall_in_its_place_in_memory_is_a_wall(O):
     """The second disk falls next to the first one's place, on the wall there."""
-    mat = plane.material()
-    first = plane.disk((0, -0.01), 0.01, blocked="xyzXYZ", mat=mat)
-    plane.disk((0.1, 0.03), 0.01, mat=mat)
+    first = plane.disk((0, -0.01), 0.01, blocked="xyzXYZ")
+    plane.disk((0.1, 0.03), 0.01)
     cd = plane.run(1, 1e-3, gravity=GRAVITY)
     swap(O, O.bodies[first], "shape", wrapper.Box(extents=(0.01, 0.01, 0.01)), lambda: wrapper.Wall(axis=1))
     O.run(300, True)
@@ -62,9 +61,8 @@ def test_a_disk_that_becomes_a_wall_in_its_place_in_memory_is_a_wall(O):
 
 
 def test_a_material_without_friction_in_the_place_of_one_with_it_is_refused(O):
-    mat = plane.material()
     for k in range(2):
-        plane.disk((0, 0.02 * k), 0.01, mat=mat)
+        plane.disk((0, 0.02 * k), 0.01)
     O.bodies[1].mat = wrapper.FrictMat(frictionAngle=0.1)  # no other body holds it
     plane.run(1, 1e-3)
     swap(O, O.bodies[1], "mat", wrapper.ElastMat(), wrapper.ElastMat)
@@ -74,9 +72,8 @@ def test_a_material_without_friction_in_the_place_of_one_with_it_is_refused(O):
 
 def test_shapes_are_followed(O):
     """A fixed disk under a resting one becomes a box half as high, later a wall, at last a disk again: the other one comes to rest on each."""
-    mat = plane.material()
-    ground = plane.disk((0, 0), 0.01, blocked="xyzXYZ", mat=mat)
-    disk = plane.disk((0, 0.02), 0.01, mat=mat)
+    ground = plane.disk((0, 0), 0.01, blocked="xyzXYZ")
+    disk = plane.disk((0, 0.02), 0.01)
     plane.run(50, 1e-3, gravity=GRAVITY, tolerance=1e-10)
     height = lambda: O.bodies[disk].state.pos[1]
     assert height() == pytest.approx(0.02, abs=1e-9)
@@ -93,8 +90,7 @@ def test_shapes_are_followed(O):
 
 
 def test_a_wall_before_the_plane_is_touched_again_once_it_cuts_it(O):
-    mat = plane.material()
-    floor, disk = plane.floor(mat), plane.disk((0, 0.01), 0.01, mat=mat)
+    floor, disk = plane.floor(), plane.disk((0, 0.01), 0.01)
     cd = plane.run(2, 1e-3, gravity=GRAVITY)
     assert cd.contacts == 1
     O.bodies[floor].shape.axis = 2
@@ -187,9 +183,8 @@ def test_a_scene_goes_on_once_it_is_mended(O):
 
 def test_the_only_disk_may_not_leave_the_plane_either(O):
     """It would fall past the floor, which does not reach there. Put back, it continues."""
-    mat = plane.material()
-    plane.box((0, -0.05), (1, 0.05), mat=mat)
-    disk = plane.disk((0, 0.01), 0.01, mat=mat)
+    plane.box((0, -0.05), (1, 0.05))
+    disk = plane.disk((0, 0.01), 0.01)
     plane.run(2, 1e-3, gravity=GRAVITY)
     for _ in range(2):
         O.bodies[disk].state.pos = (0, 0.01, 5)
@@ -218,15 +213,14 @@ def test_a_scene_may_be_built_anew_in_another_plane(O):
 
 def test_overlaps_that_springs_left_go_with_their_bodies(O):
     """A reference overlap belongs to two bodies, not to their ids."""
-    mat = plane.material()
     for x in (0, 0.199):
-        plane.disk((x, 0), 0.1, mat=mat)
+        plane.disk((x, 0), 0.1)
     cd = plane.run(2, 1e-3)
     assert cd._referenceOverlaps == pytest.approx([1e-3]) and cd.maxPenetration == 0
     O.bodies.clear()
     O.interactions.clear()
     for x in (0, 0.1995):
-        plane.disk((x, 0), 0.1, mat=mat)
+        plane.disk((x, 0), 0.1)
     O.run(1, True)
     assert not cd._referenceOverlaps and cd.maxPenetration == pytest.approx(5e-4)
 
@@ -249,8 +243,7 @@ def test_friction_lowered_under_what_rests_leaves_no_force_outside_the_cone(O, s
     step before are within it, whatever friction has become. So they are by themselves (`reduce`) where it is little less than they use. 1e-9: on the
     cone but for the round-off of a force."""
     mat = plane.ground(0.9)
-    for k in range(2):
-        plane.disk((0.3, 0.01 + 0.02 * k), 0.01, mass=1e3, mat=mat)
+    plane.column(0.3, 2, mat=mat, mass=1e3)
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.01055, 0.02697)):
         plane.disk((x, y), 0.01, mat=mat)
     cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-9, method=method, reduce=reduce)

@@ -6,21 +6,19 @@ import cd_engine
 from yade_scripts.running.hooks import runner
 
 from . import plane
-from .test_invariants import cloud, heap
 
 
 def run(O, steps, at_once, **settings):
     """Make the steps in runs of `at_once` steps; in runs of one step the collider never rests. Return the collider."""
-    O.engines = cd_engine.engines(tolerance=1e-9, maxIterations=100000, **settings)
-    O.dt = 1e-3
+    plane.engine(tolerance=1e-9, maxIterations=100000, **settings)
     for _ in range(steps // at_once):
         O.run(at_once, True)
     return O.engines[1]
 
 
 @pytest.mark.parametrize("scene, settings", [
-    (lambda O: heap(O, mu=0.3), dict(gravity=(0, -9.81, 0))),
-    (lambda O: cloud(O, 40, seed=6, speed=3), {}),
+    (lambda O: plane.heap(mu=0.3), dict(gravity=(0, -9.81, 0))),
+    (lambda O: plane.cloud(40, seed=6, speed=3), {}),
 ], ids=["falling heap", "fast cloud"])
 def test_results_are_the_same_to_the_last_bit(O, scene, settings):
     """The motions are many radii long, so that the collider must work many times."""
@@ -34,7 +32,7 @@ def test_results_are_the_same_to_the_last_bit(O, scene, settings):
 
 
 def test_it_rests_within_a_run_and_is_awake_after_it(O):
-    heap(O, mu=0.3)
+    plane.heap(mu=0.3)
     O.timingEnabled = True
     try:
         collider = run(O, 1500, 1500, gravity=(0, -9.81, 0))  # at rest at the end
@@ -49,9 +47,9 @@ def test_it_rests_within_a_run_and_is_awake_after_it(O):
 @pytest.mark.parametrize("change", ["move a disk by hand", "append a disk", "grow a disk"])
 def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
     """The change makes a contact that only a new search can find."""
-    mat = plane.ground()
-    low = plane.disk((0, 0.1), 0.1, mat=mat)
-    far = plane.disk((1, 0.1), 0.1, mass=2.0, mat=mat)
+    plane.floor()
+    low = plane.disk((0, 0.1), 0.1)
+    far = plane.disk((1, 0.1), 0.1, mass=2.0)
 
     def act():
         if O.iter != 20:
@@ -59,7 +57,7 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
         if change == "move a disk by hand":
             O.bodies[far].state.pos = (0, 0.3, 0)
         elif change == "append a disk":
-            plane.disk((0, 0.3), 0.1, mass=2.0, mat=mat)
+            plane.disk((0, 0.3), 0.1, mass=2.0)
         else:
             O.bodies[far].shape.radius = 0.9
 
@@ -77,10 +75,10 @@ def test_what_the_user_changes_between_or_within_runs_is_noticed(O, change):
 @pytest.mark.parametrize("speed", [1, 5, 20, 100])
 def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
     """At 100 m/s a disk of 1 cm goes ten radii a step; pairs are listed as far as a step needs."""
-    mat = plane.ground()
-    falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed), mat=mat)
-    left, right = plane.disk((10, 0.5), 0.01, velocity=(speed, 0), mat=mat), plane.disk((10.777, 0.5), 0.01, velocity=(-speed, 0), mat=mat)
-    O.engines, O.dt = cd_engine.engines(tolerance=1e-12), 1e-3
+    plane.floor()
+    falling = plane.disk((0, 0.333), 0.01, velocity=(0, -speed))
+    left, right = plane.disk((10, 0.5), 0.01, velocity=(speed, 0)), plane.disk((10.777, 0.5), 0.01, velocity=(-speed, 0))
+    plane.engine(tolerance=1e-12)
     O.run(round(0.5 / speed / 1e-3) + 10, True)
     assert O.bodies[falling].state.pos[1] == pytest.approx(0.01, abs=1e-12)
     assert O.bodies[right].state.pos[0] - O.bodies[left].state.pos[0] == pytest.approx(0.02, abs=1e-9)
@@ -88,8 +86,7 @@ def test_fast_disks_do_not_pass_through_walls_or_each_other(O, speed):
 
 
 def test_the_list_of_pairs_may_be_cleared_by_somebody_else(O):
-    mat = plane.ground()
-    ids = [plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(5)]
+    ids, = plane.columns(0, disks=5)
     clear = runner(lambda: O.iter == 50 and O.interactions.clear(), iterPeriod=1)
     O.engines = [clear] + cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-10)
     O.dt = 1e-4

@@ -8,9 +8,8 @@ from . import plane
 
 def saved(O, folder):
     """The text of a scene of three disks in a row that overlap, so that two pairs keep a reference overlap."""
-    mat = plane.material()
     for k in range(3):
-        plane.disk((0.019 * k, 0), 0.01, mat=mat)
+        plane.disk((0.019 * k, 0), 0.01)
     cd = plane.run(1, 1e-3)
     assert cd._referenceIds == [0, 1, 1, 2]
     O.save(str(folder / "scene.xml"))

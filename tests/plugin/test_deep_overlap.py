@@ -5,19 +5,9 @@ import re
 import pytest
 from yade import Quaternion, utils
 
-import cd_engine
-
 from . import plane
 
 G = 9.81
-
-
-def pile(O, ratio, steps, **settings):
-    """Put a disk of `ratio` kg on a disk of 1 kg on a floor, at rest and without forces, and make the steps. Return the engine."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
-    plane.disk((0, 0.03), 0.01, mass=ratio, mat=mat)
-    return plane.run(steps, 1e-3, gravity=(0, -G, 0), **settings)
 
 
 @pytest.mark.parametrize("method", ["auto", "newton"])
@@ -25,7 +15,7 @@ def pile(O, ratio, steps, **settings):
 def test_a_heavy_disk_is_carried_by_a_light_one(O, capfd, ratio, method):
     """At the default tolerance, 1e-6, each of ten steps leaves the heavy disk ten times 1e-6 of its free fall at most: its weight and the force from
     below act on it, twice its weight in all, and what two contacts miss adds up."""
-    engine = pile(O, ratio, 10, method=method)
+    engine = plane.two_on_a_floor(ratio, 10, method=method)
     assert engine.unconvergedSteps == 0 and engine.converged and engine.bodyError <= 1e-6
     assert abs(O.bodies[2].state.vel[1]) <= 10 * 10 * 1e-6 * G * 1e-3
     assert "overlap" not in capfd.readouterr().err
@@ -36,9 +26,9 @@ def test_overlaps_of_rebounds_ask_for_a_smaller_step(O, capfd):
     deepest = []
     for dt in (3.2e-3, 3.2e-4):
         O.reset()
-        mat = plane.ground(0.5)
+        plane.floor()
         for k in range(16):
-            plane.disk((2.1 * (k % 4) + 0.2 * (k * 7 % 5) / 5, 1.0 + 2.3 * (k // 4)), 0.8 + 0.2 * (k * 3 % 7) / 7, mat=mat)
+            plane.disk((2.1 * (k % 4) + 0.2 * (k * 7 % 5) / 5, 1.0 + 2.3 * (k // 4)), 0.8 + 0.2 * (k * 3 % 7) / 7)
         engine = plane.run(round(3.2 / dt), dt, gravity=(0, -G, 0), restitution=0.5)
         deepest.append(engine.deepestPenetration)
         assert ("A contact that impulses of other contacts close" in capfd.readouterr().err) == (dt > 1e-3)
@@ -47,7 +37,7 @@ def test_overlaps_of_rebounds_ask_for_a_smaller_step(O, capfd):
 
 def test_free_fall_is_not_called_solved(O, capfd):
     """Within 2000 sweeps a step the weight of 1e8 kg does not reach the floor: every step is unsolved, and the message names the heavy disk."""
-    engine = pile(O, 1e8, 20, method="nsgs", maxIterations=2000)
+    engine = plane.two_on_a_floor(1e8, 20, method="nsgs", maxIterations=2000)
     assert engine.unconvergedSteps == 20 and not engine.converged and engine.status in ("max_iterations", "stagnated")
     assert engine.tolerance < engine.bodyError and engine.worstBody == 2
     said = capfd.readouterr().err
@@ -57,20 +47,20 @@ def test_free_fall_is_not_called_solved(O, capfd):
 
 def test_few_fixed_sweeps_are_said_too(O, capfd):
     """With one sweep a step no error is checked; from a cold start the weight of the upper disk never reaches the floor."""
-    engine = pile(O, 100, 60, fixedIterations=1, warmStart=False)
+    engine = plane.two_on_a_floor(100, 60, fixedIterations=1, warmStart=False)
     assert engine.deepestPenetration > 1e-4 and re.search(r"bodies #\d+ and #\d+ overlap by", capfd.readouterr().err)
 
 
 @pytest.mark.parametrize("ratio", [1, 100])
 def test_what_is_solved_is_not_warned_of(O, capfd, ratio):
-    engine = pile(O, ratio, 20, tolerance=1e-8)
+    engine = plane.two_on_a_floor(ratio, 20, tolerance=1e-8)
     # What a tolerance of 1e-8 leaves of the free fall, times the ratio of the masses, with room for round-off.
     assert engine.deepestPenetration < 1e-7 and "overlap" not in capfd.readouterr().err
 
 
 def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
     """maxPenetration belongs to the last step, deepestPenetration to all, also after O.save."""
-    engine = pile(O, 100, 60, fixedIterations=1, warmStart=False)
+    engine = plane.two_on_a_floor(100, 60, fixedIterations=1, warmStart=False)
     deepest = engine.deepestPenetration
     for body in list(O.bodies)[1:]:
         body.state.pos = (10.0 * body.id, 5, 0)
@@ -84,7 +74,7 @@ def test_the_deepest_overlap_is_kept_when_the_bodies_part(O):
 
 def test_what_adds_up_over_steps_is_said_to(O, capfd):
     """A loose tolerance, which every step meets, lets an overlap grow."""
-    engine = pile(O, 1000, 50, tolerance=1, method="nsgs")
+    engine = plane.two_on_a_floor(1000, 50, tolerance=1, method="nsgs")
     said = capfd.readouterr().err
     assert engine.unconvergedSteps == 0 and "grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4" in said
 
@@ -93,8 +83,7 @@ def test_disks_that_grow_are_pushed_apart_by_the_gap_correction(O, capfd):
     """No impulse of a step undoes what a radius that grows adds to an overlap; the message names what does."""
     for settings, told in ({}, True), (dict(gapCorrection=0.1), False):
         O.reset()
-        mat = plane.ground()
-        plane.disk((0, 0.01), 0.01, mat=mat)
+        plane.columns(0, disks=1)
         plane.run(1, 1e-3, gravity=(0, -G, 0), **settings)
         for _ in range(120):
             O.bodies[1].shape.radius += 1e-6
@@ -104,10 +93,8 @@ def test_disks_that_grow_are_pushed_apart_by_the_gap_correction(O, capfd):
 
 def test_what_comes_in_one_step_is_said_to(O, capfd):
     """If the step is too long, an impact with rebound is treated only in the next step, and the bodies overlap."""
-    mat = plane.ground()
-    for k in range(60):
-        plane.disk((0.021 * (k % 20), 0.01 + 0.02 * (k // 20)), 0.01, mat=mat)
-    plane.disk((0.2, 3), 0.01, mat=mat, velocity=(0.5, -20))
+    plane.grid(60, 20, (0, 0.01), (0.021, 0.02), plane.ground())
+    plane.disk((0.2, 3), 0.01, velocity=(0.5, -20))
     plane.run(200, 1e-3, gravity=(0, -G, 0), restitution=0.5)
     said = capfd.readouterr().err
     assert "rebounds only in the next step" in said and "smaller O.dt" in said and "gapCorrection" not in said
@@ -139,9 +126,8 @@ def turned(O):
 @pytest.mark.parametrize("change", (resized, turned, None))
 def test_an_overlap_that_no_speed_explains_is_not_put_down_to_the_step(O, capfd, change):
     """A disk at rest that grows, a floor that turns under it, and overlaps that are there from the start but not handed over."""
-    mat = plane.material()
-    plane.box((0, -0.01), (1, 0.01), mat=mat)
-    plane.disk((0.1, 0.01 if change else 0.0095), 0.01, mat=mat)
+    plane.box((0, -0.01), (1, 0.01))
+    plane.disk((0.1, 0.01 if change else 0.0095), 0.01)
     plane.run(3, 1e-3, gravity=(0, -G, 0), handover=change is not None)
     if change:
         assert "overlap" not in capfd.readouterr().err
@@ -181,11 +167,10 @@ def test_allowed_overlap_is_a_share_of_the_smaller_disk(O, radii, turns):
 @pytest.mark.parametrize("handover", [True, False])
 def test_fixed_disks_may_overlap_what_is_fixed(O, capfd, handover):
     """A rough floor: fixed disks half sunk in a fixed box, and into each other. Only the overlap of the disk that rests on them counts."""
-    mat = plane.material()
-    plane.box((0, -0.05), (0.1, 0.05), mat=mat)
+    plane.box((0, -0.05), (0.1, 0.05))
     for k in range(-4, 5):
-        plane.disk((0.015 * k, 0), 0.01, blocked="xyzXYZ", mat=mat)
-    plane.disk((0.0075, 0.01853), 0.01, mat=mat)
+        plane.disk((0.015 * k, 0), 0.01, blocked="xyzXYZ")
+    plane.disk((0.0075, 0.01853), 0.01)
     engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0), handover=handover)
     assert engine.loadedContacts == 2 and engine.converged
     assert engine.deepestPenetration < 1e-5 and capfd.readouterr().err == ""
@@ -193,9 +178,8 @@ def test_fixed_disks_may_overlap_what_is_fixed(O, capfd, handover):
 
 
 def test_fixed_disks_may_be_driven_into_what_is_fixed(O, capfd):
-    mat = plane.material()
-    plane.box((0, -0.05), (0.1, 0.05), mat=mat)
-    plane.disk((0, 0.02), 0.01, blocked="xyzXYZ", velocity=(0, -0.1), mat=mat)
+    plane.box((0, -0.05), (0.1, 0.05))
+    plane.disk((0, 0.02), 0.01, blocked="xyzXYZ", velocity=(0, -0.1))
     engine = plane.run(200, 1e-3, gravity=(0, -9.81, 0))
     assert engine.deepestPenetration == 0 and capfd.readouterr().err == ""
 
@@ -206,8 +190,7 @@ def test_a_refused_hand_over_leaves_nothing_behind(O, capfd):
         O.reset()
         for x in (0, 1.7):
             plane.disk((x, 0), 1)
-        O.engines, O.dt = cd_engine.engines(handover=refused, gapCorrection=0.1), 1e-3
-        engine = O.engines[-1]
+        engine = plane.engine(handover=refused, gapCorrection=0.1)
         if refused:
             with pytest.raises(RuntimeError, match="overlap by 0.3 of a radius"):
                 O.step()

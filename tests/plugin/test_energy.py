@@ -4,8 +4,6 @@ import math
 import pytest
 from yade import utils
 
-import cd_engine
-
 from . import plane
 
 G = 9.81
@@ -15,8 +13,7 @@ def drop(O, track, steps=400):
     """Let disks fall on a floor. Return the potential energy that they have lost [J]."""
     mat = plane.ground(0.3)
     disks = [plane.disk((0.0195 * (k % 4) + 0.004 * (k // 4), 0.05 + 0.03 * (k // 4)), 0.0095, mat=mat, spin=3) for k in range(12)]
-    O.engines = cd_engine.engines(gravity=(0, -G, 0), tolerance=1e-8, restitution=0.3)
-    O.dt = 1e-3
+    plane.engine(gravity=(0, -G, 0), tolerance=1e-8, restitution=0.3)
     O.trackEnergy = track
     height = lambda: sum(O.bodies[i].state.pos[1] for i in disks)
     before = height()
@@ -43,8 +40,7 @@ def test_nothing_is_kept_unless_it_is_asked_for(O):
 
 def test_it_may_be_asked_for_at_rest(O):
     """Steps in which nothing moves write their energies, too."""
-    plane.floor()
-    plane.disk((0, 0.01), 0.01)
+    plane.columns(0, disks=1)
     plane.run(200, 1e-3, gravity=(0, -G, 0))
     O.trackEnergy = True
     O.run(2, True)

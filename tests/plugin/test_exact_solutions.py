@@ -95,10 +95,7 @@ def test_bounce_returns_the_coefficient_of_restitution(O, e, height):
 @pytest.mark.parametrize("ratio", [1e-6, 1, 1e6])
 def test_two_body_pile_of_any_mass_ratio(O, ratio):
     """The lower contact carries both weights, the upper one the upper weight."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
-    plane.disk((0, 0.03), 0.01, mass=ratio, mat=mat)
-    cd = plane.run(5, 1e-3, gravity=(0, -G, 0), tolerance=1e-12, maxIterations=20000000 if ratio > 1 else 20000)
+    cd = plane.two_on_a_floor(ratio, 5, tolerance=1e-12, maxIterations=20000000 if ratio > 1 else 20000)
     upper, lower = O.interactions[1, 2].phys.normalForce.norm(), O.interactions[0, 1].phys.normalForce.norm()
     if cd.converged:
         # A body's velocity is right to the tolerance, relative to the forces on it, and so are they; 1e-11: two of these, and round-off.
@@ -184,9 +181,9 @@ def test_roller_at_prescribed_spin_turns_what_lies_on_it(O):
 
 def test_a_light_body_beside_a_heavy_one_is_carried(O):
     """Its force is 1e-9 of the other's, below the tolerance of the whole problem; still it must not fall through the floor."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mass=1e6, mat=mat)
-    light = plane.disk((0.1, 0.03), 0.01, mass=1e-3, mat=mat)
+    plane.floor()
+    plane.disk((0, 0.01), 0.01, mass=1e6)
+    light = plane.disk((0.1, 0.03), 0.01, mass=1e-3)
     cd = plane.run(3000, 1e-4, gravity=(0, -G, 0))
     assert O.bodies[light].state.pos[1] == pytest.approx(0.01, abs=1e-9) and cd.unconvergedSteps == 0
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from yade import utils
 
-import cd_engine
 from cd_engine import core
 from tests import needs
 
@@ -102,7 +101,7 @@ def test_before_the_first_step(O, tmp_path):
     """The problem of a scene in which nothing has run yet."""
     plane.floor()
     plane.disk((0, 0.1), 0.1, mass=2)
-    O.engines, O.dt = cd_engine.engines(gravity=GRAVITY), 1e-3
+    plane.engine(gravity=GRAVITY)
     O.engines[-1].exportProblem(str(tmp_path / "a"))
     assert core.read_problem(tmp_path / "a").q == pytest.approx([-1e-3 * 9.81, 0]) and len(O.interactions.all(False)) == 0
 
@@ -110,7 +109,7 @@ def test_before_the_first_step(O, tmp_path):
 def test_the_mask_of_the_collider_counts_before_the_step_too(O, tmp_path):
     for x in (0, 0.2):
         plane.disk((x, 0), 0.1)
-    O.engines, O.dt = cd_engine.engines(), 1e-3
+    plane.engine()
     for mask, contacts in ((1, 0), (0, 1), (1, 0)):
         O.engines[1].avoidSelfInteractionMask = mask
         O.engines[-1].exportProblem(str(tmp_path / "a"))

@@ -3,13 +3,11 @@ import pytest
 
 import cd_engine
 
-from . import plane, test_invariants
+from . import plane
 
 
 def settings(O, **asked):
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0), **asked)
-    O.dt = 1e-3
-    return O.engines[-1]
+    return plane.engine(gravity=(0, -9.81, 0), **asked)
 
 
 def tolerances(O, engine, steps):
@@ -23,7 +21,7 @@ def tolerances(O, engine, steps):
 
 def test_a_heap_falls_and_comes_to_rest(O):
     """All tolerances occur, powers of ten between the two; at rest it is the smaller one, and every step has reached its own."""
-    test_invariants.heap(O, 0.3)
+    plane.heap(0.3)
     engine = settings(O)
     found = tolerances(O, engine, 1500)
     assert set(found) == {1e-4, 1e-5, 1e-6}
@@ -33,7 +31,7 @@ def test_a_heap_falls_and_comes_to_rest(O):
 
 def test_a_heap_at_rest_is_solved_to_the_smaller_tolerance(O):
     """Errors within the larger tolerance move the disks, but not so much that this counts as a flow."""
-    test_invariants.heap(O, 0.3)
+    plane.heap(0.3)
     engine = settings(O, tolerance=1e-4, reduce=False)  # reduce would stop it
     O.run(1500, True)
     assert engine._unrest < 1e-4
@@ -108,7 +106,7 @@ def test_the_tolerance_falls_only_after_some_steps_at_rest(O):
 
 @pytest.mark.parametrize("set_by", ["engines", "assignment", "updateAttrs", "fixedIterations"])
 def test_a_tolerance_that_is_asked_for_holds_in_every_step(O, set_by):
-    test_invariants.heap(O, 0.3)
+    plane.heap(0.3)
     if set_by == "assignment":
         engine = settings(O)
         engine.tolerance = 1e-5
@@ -150,7 +148,7 @@ def test_the_ways_to_make_a_step_choose_the_same_tolerance(O, tmp_path):
     """publish, reduce, threads and a saved scene: the same bits."""
     def after(saved=False, **asked):
         O.reset()
-        test_invariants.heap(O, 0.3)
+        plane.heap(0.3)
         engine = settings(O, **asked)
         O.run(150, True)
         if saved:

@@ -29,9 +29,7 @@ def test_random_scenes(root):
 def tell(O, spoil, **settings):
     """Run a column that slides on a floor, with `spoil(cd)` between a step and its check. Return the report on its 30th step."""
     import cd_engine
-    mat = plane.ground(0.5)
-    for k in range(3):
-        plane.disk((0, 0.01 + 0.02 * k), 0.01, velocity=(0.1, 0), mat=mat)
+    plane.columns(0, velocity=(0.1, 0))
     watch = fuzz_laws.Watch()
     reset, collider, cd = cd_engine.engines(gravity=(0, -9.81, 0), **{"tolerance": 1e-9, "maxIterations": 100000} | settings)
     late = hooks.runner(lambda: O.iter >= 29 and spoil(cd), iterPeriod=1, initRun=True)

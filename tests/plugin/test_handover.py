@@ -104,8 +104,7 @@ def test_overlaps_are_not_expelled_when_the_load_goes(said):
 
 def test_springs_take_over_after_release(O):
     """A stack under CD, then under YADE's springs: it sinks by the springs' own compression and no further."""
-    mat = plane.ground()
-    ids = [plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(5)]
+    ids, = plane.columns(0, disks=5)
     plane.run(50, 1e-4, gravity=(0, -9.81, 0), tolerance=1e-10)
     cd_engine.release()
     O.engines, O.dt = plane.springs(damping=0.3), 1e-4

@@ -1,6 +1,5 @@
 """What no step may change or create: momentum, angular momentum, energy; and what it must keep: cone, gap, determinism."""
 import math
-import random
 
 import numpy as np
 import pytest
@@ -8,23 +7,11 @@ import pytest
 from . import plane
 
 
-def cloud(O, count, seed, mu=0.4, speed=1.0):
-    """Disks of mixed sizes and masses thrown at their common centre, without boundaries."""
-    r = random.Random(seed)
-    mat = plane.material(mu)
-    columns = math.ceil(math.sqrt(count))
-    for i in range(count):
-        x, y = (0.05 * (k - (columns - 1) / 2) + r.uniform(-.004, .004) for k in divmod(i, columns))
-        a, size = math.atan2(y, x), r.uniform(0.01, 0.02)
-        v = (-speed * math.cos(a) + r.uniform(-.2, .2), -speed * math.sin(a) + r.uniform(-.2, .2))
-        plane.disk((x, y), size, mass=r.uniform(0.1, 2), velocity=v, spin=r.uniform(-30, 30), mat=mat)
-
-
 @pytest.mark.parametrize("restitution", [0, 0.5, 1])
 def test_collisions_keep_momentum_and_angular_momentum_and_create_no_energy(O, restitution):
     """400 steps of 40 colliding disks; the momenta to round-off. With restitution and friction together Newton's law may
     create energy in simultaneous impacts (Kane's paradox); here contacts close one by one."""
-    cloud(O, 40, seed=1)
+    plane.cloud(40, seed=1)
     before, energy = plane.momenta(), plane.kinetic_energy()
     hits = 0
     cd = plane.run(1, 1e-3, tolerance=1e-12, restitution=restitution, maxIterations=100000)
@@ -40,7 +27,7 @@ def test_collisions_keep_momentum_and_angular_momentum_and_create_no_energy(O, r
 
 def test_energy_lost_is_the_dissipation_reported(O):
     """Sum over contacts of -p (u + u')/2 against the kinetic energy: an identity of the scheme, round-off over 300 steps."""
-    cloud(O, 40, seed=2)
+    plane.cloud(40, seed=2)
     start = plane.kinetic_energy()
     cd = plane.run(300, 1e-3, tolerance=1e-12, maxIterations=100000)
     assert cd.dissipatedEnergy > 0.01 * start
@@ -49,7 +36,7 @@ def test_energy_lost_is_the_dissipation_reported(O):
 
 def test_energy_balance_with_gravity_and_friction(O):
     """Work of the weights = kinetic energy + dissipation, exact for the scheme: the mean velocity moves the body."""
-    heap(O, mu=0.3)
+    plane.heap(mu=0.3)
     potential = lambda: sum(9.81 * b.state.mass * b.state.pos[1] for b in O.bodies if b.state.blockedDOFs == "zXY")
     start = potential()
     cd = plane.run(800, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-9, maxIterations=100000)
@@ -60,9 +47,8 @@ def test_energy_balance_with_gravity_and_friction(O):
 
 def test_a_free_box_takes_part_in_the_balance_of_angular_momentum(O):
     """A disk meets the end of a bar that may move and turn (a general 2 x 2 contact)."""
-    mat = plane.material(0.5)
-    plane.box((0, 0), (0.3, 0.02), blocked="zXY", mass=3.0, inertia=0.1, angle=0.2, mat=mat)
-    plane.disk((0.2, 0.3), 0.03, mass=1.0, velocity=(0.1, -1.0), spin=20, mat=mat)
+    plane.box((0, 0), (0.3, 0.02), blocked="zXY", mass=3.0, inertia=0.1, angle=0.2)
+    plane.disk((0.2, 0.3), 0.03, mass=1.0, velocity=(0.1, -1.0), spin=20)
     before, energy = plane.momenta(), plane.kinetic_energy()
     cd = plane.run(600, 1e-3, tolerance=1e-13)
     assert cd.dissipatedEnergy > 0
@@ -71,19 +57,9 @@ def test_a_free_box_takes_part_in_the_balance_of_angular_momentum(O):
     assert plane.kinetic_energy() < energy
 
 
-def heap(O, mu):
-    """Thirty disks in a trough."""
-    mat = plane.ground(mu)
-    plane.box((-0.3, 0.3), (0.02, 0.5), mat=mat)
-    plane.box((0.3, 0.3), (0.02, 0.5), mat=mat)
-    r = random.Random(3)
-    for i in range(30):
-        plane.disk((-0.22 + 0.088 * (i % 6) + r.uniform(-.01, .01), 0.1 + 0.1 * (i // 6)), r.uniform(0.02, 0.034), mass=r.uniform(0.5, 2), mat=mat)
-
-
 def test_forces_lie_in_the_cone_and_sliding_ones_on_it(O):
     """In every sampled state of a falling heap, for what YADE's interactions say."""
-    heap(O, mu=0.25)
+    plane.heap(mu=0.25)
     cd = plane.run(1, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-9, maxIterations=100000)
     seen = sliding = 0
     for _ in range(40):
@@ -105,16 +81,11 @@ def test_a_scene_saved_after_steps_without_sweeps_goes_on_bitwise(O, tmp_path):
     without = 0
     for at in range(5, 120, 5):
         O.reset()
-        mat = plane.ground(0.5)
+        plane.floor()
         for k in range(16):
             row, column = divmod(k, 4)
-            plane.disk((0.01 * (2 * column + 1 + row % 2 + 1e-4 * math.sin(k)), 0.01 * (1 + row * math.sqrt(3))), 0.01, mat=mat)
+            plane.disk((0.01 * (2 * column + 1 + row % 2 + 1e-4 * math.sin(k)), 0.01 * (1 + row * math.sqrt(3))), 0.01)
         engine = plane.run(at, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-2)
         without += engine.iterations == 0 and engine.sleeping == 0
-        O.save(str(tmp_path / "half.yade.gz"))
-        O.run(21, True)
-        whole = plane.digest()
-        O.load(str(tmp_path / "half.yade.gz"))
-        O.run(21, True)
-        assert plane.digest() == whole, at
+        plane.goes_on(tmp_path / "half.yade.gz", 21)
     assert without

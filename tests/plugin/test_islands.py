@@ -8,7 +8,6 @@ import cd_engine
 from yade_scripts.running.hooks import runner
 
 from . import plane
-from .test_invariants import cloud
 
 GRAVITY = (0, -9.81, 0)
 
@@ -16,11 +15,6 @@ GRAVITY = (0, -9.81, 0)
 def pile(left, rows, mat, gap=0.0):
     """A pile of disks of 1 cm on the floor, `rows` in its lowest row, whose left end is at `left`; ids."""
     return [plane.disk((left + 0.01 * (2 * i + j + 1) + gap * i, 0.01 + 0.0173 * j), 0.01, mat=mat) for j in range(rows) for i in range(rows - j)]
-
-
-def column(left, height, mat):
-    """Disks of 1 cm on each other and on the floor; ids."""
-    return [plane.disk((left, 0.01 + 0.02 * k), 0.01, mat=mat) for k in range(height)]
 
 
 def scene(O, piles=3):
@@ -95,9 +89,8 @@ def test_a_single_island_is_the_same_to_the_last_bit(O):
 
 def test_a_search_for_pairs_names_the_body_that_has_moved_far(O):
     """A disk falls beside a column that sleeps. When it has used up its margin, pairs are searched anew, and this wakes the column."""
-    mat = plane.ground(0.5)
-    column(-0.3, 3, mat)
-    falls = plane.disk((0.3, 5), 0.01, mat=mat)
+    plane.columns(-0.3)
+    falls = plane.disk((0.3, 5), 0.01)
     cd = plane.run(200, 1e-3, gravity=GRAVITY, tolerance=1e-6)
     while not cd.woken and O.iter < 600:
         O.run(1, True)
@@ -106,8 +99,7 @@ def test_a_search_for_pairs_names_the_body_that_has_moved_far(O):
 
 def test_what_is_at_rest_sleeps_until_something_changes(O):
     """Three columns apart; then one is pushed, and later gravity grows by a thousandth."""
-    mat = plane.ground(0.5)
-    columns = [column(left, 3, mat) for left in (-0.3, -0.2, -0.1)]
+    columns = plane.columns(-0.3, -0.2, -0.1)
     cd = plane.run(600, 1e-3, gravity=GRAVITY, tolerance=1e-6)
     assert (cd.islands, cd.sleeping, cd.resting, cd.iterations) == (3, 3, 3, 0)
     assert all(b.state.vel.norm() == 0 for b in O.bodies)
@@ -131,12 +123,10 @@ def test_sleep_leaves_the_motion_within_the_tolerance(O):
     moved = []
     for reduce in (True, False):
         O.reset()
-        mat = plane.ground(0.5)
-        for left in (0, 0.2):
-            column(left, 3, mat)
+        plane.columns(0, 0.2)
         cd = plane.run(300, 1e-3, gravity=GRAVITY, tolerance=1e-6, reduce=reduce)
         assert cd.sleeping == (2 if reduce else 0)
-        plane.disk((0.2, 0.08), 0.01, mat=mat)
+        plane.disk((0.2, 0.08), 0.01)
         O.run(200, True)
         assert (cd.sleeping >= 1) == reduce and cd.unconvergedSteps == 0
         moved.append([x for b in O.bodies for x in b.state.pos])
@@ -149,9 +139,7 @@ def test_no_false_rest(O, excess):
     both begin to slide with g (sin - mu cos), though for a hundred steps all velocities are of the tolerance's size. Solved to a tenth of it."""
     mu, g = 0.5, 9.81
     theta = math.atan(mu * (1 + excess))
-    mat = plane.ground(mu)
-    for k in range(2):
-        O.bodies[plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)].state.blockedDOFs = "zXYZ"
+    plane.columns(0, disks=2, mu=mu, blocked="zXYZ")
     cd = plane.run(400, 1e-3, gravity=(g * math.sin(theta), -g * math.cos(theta), 0), tolerance=1e-4)
     assert cd.sleeping == 0 and O.bodies[1].state.vel[0] == pytest.approx(0.4 * g * (math.sin(theta) - mu * math.cos(theta)), rel=0.1)
 
@@ -159,13 +147,10 @@ def test_no_false_rest(O, excess):
 @pytest.mark.parametrize("load, speed, tolerance", [(1e5, 1e-3, 1e-6), (1e4, 1e-2, 1e-4), (1e4, 0.1, 1e-3)])
 def test_what_rolls_among_heavily_loaded_bodies_is_not_stopped(O, load, speed, tolerance):
     """A light disk rolls on two in a press, more slowly than the tolerance of the press's forces can resolve. 1 % for errors on the way."""
-    mat = plane.ground(0.5)
-    for x in (-0.1, 0.1):
-        plane.disk((x, 0.01), 0.01, mat=mat)
-    press = plane.box((0, 0.025), (0.5, 0.005), blocked="xzXYZ", mat=mat)
-    roller = plane.disk((0, 0.035), 0.005, velocity=(speed, 0), spin=-speed / 0.005, mat=mat)
-    O.engines = cd_engine.engines(gravity=GRAVITY, tolerance=tolerance)
-    O.dt = 1e-3
+    plane.columns(-0.1, 0.1, disks=1)
+    press = plane.box((0, 0.025), (0.5, 0.005), blocked="xzXYZ")
+    roller = plane.disk((0, 0.035), 0.005, velocity=(speed, 0), spin=-speed / 0.005)
+    plane.engine(gravity=GRAVITY, tolerance=tolerance)
     O.forces.setPermF(press, (0, -load, 0))
     O.run(400, True)
     assert O.bodies[roller].state.pos[0] == pytest.approx(0.4 * speed, rel=0.01)
@@ -173,10 +158,8 @@ def test_what_rolls_among_heavily_loaded_bodies_is_not_stopped(O, load, speed, t
 
 def test_what_drifts_is_not_stopped(O):
     """Three disks pressed together in free space, by forces that need impulses of 100 N s a step."""
-    mat = plane.material(0.5)
-    row = [plane.disk((0.02 * k, 0), 0.01, velocity=(0, 1e-3), mat=mat) for k in range(3)]
-    O.engines = cd_engine.engines(tolerance=1e-6)
-    O.dt = 1e-3
+    row = [plane.disk((0.02 * k, 0), 0.01, velocity=(0, 1e-3)) for k in range(3)]
+    plane.engine(tolerance=1e-6)
     O.forces.setPermF(row[0], (1e5, 0, 0))
     O.forces.setPermF(row[2], (-1e5, 0, 0))
     O.run(300, True)
@@ -185,8 +168,7 @@ def test_what_drifts_is_not_stopped(O):
 
 def test_what_is_stopped_is_counted_as_dissipated(O):
     """Energy is kept to round-off though impulses are wrong by 1e-2: kinetic and potential energy, and dissipatedEnergy."""
-    mat = plane.ground(0.5)
-    column(0, 5, mat)
+    plane.columns(0, disks=5)
     total = lambda: plane.kinetic_energy() + sum(9.81 * b.state.mass * b.state.pos[1] for b in O.bodies if b.state.blockedDOFs != "xyzXYZ")
     before = total()
     cd = plane.run(400, 1e-3, gravity=GRAVITY, tolerance=1e-2)
@@ -195,8 +177,7 @@ def test_what_is_stopped_is_counted_as_dissipated(O):
 
 
 def test_a_finer_tolerance_wakes(O):
-    mat = plane.ground(0.5)
-    column(0, 4, mat)
+    plane.columns(0, disks=4)
     cd = plane.run(200, 1e-3, gravity=GRAVITY, tolerance=1e-2)
     assert cd.sleeping == 1
     cd.tolerance = 1e-10
@@ -207,9 +188,9 @@ def test_a_finer_tolerance_wakes(O):
 
 def test_sleeping_forces_stay(O):
     """At an angle at which the normal's length is not 1 to the last digit, looked at in every step (runs of one step) and not."""
-    mat = plane.ground(0.5)
+    plane.floor()
     for x, y in ((0, 0.01), (0.0211, 0.01), (0.00937, 0.0273)):
-        plane.disk((x, y), 0.01, mat=mat)
+        plane.disk((x, y), 0.01)
     cd = plane.run(2000, 1e-3, gravity=GRAVITY, tolerance=1e-8)
     assert cd.sleeping == 1
     before = seen(O)
@@ -220,9 +201,7 @@ def test_sleeping_forces_stay(O):
 
 
 def test_a_disk_alone_on_the_floor_sleeps(O):
-    mat = plane.ground(0.5)
-    for k in range(5):
-        plane.disk((0.1 * k, 0.01), 0.01, mat=mat)
+    plane.columns(0, 0.1, 0.2, 0.3, 0.4, disks=1)
     cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-6)
     assert (cd.islands, cd.sleeping, cd.contacts, cd.loadedContacts, cd.unknowns) == (5, 5, 5, 5, 15)
     assert tuple(O.forces.f(0)) == pytest.approx((0, -5 * 9.81, 0), rel=1e-12)  # on the floor
@@ -230,11 +209,9 @@ def test_a_disk_alone_on_the_floor_sleeps(O):
 
 def test_what_changes_elsewhere_wakes_nothing(O):
     """A disk is pushed by another force in every step, apart from a column at rest."""
-    mat = plane.ground(0.5)
-    column(0, 3, mat)
-    pushed = plane.disk((1, 0.01), 0.01, mat=mat)
-    O.engines = cd_engine.engines(gravity=GRAVITY, tolerance=1e-6)
-    O.dt = 1e-3
+    plane.columns(0)
+    pushed = plane.disk((1, 0.01), 0.01)
+    plane.engine(gravity=GRAVITY, tolerance=1e-6)
     O.forces.setPermF(pushed, (0, 0, 0))
     for k in range(60):
         O.forces.setPermF(pushed, (1e-3 * k, 0, 0))
@@ -268,7 +245,7 @@ def test_nothing_shows_of_what_sleeps_on(O, change):
         O.reset()
         mats = [plane.material(0.5) for _ in range(4)]
         plane.floor(mats[0])
-        columns = [column(0.1 * k, 3, mats[k]) for k in range(3)]
+        columns = [plane.column(0.1 * k, mat=mats[k]) for k in range(3)]
         plane.disk((-0.5, 0.1), 0.01, velocity=(0.1, 0), mat=mats[3])
         O.dt = 1e-3
         O.engines = [*cd_engine.engines(gravity=GRAVITY, tolerance=1e-6),
@@ -291,8 +268,7 @@ def within(O, step, change, **settings):
 
 def test_forces_changed_in_what_sleeps_are_looked_at_in_the_next_step(O):
     """As they are changed by an engine of the run or between two runs."""
-    mat = plane.ground(0.5)
-    column(0, 3, mat)
+    plane.columns(0)
     cd = within(O, 50, lambda: setattr(O.interactions[0, 1].phys, "normalForce", (0, 1e3, 0)))
     O.run(52, True)
     assert O.interactions[0, 1].phys.normalForce[1] == pytest.approx(3 * 9.81, rel=1e-6)
@@ -308,8 +284,7 @@ def test_forces_changed_in_what_sleeps_are_looked_at_in_the_next_step(O):
 @pytest.mark.parametrize("step", (17, 18, 19, 50))
 def test_objects_taken_from_what_sleeps_are_missed_at_once(O, change, step):
     """Also while it falls asleep, in the trial of the 17th step."""
-    mat = plane.ground(0.5)
-    column(0, 3, mat)
+    plane.columns(0)
     cd = within(O, step, lambda: change(O))
     O.run(step + 4, True)
     assert O.interactions[0, 1].isReal and O.interactions[0, 1].phys.normalForce[1] == pytest.approx(3 * 9.81, rel=1e-5)
@@ -321,11 +296,9 @@ def test_contacts_that_cannot_push_are_counted_while_they_sleep(O):
     left = []
     for run in (1, 60):
         O.reset()
-        mat = plane.ground(0.5)
-        for x in (-0.1, 0.1):
-            plane.disk((x, 0.01), 0.01, mat=mat)
-        plane.box((0, 0.025), (0.2, 0.005), blocked="xzXYZ", mat=mat)
-        plane.disk((0.21, 0.025), 0.01, blocked="xyzXYZ", mat=mat)
+        plane.columns(-0.1, 0.1, disks=1)
+        plane.box((0, 0.025), (0.2, 0.005), blocked="xzXYZ")
+        plane.disk((0.21, 0.025), 0.01, blocked="xyzXYZ")
         cd = plane.run(100, 1e-3, gravity=GRAVITY, tolerance=1e-6)
         for _ in range(60 // run):
             O.run(run, True)
@@ -336,9 +309,7 @@ def test_contacts_that_cannot_push_are_counted_while_they_sleep(O):
 
 @pytest.mark.parametrize("margin", [0, 0.1])
 def test_bodies_that_are_gone_are_no_contacts(O, margin):
-    mat = plane.ground(0.5)
-    for k in range(3):
-        column(0.1 * k, 3, mat)
+    plane.columns(0, 0.1, 0.2)
     cd = within(O, 50, lambda: [O.bodies.erase(k) for k in (7, 8, 9)], searchMargin=margin)
     O.run(80, True)
     assert (cd.sleeping, cd.contacts) == (2, 6)
@@ -347,19 +318,12 @@ def test_bodies_that_are_gone_are_no_contacts(O, margin):
 @pytest.mark.parametrize("before", [10, 60, 300])
 def test_a_saved_scene_goes_on_bitwise(O, tmp_path, before):
     """The engine remembers what rested and slept, to save time; that must not change results."""
-    cloud(O, 40, seed=3, speed=2)
+    plane.cloud(40, seed=3, speed=2)
     plane.floor()
-    column(5, 4, plane.material(0.5))
+    plane.column(5, 4)
     for b in O.bodies:
         if b.state.blockedDOFs == "zXY":
             b.state.pos += (0, 0.3 if b.state.pos[0] < 4 else 0, 0)
-    O.engines = cd_engine.engines(gravity=GRAVITY, tolerance=1e-6)
-    O.dt = 1e-3
-    O.run(before, True)
-    O.save(str(tmp_path / "half.yade.gz"))
-    O.run(300, True)
+    plane.run(before, 1e-3, gravity=GRAVITY, tolerance=1e-6)
+    plane.goes_on(tmp_path / "half.yade.gz", 300, lambda: seen(O))
     assert O.engines[-1].sleeping > 0
-    whole = seen(O)
-    O.load(str(tmp_path / "half.yade.gz"))
-    O.run(300, True)
-    assert seen(O) == whole

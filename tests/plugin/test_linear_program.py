@@ -40,9 +40,7 @@ def on_a_belt(dice, method, tolerance):
                                   (((2 * rows + 1) * r, height), (r, 2 * height), (0, 0)),
                                   ((rows * r, height + r), (2 * rows * r, r), (along, -lid))):
         yade.O.bodies[plane.box(place, half, mat=mat)].state.vel = (*velocity, 0)
-    for j in range(rows):
-        for i in range(rows - j % 2):
-            plane.disk((r * (2 * i + 1 + j % 2), r * (1 + math.sqrt(3) * j)), r, mat=mat)
+    plane.hollows(rows, rows, mat)
     return plane.run(1, STEP, gravity=(0, -dice.choice([G, G, 0]), 0), method=method, tolerance=tolerance, maxIterations=3000), belt
 
 

@@ -9,8 +9,7 @@ from . import plane
 def bed(disks, settings, **moving):
     mat = plane.material()
     plane.box((0.2, -0.01), (0.3, 0.01), mat=mat)
-    for i in range(disks):
-        plane.disk((0.021 * (i % 20), 0.01 + 0.02 * (i // 20)), 0.01, mat=mat)
+    plane.grid(disks, 20, (0, 0.01), (0.021, 0.02), mat)
     return plane.disk(radius=0.01, mat=mat, **moving), cd_engine.engines(gravity=(0, -9.81, 0), **settings)
 
 
@@ -57,9 +56,7 @@ def test_an_impact_is_passed_on_whatever_the_margin(O, settings, presses):
             plane.disk((0, -5), 0.01, mass=1, mat=mat)
             for side in (-1, 1):
                 O.bodies[plane.box((0, -5 + 0.011 * side), (0.1, 0.001), mat=mat)].state.vel = (0, -side, 0)
-        O.engines = cd_engine.engines(searchMargin=margin, **{"tolerance": 1e-6, **settings})
-        O.dt = 1e-3
-        O.run(2, True)
+        plane.run(2, 1e-3, searchMargin=margin, **{"tolerance": 1e-6, **settings})
         O.bodies[0].state.vel = (50, 0, 0)
         O.run(3, True)
         assert O.bodies[1].state.pos[0] + 0.0099 < O.bodies[2].state.pos[0]

@@ -9,7 +9,7 @@ from . import plane, programs
 PROGRAM = """
 import ctypes
 import yade
-from tests.plugin import plane, test_invariants, tumbler
+from tests.plugin import plane, tumbler
 from yade_scripts.running import hooks
 {scene}
 counter = ctypes.CDLL(None)
@@ -60,7 +60,7 @@ def requests(counter, folder, **scene):
 def test_at_rest_none(counter, tmp_path):
     """A heap that has come to rest: no request at all, the collider sleeps."""
     scene = """
-test_invariants.heap(yade.O, 0.3)
+plane.heap(0.3)
 engine = plane.run(1, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-6)
 """
     assert requests(counter, tmp_path, scene=scene, settle=2500, steps=500) == (0, 0)
@@ -89,11 +89,10 @@ libc.mallinfo2.restype = Use
 
 def build(contact_dynamics):
     O.reset()
-    mat = plane.ground()
-    for k in range(150):
-        plane.disk((0.021 * (k % 15), 0.011 + 0.021 * (k // 15)), 0.01, mat=mat)
-    O.dt = 1e-4
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0)) if contact_dynamics else plane.springs(verletDist=0)
+    plane.grid(150, 15, (0, 0.011), (0.021, 0.021), plane.ground())
+    plane.engine(1e-4, gravity=(0, -9.81, 0))
+    if not contact_dynamics:
+        O.engines = plane.springs(verletDist=0)
     O.run(20, True)
 
 for contact_dynamics in (False, True):
@@ -139,14 +138,14 @@ REFUSED = """
 import ctypes
 from yade import O
 import cd_engine
-from tests.plugin import plane, test_invariants
+from tests.plugin import plane
 refuse = ctypes.CDLL(None).refuse
 refuse.restype, refuse.argtypes = ctypes.c_long, [ctypes.c_long]
 
 def digest(number, at):
     O.reset()
-    test_invariants.heap(O, 0.3)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-6, reduce={reduce}), 1e-3
+    plane.heap(0.3)
+    plane.engine(gravity=(0, -9.81, 0), tolerance=1e-6, reduce={reduce})
     if at:
         O.run(at, True)
     refuse(number)
@@ -178,7 +177,7 @@ from yade import wrapper
 ends = set()
 for number in (1, 2, 5, 15, 40, *range(90, 240, 6)):
     O.reset()
-    test_invariants.heap(O, 0.3)
+    plane.heap(0.3)
     ball = plane.disk((5, 1000), 0.01)
     reset, collider, cd = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-6, reduce={reduce})
     O.engines, O.dt = [reset, collider, wrapper.ForceEngine(ids=[ball], force=(O.bodies[ball].state.mass, 0, 0)), cd], 1e-3

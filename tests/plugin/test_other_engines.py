@@ -21,7 +21,6 @@ from . import plane
 ], ids=["force", "harmonic force", "radial force", "gravity", "time step", "triaxial", "servo", "integrator", "loop", "parallel", "another"])
 def test_engines_that_do_not_go_with_it(O, engine, said):
     O.engines = plane.disk_on_a_floor() + [engine()]
-    O.dt = 1e-3
     with pytest.raises(RuntimeError, match=said):
         O.run(1, True)
     O.engines[-1].dead = True
@@ -34,7 +33,7 @@ def test_engines_that_do_not_go_with_it(O, engine, said):
 def test_they_are_refused_before_they_run(O, engine, go):
     """Also where they stand before ContactDynamics: what YADE says of some of them there would not help."""
     reset, collider, cd = plane.disk_on_a_floor()
-    O.engines, O.dt = [engine(), reset, collider, cd], 1e-3
+    O.engines = [engine(), reset, collider, cd]
     with pytest.raises(RuntimeError, match="^ContactDynamics: .*Remove it"):
         go(O)
     assert O.iter == 0
@@ -43,7 +42,7 @@ def test_they_are_refused_before_they_run(O, engine, go):
 @pytest.mark.parametrize("fault", ["refused", "failed"])
 def test_a_new_list_after_an_error_in_a_step(O, fault):
     """YADE keeps a list that is set in the middle of a step for the next one, and an error leaves the step in its middle."""
-    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    plane.disk_on_a_floor()
     if fault == "refused":
         O.bodies[1].state.blockedDOFs = ""
     else:
@@ -60,7 +59,6 @@ def test_gravity_of_two_engines(O):
     """GravityEngine alone is fine."""
     reset, collider, cd = plane.disk_on_a_floor()
     O.engines = [reset, collider, wrapper.GravityEngine(gravity=(1, 0, 0)), cd]
-    O.dt = 1e-3
     with pytest.raises(RuntimeError, match=r"both GravityEngine and the attribute `gravity`.*gravity=\(0, 0, 0\)"):
         O.run(1, True)
     cd.gravity = (0, 0, 0)
@@ -73,14 +71,13 @@ def test_gravity_of_two_engines(O):
 
 def test_the_same_engine_twice(O):
     reset, collider, cd = plane.disk_on_a_floor()
-    O.engines, O.dt = [reset, collider, cd, cd], 1e-3
+    O.engines = [reset, collider, cd, cd]
     with pytest.raises(RuntimeError, match="it stands twice in O.engines"):
         O.run(1, True)
 
 
 def test_forces_that_are_cleared_at_once(O):
     O.engines = [wrapper.ForceEngine(ids=[1], force=(1, 0, 0))] + plane.disk_on_a_floor()
-    O.dt = 1e-3
     with pytest.raises(RuntimeError, match="ForceEngine stands before ForceResetter.*Put it between"):
         O.run(1, True)
 
@@ -89,7 +86,6 @@ def test_forces_that_are_cleared_at_once(O):
 def test_lists_at_which_yade_would_end(O, go, capfd):
     """YADE stops the whole process where an engine in a ParallelEngine throws, and its collider asks for an integrator that is not needed."""
     reset, collider, cd = plane.disk_on_a_floor()
-    O.dt = 1e-3
     O.engines = [reset, collider, wrapper.ParallelEngine([cd])]
     with pytest.raises(RuntimeError, match="ContactDynamics stands in a ParallelEngine.*into O.engines itself"):
         go(O)
@@ -109,8 +105,7 @@ def test_lists_at_which_yade_would_end(O, go, capfd):
 @pytest.mark.parametrize("path", ["run", "step", "loaded"])
 def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
     """However ContactDynamics came to leave them: by O.run, by O.step, or in a file that is loaded when springs have run last."""
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     O.run(10, True)
     O.save(str(tmp_path / "rigid.yade.gz"))
     if path == "step":
@@ -131,8 +126,7 @@ def test_springs_on_contacts_that_have_no_stiffness(O, tmp_path, path):
 
 
 def test_springs_that_an_engine_of_a_run_sets(O):
-    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
-    reset, collider, cd = O.engines
+    reset, collider, cd = plane.disk_on_a_floor()
     O.run(5, True)
 
     def change():
@@ -145,7 +139,7 @@ def test_springs_that_an_engine_of_a_run_sets(O):
 
 
 def test_springs_set_at_the_console_of_a_run(O):
-    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    plane.disk_on_a_floor()
     O.run()
     try:
         with pytest.raises(RuntimeError, match="springs cannot take over from ContactDynamics within a run"):
@@ -159,7 +153,7 @@ def test_springs_set_at_the_console_of_a_run(O):
 
 def test_springs_of_a_soft_material_are_its_own(O):
     """Young's modulus 0 gives contacts without stiffness as well, and they are meant so."""
-    O.engines = plane.disk_on_a_floor()
+    plane.disk_on_a_floor()
     O.bodies[1].material = wrapper.FrictMat(young=0, poisson=0.3)
     cd_engine.release()
     O.engines = plane.springs()
@@ -174,7 +168,6 @@ def test_forces_before_it_act(O):
     reset, collider, cd = plane.disk_on_a_floor()
     O.engines = [reset, collider, wrapper.ForceEngine(ids=[1], force=(3, 0, 0)), cd]
     O.materials[0].frictionAngle = 0
-    O.dt = 1e-3
     O.run(10, True)
     assert O.bodies[1].state.vel[0] == pytest.approx(3 * 10 * 1e-3)
 
@@ -186,7 +179,6 @@ def test_an_engine_that_moves_bodies_after_it_is_told(O, capfd):
         reset, collider, engine = plane.disk_on_a_floor()
         drive = wrapper.HarmonicMotionEngine(ids=[0], A=(0, 1e-3, 0), f=(0, 5, 0), fi=(0, 0, 0))
         O.engines = [reset, collider, engine, drive] if after else [reset, collider, drive, engine]
-        O.dt = 1e-3
         O.run(5, True)
         said = capfd.readouterr().err
         assert said.count("HarmonicMotionEngine stands after ContactDynamics in O.engines, so the motion that it sets comes a step late.") == after

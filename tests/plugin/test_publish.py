@@ -9,12 +9,12 @@ from yade import utils, wrapper
 import cd_engine
 from yade_scripts.running.hooks import runner
 
-from . import plane, test_invariants
+from . import plane
 
 
 def scene(O):
     """Disks falling on a floor between walls, one of which turns; a free box on top would be refused, so a paddle stirs them."""
-    test_invariants.heap(O, 0.3)
+    plane.heap(0.3)
     paddle = plane.box((0.15, 0.02), (0.05, 0.002))
     O.bodies[paddle].state.angVel = (0, 0, 3)
 
@@ -25,8 +25,7 @@ def both(O, run, build=scene, **settings):
     for publish in ("always", "due"):
         O.reset()
         build(O)
-        O.engines = cd_engine.engines(gravity=(0, -9.81, 0), tolerance=1e-6, publish=publish, **settings)
-        O.dt = 1e-3
+        plane.engine(gravity=(0, -9.81, 0), tolerance=1e-6, publish=publish, **settings)
         results.append(run(O.engines[-1]))
     assert results[0] == results[1]
     return results[0]
@@ -107,9 +106,7 @@ def test_a_force_acts_in_the_step_it_was_added_in_and_no_longer(O, dies):
 def test_what_lies_still_is_tried_and_ordered_as_if_somebody_looked(O, contacts):
     """Compares the plan of rest trials and the order of the bodies, which determine the last digits later."""
     def build(O):
-        mat = plane.ground()
-        for k in range(12):
-            plane.disk((0.05 * k, 0.01 if contacts else 1.0), 0.01, mat=mat)
+        plane.grid(12, 12, (0, 0.01 if contacts else 1.0), (0.05, 0), plane.ground())
 
     def run(engine):
         engine.gravity = (0, -9.81, 0) if contacts else (0, 0, 0)
@@ -126,10 +123,10 @@ def test_what_lies_still_is_tried_and_ordered_as_if_somebody_looked(O, contacts)
 def test_a_step_that_ends_in_no_number_leaves_the_forces_of_the_one_before(O):
     """The points of contact are found anew, so they are the same up to round-off only: 1e-15 of positions of 1 m, with some digits to spare."""
     def build(O):
-        mat = plane.ground()
-        plane.disk((1, 0.01), 0.01, velocity=(0.3, 0), mat=mat)
+        plane.floor()
+        plane.disk((1, 0.01), 0.01, velocity=(0.3, 0))
         for x, v in ((-0.03, 0.5), (0.03, -0.5)):
-            plane.disk((x, 1), 0.01, mass=1e157, velocity=(v, 0), mat=mat)
+            plane.disk((x, 1), 0.01, mass=1e157, velocity=(v, 0))
 
     touching = []
 
@@ -152,9 +149,7 @@ def test_paused_by_another_thread_than_the_one_that_waits(O):
     for publish in ("always", "due"):
         O.reset()
         build(O)
-        O.engines = cd_engine.engines(publish=publish)
-        O.dt = 1e-3
-        engine = O.engines[-1]
+        engine = plane.engine(publish=publish)
         waiter = threading.Thread(target=lambda: O.run(10**9, True))
         waiter.start()
         while engine.steps < 50:
@@ -235,9 +230,7 @@ def test_a_refused_driver_leaves_its_velocities(O):
 def test_a_driver_wakes_what_rests(O):
     """A floor that begins to move after hundreds of steps at rest, in the course of a run."""
     def build(O):
-        mat = plane.ground()
-        for k in range(3):
-            plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)
+        plane.columns(0)
 
     def run(engine):
         O.engines = [*O.engines, wrapper.HarmonicMotionEngine(ids=[0], A=(0, 0.01, 0), f=(0, 0.5, 0), fi=(0, 1.5707963, 0))]
@@ -315,7 +308,7 @@ def test_a_refusal_leaves_the_last_step(O):
 def test_the_collider_finds_what_is_new(O):
     """Disks thrown far, so that it has to search within the run: it sees them where they are."""
     def build(O):
-        test_invariants.cloud(O, 60, seed=3, speed=3.0)
+        plane.cloud(60, seed=3, speed=3.0)
 
     def run(engine):
         O.run(300, True)
@@ -340,10 +333,7 @@ def test_springs_take_over(O):
 def test_forces_set_in_what_sleeps_are_seen_at_once(O):
     """Contacts whose forces somebody changes in mid-run are looked at in the next step."""
     def build(O):
-        mat = plane.ground()
-        for x in (0, 0.1):
-            for k in range(3):
-                plane.disk((x, 0.01 + 0.02 * k), 0.01, mat=mat)
+        plane.columns(0, 0.1)
 
     def run(engine):
         O.run(100, True)

@@ -154,9 +154,8 @@ def test_a_resetter_that_dies_is_noticed(O, pair):
 
 @pytest.mark.parametrize("distance", [0, 0.1])
 def test_overlaps_that_springs_cannot_have_left_are_refused(O, distance):
-    mat = plane.material()
     O.dt = 1e-3
-    plane.disk((0, 0), 0.1, mat=mat)
-    plane.disk((distance, 0), 0.1, mat=mat)
+    plane.disk((0, 0), 0.1)
+    plane.disk((distance, 0), 0.1)
     with pytest.raises(RuntimeError, match="#0 and #1 overlap"):
         step(O)

@@ -42,9 +42,7 @@ def test_help_and_dict_show_settings_and_results_only(O, cd):
     text = pydoc.render_doc(cd, renderer=pydoc.plaintext)
     head = text[:text.index("Method resolution order")]
     assert re.search(r"To set: gravity, tolerance.*To read after a step: iterations, residual", head, re.S)
-    plane.floor()
-    for i in range(200):
-        plane.disk((0.1 * i, 0.0099), 0.01)
+    plane.grid(200, 200, (0, 0.0099), (0.1, 0), plane.ground())
     engine = plane.run(3, 1e-3, gravity=(0, -9.81, 0))
     assert len(engine._referenceOverlaps) == 200
     hidden = [name for name in plane.everything_in(engine) if name.startswith("_")]
@@ -135,9 +133,7 @@ def test_label_reaches_the_engine(O, cd):
 
 @pytest.mark.parametrize("ending", [".xml", ".xml.gz", ".yade", ".yade.gz"])
 def test_saving_keeps_every_attribute(O, cd, tmp_path, ending):
-    plane.floor()
-    for i in range(4):
-        plane.disk((0, 0.0099 + 0.0199 * i), 0.01)
+    plane.grid(4, 1, (0, 0.0099), (0, 0.0199), plane.ground())
     engine = plane.run(7, 1e-3, gravity=(0, -9.81, 0), tolerance=3e-9, seed=5, label="kept")
     before = plane.everything_in(engine)
     assert before["_referenceOverlaps"]  # otherwise the vectors would be tested empty
@@ -161,8 +157,7 @@ def test_a_scene_of_another_version_is_refused(O, cd, tmp_path):
 
 
 def test_timing_counts_the_engine(O, cd):
-    plane.floor()
-    plane.disk((0, 0.01), 0.01)
+    plane.columns(0, disks=1)
     O.timingEnabled = True
     try:
         engine = plane.run(5, 1e-3, gravity=(0, -9.81, 0))

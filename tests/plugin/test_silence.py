@@ -13,7 +13,7 @@ from . import plane, programs
 @pytest.mark.parametrize("reduce", [True, False])
 def test_two_disks_with_the_same_centre(O, capfd, reduce):
     """No direction leads from one to the other: the step is refused, or these two do not push each other, which is told."""
-    O.engines, O.dt = plane.disk_on_a_floor(handover=False, reduce=reduce), 1e-3
+    plane.disk_on_a_floor(handover=False, reduce=reduce)
     plane.disk((0, 0.01), 0.01, mat=O.bodies[1].mat)
     plane.disk((0.05, 0.01), 0.01, mat=O.bodies[1].mat)
     try:
@@ -30,8 +30,7 @@ def said_by(O, capfd, steps=3):
 
 
 def test_settings_that_make_energy_together(O, capfd):
-    O.engines = plane.disk_on_a_floor(restitution=0.1, gapCorrection=0.1)
-    O.dt = 1e-3
+    plane.disk_on_a_floor(restitution=0.1, gapCorrection=0.1)
     line, = said_by(O, capfd)
     assert "restitution and gapCorrection together create energy" in line and "Set one of them to 0" in line
     O.engines[-1].gapCorrection = 0
@@ -40,8 +39,7 @@ def test_settings_that_make_energy_together(O, capfd):
 
 @pytest.mark.parametrize("make", [wrapper.CohFrictMat, wrapper.ViscElMat], ids=["cohesion", "damping"])
 def test_materials_of_which_only_friction_is_used(O, capfd, make):
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     for body in O.bodies:
         body.mat = make(frictionAngle=0.3)
     line, = said_by(O, capfd)
@@ -49,7 +47,7 @@ def test_materials_of_which_only_friction_is_used(O, capfd, make):
 
 
 def test_a_fixed_disk_moved_by_its_position(O, capfd):
-    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    plane.disk_on_a_floor()
     pusher = plane.disk((0.05, 0.01), 0.01, blocked="xyzXYZ")
     lines = []
     for _ in range(40):
@@ -61,7 +59,7 @@ def test_a_fixed_disk_moved_by_its_position(O, capfd):
 
 def test_nothing_is_said_of_a_fixed_disk_that_harms_nobody(O, capfd):
     """One that touches nothing follows another; a further one is put elsewhere between long runs."""
-    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    plane.disk_on_a_floor()
     marker, obstacle = plane.disk((0, 0.01), 0.01, blocked="xyzXYZ"), plane.disk((0.1, 0.01), 0.01, blocked="xyzXYZ")
     O.bodies[marker].bounded = False
     for _ in range(6):
@@ -89,11 +87,9 @@ def test_a_boundary_moved_by_its_position(O, capfd):
 
 def test_overlaps_that_no_springs_have_left(O, capfd):
     """They are kept, with a warning; overlaps from springs are kept without one (test_handover)."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mat=mat)
-    plane.disk((0, 0.0292), 0.01, mat=mat)
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
-    O.dt = 1e-3
+    plane.columns(0, disks=1)
+    plane.disk((0, 0.0292), 0.01)
+    plane.engine(gravity=(0, -9.81, 0))
     line, = said_by(O, capfd)
     assert "bodies #1 and #2 overlap by 0.08" in line and "handover=False" in line
     assert O.bodies[2].state.pos[1] == pytest.approx(0.0292, abs=1e-9)
@@ -101,12 +97,11 @@ def test_overlaps_that_no_springs_have_left(O, capfd):
 
 
 def test_the_deepest_of_the_overlaps_at_the_start_is_named(O, capfd):
-    mat = plane.ground()
+    plane.floor()
     for x, overlap in ((0, 0.0005), (0.1, 0.0015), (0.2, 0.001)):
-        plane.disk((x, 0.01), 0.01, mat=mat)
-        plane.disk((x, 0.03 - overlap), 0.01, mat=mat)
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
-    O.dt = 1e-3
+        plane.disk((x, 0.01), 0.01)
+        plane.disk((x, 0.03 - overlap), 0.01)
+    plane.engine(gravity=(0, -9.81, 0))
     line, = said_by(O, capfd)
     assert "bodies #3 and #4 overlap by 0.15" in line
     O.bodies[2].state.pos = (0, 0.025, 0)
@@ -117,8 +112,7 @@ def test_the_deepest_of_the_overlaps_at_the_start_is_named(O, capfd):
 
 
 def test_a_disk_appended_into_another_is_no_matter_of_the_step(O, capfd):
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     assert said_by(O, capfd) == []
     plane.disk((0.0, 0.0295), 0.01)
     line, = said_by(O, capfd)
@@ -127,11 +121,9 @@ def test_a_disk_appended_into_another_is_no_matter_of_the_step(O, capfd):
 
 def test_steps_in_which_a_disk_goes_many_radii(O, capfd):
     """Told of once, with the body and what proposes a step."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mat=mat)
-    plane.disk((0.02, 0.3), 0.01, velocity=(0, -5), mat=mat)
-    O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
-    O.dt = 0.02
+    plane.columns(0, disks=1)
+    plane.disk((0.02, 0.3), 0.01, velocity=(0, -5))
+    plane.engine(0.02, gravity=(0, -9.81, 0))
     line, = [line for line in said_by(O, capfd, 3) if "times its radius" in line]
     assert "body #2 moves 10" in line and "cd_engine.timeStep()" in line
 
@@ -142,7 +134,7 @@ def test_two_disks_that_pass_each_other(O, capfd, ways, told):
     mat, dt = plane.material(), 1e-3
     for k, way in enumerate(ways):
         plane.disk((0.08 * k, 0), 0.01, velocity=((1 - 2 * k) * way * 0.01 / dt, 0), mat=mat)
-    O.engines, O.dt = cd_engine.engines(), dt
+    plane.engine(dt)
     assert any("and may jump over it" in line for line in said_by(O, capfd, 1)) == told
 
 
@@ -155,8 +147,7 @@ def test_misspelt_names(make, name, said):
 
 
 def test_the_default_step_of_yade(O, capfd):
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-8
+    plane.disk_on_a_floor(1e-8)
     line, = said_by(O, capfd)
     assert "O.dt is 1e-8 s" in line and "1e-3" in line
 
@@ -164,15 +155,14 @@ def test_the_default_step_of_yade(O, capfd):
 @pytest.mark.parametrize("dt, told", [(1e-6, True), (1e-4, False)])
 def test_a_step_for_springs(O, capfd, dt, told):
     """Told of at the first step. Steps that are merely short, as for a comparison, are not."""
-    O.engines, O.dt = plane.disk_on_a_floor(), dt
+    plane.disk_on_a_floor(dt)
     lines = said_by(O, capfd)
     assert len(lines) == told and all(f"O.dt is {dt:g} s: a disk needs at least 3192" in line and "timeStep()" in line for line in lines), lines
 
 
 def test_a_boundary_that_gravity_moves(O, capfd):
     """A free Box over a Wall: neither touches the other, and it falls through."""
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     box = plane.box((1, 0.1), (0.1, 0.1), blocked="zXY")
     line, = said_by(O, capfd)
     assert f"body #{box} is a boundary that gravity moves" in line and "through body #0" in line
@@ -181,21 +171,21 @@ def test_a_boundary_that_gravity_moves(O, capfd):
 @pytest.mark.parametrize("load", [50, 5000])
 def test_a_lid_that_disks_carry_is_not_told_of(O, capfd, load):
     """Without the disks the larger load would move this lid by 50 mm in a step; the floor is 2 mm away."""
-    mat = plane.ground()
+    plane.floor()
     for k in range(10):
-        plane.disk((0.002 * k, 0.001), 0.001, mass=0.008, mat=mat)
-    lid = plane.box((0.009, 0.004), (0.01, 0.002), blocked="xzXYZ", mass=0.1, mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+        plane.disk((0.002 * k, 0.001), 0.001, mass=0.008)
+    lid = plane.box((0.009, 0.004), (0.01, 0.002), blocked="xzXYZ", mass=0.1)
+    plane.engine(gravity=(0, -9.81, 0))
     O.forces.setPermF(lid, (0, -load, 0))
     assert said_by(O, capfd) == []
 
 
 def test_a_lid_that_a_force_moves_through_the_floor_in_a_step(O, capfd):
     """No disk is near it, so it is told of before the only search that comes in time."""
-    mat = plane.ground()
-    plane.disk((1, 0.001), 0.001, mat=mat)
-    lid = plane.box((0, 0.06), (0.03, 0.002), blocked="xzXYZ", mass=0.1, mat=mat)
-    O.engines, O.dt = cd_engine.engines(), 1e-3
+    plane.floor()
+    plane.disk((1, 0.001), 0.001)
+    lid = plane.box((0, 0.06), (0.03, 0.002), blocked="xzXYZ", mass=0.1)
+    plane.engine()
     O.forces.setPermF(lid, (0, -5000, 0))
     line, = said_by(O, capfd)
     assert f"body #{lid} is a boundary that its velocity or a force moves" in line
@@ -203,10 +193,9 @@ def test_a_lid_that_a_force_moves_through_the_floor_in_a_step(O, capfd):
 
 def test_a_scene_that_falls_as_a_whole(O, capfd):
     """All bodies got the freedoms of disks."""
-    mat = plane.material()
-    plane.box((0, -0.01), (0.1, 0.01), mat=mat)
-    plane.disk((0, 0.01), 0.01, mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+    plane.box((0, -0.01), (0.1, 0.01))
+    plane.disk((0, 0.01), 0.01)
+    plane.engine(gravity=(0, -9.81, 0))
     for body in O.bodies:
         body.state.blockedDOFs = "zXY"
         body.state.mass = 1
@@ -216,11 +205,10 @@ def test_a_scene_that_falls_as_a_whole(O, capfd):
 
 def test_fixed_disks_hold_a_scene(O, capfd):
     """Nothing is said of a lid that lies on them."""
-    mat = plane.material()
     for k in range(3):
-        plane.disk((0.02 * k, 0.01), 0.01, blocked="xyzXYZ", mat=mat)
-    plane.box((0.02, 0.03), (0.1, 0.01), blocked="xzXYZ", mat=mat)
-    O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)), 1e-3
+        plane.disk((0.02 * k, 0.01), 0.01, blocked="xyzXYZ")
+    plane.box((0.02, 0.03), (0.1, 0.01), blocked="xzXYZ")
+    plane.engine(gravity=(0, -9.81, 0))
     assert said_by(O, capfd) == []
 
 
@@ -229,9 +217,7 @@ def test_fixed_disks_hold_a_scene(O, capfd):
                          ids=["force", "velocity"])
 def test_a_boundary_that_something_else_moves(O, capfd, push):
     """It is told of before they meet."""
-    O.engines = plane.disk_on_a_floor()
-    O.engines[-1].gravity = (0, 0, 0)
-    O.dt = 1e-3
+    plane.disk_on_a_floor(gravity=(0, 0, 0))
     box = plane.box((1, 0.13), (0.1, 0.1), blocked="xzXYZ")
     push(box)
     lines = said_by(O, capfd, 300)
@@ -240,7 +226,7 @@ def test_a_boundary_that_something_else_moves(O, capfd, push):
 
 def test_two_boundaries_that_pass_through_each_other_are_told_of_once(O, capfd):
     """Not again when the one that was above is below."""
-    O.engines, O.dt = plane.disk_on_a_floor(), 1e-3
+    plane.disk_on_a_floor()
     lid = plane.box((0, 0.03), (0.1, 0.01), blocked="xzXYZ")
     above = plane.box((0, 0.06), (0.05, 0.005), blocked="xzXYZ")
     line, = [line for line in said_by(O, capfd, 300) if "is a boundary" in line]
@@ -250,9 +236,7 @@ def test_two_boundaries_that_pass_through_each_other_are_told_of_once(O, capfd):
 
 def test_nothing_is_said_of_a_piston_with_clearance(O, capfd):
     """It enters between two side walls and touches neither."""
-    O.engines = plane.disk_on_a_floor()
-    O.engines[-1].gravity = (0, 0, 0)
-    O.dt = 1e-3
+    plane.disk_on_a_floor(gravity=(0, 0, 0))
     for x in (1, 1.4):
         plane.box((x, 0.3), (0.1, 0.2))
     piston = plane.box((1.2, 0.61), (0.099, 0.1), blocked="xzXYZ")
@@ -262,8 +246,7 @@ def test_nothing_is_said_of_a_piston_with_clearance(O, capfd):
 
 def test_nothing_is_said_of_a_lid_that_disks_hold(O, capfd):
     """The lid also touches side walls."""
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     for k in range(3):
         plane.disk((1.1 + 0.2 * k, 0.1), 0.1)
     plane.box((1.3, 0.25), (0.3, 0.05), blocked="xzXYZ")
@@ -274,8 +257,7 @@ def test_nothing_is_said_of_a_lid_that_disks_hold(O, capfd):
 
 def test_nothing_is_said_of_a_wall_as_a_lid_between_walls(O, capfd):
     """Each Wall is endless along itself, and these cross at right angles."""
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     for x in (-0.1, 0.1):
         O.bodies.append(utils.wall(x, axis=0, material=0))
     lid = O.bodies.append(utils.wall(0.02, axis=1, material=0))
@@ -285,8 +267,7 @@ def test_nothing_is_said_of_a_wall_as_a_lid_between_walls(O, capfd):
 
 
 def test_nothing_is_said_of_a_scene_that_is_well(O, capfd):
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
+    plane.disk_on_a_floor()
     O.bodies.append(utils.wall(-1, axis=0, material=0))
     assert said_by(O, capfd) == []
 
@@ -301,9 +282,7 @@ def test_importing_it_makes_its_classes_known(tmp_path):
 
 
 def test_summary_says_how_it_went(O, capsys):
-    O.engines = plane.disk_on_a_floor()
-    O.dt = 1e-3
-    cd = O.engines[-1]
+    cd = plane.disk_on_a_floor()[-1]
     cd.summary()
     assert "No step yet" in capsys.readouterr().out
     O.run(5, True)

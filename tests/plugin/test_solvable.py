@@ -14,13 +14,12 @@ G = 9.81
 
 def press(O, method="auto", tolerance=1e-6, beside=False, speed=0.1):
     """Press a disk on the floor by a wall of `speed` [m/s]; with `beside`, a column of two stands next to it. Return the engine after a step."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mass=1, mat=mat)
-    lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
+    plane.columns(0, disks=1)
+    lid = plane.box((0, 0.025), (0.02, 0.005))
     O.bodies[lid].state.vel = (0, -speed, 0)
     if beside:
-        plane.disk((0.2, 0.01), 0.01, mass=1, mat=mat)
-        plane.disk((0.2, 0.03), 0.01, mass=2, mat=mat)
+        plane.disk((0.2, 0.01), 0.01)
+        plane.disk((0.2, 0.03), 0.01, mass=2)
     return plane.run(1, 1e-3, gravity=(0, -G, 0), method=method, tolerance=tolerance)
 
 
@@ -99,9 +98,7 @@ def hexagons(rows, speed, mu, along=0, sides=0, **settings):
     plane.floor(mat)
     for x, velocity in ((-r, sides), ((2 * rows + 1) * r, -sides)):
         yade.O.bodies[plane.box((x, height), (r, 2 * height), mat=mat)].state.vel = (velocity, 0, 0)
-    for j in range(rows):
-        for i in range(rows - j % 2):
-            plane.disk((r * (2 * i + 1 + j % 2), r * (1 + math.sqrt(3) * j)), r, mat=mat)
+    plane.hollows(rows, rows, mat)
     lid = plane.box((rows * r, height + r), (2 * rows * r, r), mat=mat)
     yade.O.bodies[lid].state.vel = (along, -speed, 0)
     return lid, plane.run(1, 1e-3, gravity=(0, -G, 0), **settings)
@@ -166,8 +163,7 @@ def test_wedged_disks_that_rebound_gain_no_energy(O, method):
                 plane.disk(((2 * i + 1) * 0.01, (2 * j + 1) * 0.01), 0.01 * draw.uniform(0.95, 1),
                            velocity=(draw.uniform(-1, 1), draw.uniform(-1, 1)), mat=mat)
         tolerance = 10.0**draw.choice([-2, -3, -4])
-        O.engines = cd_engine.engines(method=method, tolerance=tolerance, restitution=draw.choice([0.3, 0.5, 0.8, 0.95]), maxIterations=3000)
-        O.dt = 1e-3
+        plane.engine(method=method, tolerance=tolerance, restitution=draw.choice([0.3, 0.5, 0.8, 0.95]), maxIterations=3000)
         for _ in range(3):
             before = plane.kinetic_energy()
             O.step()
@@ -187,8 +183,7 @@ def test_a_press_that_has_stopped_moves_nothing(O):
             boxes.append(plane.box((0.12 * math.cos(angle), 0.12 * math.sin(angle)), (0.02, 0.005), angle, mat=mat))
             O.bodies[boxes[-1]].state.vel = (draw.gauss(0, 0.3), draw.gauss(0, 0.3), 0)
         method, restitution = draw.choice(["auto", "newton"]), draw.choice([0.3, 0.5])
-        O.engines = cd_engine.engines(method=method, tolerance=tolerance, restitution=restitution, handover=False)
-        O.dt = 1e-4
+        plane.engine(1e-4, method=method, tolerance=tolerance, restitution=restitution, handover=False)
         for _ in range(2):
             O.step()
         pressed += O.engines[-1].status == "no_solution"
@@ -246,18 +241,15 @@ def test_a_pile_stays_one_where_the_sweeps_do_not_suffice(O, settings):
     """A column of 30 disks on a belt with 20 sweeps a step: unsolved while it settles, but without deep overlaps."""
     mat = plane.material()
     O.bodies[plane.box((0, -0.01), (1, 0.01), mat=mat)].state.vel = (0 if settings else 0.01, 0, 0)
-    for k in range(30):
-        plane.disk((0, 0.01 + 0.02001 * k), 0.01, mat=mat)
+    plane.grid(30, 1, (0, 0.01), (0, 0.02001), mat)
     engine = plane.run(200, 1e-3, gravity=(0, -G, 0), tolerance=1e-6, maxIterations=20, **settings)
     assert engine.unconvergedSteps > 10 and engine.deepestPenetration < 0.1 * 0.01
 
 
 def test_forces_that_hold_each_other_are_kept(O):
     """A lid pressed on three disks is then fixed, and gravity ends: nothing moves, so the forces must stay."""
-    mat = plane.ground()
-    for k in range(3):
-        plane.disk((0, 0.01 + 0.02 * k), 0.01, mat=mat)
-    lid = plane.box((0, 0.065), (0.02, 0.005), blocked="xzXYZ", mat=mat)
+    plane.columns(0)
+    lid = plane.box((0, 0.065), (0.02, 0.005), blocked="xzXYZ")
     O.forces.setPermF(lid, (0, -500, 0))
     engine = plane.run(50, 1e-3, gravity=(0, -G, 0), tolerance=1e-4)
     assert engine.converged and O.interactions[0, 1].phys.normalForce.norm() == pytest.approx(500 + 4 * G, rel=1e-3)
@@ -289,10 +281,9 @@ def test_what_stands_beside_it_is_solved(O):
 def test_impulses_of_an_unsolved_step_excuse_none_in_the_next(O, method, tolerance):
     """A lid comes down on one of two overlapping disks. The first step ends with impulses of 1e12 N s. As first guess of the next step they are so
     large that the error relative to them is within the tolerance."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mat=mat)
-    plane.disk((0.019, 0.0105), 0.01, mat=mat)
-    lid = plane.box((0, 0.025), (0.02, 0.005), mat=mat)
+    plane.columns(0, disks=1)
+    plane.disk((0.019, 0.0105), 0.01)
+    lid = plane.box((0, 0.025), (0.02, 0.005))
     O.bodies[lid].state.vel = (0, -0.1, 0)
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0), method=method, tolerance=tolerance)
     solved = 0
@@ -306,9 +297,7 @@ def test_impulses_of_an_unsolved_step_excuse_none_in_the_next(O, method, toleran
 @pytest.mark.parametrize("most", [1, 3, 50])
 def test_the_bound_on_iterations_is_one(O, most):
     """A cold pile of 40 disks, in which contacts are added within the steps."""
-    mat = plane.ground()
-    for i in range(40):
-        plane.disk((0.0201 * (i % 5), 0.0101 + 0.0203 * (i // 5)), 0.01, velocity=(0, -1), mat=mat)
+    plane.grid(40, 5, (0, 0.0101), (0.0201, 0.0203), plane.ground(), velocity=(0, -1))
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0), maxIterations=most, tolerance=1e-10)
     for _ in range(40):
         assert engine.iterations <= most
@@ -317,13 +306,11 @@ def test_the_bound_on_iterations_is_one(O, most):
 
 def test_a_collider_finds_pairs_after_a_body_has_been_erased(O):
     """A disk rolls at 5 m/s towards another; meanwhile the engines are set anew. The allowed overlap is that of the scheme."""
-    mat = plane.ground()
-    still = plane.disk((0, 0.1), 0.1, mat=mat)
-    fast = plane.disk((0.5, 0.1), 0.1, velocity=(-5, 0), mat=mat)
-    O.bodies.erase(plane.disk((3, 0.1), 0.1, mat=mat))
-    O.dt = 1e-3
-    O.engines = cd_engine.engines(gravity=(0, -G, 0))
-    O.run(2, True)
+    plane.floor()
+    still = plane.disk((0, 0.1), 0.1)
+    fast = plane.disk((0.5, 0.1), 0.1, velocity=(-5, 0))
+    O.bodies.erase(plane.disk((3, 0.1), 0.1))
+    plane.run(2, 1e-3, gravity=(0, -G, 0))
     O.engines = cd_engine.engines(gravity=(0, -G, 0))
     O.run(100, True)
     assert O.bodies[fast].state.pos[0] - O.bodies[still].state.pos[0] > 0.2 * (1 - 1e-3)

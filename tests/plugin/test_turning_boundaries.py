@@ -110,11 +110,10 @@ def test_a_disk_on_a_plate_that_is_carried_round_sinks_in_and_the_engine_says_so
     """By w^2 R dt t/2, where R is the distance of the plate's centre (manual, driven boundaries): 0.33 of its radius in 0.25 s. A hundredth and a
     quarter of a radius have a line each."""
     w, distance, radius, dt, steps = 10.0, 0.5, 0.02, 1e-3, 250
-    mat = plane.material(0.5)
     for centre, half in (((0, distance + radius + 0.01), (0.1, 0.01)), ((-radius - 0.01, distance), (0.01, 0.02)),
                          ((radius + 0.01, distance), (0.01, 0.02))):
-        plane.box(centre, half, mat=mat)
-    disk = plane.disk((0, distance), radius, velocity=(-w * distance, 0), spin=w, mat=mat)
+        plane.box(centre, half)
+    disk = plane.disk((0, distance), radius, velocity=(-w * distance, 0), spin=w)
     reset, collider, engine = cd_engine.engines()
     O.engines = [reset, collider, yade.wrapper.RotationEngine(ids=[0, 1, 2], rotationAxis=(0, 0, 1), rotateAroundZero=True, zeroPoint=(0, 0, 0),
                                                               angularVelocity=w), engine]

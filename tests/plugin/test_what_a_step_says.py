@@ -14,9 +14,8 @@ G = 9.81
 def test_forces_move_the_bodies_when_an_island_is_stopped(O, height):
     """A disk dropped beside one at rest: in every step m (v' - v) = dt F, F the total in O.forces. Round-off is 1e-15 of m g dt and of the momentum;
     an island that is stopped keeps a hundredth of the tolerance of what its contacts' impulses make."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mat=mat)
-    falling = plane.disk((0.1, height), 0.01, mat=mat)
+    plane.columns(0, disks=1)
+    falling = plane.disk((0.1, height), 0.01)
     engine = plane.run(1, 1e-3, gravity=(0, -G, 0))
     for step in range(100):
         before = np.array(O.bodies[falling].state.vel)

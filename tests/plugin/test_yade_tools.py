@@ -26,11 +26,10 @@ def test_stress_of_a_loaded_box(O):
 
 def test_unbalanced_force_is_that_of_the_resultants(O):
     """At rest under gravity nothing is left over; a falling disk keeps its weight."""
-    mat = plane.ground()
-    plane.disk((0, 0.01), 0.01, mat=mat)
+    plane.columns(0, disks=1)
     plane.run(5, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-12)
     assert utils.unbalancedForce() < 1e-12
-    falling = plane.disk((1, 1), 0.01, mass=2.0, mat=mat)
+    falling = plane.disk((1, 1), 0.01, mass=2.0)
     O.run(2, True)
     assert O.forces.f(falling)[1] == pytest.approx(-2 * 9.81)
     assert utils.unbalancedForce(useMaxForce=True) == pytest.approx(2.0)
@@ -38,9 +37,8 @@ def test_unbalanced_force_is_that_of_the_resultants(O):
 
 def test_forces_follow_yade_s_signs(O):
     """normalForce + shearForce act on the second body; the boundary comes first; torque balances."""
-    mat = plane.material(0.5)
-    ball = plane.disk((0, 0.1), 0.1, mat=mat)  # id 0, so YADE would name it first
-    plane.floor(mat)
+    ball = plane.disk((0, 0.1), 0.1)  # id 0, so YADE would name it first
+    plane.floor()
     O.forces.setPermF(ball, (1.0, 0, 0))
     plane.run(3, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-13)
     contact, = [i for i in O.interactions if i.isReal]
@@ -55,9 +53,8 @@ def test_forces_follow_yade_s_signs(O):
 
 
 def test_only_loaded_contacts_are_real(O):
-    mat = plane.material()
-    plane.disk((0, 0), 0.1, mat=mat)
-    plane.disk((0.2, 0), 0.1, mat=mat)
+    plane.disk((0, 0), 0.1)
+    plane.disk((0.2, 0), 0.1)
     cd = plane.run(2, 1e-3)
     assert O.interactions.countReal() == 0 and cd.contacts == 1 and cd.loadedContacts == 0
     O.bodies[1].state.vel = (-1, 0, 0)
@@ -118,13 +115,12 @@ def test_non_convergence_is_counted_and_told_once(tmp_path):
 @pytest.mark.parametrize("order", [1, -1])
 def test_erasing_and_adding_bodies_in_mid_run(O, order):
     """Ids change and the layer's first disk is erased; the engine follows."""
-    mat = plane.material()
-    ids = [plane.disk((0.3 * i, 0.1), 0.1, mat=mat) for i in range(3)]
-    plane.floor(mat)
+    ids = [plane.disk((0.3 * i, 0.1), 0.1) for i in range(3)]
+    plane.floor()
     plane.run(3, 1e-3, gravity=(0, -9.81, 0), tolerance=1e-12)
     O.bodies.erase(ids[::order][0])
     O.run(2, True)
-    new = plane.disk((5, 0.1), 0.1, mass=3.0, mat=mat)
+    new = plane.disk((5, 0.1), 0.1, mass=3.0)
     O.run(5, True)
     assert O.interactions[3, new].phys.normalForce[1] == pytest.approx(3 * 9.81)
     assert len([i for i in O.interactions if i.isReal]) == 3

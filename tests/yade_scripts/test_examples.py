@@ -1,7 +1,6 @@
 """Small versions of the examples run by both methods, and their results are physically possible."""
 import math
 import re
-import subprocess
 
 import pytest
 
@@ -58,17 +57,11 @@ def test_a_mistake_is_told_in_one_sentence(tmp_path, name, word, said):
     assert done.stderr.splitlines()[-1].startswith(said) and "Traceback" not in done.stderr, done.stderr
 
 
-def test_rows_of_a_table_set_them(root, tmp_path):
+def test_rows_of_a_table_set_them(tmp_path):
     """yade-batch sets the parameters from the rows of a table. A row is checked as arguments are."""
-    (tmp_path / "table.txt").write_text("disks seconds\n40 0.2\n40 0\n40.0 1\n'a' 1\n40 'b'\n")
-    script = root / "yade_scripts" / "examples" / "hopper.py"
-
-    def row(line):
-        return subprocess.run(["env", f"YADE_BATCH={tmp_path / 'table.txt'}:{line}", "yade", "-n", "-x", "-j1", str(script)], cwd=tmp_path,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600)
-
-    for line in (3, 4, 5, 6):
-        assert "disks must be a whole number" in row(line).stderr.splitlines()[-1]
-    done = row(2)
+    table = tmp_path / "table.txt"
+    table.write_text("disks seconds\n40 0.2\n40 0\n40.0 1\n'a' 1\n40 'b'\n")
+    *refused, done = (Yade(tmp_path).script("examples/hopper.py", YADE_BATCH=f"{table}:{line}") for line in (3, 4, 5, 6, 2))
+    assert all("disks must be a whole number" in row.stderr.splitlines()[-1] for row in refused)
     assert "of 40 disks left the hopper in 0.20 s" in done.stdout, done.stdout + done.stderr
     assert [path.name.startswith("hopper-disks=40,seconds=0.2.") for path in tmp_path.glob("*.png")] == [True]  # another row would write another file

@@ -17,8 +17,11 @@ import shlex
 import sys
 import time
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[1]))
+if __name__ == "__main__":
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[2]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.cluster.sweep", file)
 
 from yade_scripts import batch, commands, parameters, results, tables
 from yade_scripts.cluster import slurm
@@ -92,7 +95,7 @@ class Sweep:
         plan.write_text(tables.text([job.row for job in todo]), encoding="utf-8")
         tasks = min(len(todo), slurm.largest_array())
         minutes = self.options.minutes and self.options.minutes * 2**attempt
-        words = sys.executable, HERE.parent / "batch.py", plan, "--results", self.options.results, "--jobs", 1, "--share"
+        words = sys.executable, batch.__file__, plan, "--results", self.options.results, "--jobs", 1, "--share"
         command = f"exec {shlex.join(map(str, words))} $SLURM_ARRAY_TASK_ID/{tasks}"
         output = self.folder / "task-%A_%a.out"
         number = slurm.submit(self.name, command, tasks, output, minutes, self.options.at_once, shlex.split(self.options.sbatch))
@@ -154,7 +157,3 @@ def main(arguments=None):
     for job in sweep.failed + sweep.open:
         print(f"sweep: {job.path}: {job.outcome() if job.log.exists() else 'never started'}", file=sys.stderr)
     return 1 if sweep.failed or sweep.open else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

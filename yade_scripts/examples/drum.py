@@ -10,7 +10,10 @@ drum-*.vtk hold the disks for Paraview, drum.yade.gz the last state. To load it 
 PyRunners below use, then call O.load.
 """
 import math, pathlib, random, sys, time
-sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))  # this clone; not needed after `make install`
+file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+if locals() is not globals():
+    sys.exit(f"write execfile({file!r}, globals()): without globals() the functions of a script do not find its names")
+sys.path.insert(0, str(pathlib.Path(file).resolve().parents[2]))  # this clone; not needed after `make install`
 import cd_engine
 from yade import export, plot
 

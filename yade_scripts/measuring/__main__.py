@@ -10,7 +10,8 @@ import pathlib
 import signal
 import sys
 
-from yade_scripts import commands, parameters, results
+from yade_scripts import commands, results
+from yade_scripts.errors import ParameterError
 from yade_scripts.measuring import charts, maps, store
 from yade_scripts.results import provenance
 from yade_scripts.running import queue
@@ -66,7 +67,7 @@ def main(arguments=None):
     for message in broken:
         print(f"measuring: {message}", file=sys.stderr)
     if unknown := [name for name in options.only if name not in known]:
-        raise parameters.ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
+        raise ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
     results.make(options.results)
     jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]
     jobs.sort(key=lambda job: -job.work.limit)  # the longest first

@@ -10,9 +10,14 @@ import pathlib
 import sys
 import tempfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+if __name__ == "__main__":
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[2]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.measuring.regression", file)
 
-from yade_scripts import batch, commands, parameters, results
+from yade_scripts import batch, commands, results
+from yade_scripts.errors import ParameterError
 from yade_scripts.results import sealed
 from yade_scripts.running import queue
 
@@ -73,9 +78,9 @@ def main(arguments=None):
     parser.add_argument("--record", metavar="NEW.json", help="write the numbers found to a new file")
     options = parser.parse_args(arguments)
     if options.record and pathlib.Path(options.record).exists():
-        raise parameters.ParameterError(f"{options.record} exists; name a new file")
+        raise ParameterError(f"{options.record} exists; name a new file")
     if options.record and not pathlib.Path(options.record).absolute().parent.is_dir():
-        raise parameters.ParameterError(f"{options.record}: there is no such folder; make it first")
+        raise ParameterError(f"{options.record}: there is no such folder; make it first")
     stored = json.loads(STORED.read_text())
     cases = [case for case in stored["cases"] if case["quick"] or options.full]
     with tempfile.TemporaryDirectory() as folder:
@@ -86,6 +91,5 @@ def main(arguments=None):
     return 1 if drifted else 0
 
 
-if __name__ == "__main__":
+def begin():
     queue.end_by_signals("regression")
-    sys.exit(main())

@@ -12,7 +12,8 @@ import h5py
 import pandas
 
 from yade_scripts import parameters, results
-from yade_scripts.results import provenance, reader, sealed
+from yade_scripts.errors import ResultError
+from yade_scripts.results import provenance, sealed
 
 ACCURACY = "accuracy"  # the parameter of yade_scripts/accuracy.py, which is not in the registry
 MARK = b"facts\0"  # the name of a dataset that only measurements have, as HDF5 writes it
@@ -62,7 +63,7 @@ def get(folder, name):
     path = pathlib.Path(folder) / f"{name}.h5"
     try:
         return load(path) if path.exists() else None
-    except reader.ResultError as error:
+    except ResultError as error:
         print(f"{error}; it is measured again", file=sys.stderr)
         return None
 
@@ -79,10 +80,10 @@ def load(path):
             facts = json.loads(file["facts"].asstr()[()])
         own = name_of(facts)
     except sealed.Damaged as error:
-        raise reader.ResultError(path, str(error)) from None
+        raise ResultError(path, str(error)) from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise reader.ResultError(path, f"holds no measurement of this program ({error})") from None
+        raise ResultError(path, f"holds no measurement of this program ({error})") from None
     if own != path.stem:
-        raise reader.ResultError(path, f"holds another measurement than its name says ({own})")
+        raise ResultError(path, f"holds another measurement than its name says ({own})")
     rows = pandas.DataFrame(columns)
     return facts | {"rows": rows.astype(object).where(rows.notna(), None).to_dict("records")}

@@ -8,7 +8,10 @@ import signal
 import sys
 
 from yade_scripts import commands
-from yade_scripts.measuring import __main__ as runner
+from yade_scripts.measuring import __main__ as runner, maps
+from yade_scripts.measuring.charts import measure
+
+MEASURE = {"charts": measure.left, "maps": maps.Work.measure}
 
 
 def main(kind, name, full, folder):
@@ -26,7 +29,7 @@ def main(kind, name, full, folder):
         limit(seconds)
 
     try:
-        work.measure(begun)
+        MEASURE[kind](work, begun)
     except OSError as error:
         limit(0)
         sys.exit(f"{error}; {commands.cure(error)} and start it again")

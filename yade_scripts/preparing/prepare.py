@@ -17,12 +17,16 @@ import sys
 import time
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parents[2]))
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[2]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.preparing.prepare", file)
 
 from yade import O, config, utils
 
 import cd_engine
-from yade_scripts import commands, parameters, results
+from yade_scripts import commands, parameters, results, tables
+from yade_scripts.errors import ParameterError
 from yade_scripts.results import sealed
 from yade_scripts.running import bodies, hooks, locks, md, progress, saved_scene, walls
 
@@ -51,7 +55,7 @@ def ensure(full, folder):
     Raise ParameterError for a row with gravity, under which a packing would lie otherwise than its hash says.
     """
     if full["gravity"]:
-        raise parameters.ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity: set gravity = 0")
+        raise ParameterError(f"gravity = {full['gravity']}: packings are prepared without gravity: set gravity = 0")
     path = pathlib.Path(folder) / "states" / f"{parameters.digest(inputs(full), 16)}.yade.gz"
     path.parent.mkdir(parents=True, exist_ok=True)
     with locks.held(path):  # rows that run at the same time prepare it once
@@ -190,7 +194,7 @@ def _make(full):
 def main(arguments=None):
     options = commands.parser(__doc__, "row", "--results").parse_args(arguments)
     cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
-    full = parameters.complete(parameters.from_arguments(options.row))
+    full = parameters.complete(tables.given(options.row))
     results.make(options.results)
     try:
         print(*ensure(full, options.results))
@@ -198,7 +202,3 @@ def main(arguments=None):
         print(f"prepare: {error}", file=sys.stderr)
         return 1
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

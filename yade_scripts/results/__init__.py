@@ -1,4 +1,4 @@
-"""Result files: their names, fields (schema), checksum (sealed) and reader, and how a run ended. Needs no YADE.
+"""Result files: their names (names), fields (schema), checksum (sealed) and reader, and how a run ended. Needs no YADE.
 
 A file counts as the result of a row if `reader` accepts it and it holds that row's parameters; its name alone does not count.
 Nothing here imports code that runs or draws.
@@ -6,10 +6,13 @@ Nothing here imports code that runs or draws.
 import os
 import pathlib
 
-from yade_scripts import parameters
+from yade_scripts import FOLDER
+from yade_scripts.errors import ParameterError, ResultError
+from yade_scripts.results import reader
+from yade_scripts.results.names import checkpoint_of, path_of
 from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED
 
-FOLDER = "results"
+__all__ = ["FOLDER", "STATUS_FAILED", "STATUS_FINISHED", "checkpoint_of", "ending", "finished", "in_words", "make", "path_of", "status"]
 
 
 def make(folder, kind="results"):
@@ -19,26 +22,16 @@ def make(folder, kind="results"):
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError("nothing can be written there")
     except OSError as error:
-        raise parameters.ParameterError(f"{folder} cannot be used as the folder for {kind}: {error}") from None
-
-
-def path_of(full, folder=FOLDER):
-    return pathlib.Path(folder) / f"{parameters.result_name(full)}.h5"
-
-
-def checkpoint_of(path):
-    """Return the file from which the run of a result file can be continued."""
-    return pathlib.Path(path).with_suffix(".checkpoint.zip")
+        raise ParameterError(f"{folder} cannot be used as the folder for {kind}: {error}") from None
 
 
 def ending(path):
     """Return (status, commit) of the run in a file: 'finished' or 'failed: reason', and the commit of its code; (None, '') without a file."""
-    from yade_scripts.results import reader  # imports this module
     if not os.path.lexists(path):
         return None, ""
     try:
         run = reader.load_named(path)
-    except reader.ResultError as error:
+    except ResultError as error:
         return f"{STATUS_FAILED}{error}", ""
     return str(run.attributes["status"]), str(run.attributes["git_commit"])
 
@@ -50,7 +43,6 @@ def status(path):
 
 def in_words(path):
     """Return `status`, and of a sample that collapsed its outcome, too."""
-    from yade_scripts.results import reader
     found = status(path)
     if found == STATUS_FINISHED and (run := reader.load(path)).collapsed:
         return f"{found}, {run.outcome}"

@@ -7,26 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from yade_scripts import parameters, results
-from yade_scripts.results import schema, sealed
-
+from yade_scripts import FOLDER, parameters
+from yade_scripts.errors import NoRunError, ParameterError, ResultError
+from yade_scripts.results import names, schema, sealed
 
 PARTIAL_SUFFIX = ".partial.h5"
 AGAIN = "run it again"  # this replaces the file
 MARK = b"state_sha256\0"  # the name of an attribute that only results have, as HDF5 writes it; a text has no zero
-RESULTS = Path(__file__).resolve().parents[2] / results.FOLDER
-
-
-class ResultError(Exception):
-    """A result file cannot be used. The message states which file, what is wrong, and what to do."""
-
-    def __init__(self, path, what, remedy=""):
-        super().__init__(f"{path}: {what}" + f"; {remedy}" * bool(remedy))
-        self.what, self.remedy = what, remedy
-
-
-class NoRunError(ResultError):
-    """The file does not say that it is the result of a run."""
+RESULTS = Path(__file__).resolve().parents[2] / FOLDER
 
 
 class Named(dict):
@@ -76,7 +64,7 @@ class Run:
         """The name that its parameters give it. Raise ResultError if this program has no such run, as of a scene that was removed."""
         try:
             return parameters.result_name(parameters.complete(self.parameters))
-        except parameters.ParameterError as error:
+        except ParameterError as error:
             raise ResultError(self.path, f"the present program refuses the parameters stored in this file: {error}",
                               f"it was made by commit {self.attributes['git_commit']}") from None
 
@@ -168,10 +156,10 @@ def load_named(path, finished=False):
     return run
 
 
-def load_row(full, folder=results.FOLDER):
+def load_row(full, folder=FOLDER):
     """Return the run of a full row from its file in `folder`. Parameters that are younger than the file have their defaults. Raise ResultError as
     `load_named` does."""
-    run = load_named(results.path_of(full, folder))
+    run = load_named(names.path_of(full, folder))
     return replace(run, parameters=full | run.parameters)
 
 

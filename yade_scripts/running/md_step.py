@@ -10,7 +10,7 @@ from yade import O
 from yade.wrapper import Sphere
 
 from yade_scripts.theory import spring_limits
-from yade_scripts.parameters import ParameterError
+from yade_scripts.errors import ParameterError
 from yade_scripts.running import bodies
 
 

@@ -20,8 +20,9 @@ SCRIPTS = pathlib.Path(__file__).resolve().parents[1]
 
 
 def environment():
-    """Return the environment for YADE: one thread, and a HOME, without which it does not start."""
-    return {"HOME": tempfile.gettempdir()} | os.environ | {"OMP_NUM_THREADS": "1"}
+    """Return the environment for YADE: one thread, a HOME, without which it does not start, and no table of a yade-batch around this process."""
+    inherited = {name: value for name, value in os.environ.items() if name != "YADE_BATCH"}
+    return {"HOME": tempfile.gettempdir()} | inherited | {"OMP_NUM_THREADS": "1"}
 
 
 class Job:

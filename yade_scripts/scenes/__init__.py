@@ -11,7 +11,7 @@ A scene's file declares
 and may declare
     METHODS     ("MD",) or ("CD",), if only one of them can run it; then also
     ONLY        why: a clause that ends the sentence 'the scene runs by CD only, since'
-    PARAMETERS  the parameters that only this scene has, a tuple of parameters.Parameter
+    PARAMETERS  the parameters that only this scene has, a tuple of parameter.Parameter
     POSITIVE    names of general parameters that must be above 0
     CHART       Chart: what the charts of speed against accuracy vary; only if an exact value is known
     check(full)             raises ParameterError if values of parameters do not fit together
@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from typing import Callable
 
 from yade_scripts import declared
+from yade_scripts.errors import ParameterError
 
 
 @dataclass
@@ -91,20 +92,6 @@ class Scene:
         self.snapshots |= {0, self.samples}
 
 
-def converged(full, found, same, extra):
-    """Return a list of Known for quantities whose exact value is a mean over many runs; empty if the row differs from those runs.
-
-    found: {disks: ({name: (mean, standard deviation of one run)}, how it was found)}. same: {parameter: value of those runs}.
-    extra: that of the Scene, with a unit and a function for each name.
-    """
-    from yade_scripts import parameters
-    if full["disks"] not in found or any(full[name] != value for name, value in same.items()) or parameters.restitution(full) > 0.01:
-        return []
-    quantities, how = found[full["disks"]]
-    return [Known(name, extra[name][0], mean, extra[name][2], source=f"converged: {how}; standard deviation of one run {deviation}",
-                  deviation=deviation) for name, (mean, deviation) in quantities.items()]
-
-
 def names():
     """Return the scenes: the names of the files in this folder."""
     return tuple(declared.names(__name__))
@@ -112,7 +99,6 @@ def names():
 
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
-    from yade_scripts.parameters import ParameterError
     file = declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
                          {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "POSITIVE": (), "CHART": None,
                           "check": lambda full: None})
@@ -130,7 +116,6 @@ def build(full, folder):
     from yade import O
 
     import cd_engine
-    from yade_scripts.parameters import ParameterError
     cd_engine.methods()  # raises ImportError, with the remedy, in a YADE of another precision
     O.reset()
     file = module(full["scene"])

@@ -12,7 +12,8 @@ is one equation for phi, integrated here to 1e-11.
 """
 import math
 
-from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Arch of three disks"

@@ -1,6 +1,7 @@
 """The paper's experiment: a packing is prepared under P0, then sigma2 changes (eqs. 1 and 7, Figs. 3 to 5); sigma1 or the mean stress stays P0."""
 
-from yade_scripts.parameters import ParameterError
+from yade_scripts import parameters
+from yade_scripts.errors import ParameterError
 
 TITLE = "Biaxial test of a dense packing"
 KIND = "dense packings under load"
@@ -25,7 +26,6 @@ def build(full, folder, goals=None):
 
     goals: function t -> (sigma1, sigma2) [Pa], if the load is not the row's `loading`.
     """
-    from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import loading, stage
     checksum = prepare.load(full, folder)

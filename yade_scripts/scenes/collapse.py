@@ -10,8 +10,9 @@ springs it reaches 4.03 +- 0.07 (four deposits).
 import math
 
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, converged
+from yade_scripts.parameter import Parameter
+from yade_scripts.scenes import Chart
+from yade_scripts.scenes._converged import converged
 
 TITLE = "Collapse of a column"
 KIND = "flow"
@@ -24,7 +25,7 @@ PARAMETERS = (Parameter("column_aspect", 2.0, "1", "height of the column over it
 CHART = Chart(base={"disks": 400}, patience=2, physics=("beta_n",), rolling=True)
 
 SHARE = 0.98  # of the disks behind the front, and below the height
-# In column widths, found with the parameters of SAME. scenes.converged explains the form.
+# In column widths, found with the parameters of SAME. _converged.py explains the form.
 CONVERGED = {400: ({"front": (3.99, 0.13), "height": (0.817, 0.033)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 10"),
              4000: ({"front": (4.67, 0.05), "height": (0.733, 0.006)}, "CD, restitution 0, cd_dt 5e-4, tolerance 1e-2, seeds 1 to 4")}
 SAME = dict(column_aspect=2.0, friction=0.5, radius_spread=0.3)

@@ -8,7 +8,8 @@ Because of the gaps every collision involves only two disks. A disk of speed v t
          with a slower one does not speed up a faster one; if that is less, nothing catches up with the last.
 """
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 from yade_scripts.running.sums import total
 

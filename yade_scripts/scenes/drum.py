@@ -11,9 +11,10 @@ import math
 
 import numpy as np
 
-from yade_scripts import parameters
-from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, converged
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
+from yade_scripts.scenes import Chart
+from yade_scripts.scenes._converged import converged
 
 TITLE = "Rotating drum"
 KIND = "flow"
@@ -28,7 +29,7 @@ CHART = Chart(physics=("beta_n",), rolling=True)
 EVERY = 0.01              # s between two measurements of the slope, or more if a step does not fit
 SELDOM = 5                # measurements of the slope for one of the profile
 ABOVE = 4                 # layers of the profile that lie above the axis
-# Found with the parameters of SAME. scenes.converged explains the form.
+# Found with the parameters of SAME. _converged.py explains the form.
 CONVERGED = {500: ({"slope": (26.5, 0.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(froude=0.01, friction=0.5, radius_spread=0.2, period=3.0, cycles=1, gravity=9.81, radius_mean=0.01)
 
@@ -50,8 +51,8 @@ def build(full, folder):
     most = int(inner / pitch) + 1
     places = [(pitch * i, pitch * j) for j in range(-most, most) for i in range(-most, most) if math.hypot(i, j) * pitch < inner - 1.1 * largest]
     if len(places) < full["disks"]:
-        raise parameters.ParameterError(f"disks = {full['disks']}: so few do not fit, in loose rows, into a drum that they fill by half; take more "
-                                        f"disks, or a radius_spread below {full['radius_spread']:g}")
+        raise ParameterError(f"disks = {full['disks']}: so few do not fit, in loose rows, into a drum that they fill by half; take more "
+                             f"disks, or a radius_spread below {full['radius_spread']:g}")
     ids = [ground.disk(place, radius=ground.draw_radius()).id for place in places[:full["disks"]]]  # from the lowest row upwards
     half_time, omega = full["period"] * full["cycles"] / 2, math.sqrt(full["froude"] * full["gravity"] / inner)
     depths = (np.arange(-ABOVE, math.ceil(inner / (2 * radius))) + 0.5) * 2 * radius / inner

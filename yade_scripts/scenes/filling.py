@@ -7,8 +7,9 @@ solid fraction.
 import math
 
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, converged
+from yade_scripts.parameter import Parameter
+from yade_scripts.scenes import Chart
+from yade_scripts.scenes._converged import converged
 
 TITLE = "Filling of a box"
 KIND = "flow"
@@ -20,7 +21,7 @@ POSITIVE = ("gravity",)
 PARAMETERS = (Parameter("box_aspect", 1.0, "1", "height of the filling over its width, about", low=0.1, high=10),)
 CHART = Chart(physics=("beta_n",), rolling=True)
 
-# Found with the parameters of SAME. scenes.converged explains the form.
+# Found with the parameters of SAME. _converged.py explains the form.
 CONVERGED = {500: ({"height": (1.287, 0.010)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(box_aspect=1.0, friction=0.5, radius_spread=0.2, period=1.0, cycles=1, gravity=9.81, radius_mean=0.01)
 

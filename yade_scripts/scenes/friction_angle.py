@@ -8,7 +8,7 @@ Only stiffer springs make that smaller.
 """
 import math
 
-from yade_scripts.parameters import Parameter
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Blocks just below and just above the friction angle"

@@ -6,7 +6,8 @@ pairs some 1e-12 m apart, which a longer step would close.
 """
 import numpy as np
 
-from yade_scripts.parameters import ParameterError
+from yade_scripts import parameters
+from yade_scripts.errors import ParameterError
 from yade_scripts.scenes import Scene
 
 TITLE = "Walk over the force networks of a packing at rest"
@@ -28,7 +29,6 @@ def check(full):
 def build(full, folder):
     """Load the packing (made if missing) under P0; make one step from zero forces, then a walk of records_per_cycle times cycles steps."""
     from yade import O
-    from yade_scripts import parameters
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import stage
     checksum = prepare.load(full, folder)

@@ -15,7 +15,8 @@ with mu = 0.3 and beta_n = 0.1 by about 15 % once the flutter has grown; in 0.2 
 """
 import math
 
-from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk in a groove under a torque"

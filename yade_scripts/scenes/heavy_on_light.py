@@ -4,7 +4,7 @@ Each Gauss-Seidel sweep passes the share light/(light + heavy) of the load down,
 Springs hold the two as a slow oscillator, omega = sqrt(k_n/(2M)). Dashpots of the light mass damp it by only beta sqrt(m k_n)/(2 M), so
 coming to rest takes 2M/(beta sqrt(m k_n)), 2 mass_ratio times as long as for the light disk alone.
 """
-from yade_scripts.parameters import Parameter
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Heavy disk on a light one"

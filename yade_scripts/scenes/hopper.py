@@ -11,8 +11,10 @@ import math
 import numpy as np
 
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter
-from yade_scripts.scenes import Chart, converged
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
+from yade_scripts.scenes import Chart
+from yade_scripts.scenes._converged import converged
 
 TITLE = "Discharge of a silo"
 KIND = "flow"
@@ -27,7 +29,7 @@ CHART = Chart(physics=("beta_n",), rolling=True)
 
 FIRST, LAST = 0.15, 0.5   # shares of passed disks between which the rate is measured
 EVERY = 0.005             # s between two counts of the disks that have passed
-# Found with the parameters of SAME. scenes.converged explains the form.
+# Found with the parameters of SAME. _converged.py explains the form.
 CONVERGED = {500: ({"rate": (76.2, 2.7)}, "CD, restitution 0, cd_dt 2.5e-4, tolerance 1e-3, seeds 1 to 8")}
 SAME = dict(slot=10.0, silo_aspect=1.5, friction=0.5, radius_spread=0.2)
 
@@ -36,8 +38,8 @@ def check(full):
     """Check that the slot leaves a floor on both sides."""
     slot, widest = full["slot"] * 2 * full["radius_mean"], 0.8 * parameters.width(full, full["silo_aspect"])
     if slot > widest:
-        raise parameters.ParameterError(f"slot = {full['slot']:g}: the slot of {slot:.3g} m is wider than 0.8 of the silo, {widest:.3g} m; take more "
-                                        "disks or a smaller slot")
+        raise ParameterError(f"slot = {full['slot']:g}: the slot of {slot:.3g} m is wider than 0.8 of the silo, {widest:.3g} m; take more "
+                             "disks or a smaller slot")
 
 
 def build(full, folder):

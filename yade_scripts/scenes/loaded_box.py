@@ -2,6 +2,7 @@
 import itertools
 import math
 
+from yade_scripts import parameters
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Square lattice in a loaded box"
@@ -14,7 +15,6 @@ CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 def build(full, folder):
     """Build as many disks as fill a square, at most `disks`; the springs of MD are compressed by P0 from the start."""
-    from yade_scripts import parameters
     from yade_scripts.running import bodies, stage, walls
     ground = stage.Ground(full)
     radius, rows, p0 = ground.radius, math.isqrt(full["disks"]), parameters.pressure(full)

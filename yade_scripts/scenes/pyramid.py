@@ -5,7 +5,7 @@ forces than equations. Every admissible set of forces carries, across each row, 
 resultant on the fixed row acts under the centre. The pyramid stands at any friction, even without, since each disk is held by two below. On a
 flat floor forces that hold it exist only from mu = 0.27 on with two rows and 0.51 with six, and even then it may roll apart.
 """
-from yade_scripts.parameters import Parameter
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Pyramid of disks"

@@ -1,5 +1,5 @@
 """A disk thrown flat on a floor slides, then rolls at 2/3 of its speed, since its angular momentum about the contact point is conserved."""
-from yade_scripts.parameters import ParameterError
+from yade_scripts.errors import ParameterError
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Disk that slides, then rolls"

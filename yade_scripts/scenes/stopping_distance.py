@@ -1,5 +1,5 @@
 """A block thrown flat on a floor stops by friction after speed^2/(2 mu g), and stays where it stopped."""
-from yade_scripts.parameters import ParameterError
+from yade_scripts.errors import ParameterError
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Stopping distance of a block"

@@ -2,7 +2,7 @@
 import math
 
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Fast disk against a thin wall"

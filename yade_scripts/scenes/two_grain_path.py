@@ -16,7 +16,7 @@ lengthens it by dtheta^2/2 a step. It leaves -A^2/(2n) of the force at the far e
 import math
 
 from yade_scripts import parameters
-from yade_scripts.parameters import ParameterError
+from yade_scripts.errors import ParameterError
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Closed path of two disks"

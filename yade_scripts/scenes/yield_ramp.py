@@ -6,7 +6,8 @@ associated, this is an upper bound: rigid contacts may yield somewhat below it. 
 Springs strain before: |gamma| passes yield_strain earlier, unless they are so stiff that P0/k_n is far below it.
 """
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known, biaxial
 
 TITLE = "Yield under a ramp"

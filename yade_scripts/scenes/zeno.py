@@ -5,7 +5,8 @@ The fall from `drop` takes s = sqrt(2 drop/g), the flight after bounce k takes 2
 import math
 
 from yade_scripts import parameters
-from yade_scripts.parameters import Parameter, ParameterError
+from yade_scripts.errors import ParameterError
+from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Bouncing to rest"

@@ -4,15 +4,17 @@ Words are separated by blanks. `#` starts a comment. `=` repeats the value above
 the row's scene has no such parameter. The columns `description` and `!NAME` (environment variables) are for yade-batch only.
 """
 import itertools
+import os
 import pathlib
 
 from yade_scripts import parameters
+from yade_scripts.errors import ParameterError
 
 
 NO_VALUE = "-"
 
 
-class TableError(parameters.ParameterError):
+class TableError(ParameterError):
     """A table cannot be read; the message names file and line."""
 
 
@@ -60,9 +62,15 @@ def read(path):
                         if head != "description" and not head.startswith("!") and text != NO_VALUE}
         try:
             parameters.complete(rows[number])
-        except parameters.ParameterError as error:
+        except ParameterError as error:
             raise TableError(f"{path}:{number}: {error}") from None
     return rows
+
+
+def given(arguments):
+    """Return the row of a command: that of yade-batch's table if there is one, otherwise of name=value arguments."""
+    place = os.environ.get("YADE_BATCH")  # empty where yade-batch has no table
+    return batch_row(place) if place else parameters.from_arguments(arguments)
 
 
 def batch_row(place):

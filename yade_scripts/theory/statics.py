@@ -6,7 +6,7 @@ both on the second body. SI units.
 import numpy as np
 from scipy import optimize, sparse
 
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 # Walls that are free to move along their normal in the biaxial box: (id, axis). The opposite walls are fixed.
 FREE_WALLS = ((1, 0), (3, 1))

@@ -19,7 +19,8 @@ import sys
 import pandas
 from tqdm import tqdm
 
-from yade_scripts import commands, parameters, results
+from yade_scripts import commands, results
+from yade_scripts.errors import ParameterError
 from yade_scripts.measuring import store
 from yade_scripts.measuring.benchmark import pieces, problems, siconos
 from yade_scripts.running import queue
@@ -38,7 +39,7 @@ def main(arguments=None):
         try:
             problems.from_file(path)
         except ValueError as error:
-            raise parameters.ParameterError(str(error)) from None
+            raise ParameterError(str(error)) from None
     folder = pathlib.Path(options.results) / "benchmark" / ("" if options.full else "quick")
     results.make(folder)
     if reason := siconos.available():

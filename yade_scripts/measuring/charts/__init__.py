@@ -150,11 +150,3 @@ class Work:
 
     def _enter(self, setting, reason, late):
         store.add(self.folder, {"row": setting.row, "limit": self.limit, "out_of_time": late, "status": STATUS_FAILED + reason, "seconds": []})
-
-    def measure(self, begun):
-        """In YADE: measure what is left. Before each setting, call begun(name, seconds) with the processor time that it may take."""
-        from yade_scripts.measuring.charts import measure
-        for setting in self.left():
-            facts, known = measure.measure(setting.row, self.folder.parent, self.limit, lambda seconds: begun(setting.name, seconds))
-            store.add(self.folder, facts, known)
-            print(f"{setting.name}: {facts['status']}", flush=True)

@@ -9,6 +9,7 @@ import traceback
 from yade import O
 
 from yade_scripts import accuracy, parameters, scenes
+from yade_scripts.errors import ParameterError
 from yade_scripts.measuring import charts, store
 from yade_scripts.results.schema import STATUS_FAILED
 from yade_scripts.running import bodies, hooks, timing
@@ -17,6 +18,14 @@ LEAST, MOST = 3, 9     # repeats
 ENOUGH = 0.1           # s: short runs are repeated up to this total time, or MOST times
 MEASURING = 5          # limits that a run may take if the scene measures within its steps; that time does not count
 PREPARATION = 600      # s that the preparation of a missing packing may take
+
+
+def left(work, begun):
+    """Measure what is left of a chart's work. Before each setting, call begun(name, seconds) with the processor time that it may take."""
+    for setting in work.left():
+        facts, known = measure(setting.row, work.folder.parent, work.limit, lambda seconds: begun(setting.name, seconds))
+        store.add(work.folder, facts, known)
+        print(f"{setting.name}: {facts['status']}", flush=True)
 
 
 def measure(row, folder, limit, allow):
@@ -52,7 +61,7 @@ def run(row, asked, folder, limit, known, allow):
     full = parameters.complete(row)
     scene = scenes.build(full, folder)
     if not scene.known:
-        raise parameters.ParameterError("the scene has no quantity with a known value with these parameters")
+        raise ParameterError("the scene has no quantity with a known value with these parameters")
     measures = timing.measures()
     allow(limit * (MEASURING if measures else 1))
     if measures and known and not asked:

@@ -16,7 +16,8 @@ from typing import Callable
 
 import numpy as np
 
-from yade_scripts import declared, parameters, scenes
+from yade_scripts import declared, scenes
+from yade_scripts.errors import ParameterError
 from yade_scripts.measuring import store
 from yade_scripts.tables import product
 
@@ -140,11 +141,11 @@ def module(name):
     ImportError for any other fault of the file."""
     file = declared.load(__name__, name, ("MAP", "probe"), {})
     if name in scenes.names():
-        raise parameters.ParameterError(f"{file.__file__}: there is a scene of this name, whose chart it would replace: rename the file")
+        raise ParameterError(f"{file.__file__}: there is a scene of this name, whose chart it would replace: rename the file")
     with declared.located(file.__file__):
         case = file.MAP.grid(False)[0]
     if wrong := [axis for axis in (file.MAP.x.name, file.MAP.y.name, file.MAP.panels) if axis and axis not in case]:
-        raise parameters.ParameterError(f"{file.__file__}: MAP has axes or panels {', '.join(wrong)}, but its cases have {', '.join(case)}")
+        raise ParameterError(f"{file.__file__}: MAP has axes or panels {', '.join(wrong)}, but its cases have {', '.join(case)}")
     return file
 
 

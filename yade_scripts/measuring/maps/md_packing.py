@@ -4,6 +4,7 @@ import math
 import random
 
 from yade_scripts import parameters
+from yade_scripts.errors import ParameterError
 from yade_scripts.measuring.maps import Axis, Map, Outcome, STABLE, UNSTABLE, lines, logarithmic, product
 from yade_scripts.measuring.maps.md_contact import LAWS, RATIOS, growing
 from yade_scripts.running.sums import total
@@ -49,7 +50,7 @@ def probe(case):
     limits, refusal = {name: limit / unit for name, limit in step_limits(case["kt_over_kn"], case["beta_n"]).items()}, ""
     try:
         md_step.check(full | {"md_dt_factor": case["md_dt_factor"]})
-    except parameters.ParameterError as error:
+    except ParameterError as error:
         refusal = str(error)
     overlaps = [i.phys.normalForce.norm() / i.phys.kn for i in bodies.contacts()]
     speed = PUSH * total(overlaps) / len(overlaps) / unit
