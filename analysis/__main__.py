@@ -100,10 +100,11 @@ def _table(options):
 def _charts(options):
     """Draw all charts. Print the files of those that were drawn, and the names of those without measurements."""
     from analysis import charts, publish
+    from analysis.charts import publishing
     folder = Path(options.output or _folder(options) / charts.FOLDER)
     results.make(folder, "figures")
     broken = []
-    left = charts.publish_all(options.results, folder, options.full, broken)
+    left = publishing.publish_all(options.results, folder, options.full, broken)
     for message in (*left.values(), *broken):
         print(f"analysis charts: {message}", file=sys.stderr)
     for name in [name for name in charts.ORDER if name not in left]:  # others may lie there from before
@@ -115,6 +116,7 @@ def _charts(options):
 def _report(options):
     """Write the page: of studies and charts drawn now, or of published ones as they are."""
     from analysis import charts, publish, report, studies
+    from analysis.charts import publishing
     folder = Path(options.published or _folder(options))
     if options.published and (options.quick or options.full or options.results != results.FOLDER):
         raise parameters.ParameterError("--published takes figures and tables as they are: leave out --quick, --full and --results")
@@ -122,7 +124,7 @@ def _report(options):
     if not options.published:
         _demand_results(options.results)
         waiting, failed = publish.publish_all(studies.names(broken), folder, options.results, options.full)
-        left = charts.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
+        left = publishing.publish_all(options.results, folder / charts.FOLDER, options.full, broken)
         if waiting:
             print(f"analysis report: no run has finished of {', '.join(waiting)}: make study", file=sys.stderr)
         for message in (*failed.values(), *left.values(), *broken):

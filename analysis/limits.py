@@ -6,7 +6,7 @@ which stress is held constant while sigma2 rises; the load sigma2/P0 at which a 
 import numpy as np
 
 from yade_scripts import parameters
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 from yade_scripts.theory import statics
 
 _known = {}  # results of linear programmes that take a second each; many runs start from one packing

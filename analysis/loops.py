@@ -2,7 +2,7 @@
 import numpy as np
 
 from analysis import cycles, observables
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 QUANTITIES = {"largest": r"largest $|\gamma|$", "width": "width of the loop", "remanent": r"remanent $|\gamma|$"}
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from yade_scripts.results import schema
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 # A disk whose contacts carry less than this share of the mean normal force counts as a rattler.
 RATTLER_SHARE = 1e-3

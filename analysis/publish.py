@@ -16,7 +16,7 @@ import pandas
 from analysis import observables, studies
 from yade_scripts import parameters
 from yade_scripts.results import provenance, sealed
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 STATUS = "status"
 

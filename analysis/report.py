@@ -11,7 +11,7 @@ from PIL import Image
 
 from analysis import charts, publish, studies, texts
 from yade_scripts.results import provenance, schema, sealed
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
          "ECCOMAS 2004")

@@ -16,7 +16,7 @@ import pandas
 from analysis import charts, publish, studies
 from yade_scripts.measuring import maps
 from yade_scripts.results import sealed
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 FOLDER = Path(__file__).parent
 PUBLISHED = FOLDER / "published"

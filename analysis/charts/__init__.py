@@ -13,8 +13,6 @@ from pathlib import Path
 
 from analysis import publish
 from yade_scripts import declared
-from yade_scripts.results import provenance
-from yade_scripts.results.reader import ResultError
 
 # Order in the report.
 ORDER = ("by_kind", "profile", "cost_against_size", "work_precision", "maps")
@@ -25,30 +23,6 @@ def module(name):
     text = Path(__file__).with_name(f"{name}.md.j2").read_text(encoding="utf-8")
     return declared.load(__name__, name, ("TITLE", "QUESTION", "rows", "draw"),
                          {"ANSWER": text, "quantities": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
-
-
-def publish_all(results, folder, full, broken):
-    """Publish every chart that has measurements. Return {name: message} of those that have none. broken: as of declared.readable, of scenes and maps.
-    """
-    from analysis.charts import maps, table
-    folder, left = Path(folder), {}
-    folder.mkdir(parents=True, exist_ok=True)
-    for names, source in ((ORDER[:-1], table), (ORDER[-1:], maps)):
-        try:
-            measured, origin = source.measured(results, full, broken)
-        except ResultError as error:
-            left |= {name: f"{name}: {error}" for name in names}
-            continue
-        line = f"{origin['measured']} measurements, {provenance.words(origin['commits'])}, {origin['processor']}"
-        for name in names:
-            chart = module(name)
-            if len(rows := chart.rows(measured)):
-                figures = chart.draw(measured if name == "maps" else rows, folder, line)
-                publish.write_table(folder / f"{name}.csv", rows)
-                publish.write_json(folder / f"{name}.json", {"chart": name, "figures": figures} | origin)
-            else:
-                left[name] = f"{name}: {chart.LACKING}"
-    return left
 
 
 def entries(panels):

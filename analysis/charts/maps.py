@@ -10,7 +10,7 @@ from analysis import charts, publish, style, summary, texts
 from analysis.style import plt
 from yade_scripts.measuring import maps
 from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 TITLE = "Where each method fails"
 LACKING = "no boundary was searched to its end"

@@ -8,7 +8,7 @@ from analysis import flow_costs, publish
 from analysis.charts import choice, table
 from yade_scripts import scenes
 from yade_scripts.measuring import store
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 FLOWS = ("flows", "larger_flows")  # studies with a table of flows
 

@@ -13,7 +13,7 @@ from analysis import charts, publish
 from yade_scripts import scenes
 from yade_scripts.measuring import charts as settings
 from yade_scripts.measuring import store
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 from yade_scripts.results.schema import STATUS_FINISHED
 
 COLUMNS = dict(texts=("status", "scene", "kind", "method", "series", "setting", "arguments", "worst"),

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from analysis import observables, style
 from analysis.studies import fig4
 from analysis.style import plt
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 
 TITLE = "The force networks of springs and rigid contacts"
 QUESTION = "Do the contact forces of MD and CD differ where the load is largest, on one packing?"
