@@ -10,12 +10,13 @@ BOUNDARY, EDGE = "#A6A6A6", "#5A5A5A"
 DISKS = LinearSegmentedColormap.from_list("disks", ("#F4F4F2", "#BFD7EA", "#6FA8D6", "#2C6FB0")).with_extremes(bad=BOUNDARY)
 SIGNED = LinearSegmentedColormap.from_list("signed", ("#1B7837", "#A6DBA0", "#F4F4F2", "#C2A5CF", "#762A83")).with_extremes(bad=BOUNDARY)
 FORCES = LinearSegmentedColormap.from_list("forces", ("#FDB863", "#E66101", "#A63603", "#5E0F00"))
-WIDEST = 1.1  # width of the line of the strongest force, in median radii
+WIDEST = 1.1, 0.015  # width of the line of the strongest force: at most so many median radii, and this part of the view's larger side
 TIP = 0.6  # length of the tips of lines, in half widths
 FEW = 5000  # disks up to which each has a visible edge
 TIMES_MEAN = 5  # the widest line stands for the largest force, but for at most this times the mean
 # Room around all, how far from the disks a boundary may reach to be shown as a whole, and how much of a larger one is shown: parts of the larger side.
 MARGIN, BESIDE, PART = 0.03, 0.5, 0.08
+LEAST = 12  # sides of a view, in median radii
 
 
 def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(), force=(), strongest=None, boxes=(), walls=(), view=None):
@@ -36,12 +37,13 @@ def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(),
         raise ValueError(f"picture: there are {len(force)} forces, but {len(links)} contacts")
     axes.set_aspect("equal")
     axes.grid(False)  # yade.plot sets matplotlib to draw one
-    axes.axis(bounds(position, radius, boxes, walls) if view is None else view)
+    view = bounds(position, radius, boxes, walls) if view is None else view
+    axes.axis(view)
     for axis, place in walls:
         (axes.axhline if axis else axes.axvline)(place, color=EDGE, linewidth=2, zorder=1)
-    _add(axes, PolyCollection(list(boxes), facecolor=BOUNDARY, edgecolor=EDGE, linewidth=0.5, zorder=1))
+    _add(axes, PolyCollection(list(boxes), facecolor=BOUNDARY, edgecolor=EDGE, linewidth=0.8, zorder=1))
     values = np.zeros(len(radius)) if colour is None else np.asarray(colour, float)
-    disks = EllipseCollection(2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=position, transOffset=axes.transData, cmap=DISKS,
+    disks = EllipseCollection(2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=position, offset_transform=axes.transData, cmap=DISKS,
                               edgecolor=EDGE, linewidth=0.4 if len(radius) <= FEW else 0.1, zorder=2)
     disks.set_array(np.ma.masked_invalid(values))
     if limits is not None:
@@ -53,7 +55,8 @@ def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(),
         return disks, None
     top = scale(force) if strongest is None else strongest
     order = np.argsort(force, kind="stable")  # the strongest above all
-    chains = PolyCollection(_lines(links[order], WIDEST * np.median(radius) * np.minimum(force[order] / top, 1)), cmap=FORCES, linewidth=0, zorder=4)
+    widest = min(WIDEST[0] * np.median(radius), WIDEST[1] * max(view[1] - view[0], view[3] - view[2]))
+    chains = PolyCollection(_lines(links[order], widest * np.minimum(force[order] / top, 1)), cmap=FORCES, linewidth=0, zorder=4)
     chains.set_array(force[order])
     chains.set_clim(0, top)
     _add(axes, chains)
@@ -84,12 +87,15 @@ def hull(position, radius):
 def bounds(position, radius, boxes=(), walls=()):
     """Return the view (left, right, bottom, top) [m] that holds all disks, the boundaries beside them, and of large boundaries the nearest part."""
     low, high = hull(position, radius)
-    side, middle = (high - low).max(), (low + high) / 2
-    (least, most), (near_least, near_most) = ((low - part * side, high + part * side) for part in (BESIDE, PART))
+    middle, least = (low + high) / 2, LEAST * np.median(radius)
+    if (high - low).max() < least:
+        low, high = middle - least / 2, middle + least / 2
+    side = (high - low).max()
+    (first_of, last_of), (near_first, near_last) = ((low - part * side, high + part * side) for part in (BESIDE, PART))
     for corners in [np.array(box) for box in boxes] + [np.where(np.arange(2) == axis, place, middle)[None] for axis, place in walls]:
         first, last = corners.min(axis=0), corners.max(axis=0)
-        if (first < least).any() or (last > most).any():
-            first, last = np.maximum(first, near_least), np.minimum(last, near_most)
+        if (first < first_of).any() or (last > last_of).any():
+            first, last = np.maximum(first, near_first), np.minimum(last, near_last)
         if (first <= last).all():
             low, high = np.minimum(low, first), np.maximum(high, last)
     margin = MARGIN * (high - low).max()

@@ -52,6 +52,7 @@ def figure(scene, shape, view, colour="speed", label=None, limits=None, forces=T
         bar.ax.tick_params(labelsize=SMALL)
         bar.locator = _ticks(wide if flat else height)
         bar.formatter.set_powerlimits((-2, 4))
+        bar.formatter.set_useMathText(True)
         (bar.ax.xaxis if flat else bar.ax.yaxis).get_offset_text().set_fontsize(SMALL)
         bar.update_ticks()
     return fig
