@@ -46,11 +46,13 @@ def film(path, every, colour="speed", *, fps=None, label=None, limits=None, forc
 
     The ending of `path` says the format: .gif; .mp4, which needs the program ffmpeg; .png for numbered pictures (drum-00000.png). A .gif and the
     pictures are complete after each frame; when O.load or O.reload brings the scene back, they go on from there, also in another process. An .mp4 is
-    complete when YADE has ended, nearly so at any moment before, and begins anew after O.load and O.reload.
+    complete when YADE has ended, in whatever way, and begins anew after O.load and O.reload.
 
     fps: frames a second of the film, by default those of real time, but 5 at least and 25 at most. The other arguments are those of `picture`;
     colour must be a name or None. Where `limits`, `strongest` or `view` are not given, they grow when frames need it, and never shrink. Several films
-    need several paths. Raises as `picture` does, also at the first frame, in the run; ValueError if `every` is not a number above 0.
+    need several paths. A frame takes 0.1 s of computing for 200 disks and 3 s for 50 000 with 120 000 contacts. Raises as `picture` does, what
+    concerns the scene at the first frame; ValueError if `every` or `fps` is not a number above 0, or if there is no ffmpeg; ImportError for a .gif
+    without PIL.
     """
     from . import frames
     path = _target("film", path, FILMS)
@@ -80,7 +82,7 @@ def _target(name, path, endings):
 def _checked(name, colour, limits, strongest, view, size, dpi):
     """Return these arguments of a figure with plain numbers (dpi is only checked). Raise ValueError for one that cannot be."""
     if isinstance(colour, str) and colour not in COLOURS:
-        raise ValueError(f"{name}: colour={colour!r} must be one of {', '.join(map(repr, COLOURS))}, None" + (" or an array" if name == "picture" else ""))
+        raise ValueError(f"{name}: colour={colour!r} must be one of {', '.join(map(repr, COLOURS))}, None" + " or an array" * (name == "picture"))
     for word, value in (("size", size), ("dpi", dpi), ("strongest", strongest)):
         if not (word == "strongest" and value is None or _is_number(value) and value > 0):
             raise ValueError(f"{name}: {word}={value!r} must be a number above 0")
@@ -93,8 +95,8 @@ def _checked(name, colour, limits, strongest, view, size, dpi):
             good = False
         if not good:
             raise ValueError(f"{name}: {word}={value!r} must be ({', '.join(meaning)}), the smaller number of a pair first")
-    plain = lambda values: None if values is None else tuple(map(float, values))
-    return dict(colour=colour, limits=plain(limits), strongest=None if strongest is None else float(strongest), view=plain(view), size=float(size))
+    limits, view = (value if value is None else tuple(map(float, value)) for value in (limits, view))
+    return dict(colour=colour, limits=limits, strongest=None if strongest is None else float(strongest), view=view, size=float(size))
 
 
 def _is_number(value):

@@ -14,7 +14,7 @@ WIDEST = 1.1, 0.015  # width of the line of the strongest force: at most so many
 TIP = 0.6  # length of the tips of lines, in half widths
 FEW = 5000  # disks up to which each has a visible edge
 TIMES_MEAN = 5  # the widest line stands for the largest force, but for at most this times the mean
-# Room around all, how far from the disks a boundary may reach to be shown as a whole, and how much of a larger one is shown: parts of the larger side.
+# In parts of the larger side: room around all, how far from the disks a boundary may reach to be shown as a whole, and what is shown of a larger one.
 MARGIN, BESIDE, PART = 0.03, 0.5, 0.08
 LEAST = 12  # sides of a view, in median radii
 
@@ -43,8 +43,8 @@ def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(),
         (axes.axhline if axis else axes.axvline)(place, color=EDGE, linewidth=2, zorder=1)
     _add(axes, PolyCollection(list(boxes), facecolor=BOUNDARY, edgecolor=EDGE, linewidth=0.8, zorder=1))
     values = np.zeros(len(radius)) if colour is None else np.asarray(colour, float)
-    disks = EllipseCollection(2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=position, offset_transform=axes.transData, cmap=DISKS,
-                              edgecolor=EDGE, linewidth=0.4 if len(radius) <= FEW else 0.1, zorder=2)
+    disks = EllipseCollection(2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=position, offset_transform=axes.transData,
+                              cmap=DISKS, edgecolor=EDGE, linewidth=0.4 if len(radius) <= FEW else 0.1, zorder=2)
     disks.set_array(np.ma.masked_invalid(values))
     if limits is not None:
         disks.set_clim(*limits)
@@ -113,7 +113,7 @@ def _halves(position, radius, angle):
 
 
 def _lines(ends, width):
-    """Return lines of a width [m] as polygons, so that they keep their proportion to the disks at every size; their tips close the joints of chains."""
+    """Return lines of a width [m] as polygons, which keep their proportion to the disks at every size. Their tips close the joints of chains."""
     along = ends[:, 1] - ends[:, 0]
     along /= np.maximum(np.hypot(*along.T), np.finfo(float).tiny)[:, None]
     along *= width[:, None] / 2

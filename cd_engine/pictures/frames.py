@@ -1,9 +1,10 @@
 """A film over a run: a PyRunner whose command holds all that a frame needs, so that O.save keeps it.
 
-Frame number k is that of the k-th call of the engine. YADE counts these calls (nDone) and saves their number, so a film needs no memory: where it holds
-more than k frames, as after O.reload, it is cut first. The scales that grow with the frames are kept in the command, too.
+Frame number k is that of the k-th call of the engine. YADE counts these calls (nDone) and saves their number, so a film needs no memory: where it
+holds more than k frames, as after O.reload, it is cut first. The scales that grow with the frames are kept in the command, too.
 """
 import atexit
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -18,10 +19,8 @@ _encoders = {}  # path of an mp4: (process of ffmpeg, number of frames that it h
 def check(path):
     """Raise ImportError or ValueError if films of this ending cannot be written here."""
     if path.lower().endswith(".gif"):
-        try:
-            import PIL  # noqa: F401
-        except ModuleNotFoundError:
-            raise ImportError("film: a .gif needs the Python package PIL, on Debian python3-pil") from None
+        if not importlib.util.find_spec("PIL"):
+            raise ImportError("film: a .gif needs the Python package PIL, on Debian python3-pil")
     elif path.lower().endswith(".mp4") and not shutil.which("ffmpeg"):
         raise ValueError(f"film: {path!r} needs the program ffmpeg, which is not installed. Install Debian's package ffmpeg, or write a .gif")
 
@@ -37,7 +36,7 @@ def _command(path, options, scales):
 
 
 def frame(path, options, scales):
-    """Add the next frame to the film at `path`; its engine calls this. options: of a figure, with fps and dpi. scales: those that have grown so far."""
+    """Add the next frame to the film at `path`; its engine calls this. options: those of the film. scales: what has grown so far, see _grown."""
     from yade import O
 
     from . import layout
@@ -102,7 +101,7 @@ def _add_picture(path, fig, number, fps):
 
 
 def _add_to_mp4(path, fig, number, fps):
-    """Give a frame to ffmpeg, which this process keeps running for each film. The film is written in fragments, so that it can be seen at any time."""
+    """Give a frame to ffmpeg, which this process keeps running for each film. It completes the film when its input ends, as when YADE is killed."""
     process, count = _encoders.get(path, (None, 0))
     if process is None or number != count:  # as in a scene that was loaded
         if process:

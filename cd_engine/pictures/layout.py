@@ -72,8 +72,8 @@ def coloured(scene, colour, label=None):
     else:
         name, values = "", np.asarray(colour, float)
         if values.shape != scene.radius.shape:
-            raise ValueError(f"picture: colour has the shape {values.shape}, but there are {len(scene.radius)} disks. Give a number for each disk, in "
-                             "the order of their ids")
+            raise ValueError(f"picture: colour has the shape {values.shape}, but there are {len(scene.radius)} disks. Give a number for each disk, "
+                             "in the order of their ids")
     return name if label is None else label, np.where(scene.fixed, np.nan, values)
 
 

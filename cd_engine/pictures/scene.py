@@ -74,8 +74,8 @@ def _normal(place, radius, blocked):
     held = [axis for axis in (2, 1, 0) if free and all(AXES[axis] in text for text in free)]
     axes = [axis for axis in held or (2, 1, 0) if extent[axis] <= flat]
     if not axes:
-        raise ValueError("picture: the spheres do not lie in a plane parallel to two axes. It draws planar scenes, whose spheres are kept in the plane "
-                         "by state.blockedDOFs, as 'zXY' does in x-y. For scenes in space use YADE's VTK export")
+        raise ValueError("picture: the spheres do not lie in a plane parallel to two axes. It draws planar scenes, whose spheres are kept in the "
+                         "plane by state.blockedDOFs, as 'zXY' does in x-y. For scenes in space use YADE's VTK export")
     # The rotation of a disk in its plane is about the normal; 'xzXY' leaves a motion along y and this rotation.
     turning = [axis for axis in axes if free and not any(AXES[axis].upper() in text for text in free)]
     return (turning or axes)[0]

@@ -27,9 +27,9 @@ for word in sys.argv[1:]:
         sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}")
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import disks, springs, seconds, film
-if not (isinstance(disks, int) and disks >= 1 and isinstance(seconds, (int, float)) and 0.1 <= seconds < 1e9 and springs in (0, 1) and film in (0, 1)):
-    sys.exit(f"disks={disks}, springs={springs}, seconds={seconds}, film={film}: disks must be a whole number of at least 1, springs and film 0 or 1, "
-             "seconds at least 0.1")
+if not (isinstance(disks, int) and disks >= 1 and isinstance(seconds, (int, float)) and 0.1 <= seconds < 1e9 and {springs, film} <= {0, 1}):
+    sys.exit(f"disks={disks}, springs={springs}, seconds={seconds}, film={film}: disks must be a whole number of at least 1, springs and film 0 or "
+             "1, seconds at least 0.1")
 name = f"drum-{O.tags['d.id']}" if runningInBatch() else "drum"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
