@@ -11,9 +11,12 @@ import pathlib
 import sys
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(pathlib.Path(sys.argv[0]).resolve().parent.parent))
+    file = sys._getframe().f_code.co_filename  # YADE sets no __file__
+    sys.path.insert(0, str(pathlib.Path(file).resolve().parents[1]))
+    from yade_scripts import commands
+    commands.script("yade_scripts.picture", file)
 
-from yade_scripts import commands, parameters, results
+from yade_scripts import commands, parameters, results, tables
 
 
 def show(full, folder=results.FOLDER, film=None):
@@ -42,8 +45,5 @@ def main(arguments=None):
     parser = commands.parser(__doc__, "row", "--results")
     parser.add_argument("--film", type=commands.positive, metavar="SECONDS", help="time of the scene between two frames of a film (default: no film)")
     options = parser.parse_intermixed_args(arguments)
-    return show(parameters.complete(parameters.from_arguments(options.row)), options.results, options.film)
+    return show(parameters.complete(tables.given(options.row)), options.results, options.film)
 
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -49,10 +49,10 @@ def film(path, every, colour="speed", *, fps=None, label=None, limits=None, forc
     complete when YADE has ended, in whatever way, and begins anew after O.load and O.reload.
 
     fps: frames a second of the film, by default those of real time, but 5 at least and 25 at most. The other arguments are those of `picture`;
-    colour must be a name or None. Where `limits`, `strongest` or `view` are not given, they grow when frames need it, and never shrink. Several films
-    need several paths. A frame takes 0.1 s of computing for 200 disks and 3 s for 50 000 with 120 000 contacts. Raises as `picture` does, what
-    concerns the scene at the first frame; ValueError if `every` or `fps` is not a number above 0, or if there is no ffmpeg; ImportError for a .gif
-    without PIL.
+    colour must be a name or None. Where `limits`, `strongest` or `view` are not given, they grow when frames need it, and never shrink; the frames
+    keep the shape of the first, so give the view if the grains will spread. Several films need several paths. A frame takes 0.1 s of computing for
+    200 disks and 3 s for 50 000 with 120 000 contacts. Raises as `picture` does, what concerns the scene at the first frame; ValueError if `every` or
+    `fps` is not a number above 0, or if there is no ffmpeg; ImportError for a .gif without PIL.
     """
     from . import frames
     path = _target("film", path, FILMS)
